@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Tools against tissue: shapes with a signed distance, the tissue's smooth contact surface, what
+ * they do to one another, and the local contact model that is handed to the haptic loop.
+ *
+ * In: a mesh at rest, the displacement of its nodes (ss_real, x y z 0 a node), the motion of a
+ * tool over a step. Out: source weights of the touched nodes with their forces (phi, mu), penalty
+ * forces on nodes and tool, contact points with normals and depths.
+ *
+ * Method (Loop 1987 subdivision rows of the rest mesh as contact samples; one potential of node
+ * positions and tool pose, no memory): a sample x_q = sum_i B_qi P_i carries rest area A_q and is
+ * pushed out of the tool by A_q kc (-d)+ n; a weight sample x_s at the centroid of a quarter of a
+ * triangle gives w_i = sum_s A_s b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected: nodes or facets
+ * as contact points, whose force ripples as the tool passes from one to the next; libccd on
+ * facets, whose depth can be off by a third.
+ * Memory: everything is allocated by the create functions; the rest is RT-safe.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "mesh/mesh.h"
+#include "rt/real.h"
+#include "softsim/types.h"
+
+/* More contacts than this are merged with their nearest. */
+enum { SS_MAX_CONTACTS = 8 };
+
+/* ---- shapes ------------------------------------------------------------------------------- */
+
+typedef enum ss_shape_kind {
+    SS_SHAPE_SPHERE,
+    SS_SHAPE_CAPSULE,
+    SS_SHAPE_BOX,
+    SS_SHAPE_CYLINDER,
+    SS_SHAPE_CONE,
+    SS_SHAPE_CONVEX
+} ss_shape_kind;
+
+typedef struct ss_convex ss_convex; /* a convex mesh, for libccd */
+
+/* Centred on the tool's origin, axis z. */
+typedef struct ss_shape {
+    ss_shape_kind kind;
+    double radius;         /* m: sphere, capsule, cylinder; cone: of its base at z = -half_length */
+    double half_length;    /* m: capsule: of its core; cylinder, cone (apex at +half_length) */
+    double half_extent[3]; /* m: box */
+    ss_convex *convex;     /* owned by the shape: ss_shape_fini */
+} ss_shape;
+
+/* From a mesh file's hull: refuses meshes that are not convex within 1e-3 of their size. */
+softsim_status ss_shape_init_convex(ss_shape *shape, const ss_mesh *mesh, softsim_error *error);
+void ss_shape_fini(ss_shape *shape);
+
+/* Signed distance (m, negative inside) of point `x` in the tool's frame; out_normal is its unit
+ * gradient, out of the tool. Thread: any; RT-safe. */
+double ss_shape_distance(const ss_shape *shape, const double x[3], double out_normal[3]);
+/* Radius of the sphere about the origin that holds the shape. */
+double ss_shape_bounding_radius(const ss_shape *shape);
+/* The smallest radius of curvature where defined (sphere, capsule, cylinder), else 0. */
+double ss_shape_curvature_radius(const ss_shape *shape);
+/* Length / sqrt 12, at least 5 mm; 0 for a sphere, which can carry no torque. */
+double ss_shape_gyration(const ss_shape *shape);
+
+typedef struct ss_tool_pose {
+    double position[3];
+    double orientation[4];
+} ss_tool_pose;
+
+/* Do two placed shapes overlap? Through libccd at unit scale with capped iterations; the depth is
+ * then computed exactly from the two supports along libccd's direction. Returns false, and counts
+ * it in *inout_failures (may be NULL), when libccd does not converge. */
+bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const ss_shape *b,
+                          const ss_tool_pose *pose_b, double *out_depth, double out_direction[3],
+                          int64_t *inout_failures);
+
+/* ---- the tissue's contact surface ----------------------------------------------------------- */
+
+typedef struct ss_surface ss_surface; /* immutable after create */
+
+/* `parts`: each Loop level-2 sub-triangle is split into parts^2 (1..4); 0 chooses by the smallest
+ * tool radius over the mean edge so that at least 60 samples touch at the working depth. */
+softsim_status ss_surface_create(const ss_mesh *mesh, double smallest_tool_radius, int parts,
+                                 ss_surface **out_surface, softsim_error *error);
+void ss_surface_destroy(ss_surface **surface);
+int64_t ss_surface_sample_count(const ss_surface *surface);
+
+/* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node). Once a step, by
+ * the simulation thread; RT-safe. The hierarchy belongs to the surface but is scratch: one
+ * simulation thread per surface. */
+void ss_surface_refit(ss_surface *surface, const ss_real *u);
+
+/* ---- one tool touching the surface ----------------------------------------------------------- */
+
+typedef struct ss_touch ss_touch; /* scratch of one tool */
+
+typedef struct ss_touch_options {
+    double delta;     /* m, reach of the source weights: max(mean edge, R/2) */
+    double stiffness; /* N/m^3, kc */
+} ss_touch_options;
+
+softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
+                               const ss_touch_options *options, ss_touch **out_touch);
+void ss_touch_destroy(ss_touch **touch);
+void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
+
+/* Finds the triangles that the tool may reach on its way from `from` to `to` (swept). Call once a
+ * step after ss_surface_refit. Returns their number. RT-safe. */
+int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
+                        const ss_tool_pose *to);
+
+/* Source weights at `pose`: touched nodes with w_i > 0 in increasing node order (deterministic).
+ * *out_node, *out_weight stay valid until the next gather; out_total = W. `is_source[i]` false
+ * (fixed nodes) gives no weight. Returns the count. Keeps d_s, n_s for the forces. RT-safe. */
+int32_t ss_touch_weigh(ss_touch *touch, const ss_real *u, const uint8_t *is_source,
+                       const ss_tool_pose *pose, const int32_t **out_node,
+                       const double **out_weight, double *out_total);
+/* The forces through the weights: f_s = -A_s phi'(d_s) (sum_i b_si mu_i) n_s, added to `force`
+ * (4 ss_real a node) by b_si and, with opposite sign, to the tool's force and torque about its
+ * origin. `mu`: one value per node returned by the last weigh. RT-safe. */
+void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *force,
+                            double tool_force[3], double tool_torque[3]);
+
+/* Penalty of the samples inside the tool at `pose`: f_q = A_q kc (-d)+ n added to `force` by
+ * B_qi; the opposite added to tool force and torque; returns the energy 1/2 kc sum A (-d)+^2.
+ * Keeps the active samples for the three calls below. RT-safe. */
+double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                        ss_real *force, double tool_force[3], double tool_torque[3]);
+/* Change of the penalty forces for node motions du (4 ss_real a node; NULL: none) and a tool
+ * translation dx, linearised at the last ss_touch_penalty (d f_q = -A kc n n.(B du - dx)): added
+ * to dforce (may be NULL) and dtool. RT-safe. */
+void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3],
+                      ss_real *dforce, double dtool[3]);
+/* Adds kc sum_q A_q B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
+ * and the tangent's preconditioner. RT-safe. */
+void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
+/* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
+int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
+
+/* ---- what the haptic loop gets ---------------------------------------------------------------- */
+
+/* One contact of the local contact model (haptic.md section 2). */
+typedef struct ss_contact {
+    double point[3];    /* c, on the deformed surface */
+    double normal[3];   /* out of the tissue, unit */
+    double force;       /* f >= 0 on the tool along normal, N, viscous part included */
+    double stiffness;   /* k_n, the model's static tangent, N/m */
+    double tangential;  /* k_t, N/m */
+    double viscosity;   /* B, N s/m */
+    double gap;         /* m, > 0: near but not touching */
+    double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
+} ss_contact;
+
+typedef struct ss_contact_set {
+    int32_t count;
+    bool is_held;          /* the tool grasps */
+    ss_contact contact[SS_MAX_CONTACTS];
+    double force[3];       /* the model's whole reaction on the tool */
+    double torque[3];      /* about the tool's origin */
+    double point[3];       /* of the deepest sample, on the deformed surface */
+    double normal[3];
+    double depth;          /* m, deepest penetration of the stepped tool; negative: nearest distance */
+} ss_contact_set;
+
+/* The points, normals, depths and forces of the last ss_touch_penalty, reduced to at most
+ * SS_MAX_CONTACTS: one for a sphere (through its centre), up to four along the axis of other
+ * tools. When nothing touches, the nearest patch within `near` (m) with its gap. Stiffness and
+ * viscosity are left 0 for the model to fill. RT-safe. */
+void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                       double near, ss_contact_set *out_set);
+
+/* A result of the simulation as the haptic loop receives it: the contact set and what it was
+ * computed for. One mailbox per probe, written after each step by the simulation thread. */
+typedef struct ss_local_model {
+    int64_t tick;            /* haptic tick of the proxy target that was stepped to */
+    int64_t step;            /* simulation step number, from 1 */
+    double period;           /* s, simulation period h */
+    int32_t pose_seq;        /* seq of the pose behind it */
+    bool is_fault;           /* the model is at fault: ramp to zero */
+    double proxy[3];         /* p_k, the (predicted) proxy position stepped to */
+    double orientation[4];
+    double velocity[3];      /* v_k = (p_k - p_{k-1}) / h */
+    ss_contact_set set;
+} ss_local_model;
+
+/* What the haptic loop wants the simulation to step to. One mailbox per probe. */
+typedef struct ss_proxy_target {
+    int64_t tick;
+    int32_t pose_seq;
+    bool is_present;         /* the tool is in the world */
+    bool is_grasping;
+    uint32_t grasp_edges;    /* counts presses and releases of the button */
+    uint32_t teleports;      /* grows when the proxy jumps (entry, return): do not sweep */
+    double proxy[3];
+    double orientation[4];
+    double velocity[3];
+} ss_proxy_target;

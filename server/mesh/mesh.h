@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Meshes at rest: nodes, triangles and tetrahedra, fixed after load.
+ *
+ * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
+ * process of its own with limits on memory and time; Gmsh MSH 2.2 ASCII by our own bounded
+ * reader, in double, numbering kept) and the unit of its lengths. Out: SI coordinates, 0-based
+ * numbers in file order (never the file's tags). The surface of a volume mesh is extracted and
+ * wound counter-clockwise seen from outside. Memory belongs to the mesh.
+ * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "softsim/types.h"
+
+/* A named set of nodes (a physical group of the file). */
+typedef struct ss_mesh_group {
+    char name[64];
+    int32_t *node;
+    int32_t node_count;
+} ss_mesh_group;
+
+typedef struct ss_mesh {
+    int32_t node_count;
+    int32_t triangle_count;    /* of the surface */
+    int32_t tetrahedron_count; /* 0 for a surface mesh */
+    int32_t group_count;
+    double (*position)[3];     /* m, world frame, node_count */
+    int32_t (*triangle)[3];    /* node numbers, counter-clockwise from outside */
+    int32_t (*tetrahedron)[4];
+    ss_mesh_group *group;
+    bool is_closed;            /* every edge has two triangles */
+} ss_mesh;
+
+/* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
+ * NULL: softsim-import beside the running program, else in the libexec folder. */
+softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
+                            ss_mesh **out_mesh, softsim_error *error);
+/* From arrays, which are copied (generators, tests). tetrahedron may be NULL. */
+softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
+                              int32_t triangle_count, const int32_t (*triangle)[3],
+                              int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
+                              ss_mesh **out_mesh, softsim_error *error);
+void ss_mesh_destroy(ss_mesh **mesh);
+
+/* x := R (scale x) + translate, R about the world's x, then y, then z. */
+void ss_mesh_transform(ss_mesh *mesh, double scale, const double rotate_deg[3],
+                       const double translate_m[3]);
+
+/* What is wrong with a mesh: counts, and the first few numbers of each kind. All tolerances are
+ * relative to the mean edge. */
+enum { SS_MESH_FIRST = 5 };
+typedef struct ss_mesh_fault {
+    int64_t count;
+    int32_t first[SS_MESH_FIRST];
+} ss_mesh_fault;
+
+typedef struct ss_mesh_report {
+    ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node,
+        coincident_node, short_edge, non_manifold_edge, open_edge, inconsistent_winding,
+        inverted_tetrahedron;
+    int32_t component_count;
+    bool is_inside_out; /* closed, and its enclosed volume is negative */
+    double volume, area, edge_min, edge_mean, edge_max;
+    double box_min[3], box_max[3];
+} ss_mesh_report;
+
+void ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report);
+/* The verdict for simulation: adds one line per disqualifying fault (with counts and first
+ * numbers) to `error`; SOFTSIM_OK or SOFTSIM_ERROR_MESH. Open surfaces and several components
+ * are usable. */
+softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error);
+/* Turns inside-out or inconsistently wound surfaces; returns how many triangles were turned. */
+int32_t ss_mesh_orient(ss_mesh *mesh);
+
+/* A third of the area of the triangles around each node, m^2: out has node_count values. */
+void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
+/* A third of the area vectors of the triangles around each node. */
+void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
+double ss_mesh_diagonal(const ss_mesh *mesh);
+
+/* Writers: OBJ of the surface, MSH 2.2 of everything; written to a temporary file, synced, renamed. */
+softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
+softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);

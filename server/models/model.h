@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * How tissue deforms: one interface, one file per model, one row in the table of models.
+ *
+ * In: a plan (mesh, fixed nodes, parameters, tools, loads) and, each step, where the tools go.
+ * Out: node displacements, a contact set per tool with its stiffness, energies, verdict.
+ * All memory is allocated by ss_model_create; stepping is RT-safe and deterministic: equal input
+ * gives equal bits, whatever the number of threads.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contact/contact.h"
+#include "mesh/mesh.h"
+#include "rt/param.h"
+#include "rt/real.h"
+#include "softsim/types.h"
+
+/* A force on nodes without a tool: total force shared equally; one contact. */
+typedef struct ss_load {
+    int32_t *node;
+    int32_t node_count;
+    double force[3];    /* N */
+    double pressure;    /* Pa; used when is_pressure */
+    bool is_pressure;
+    double from, to;    /* s; to may be INFINITY */
+    double ramp;        /* s, from 0 to full */
+} ss_load;
+
+/* A prescribed displacement from rest; reactions are reported per set. */
+typedef struct ss_prescribed {
+    int32_t *node;
+    int32_t node_count;
+    double (*displacement)[3]; /* m, per node of the set */
+    bool axis[3];
+    double from, ramp;         /* s */
+} ss_prescribed;
+
+typedef struct ss_tool_plan {
+    bool is_used;
+    ss_shape shape;       /* borrowed: outlives the model */
+} ss_tool_plan;
+
+typedef struct ss_model_plan {
+    const ss_mesh *mesh;            /* borrowed: outlives the model */
+    const uint8_t *fixed;           /* node_count: bit 0 x, 1 y, 2 z */
+    const ss_param_value *param;    /* in the order of the model's table */
+    const ss_load *load;
+    int32_t load_count;
+    const ss_prescribed *prescribed;
+    int32_t prescribed_count;
+    ss_tool_plan tool[SOFTSIM_MAX_PROBES];
+    double gravity[3];              /* m/s^2 */
+    double working_force;           /* N; the contact stiffness is chosen from it */
+    double contact_stiffness;       /* N/m^3; 0: chosen */
+    double max_force;               /* N, the haptic limit: for the penetration warning */
+    double step;                    /* s, the outer step the world intends */
+    int32_t max_substeps;
+    int32_t threads;                /* for set-up work; results do not depend on it */
+} ss_model_plan;
+
+typedef struct ss_model ss_model;
+
+/* Where one tool goes during a step. */
+typedef struct ss_model_tool {
+    bool is_present;
+    bool is_grasping;
+    ss_tool_pose from, to;
+} ss_model_tool;
+
+typedef struct ss_model_info {
+    int64_t step;
+    int32_t substeps;        /* of the last step */
+    int32_t active_nodes;
+    int32_t worst_element;   /* -1 none */
+    uint32_t fault_bits;
+    softsim_verdict verdict;
+    const char *reason;      /* static text; "" when good */
+    double stable_step;      /* s, computed for the present state */
+    double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
+} ss_model_info;
+
+typedef struct ss_model_class {
+    const char *name;
+    const char *help;
+    const ss_param_row *row;
+    int32_t row_count;
+    bool needs_volume;
+    /* Estimated cost of one step in microseconds on the reference core, from counts alone. */
+    double (*step_cost_us)(const ss_model_plan *plan);
+    softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);
+    void (*destroy)(ss_model *model);
+    /* One outer step of `dt` seconds from time `time` (sub-stepped inside). RT-safe. */
+    void (*step)(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+    /* The contact set of tool `probe` after the last step, stiffness and viscosity filled; nearest
+     * patch within `near` metres when nothing touches. RT-safe. */
+    void (*contacts)(ss_model *model, int32_t probe, double near, ss_contact_set *out);
+    /* Back to rest, at fault or not. RT-safe. */
+    void (*reset)(ss_model *model);
+    void (*info)(const ss_model *model, ss_model_info *out);
+    /* Displacement and velocity of every node, 4 ss_real a node, valid until the next step. */
+    const ss_real *(*displacement)(const ss_model *model);
+    const ss_real *(*velocity)(const ss_model *model);
+    /* Force of the support on the body for prescribed set k, or for the fixed nodes with -1, N. */
+    void (*reaction)(const ss_model *model, int32_t set, double out_force[3]);
+    /* FNV-1a 64 of whatever else is state. */
+    uint64_t (*hash)(const ss_model *model, uint64_t seed);
+    /* What the plan uses and leaves out, one line each, for --explain. Thread: set-up only. */
+    void (*explain)(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
+    /* Sets row `index` while running (rows with is_live); RT-safe. */
+    void (*set)(ss_model *model, int32_t index, double value);
+} ss_model_class;
+
+/* The models built into this program. Thread: any. */
+const ss_model_class *ss_model_find(const char *name);
+const ss_model_class *const *ss_model_table(int32_t *out_count);

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The only code that sees LCM or a wire type.
+ *
+ * In: LCM messages (raw, hostile: length, type hash and bounds are checked before decoding).
+ * Out: accepted poses into one ring per probe, commands into a ring; forces, replies, status and
+ * mesh messages onto the wire. `gate` holds the receive checks without any LCM, for headless runs
+ * (softsim-run) and lockstep: the same decisions on the same poses.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "rt/mailbox.h"
+#include "rt/ring.h"
+#include "rt/thread.h"
+#include "softsim/types.h"
+
+/* ---- receive checks --------------------------------------------------------------------------- */
+
+typedef struct ss_gate_config {
+    uint8_t used_probes;      /* bit n: probe n has a tool in the scene */
+    double max_jump_m;
+    double period_s;          /* the haptic period: ownership lapses after 0.5 s of silence */
+    bool is_lockstep;         /* pose age is not judged; time is simulated */
+} ss_gate_config;
+
+typedef struct ss_gate ss_gate;
+
+/* Thread: set-up only. */
+ss_gate *ss_gate_create(const ss_gate_config *config);
+void ss_gate_destroy(ss_gate **gate);
+void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m);
+/* Judges a decoded pose that came in on channel `channel_probe` at `now_ns` (monotonic in real
+ * time, simulated in lockstep). Counts it. SOFTSIM_ACCEPTED or the refusal.
+ * *out_epoch grows when the probe changes hands or its holder returns after the watchdog
+ * (50 haptic ticks without a good pose). Thread: net (or the only thread of a headless run). */
+softsim_refusal ss_gate_judge(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
+                              int64_t now_ns, uint32_t *out_epoch);
+/* Counts what never became a pose. */
+void ss_gate_refuse(ss_gate *gate, softsim_refusal reason);
+
+typedef struct ss_gate_counts {
+    int64_t received;
+    int64_t refused[SOFTSIM_REFUSED_COUNT];
+} ss_gate_counts;
+void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);
+
+/* ---- what crosses between the net thread and the loops ------------------------------------------ */
+
+/* net -> haptic, one ring per probe. */
+typedef struct ss_pose_record {
+    softsim_pose pose;
+    uint32_t sender_epoch;
+} ss_pose_record;
+
+/* haptic -> net: one per probe and period. */
+typedef struct ss_force_record {
+    softsim_force force;
+    int64_t tick;         /* haptic period it belongs to */
+    int64_t due_ns;       /* start of that period */
+    bool is_counted;      /* real time: counts as a period of that probe */
+} ss_force_record;
+
+typedef enum ss_command_kind {
+    SS_COMMAND_RESET,
+    SS_COMMAND_PAUSE,
+    SS_COMMAND_RESUME,
+    SS_COMMAND_REFRESH,
+    SS_COMMAND_SET,
+    SS_COMMAND_STATUS,
+    SS_COMMAND_SHUTDOWN
+} ss_command_kind;
+
+/* A surface to publish, in surface numbering. All arrays are borrowed and outlive the publisher. */
+typedef struct ss_publish_mesh {
+    int32_t node_count, triangle_count;
+    const double (*rest)[3];
+    const int32_t (*triangle)[3];
+    const int32_t *file_node;
+    const uint8_t *flag;      /* bit 0 fixed */
+    double diagonal;          /* m; scale = diagonal / 16384 */
+} ss_publish_mesh;
+
+/* ---- the wire ------------------------------------------------------------------------------------ */
+
+typedef struct ss_net_config {
+    const char *lcm_url;      /* NULL: LCM_DEFAULT_URL, else local multicast with a large buffer */
+    const char *prefix;
+    bool is_lockstep;
+} ss_net_config;
+
+/* Called by the net thread. `handle_pose` decides by the gate and pushes (real time) or ticks the
+ * world and answers (lockstep). `handle_command` runs the command and answers by filling code and
+ * text (text_size bytes). */
+typedef struct ss_net_calls {
+    void *context;
+    void (*handle_pose)(void *context, const softsim_pose *pose, int32_t channel_probe,
+                        int64_t receive_ns);
+    void (*handle_refusal)(void *context, softsim_refusal reason, int32_t channel_probe);
+    int32_t (*handle_command)(void *context, const char *name, const char *argument,
+                              char *out_text, int32_t text_size);
+} ss_net_calls;
+
+typedef struct ss_net ss_net;
+
+/* Opens LCM and subscribes. The thread that calls it lends its scheduling class to LCM's reader
+ * thread, so call it from the net thread. On failure the error says what to do. */
+softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *calls, ss_net **out_net,
+                           softsim_error *error);
+void ss_net_close(ss_net **net);
+/* Waits at most `timeout_ms` for a message or a signal on `wake_fd` (-1: none) and handles every
+ * message that is there. False when LCM is broken. Thread: net. */
+bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
+/* False (counted in ss_net_dropped) when the message could not be sent. Thread: net. */
+bool ss_net_send_force(ss_net *net, const softsim_force *force);
+int64_t ss_net_dropped(const ss_net *net);
+
+/* The server's report: what server_status_t carries. */
+typedef struct ss_report {
+    softsim_verdict verdict;
+    int32_t fault_bits, threads, nodes, active_nodes, elements, worst_element, substeps, probes;
+    int64_t plan_hash, state_hash, step, bytes_in_use, poses_received, poses_superseded;
+    int64_t poses_refused[SOFTSIM_REFUSED_COUNT];
+    int64_t mesh_bytes_sent, wire_dropped;
+    int64_t probe_periods[8], probe_forces[8], probe_missed[8];
+    double uptime_s, simulation_rate_hz, stable_step_s, step_us[3], lateness_us[4];
+    double kinetic_j, elastic_j, total_j, energy_to_device_j, energy_from_device_j;
+    double worst_contact_j[8], loop_delay_ms[2], stiffness_limit_n_per_m[8];
+    int64_t stiffness_backoffs;
+    const char *scene, *model, *reason;
+} ss_report;
+bool ss_net_send_status(ss_net *net, const ss_report *report);
+
+/* ---- mesh publisher: an LCM object and a thread of its own --------------------------------------- */
+
+typedef struct ss_publisher ss_publisher;
+typedef struct ss_publisher_config {
+    const char *lcm_url;
+    const char *prefix;
+    double max_bytes_per_s;
+} ss_publisher_config;
+
+softsim_status ss_publisher_open(const ss_publisher_config *config, const ss_publish_mesh *mesh,
+                                 ss_publisher **out_publisher, softsim_error *error);
+void ss_publisher_close(ss_publisher **publisher);
+/* Sends what is due at `now_ns`: topology chunks (every 2 s and after refresh, paced), deltas of
+ * the nodes that moved by more than half a count since they were last sent, and the rolling
+ * refresh. `displacement`: 3 floats a surface node, NULL when there is no new state.
+ * Thread: publish. */
+void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
+                       const float *displacement);
+void ss_publisher_refresh(ss_publisher *publisher);           /* publish thread */
+void ss_publisher_set_max_bytes(ss_publisher *publisher, double max_bytes_per_s);
+int64_t ss_publisher_bytes(const ss_publisher *publisher);    /* any thread */
+bool ss_publisher_is_clamping(const ss_publisher *publisher); /* displacement beyond the scale */
+bool ss_publisher_is_capped(const ss_publisher *publisher);   /* the cap delays refreshes */

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Set-up memory: zeroed, 64-byte aligned, counted. Everything a loop touches comes from here
+ * before the loops start; ss_memory_in_use() is the status message's bytes_in_use.
+ * Thread: set-up only (allocation and release); ss_memory_in_use any thread, RT-safe.
+ */
+#include <stddef.h>
+#include <stdint.h>
+
+/* NULL when out of memory or when count * size overflows; a zero count gives a valid pointer. */
+void *ss_memory_get(size_t count, size_t size);
+/* Accepts NULL. */
+void ss_memory_free(void *memory);
+int64_t ss_memory_in_use(void);

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * One row per settable value. The scene's keys, the models' parameters and the programs' options
+ * are all described by such rows; reading, range errors, --help, --print-config, --set and the
+ * command `set` read nothing else.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum ss_param_kind {
+    SS_PARAM_NUMBER,  /* one double */
+    SS_PARAM_INTEGER, /* one integer, kept as a double */
+    SS_PARAM_BOOL,    /* 0 or 1 */
+    SS_PARAM_CHOICE,  /* index into `choices` */
+    SS_PARAM_FIELD    /* a number, or a value per node by region list or file */
+} ss_param_kind;
+
+typedef struct ss_param_row {
+    const char *name; /* with its unit, as the user writes it */
+    ss_param_kind kind;
+    double min, max;        /* inclusive unless exclusive_min */
+    bool exclusive_min;
+    bool is_required;
+    bool is_live;           /* the command `set` reaches it */
+    double fallback;        /* the default; NaN: absent unless given */
+    const char *choices;    /* "a|b|c" for SS_PARAM_CHOICE */
+    const char *help;
+} ss_param_row;
+
+/* Values for a table of rows, in row order. */
+typedef struct ss_param_value {
+    double number;    /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
+    double *per_node; /* of a FIELD that varies: node_count values; NULL when uniform */
+    bool is_given;
+} ss_param_value;

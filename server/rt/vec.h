@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/* Small double-precision vectors and unit quaternions (w x y z, tool to world). RT-safe. */
+#include <math.h>
+#include <stdbool.h>
+
+static inline void ss_set3(double out[3], double x, double y, double z)
+{
+    out[0] = x;
+    out[1] = y;
+    out[2] = z;
+}
+
+static inline void ss_copy3(double out[3], const double a[3])
+{
+    ss_set3(out, a[0], a[1], a[2]);
+}
+
+static inline void ss_add3(double out[3], const double a[3], const double b[3])
+{
+    ss_set3(out, a[0] + b[0], a[1] + b[1], a[2] + b[2]);
+}
+
+static inline void ss_sub3(double out[3], const double a[3], const double b[3])
+{
+    ss_set3(out, a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+static inline void ss_scale3(double out[3], const double a[3], double s)
+{
+    ss_set3(out, s * a[0], s * a[1], s * a[2]);
+}
+
+/* out = a + s b */
+static inline void ss_madd3(double out[3], const double a[3], double s, const double b[3])
+{
+    ss_set3(out, a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]);
+}
+
+static inline double ss_dot3(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void ss_cross3(double out[3], const double a[3], const double b[3])
+{
+    ss_set3(out, a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+}
+
+static inline double ss_norm3(const double a[3])
+{
+    return sqrt(ss_dot3(a, a));
+}
+
+/* Normalises `a`; returns its length; leaves a zero vector as it is. */
+static inline double ss_normalize3(double a[3])
+{
+    const double length = ss_norm3(a);
+    if (length > 0.0) {
+        ss_scale3(a, a, 1.0 / length);
+    }
+    return length;
+}
+
+static inline bool ss_is_finite(const double *values, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* out = q v q*: a tool vector into the world. */
+static inline void ss_rotate(double out[3], const double q[4], const double v[3])
+{
+    const double t[3] = {2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
+                         2.0 * (q[1] * v[1] - q[2] * v[0])};
+    ss_set3(out, v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
+            v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
+            v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0]);
+}
+
+/* out = q* v q: a world vector into the tool. */
+static inline void ss_rotate_back(double out[3], const double q[4], const double v[3])
+{
+    const double conjugate[4] = {q[0], -q[1], -q[2], -q[3]};
+    ss_rotate(out, conjugate, v);
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * A YAML scene to a validated description: everything the world needs to plan, nothing built yet.
+ *
+ * In: a file, `--set PATH=VALUE` overrides, the table of model parameters (handed in, so that
+ * scene/ knows no model). Out: SI values and node sets resolved on the loaded mesh. Every fault
+ * of a file is reported in one go as file:line:col with the line and a caret. Keys are read
+ * through a table of rows (key, unit, bounds, help); unknown keys are faults.
+ * Thread: set-up only.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contact/contact.h"
+#include "mesh/mesh.h"
+#include "rt/param.h"
+#include "softsim/types.h"
+
+/* What the scene needs to know of a model. */
+typedef struct ss_scene_model {
+    const char *name;
+    const ss_param_row *row;
+    int32_t row_count;
+    bool needs_volume;
+} ss_scene_model;
+
+typedef struct ss_scene_load {
+    int32_t *node;
+    int32_t node_count;
+    double force[3], pressure, from, to, ramp;
+    bool is_pressure;
+} ss_scene_load;
+
+typedef struct ss_scene_prescribed {
+    int32_t *node;
+    int32_t node_count;
+    double (*displacement)[3];
+    bool axis[3];
+    double from, ramp;
+    char name[64];
+} ss_scene_prescribed;
+
+typedef struct ss_scene_tool {
+    bool is_used;
+    ss_shape shape;
+} ss_scene_tool;
+
+typedef enum ss_scene_between { SS_SCENE_HOLD, SS_SCENE_LINEAR, SS_SCENE_LOCAL } ss_scene_between;
+
+typedef struct ss_scene {
+    char path[1024];
+    char model_name[64];
+    int32_t model_index;          /* into the table handed in */
+    ss_mesh *mesh;                /* loaded, transformed, accepted */
+    uint8_t *fixed;               /* node_count: bit 0 x, 1 y, 2 z */
+    ss_param_value *param;        /* in the model's row order */
+    ss_scene_load *load;
+    int32_t load_count;
+    ss_scene_prescribed *prescribed;
+    int32_t prescribed_count;
+    ss_scene_tool tool[SOFTSIM_MAX_PROBES];
+    double working_force_n;
+    double contact_stiffness_n_per_m3; /* 0: chosen from the working force */
+    double simulation_rate_hz;         /* 0: auto */
+    int32_t max_substeps;
+    double gravity[3];
+    ss_scene_between between_steps;
+    double haptic_rate_hz, max_force_n, max_slew_n_per_s, coupling_stiffness_n_per_m,
+        coupling_damping_n_s_per_m, max_jump_m;
+    double mesh_rate_hz;               /* 0: no mesh publisher */
+    double max_bytes_per_s;
+} ss_scene;
+
+/* `overrides`: `path.to.key=value` strings. `import_program` as for ss_mesh_load. On failure every
+ * fault is in `error` and *out_scene is NULL. */
+softsim_status ss_scene_load(const char *path, const char *const *overrides, int32_t override_count,
+                             const ss_scene_model *models, int32_t model_count,
+                             const char *import_program, ss_scene **out_scene,
+                             softsim_error *error);
+void ss_scene_destroy(ss_scene **scene);
+
+/* Effective values as YAML, each with its unit, range, default and whether `set` reaches it. */
+void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
+                    void (*line)(void *sink, const char *text), void *sink);
+
+/* For the command `set`: parses PATH=VALUE for the live keys (haptic.*, publish.*, model rows with
+ * is_live). On success *out_key is the key and *out_value the value. */
+typedef enum ss_scene_live_key {
+    SS_LIVE_MAX_FORCE,
+    SS_LIVE_MAX_SLEW,
+    SS_LIVE_COUPLING_STIFFNESS,
+    SS_LIVE_COUPLING_DAMPING,
+    SS_LIVE_BETWEEN_STEPS,
+    SS_LIVE_MAX_JUMP,
+    SS_LIVE_MESH_RATE,
+    SS_LIVE_MAX_BYTES,
+    SS_LIVE_MODEL_ROW
+} ss_scene_live_key;
+softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,
+                                   ss_scene_live_key *out_key, int32_t *out_row,
+                                   double *out_value, softsim_error *error);
