@@ -63,10 +63,23 @@ double ss_shape_curvature_radius(const ss_shape *shape);
 /* Length / sqrt 12, at least 5 mm; 0 for a sphere, which can carry no torque. */
 double ss_shape_gyration(const ss_shape *shape);
 
+/* Radius of the largest ball inside (of a convex mesh: about the mean of its vertices): what must
+ * not be small beside the tissue's mesh. */
+double ss_shape_inradius(const ss_shape *shape);
+
 typedef struct ss_tool_pose {
     double position[3];
     double orientation[4];
 } ss_tool_pose;
+
+/* The path of a step: position linear, orientation the shorter way round; s from 0 to 1. RT-safe.
+ */
+void ss_tool_pose_blend(const ss_tool_pose *from, const ss_tool_pose *to, double s,
+                        ss_tool_pose *out);
+/* No point of the tool moves further than this on that path, m. Sub-steps of at most R/4 keep the
+ * penalty from tunnelling; the gather covers the whole path whatever its length. RT-safe. */
+double ss_tool_motion_bound(const ss_shape *shape, const ss_tool_pose *from,
+                            const ss_tool_pose *to);
 
 /* Do two placed shapes overlap? Through libccd at unit scale with capped iterations; the depth is
  * then computed exactly from the two supports along libccd's direction. Returns false, and counts
@@ -79,14 +92,24 @@ bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const s
 
 typedef struct ss_surface ss_surface; /* immutable after create */
 
+/* One linear sample at the centroid of each triangle, for penalty and weights alike: coarse, but
+ * with closed forms to check against. */
+enum { SS_SURFACE_CENTROIDS = -1 };
+
 /* `parts`: each Loop level-2 sub-triangle is split into parts^2 (1..4); 0 chooses by the smallest
- * tool radius over the mean edge so that at least 60 samples touch at the working depth. */
+ * tool radius over the mean edge so that at least 60 samples touch at the working depth; or
+ * SS_SURFACE_CENTROIDS. `smallest_tool_radius` (m): the least ss_shape_inradius of the tools, 0
+ * where there are none; below 0.3 mean edges the tool falls between the samples' supports and
+ * the surface is refused. Also refused: surfaces that are not manifold, non-finite positions. */
 softsim_status ss_surface_create(const ss_mesh *mesh, double smallest_tool_radius, int parts,
                                  ss_surface **out_surface, softsim_error *error);
 void ss_surface_destroy(ss_surface **surface);
 int64_t ss_surface_sample_count(const ss_surface *surface);
+/* Mean edge of the triangles at rest, m. */
+double ss_surface_mean_edge(const ss_surface *surface);
 
-/* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node). Once a step, by
+/* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node); keeps it, and
+ * widens the queries, while no node has moved much since the last refit. Once a step, by
  * the simulation thread; RT-safe. The hierarchy belongs to the surface but is scratch: one
  * simulation thread per surface. */
 void ss_surface_refit(ss_surface *surface, const ss_real *u);
@@ -105,14 +128,18 @@ softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
 void ss_touch_destroy(ss_touch **touch);
 void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
 
-/* Finds the triangles that the tool may reach on its way from `from` to `to` (swept). Call once a
- * step after ss_surface_refit. Returns their number. RT-safe. */
+/* Finds the triangles that the tool may reach on its way from `from` to `to` (swept; the path of
+ * ss_tool_pose_blend). Call once a step after ss_surface_refit; an earlier gather that still
+ * covers the path is kept. Complete for poses on the path while no node has moved further than
+ * delta (for ss_touch_weigh: delta/4) since this call. Nothing is gathered for a pose that is not
+ * finite. Returns their number. RT-safe. */
 int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
                         const ss_tool_pose *to);
 
 /* Source weights at `pose`: touched nodes with w_i > 0 in increasing node order (deterministic).
- * *out_node, *out_weight stay valid until the next gather; out_total = W. `is_source[i]` false
- * (fixed nodes) gives no weight. Returns the count. Keeps d_s, n_s for the forces. RT-safe. */
+ * *out_node, *out_weight stay valid until the next weigh; out_total = W. `is_source[i]` false
+ * (fixed nodes) gives no weight; NULL: every node is a source. Returns the count. Keeps d_s, n_s
+ * for the forces. RT-safe. */
 int32_t ss_touch_weigh(ss_touch *touch, const ss_real *u, const uint8_t *is_source,
                        const ss_tool_pose *pose, const int32_t **out_node,
                        const double **out_weight, double *out_total);
@@ -123,64 +150,69 @@ void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *fo
                             double tool_force[3], double tool_torque[3]);
 
 /* Penalty of the samples inside the tool at `pose`: f_q = A_q kc (-d)+ n added to `force` by
- * B_qi; the opposite added to tool force and torque; returns the energy 1/2 kc sum A (-d)+^2.
+ * B_qi (NULL: the tool's share alone is wanted); the opposite added to tool force and torque;
+ * returns the energy 1/2 kc sum A (-d)+^2.
  * Keeps the active samples for the three calls below. RT-safe. */
-double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
-                        ss_real *force, double tool_force[3], double tool_torque[3]);
+double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, ss_real *force,
+                        double tool_force[3], double tool_torque[3]);
 /* Change of the penalty forces for node motions du (4 ss_real a node; NULL: none) and a tool
  * translation dx, linearised at the last ss_touch_penalty (d f_q = -A kc n n.(B du - dx)): added
  * to dforce (may be NULL) and dtool. RT-safe. */
-void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3],
-                      ss_real *dforce, double dtool[3]);
+void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3], ss_real *dforce,
+                      double dtool[3]);
 /* Adds kc sum_q A_q B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
  * and the tangent's preconditioner. RT-safe. */
 void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
 /* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
 int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
 
-/* ---- what the haptic loop gets ---------------------------------------------------------------- */
+/* ---- what the haptic loop gets ----------------------------------------------------------------
+ */
 
 /* One contact of the local contact model (haptic.md section 2). */
 typedef struct ss_contact {
-    double point[3];    /* c, on the deformed surface */
-    double normal[3];   /* out of the tissue, unit */
-    double force;       /* f >= 0 on the tool along normal, N, viscous part included */
-    double stiffness;   /* k_n, the model's static tangent, N/m */
-    double tangential;  /* k_t, N/m */
-    double viscosity;   /* B, N s/m */
-    double gap;         /* m, > 0: near but not touching */
+    double point[3];        /* c, on the deformed surface */
+    double normal[3];       /* out of the tissue, unit */
+    double force;           /* f >= 0 on the tool along normal, N, viscous part included */
+    double stiffness;       /* k_n, the model's static tangent, N/m */
+    double tangential;      /* k_t, N/m */
+    double viscosity;       /* B, N s/m */
+    double gap;             /* m, > 0: near but not touching */
     double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
 } ss_contact;
 
 typedef struct ss_contact_set {
     int32_t count;
-    bool is_held;          /* the tool grasps */
+    bool is_held; /* the tool grasps */
     ss_contact contact[SS_MAX_CONTACTS];
-    double force[3];       /* the model's whole reaction on the tool */
-    double torque[3];      /* about the tool's origin */
-    double point[3];       /* of the deepest sample, on the deformed surface */
-    double normal[3];
-    double depth;          /* m, deepest penetration of the stepped tool; negative: nearest distance */
+    double force[3];  /* the model's whole reaction on the tool */
+    double torque[3]; /* about the tool's origin */
+    double point[3];  /* force-weighted middle of all contacts, on the deformed surface: it
+                         slides smoothly, as the deepest sample would not */
+    double normal[3]; /* of the resultant there */
+    double depth;     /* m, deepest penetration of the stepped tool; negative: nearest distance */
 } ss_contact_set;
 
 /* The points, normals, depths and forces of the last ss_touch_penalty, reduced to at most
  * SS_MAX_CONTACTS: one for a sphere (through its centre), up to four along the axis of other
- * tools. When nothing touches, the nearest patch within `near` (m) with its gap. Stiffness and
- * viscosity are left 0 for the model to fill. RT-safe. */
+ * tools; their forces sum to the penalty's. Force and torque of the set are the penalty's too (the
+ * model adds its own). When nothing touches, the nearest patch within `near` (m) with its gap, or
+ * no contact and depth = -near. Stiffness and viscosity are left 0 for the model to fill.
+ * RT-safe. */
 void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
                        double near, ss_contact_set *out_set);
 
 /* A result of the simulation as the haptic loop receives it: the contact set and what it was
  * computed for. One mailbox per probe, written after each step by the simulation thread. */
 typedef struct ss_local_model {
-    int64_t tick;            /* haptic tick of the proxy target that was stepped to */
-    int64_t step;            /* simulation step number, from 1 */
-    double period;           /* s, simulation period h */
-    int32_t pose_seq;        /* seq of the pose behind it */
-    bool is_fault;           /* the model is at fault: ramp to zero */
-    double proxy[3];         /* p_k, the (predicted) proxy position stepped to */
+    int64_t tick;     /* haptic tick of the proxy target that was stepped to */
+    int64_t step;     /* simulation step number, from 1 */
+    double period;    /* s, simulation period h */
+    int32_t pose_seq; /* seq of the pose behind it */
+    bool is_fault;    /* the model is at fault: ramp to zero */
+    double proxy[3];  /* p_k, the (predicted) proxy position stepped to */
     double orientation[4];
-    double velocity[3];      /* v_k = (p_k - p_{k-1}) / h */
+    double velocity[3]; /* v_k = (p_k - p_{k-1}) / h */
     ss_contact_set set;
 } ss_local_model;
 
@@ -188,10 +220,10 @@ typedef struct ss_local_model {
 typedef struct ss_proxy_target {
     int64_t tick;
     int32_t pose_seq;
-    bool is_present;         /* the tool is in the world */
+    bool is_present; /* the tool is in the world */
     bool is_grasping;
-    uint32_t grasp_edges;    /* counts presses and releases of the button */
-    uint32_t teleports;      /* grows when the proxy jumps (entry, return): do not sweep */
+    uint32_t grasp_edges; /* counts presses and releases of the button */
+    uint32_t teleports;   /* grows when the proxy jumps (entry, return): do not sweep */
     double proxy[3];
     double orientation[4];
     double velocity[3];

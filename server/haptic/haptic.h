@@ -51,7 +51,8 @@ typedef struct ss_haptic_output {
     double worst_contact_j;        /* least energy balance of a contact since start */
     double energy_to_device_j, energy_from_device_j;
     double stiffness_limit;        /* N/m */
-    double loop_delay_ms[2];       /* p50, p95 over 1 s */
+    double loop_delay_ms[2];       /* p50, p95 over 1 s; 5 until known */
+    int64_t bad_inputs;            /* ticks or results refused: not finite, normal not a unit one */
 } ss_haptic_output;
 
 typedef struct ss_haptic ss_haptic;

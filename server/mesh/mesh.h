@@ -12,6 +12,7 @@
  * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
  */
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "softsim/types.h"
@@ -39,7 +40,13 @@ typedef struct ss_mesh {
  * NULL: softsim-import beside the running program, else in the libexec folder. */
 softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
                             ss_mesh **out_mesh, softsim_error *error);
-/* From arrays, which are copied (generators, tests). tetrahedron may be NULL. */
+/* The same from a Gmsh MSH text in memory (2.0 to 2.2, or 1; ASCII), which needs no terminating
+ * zero; `name` is what errors call it. */
+softsim_status ss_mesh_read_msh(const char *text, size_t size, const char *name,
+                                double metres_per_unit, ss_mesh **out_mesh, softsim_error *error);
+/* From arrays, which are copied (generators, tests). tetrahedron may be NULL; with tetrahedra and
+ * no triangles the surface is extracted. Non-finite positions and bad indices are kept, for
+ * ss_mesh_check to name; no function here follows them. */
 softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t triangle_count, const int32_t (*triangle)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
@@ -50,8 +57,10 @@ void ss_mesh_destroy(ss_mesh **mesh);
 void ss_mesh_transform(ss_mesh *mesh, double scale, const double rotate_deg[3],
                        const double translate_m[3]);
 
-/* What is wrong with a mesh: counts, and the first few numbers of each kind. All tolerances are
- * relative to the mean edge. */
+/* What is wrong with a mesh: counts, and the first few numbers of each kind: of nodes, triangles
+ * or tetrahedra as the name says (bad_index: triangles, then tetrahedra); of an edge or face its
+ * lowest node. All tolerances are relative to the mean edge (of the tetrahedra, if there are any):
+ * areas 1e-6 and volumes 1e-9 of its square and cube, coincidence 1e-6, short edges 1e-3. */
 enum { SS_MESH_FIRST = 5 };
 typedef struct ss_mesh_fault {
     int64_t count;
@@ -62,18 +71,25 @@ typedef struct ss_mesh_report {
     ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node,
         coincident_node, short_edge, non_manifold_edge, open_edge, inconsistent_winding,
         inverted_tetrahedron;
-    int32_t component_count;
-    bool is_inside_out; /* closed, and its enclosed volume is negative */
-    double volume, area, edge_min, edge_mean, edge_max;
+    ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
+    ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
+    int32_t component_count; /* connected parts, loose nodes not counted */
+    bool is_inside_out; /* a closed part encloses a negative volume and is no cavity */
+    double volume; /* enclosed by the surface; means nothing when it is open */
+    double area, edge_min, edge_mean, edge_max;
+    double angle_min; /* degrees, smallest angle of a triangle */
     double box_min[3], box_max[3];
 } ss_mesh_report;
 
-void ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report);
+/* SOFTSIM_OK, whatever is wrong with the mesh, or SOFTSIM_ERROR_MEMORY. */
+softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report);
 /* The verdict for simulation: adds one line per disqualifying fault (with counts and first
  * numbers) to `error`; SOFTSIM_OK or SOFTSIM_ERROR_MESH. Open surfaces and several components
  * are usable. */
 softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error);
-/* Turns inside-out or inconsistently wound surfaces; returns how many triangles were turned. */
+/* Turns inside-out or inconsistently wound surfaces, so that neighbours agree and closed
+ * parts enclose a positive volume (cavities, whose box lies inside another part's, are left as
+ * they are). Returns how many triangles were turned, -1 when out of memory. */
 int32_t ss_mesh_orient(ss_mesh *mesh);
 
 /* A third of the area of the triangles around each node, m^2: out has node_count values. */

@@ -43,8 +43,9 @@ typedef struct ss_tool_plan {
     ss_shape shape;       /* borrowed: outlives the model */
 } ss_tool_plan;
 
+/* Everything it points to is borrowed and outlives the model, but `param`. */
 typedef struct ss_model_plan {
-    const ss_mesh *mesh;            /* borrowed: outlives the model */
+    const ss_mesh *mesh;
     const uint8_t *fixed;           /* node_count: bit 0 x, 1 y, 2 z */
     const ss_param_value *param;    /* in the order of the model's table */
     const ss_load *load;
@@ -55,6 +56,8 @@ typedef struct ss_model_plan {
     double gravity[3];              /* m/s^2 */
     double working_force;           /* N; the contact stiffness is chosen from it */
     double contact_stiffness;       /* N/m^3; 0: chosen */
+    double contact_reach;           /* m, of the source weights; 0: max(mean edge, R/2) */
+    int32_t contact_parts;          /* as ss_surface_create takes it; 0: chosen */
     double max_force;               /* N, the haptic limit: for the penetration warning */
     double step;                    /* s, the outer step the world intends */
     int32_t max_substeps;
@@ -69,6 +72,13 @@ typedef struct ss_model_tool {
     bool is_grasping;
     ss_tool_pose from, to;
 } ss_model_tool;
+
+/* Bits of ss_model_info.fault_bits; they stay set until reset. */
+enum {
+    SS_MODEL_FAULT_NOT_FINITE = 1, /* the last good state was restored; no step until reset */
+    SS_MODEL_FAULT_BUDGET = 2,     /* more sub-steps were needed than allowed: slower than time */
+    SS_MODEL_FAULT_CLAMPED = 4     /* a displacement beyond any meaning was cut off */
+};
 
 typedef struct ss_model_info {
     int64_t step;

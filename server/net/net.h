@@ -38,13 +38,21 @@ void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m);
  * (50 haptic ticks without a good pose). Thread: net (or the only thread of a headless run). */
 softsim_refusal ss_gate_judge(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
                               int64_t now_ns, uint32_t *out_epoch);
+/* True at most ten times a second per probe (in lockstep always: there every pose is answered): a
+ * foreign sender may be told so (zero force, flag 32). Thread: net. */
+bool ss_gate_may_answer_other(ss_gate *gate, int32_t channel_probe, int64_t now_ns);
+/* Scales an orientation that passes for a unit quaternion to length 1; leaves any other for
+ * ss_gate_judge to refuse. Every pose passes here once before it is judged, whatever its source,
+ * so that all runs of a log agree; decoding calls it. RT-safe. */
+void ss_gate_normalize(softsim_pose *pose);
 /* Counts what never became a pose. */
 void ss_gate_refuse(ss_gate *gate, softsim_refusal reason);
 
 typedef struct ss_gate_counts {
-    int64_t received;
+    int64_t received; /* whatever came in: accepted poses and all refused */
     int64_t refused[SOFTSIM_REFUSED_COUNT];
 } ss_gate_counts;
+/* Thread: any. */
 void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);
 
 /* ---- what crosses between the net thread and the loops ------------------------------------------ */
@@ -60,7 +68,6 @@ typedef struct ss_force_record {
     softsim_force force;
     int64_t tick;         /* haptic period it belongs to */
     int64_t due_ns;       /* start of that period */
-    bool is_counted;      /* real time: counts as a period of that probe */
 } ss_force_record;
 
 typedef enum ss_command_kind {
@@ -78,22 +85,41 @@ typedef struct ss_publish_mesh {
     int32_t node_count, triangle_count;
     const double (*rest)[3];
     const int32_t (*triangle)[3];
-    const int32_t *file_node;
-    const uint8_t *flag;      /* bit 0 fixed */
+    const int32_t *file_node; /* NULL: surface numbers are the file's */
+    const uint8_t *fixed;     /* not 0: fixed (bit 0 of the message's node_flag) */
     double diagonal;          /* m; scale = diagonal / 16384 */
 } ss_publish_mesh;
 
 /* ---- the wire ------------------------------------------------------------------------------------ */
 
+/* Decodes a raw message, trusting nothing in it: SOFTSIM_ACCEPTED, or why not (TYPE_HASH,
+ * MALFORMED). What is decoded is not judged yet. RT-safe. */
+softsim_refusal ss_net_decode_pose(const void *data, int64_t size, int64_t receive_ns,
+                                   softsim_pose *out_pose);
+
+typedef struct ss_net_command {
+    int64_t utime_us;
+    int64_t sender;
+    int32_t seq;
+    int32_t id;
+    char name[32];       /* longer is malformed, as is a control character */
+    char argument[1024]; /* likewise */
+} ss_net_command;
+softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_command *out_command);
+
 typedef struct ss_net_config {
-    const char *lcm_url;      /* NULL: LCM_DEFAULT_URL, else local multicast with a large buffer */
-    const char *prefix;
+    /* NULL or "": LCM_DEFAULT_URL, else local multicast with a large buffer. Only udpm:// and
+     * memq:// (one process, for tests) are accepted. */
+    const char *lcm_url;
+    const char *prefix; /* 1..40 characters of A-Z a-z 0-9 _ . - */
     bool is_lockstep;
 } ss_net_config;
 
 /* Called by the net thread. `handle_pose` decides by the gate and pushes (real time) or ticks the
- * world and answers (lockstep). `handle_command` runs the command and answers by filling code and
- * text (text_size bytes). */
+ * world and answers (lockstep); its receive_ns is 0 in lockstep. `handle_refusal` hears of
+ * messages that could not be decoded; `channel_probe` is -1 when it was a command.
+ * `handle_command` runs the command and answers by returning the code and filling the text
+ * (text_size bytes, empty before). */
 typedef struct ss_net_calls {
     void *context;
     void (*handle_pose)(void *context, const softsim_pose *pose, int32_t channel_probe,
@@ -111,10 +137,13 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
                            softsim_error *error);
 void ss_net_close(ss_net **net);
 /* Waits at most `timeout_ms` for a message or a signal on `wake_fd` (-1: none) and handles every
- * message that is there. False when LCM is broken. Thread: net. */
+ * message that is there. Drains the signal, so that what was signalled is to be looked for after
+ * the return. False when LCM is broken. Thread: net. */
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
-/* False (counted in ss_net_dropped) when the message could not be sent. Thread: net. */
+/* Stamps `utime` where the force has none. False (counted in ss_net_dropped) when the message
+ * could not be sent. Thread: net. */
 bool ss_net_send_force(ss_net *net, const softsim_force *force);
+/* Thread: any. */
 int64_t ss_net_dropped(const ss_net *net);
 
 /* The server's report: what server_status_t carries. */
@@ -145,14 +174,18 @@ typedef struct ss_publisher_config {
 softsim_status ss_publisher_open(const ss_publisher_config *config, const ss_publish_mesh *mesh,
                                  ss_publisher **out_publisher, softsim_error *error);
 void ss_publisher_close(ss_publisher **publisher);
-/* Sends what is due at `now_ns`: topology chunks (every 2 s and after refresh, paced), deltas of
- * the nodes that moved by more than half a count since they were last sent, and the rolling
- * refresh. `displacement`: 3 floats a surface node, NULL when there is no new state.
- * Thread: publish. */
+/* Sends what is due at `now_ns`: topology chunks (every 2 s and after refresh), deltas of the nodes
+ * that are off by more than half a count from what was last sent of them, and the rolling refresh;
+ * at most two messages a call, so that a default receive buffer holds them: call it at display
+ * rate. `displacement`: 3 floats a surface node, NULL when there is no new state (`step` is
+ * ignored then). Thread: publish. */
 void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
                        const float *displacement);
-void ss_publisher_refresh(ss_publisher *publisher);           /* publish thread */
+/* Topology and every displaced node again, from the next send on. Thread: publish. */
+void ss_publisher_refresh(ss_publisher *publisher);
+/* Bytes of messages in any one second, at least 1000. Thread: publish. */
 void ss_publisher_set_max_bytes(ss_publisher *publisher, double max_bytes_per_s);
-int64_t ss_publisher_bytes(const ss_publisher *publisher);    /* any thread */
+/* Thread: any. */
+int64_t ss_publisher_bytes(const ss_publisher *publisher);    /* of messages, sent since open */
 bool ss_publisher_is_clamping(const ss_publisher *publisher); /* displacement beyond the scale */
-bool ss_publisher_is_capped(const ss_publisher *publisher);   /* the cap delays refreshes */
+bool ss_publisher_is_capped(const ss_publisher *publisher);   /* the 2 s or 1 s is not kept */

@@ -11,6 +11,7 @@
  * Thread: set-up only.
  */
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "contact/contact.h"
@@ -26,20 +27,23 @@ typedef struct ss_scene_model {
     bool needs_volume;
 } ss_scene_model;
 
-typedef struct ss_scene_load {
+typedef struct ss_scene_force {
     int32_t *node;
     int32_t node_count;
     double force[3], pressure, from, to, ramp;
     bool is_pressure;
-} ss_scene_load;
+} ss_scene_force;
 
+/* One entry of `prescribed` gives several of these when its displacement_file leaves different
+ * axes free at different nodes: they share `entry` and `name`. */
 typedef struct ss_scene_prescribed {
     int32_t *node;
     int32_t node_count;
     double (*displacement)[3];
     bool axis[3];
     double from, ramp;
-    char name[64];
+    char name[64];                /* the group's, else prescribed.N */
+    int32_t entry;                /* number in the scene's list, from 0 */
 } ss_scene_prescribed;
 
 typedef struct ss_scene_tool {
@@ -56,7 +60,7 @@ typedef struct ss_scene {
     ss_mesh *mesh;                /* loaded, transformed, accepted */
     uint8_t *fixed;               /* node_count: bit 0 x, 1 y, 2 z */
     ss_param_value *param;        /* in the model's row order */
-    ss_scene_load *load;
+    ss_scene_force *load;
     int32_t load_count;
     ss_scene_prescribed *prescribed;
     int32_t prescribed_count;
@@ -71,6 +75,8 @@ typedef struct ss_scene {
         coupling_damping_n_s_per_m, max_jump_m;
     double mesh_rate_hz;               /* 0: no mesh publisher */
     double max_bytes_per_s;
+    int32_t turned_triangles;          /* by `object.repair: true` */
+    struct ss_scene_source *source;    /* what was written, for ss_scene_print */
 } ss_scene;
 
 /* `overrides`: `path.to.key=value` strings. `import_program` as for ss_mesh_load. On failure every
@@ -79,6 +85,12 @@ softsim_status ss_scene_load(const char *path, const char *const *overrides, int
                              const ss_scene_model *models, int32_t model_count,
                              const char *import_program, ss_scene **out_scene,
                              softsim_error *error);
+/* The same from memory; `path` names the text in messages and is where its files are looked for. */
+softsim_status ss_scene_load_text(const char *path, const char *text, size_t size,
+                                  const char *const *overrides, int32_t override_count,
+                                  const ss_scene_model *models, int32_t model_count,
+                                  const char *import_program, ss_scene **out_scene,
+                                  softsim_error *error);
 void ss_scene_destroy(ss_scene **scene);
 
 /* Effective values as YAML, each with its unit, range, default and whether `set` reaches it. */

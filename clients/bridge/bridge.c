@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "bridge.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "process.h"
+#include "rt/vec.h"
+
+static const double velocity_cutoff_hz = 50.0;
+
+const char ss_bridge_csv_header[] = "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j\n";
+
+softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
+                              const ss_frame *frame, const ss_device *device, softsim_error *error)
+{
+    *bridge = (ss_bridge){.config = *config, .frame = *frame, .device = *device};
+    ss_corrector_init(&bridge->corrector, config->is_correcting);
+    ss_bus_config out = config->bus;
+    ss_bus_config in = config->bus;
+    out.seed = config->bus.seed ^ 0x706F7365u; /* streams of their own */
+    in.seed = config->bus.seed ^ 0x666F7263u;
+    bridge->poses_out = ss_bus_create(&out, sizeof(softsim_pose));
+    bridge->forces_in = ss_bus_create(&in, sizeof(softsim_force));
+    if (bridge->poses_out == NULL || bridge->forces_in == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        ss_bridge_fini(bridge);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return SOFTSIM_OK;
+}
+
+void ss_bridge_fini(ss_bridge *bridge)
+{
+    ss_bus_destroy(&bridge->poses_out);
+    ss_bus_destroy(&bridge->forces_in);
+    if (bridge->device.destroy != NULL) {
+        bridge->device.destroy(bridge->device.state);
+    }
+    bridge->device = (ss_device){0};
+}
+
+/* ---- one tick ---------------------------------------------------------------------------------
+ */
+
+static void write_row(const ss_bridge *bridge)
+{
+    double columns[12];
+    ss_frame_position(&bridge->frame, bridge->sample.true_position, columns);
+    ss_frame_velocity(&bridge->frame, bridge->sample.true_velocity, columns + 3);
+    ss_frame_position(&bridge->frame, bridge->sample.position, columns + 6);
+    ss_copy3(columns + 9, bridge->applied_world);
+    fprintf(bridge->config.csv, "%" PRId64, bridge->summary.ticks - 1);
+    for (int i = 0; i < 12; ++i) {
+        fprintf(bridge->config.csv, ",%.17g", columns[i]);
+    }
+    fprintf(bridge->config.csv, ",%.17g\n", bridge->summary.energy_in_j);
+}
+
+/* Reads the device and settles the tick before: its energy and its row. False at its end. */
+static bool read_device(ss_bridge *bridge)
+{
+    ss_device_sample sample;
+    if (!bridge->device.read(bridge->device.state, &sample)) {
+        return false;
+    }
+    if (bridge->has_sample) {
+        const double period_s = bridge->device.period_s;
+        const double share = 1.0 - exp(-2.0 * 3.141592653589793 * velocity_cutoff_hz * period_s);
+        double moved[3];
+        ss_sub3(moved, sample.true_position, bridge->sample.true_position);
+        bridge->summary.energy_in_j -= ss_dot3(bridge->device_force, moved);
+        for (int i = 0; i < 3; ++i) {
+            const double raw = (sample.position[i] - bridge->sample.position[i]) / period_s;
+            bridge->velocity[i] += share * (raw - bridge->velocity[i]);
+        }
+        if (bridge->config.csv != NULL) {
+            write_row(bridge);
+        }
+    }
+    bridge->sample = sample;
+    bridge->has_sample = true;
+    return true;
+}
+
+/* Makes the pose of this tick, numbered and remembered. */
+static void make_pose(ss_bridge *bridge, int64_t now_ns, softsim_pose *out_pose)
+{
+    *out_pose = (softsim_pose){.utime_us = now_ns / 1000,
+                               .seq = ++bridge->seq,
+                               .probe = bridge->config.probe,
+                               .buttons = bridge->sample.buttons & SOFTSIM_BUTTON_GRASP,
+                               .flags = bridge->config.is_correcting ? SOFTSIM_POSE_CORRECTS : 0};
+    ss_frame_position(&bridge->frame, bridge->sample.position, out_pose->position);
+    ss_frame_orientation(&bridge->frame, bridge->sample.orientation, out_pose->orientation);
+    ss_set3(out_pose->velocity, NAN, NAN, NAN); /* a device measures positions */
+    ss_copy3(out_pose->applied_force, bridge->applied_world);
+    ss_corrector_note_pose(&bridge->corrector, bridge->seq, now_ns, out_pose->position);
+}
+
+/* Exerts the force in effect for one period, corrected to `pose`, and names it there. */
+static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
+{
+    double world[3];
+    double device[3];
+    pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
+    ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
+    ss_frame_force_to_device(&bridge->frame, world, device);
+    const bool is_contact =
+        pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
+    if (is_contact) {
+        ss_madd3(device, device, -bridge->config.damping_n_s_per_m, bridge->velocity);
+    }
+    const double size = ss_norm3(device);
+    if (size > bridge->device.max_force_n) {
+        ss_scale3(device, device, bridge->device.max_force_n / size);
+    }
+    ss_copy3(bridge->device_force, device);
+    ss_frame_force_to_world(&bridge->frame, device, bridge->applied_world);
+    bridge->device.exert(bridge->device.state, device);
+    bridge->summary.peak_force_n = fmax(bridge->summary.peak_force_n, ss_norm3(device));
+    bridge->summary.contact_ticks += is_contact;
+    ++bridge->summary.ticks;
+}
+
+/* ---- against a server --------------------------------------------------------------------------
+ */
+
+void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
+{
+    ss_bridge *bridge = context;
+    if (force->probe == bridge->config.probe) {
+        bridge->summary.lost += !ss_bus_send(bridge->forces_in, receive_ns, force);
+    }
+}
+
+/* Puts every force that has arrived into effect; the last one stays. */
+static void take_arrived(ss_bridge *bridge, int64_t now_ns)
+{
+    softsim_force force;
+    for (;;) {
+        const int64_t arrival_ns = ss_bus_due(bridge->forces_in);
+        if (!ss_bus_receive(bridge->forces_in, now_ns, &force)) {
+            return;
+        }
+        ss_corrector_take_force(&bridge->corrector, &force, arrival_ns);
+        ++bridge->summary.forces;
+        if (force.pose_seq > bridge->answered_seq && force.pose_seq <= bridge->seq) {
+            const double latency_us = 1e-3 * (double)arrival_ns - (double)force.pose_utime_us;
+            bridge->answered_seq = force.pose_seq;
+            ++bridge->summary.answered;
+            bridge->summary.latency_sum_us += latency_us;
+            bridge->summary.max_latency_us = fmax(bridge->summary.max_latency_us, latency_us);
+        }
+    }
+}
+
+static void send_due(ss_bridge *bridge, softsim_client *client, int64_t now_ns)
+{
+    softsim_pose pose;
+    while (ss_bus_receive(bridge->poses_out, now_ns, &pose)) {
+        softsim_client_send_pose(client, &pose, bridge->config.probe);
+    }
+}
+
+/* Waits for `tick_ns`, receiving forces and sending the poses that fall due. False when LCM is
+ * broken. */
+static bool wait_for_tick(ss_bridge *bridge, softsim_client *client, int64_t tick_ns)
+{
+    int64_t now_ns;
+    do {
+        const int64_t due_ns = ss_bus_due(bridge->poses_out);
+        if (softsim_client_wait(client, due_ns < tick_ns ? due_ns : tick_ns) < 0) {
+            return false;
+        }
+        now_ns = softsim_client_now_ns();
+        send_due(bridge, client, now_ns);
+    } while (now_ns < tick_ns && !ss_process_is_stopped());
+    return true;
+}
+
+bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
+{
+    const int64_t period_ns = (int64_t)(1e9 * bridge->device.period_s);
+    const int64_t sender = softsim_client_sender(client);
+    int64_t tick_ns = softsim_client_now_ns();
+    for (;;) {
+        if (!wait_for_tick(bridge, client, tick_ns)) {
+            return false;
+        }
+        const int64_t now_ns = softsim_client_now_ns();
+        take_arrived(bridge, now_ns);
+        if (!read_device(bridge) || bridge->summary.ticks >= bridge->config.tick_count ||
+            bridge->seq == INT32_MAX || ss_process_is_stopped()) {
+            return true;
+        }
+        softsim_pose pose;
+        make_pose(bridge, now_ns, &pose);
+        exert(bridge, now_ns, &pose);
+        pose.sender = sender;
+        bridge->summary.lost += !ss_bus_send(bridge->poses_out, now_ns, &pose);
+        send_due(bridge, client, now_ns);
+        tick_ns += period_ns;
+        if (now_ns > tick_ns) {
+            ++bridge->summary.late_ticks;
+            tick_ns = now_ns;
+        }
+    }
+}
+
+/* ---- against a linear tissue
+ * --------------------------------------------------------------------- */
+
+void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks)
+{
+    while (read_device(bridge) && bridge->summary.ticks < bridge->config.tick_count) {
+        const int64_t now_ns =
+            (int64_t)(1e9 * bridge->device.period_s * (double)bridge->summary.ticks);
+        softsim_pose pose;
+        make_pose(bridge, now_ns, &pose);
+        const int32_t answered = bridge->seq - delay_ticks;
+        if (answered >= 1) {
+            const double z = bridge->corrector.history[answered % SS_CORRECT_HISTORY].position[2];
+            softsim_force force = {.probe = pose.probe,
+                                   .seq = answered,
+                                   .pose_seq = answered,
+                                   .flags = z < 0.0 ? SOFTSIM_FORCE_CONTACT : 0,
+                                   .normal = {0.0, 0.0, 1.0},
+                                   .stiffness = stiffness_n_per_m};
+            force.force[2] = fmax(0.0, -stiffness_n_per_m * z);
+            ss_corrector_take_force(&bridge->corrector, &force, now_ns);
+            ++bridge->summary.forces;
+        }
+        exert(bridge, now_ns, &pose);
+    }
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The bridge: a device at one end, a server (or a linear tissue, for tests) at the other.
+ *
+ * Each period T: the newest force comes into effect; the device is read; the force in effect is
+ * corrected to where the device is now; the pose goes out, naming that force (`force_seq`) and
+ * what was exerted since the pose before (`applied_force`); the device exerts the force until the
+ * next period. A still pose is sent like any other.
+ *
+ * A late period is counted and not made up for: the simulated device then simply stands still
+ * meanwhile, which costs realism but never runs two periods on one force.
+ * Thread: one, main. Nothing is allocated while it runs.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "bus.h"
+#include "correct.h"
+#include "device.h"
+#include "frame.h"
+#include "softsim/client.h"
+
+typedef struct ss_bridge_config {
+    int32_t probe;
+    bool is_correcting;
+    double damping_n_s_per_m; /* the bridge's own, in contact */
+    int64_t tick_count;       /* INT64_MAX: until stopped or the device ends */
+    ss_bus_config bus;        /* both directions; zeroes: none */
+    FILE *csv;                /* NULL: not wanted */
+} ss_bridge_config;
+
+typedef struct ss_bridge_summary {
+    int64_t ticks, late_ticks, contact_ticks;
+    int64_t forces, lost; /* lost: on the simulated bus, both directions */
+    int64_t answered;     /* poses with at least one force */
+    double peak_force_n, energy_in_j;
+    double latency_sum_us, max_latency_us; /* of the first force that answers a pose */
+} ss_bridge_summary;
+
+typedef struct ss_bridge {
+    /* parameters */
+    ss_bridge_config config;
+    ss_frame frame;
+    ss_device device;
+
+    /* state */
+    ss_corrector corrector;
+    int32_t seq; /* of the last pose */
+    bool has_sample;
+    ss_device_sample sample; /* of the present tick */
+    double velocity[3];      /* device frame, below 50 Hz */
+    double device_force[3];  /* exerted since the last tick */
+    double applied_world[3]; /* the same, world axes */
+    int32_t answered_seq;
+    ss_bus *poses_out, *forces_in; /* NULL without a server */
+    ss_bridge_summary summary;
+} ss_bridge;
+
+/* Fills `bridge`; takes the device over. */
+softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
+                              const ss_frame *frame, const ss_device *device, softsim_error *error);
+void ss_bridge_fini(ss_bridge *bridge);
+
+/* Callback of the client; `context` is the ss_bridge. */
+void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+/* Runs in real time until the ticks are done, the device ends or a signal comes; false when LCM
+ * failed. */
+bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);
+/* Runs without LCM, as fast as possible, against F_z = max(0, -stiffness z) on the pose of
+ * `delay_ticks` (0..1000) before, 0 until there is one. */
+void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks);
+/* The header line of the CSV, with its \n. */
+extern const char ss_bridge_csv_header[];

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "correct.h"
+
+#include <math.h>
+
+#include "rt/vec.h"
+
+static const double max_displacement_m = 5e-3;
+static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
+static const int64_t max_age_ns = 50000000;
+static const int64_t fade_ns = 20000000;
+
+void ss_corrector_init(ss_corrector *corrector, bool is_enabled)
+{
+    *corrector = (ss_corrector){.is_enabled = is_enabled};
+}
+
+void ss_corrector_note_pose(ss_corrector *corrector, int32_t seq, int64_t time_ns,
+                            const double position[3])
+{
+    const int32_t slot = seq % SS_CORRECT_HISTORY;
+    corrector->history[slot].seq = seq;
+    corrector->history[slot].time_ns = time_ns;
+    ss_copy3(corrector->history[slot].position, position);
+}
+
+void ss_corrector_take_force(ss_corrector *corrector, const softsim_force *force,
+                             int64_t receive_ns)
+{
+    corrector->force = *force;
+    corrector->received_ns = receive_ns;
+    corrector->has_force = true;
+}
+
+/* 1 while forces come, then down to 0. */
+static double fade(const ss_corrector *corrector, int64_t now_ns)
+{
+    const int64_t over_ns = now_ns - corrector->received_ns - max_age_ns;
+    return over_ns <= 0 ? 1.0 : fmax(0.0, 1.0 - (double)over_ns / (double)fade_ns);
+}
+
+int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns)
+{
+    return corrector->has_force && fade(corrector, now_ns) > 0.0 ? corrector->force.seq : -1;
+}
+
+/* n.(x - x_a), or false when the force is not to be corrected. */
+static bool displacement(const ss_corrector *corrector, int64_t now_ns, const double position[3],
+                         double *out_along)
+{
+    const softsim_force *force = &corrector->force;
+    if (!corrector->is_enabled || force->pose_seq < 1 || !(force->stiffness > 0.0) ||
+        !(fabs(ss_norm3(force->normal) - 1.0) < 1e-3)) {
+        return false;
+    }
+    const int32_t slot = force->pose_seq % SS_CORRECT_HISTORY;
+    if (corrector->history[slot].seq != force->pose_seq ||
+        now_ns - corrector->history[slot].time_ns > max_age_ns) {
+        return false;
+    }
+    double moved[3];
+    ss_sub3(moved, position, corrector->history[slot].position);
+    *out_along = ss_dot3(force->normal, moved);
+    return ss_norm3(moved) <= max_displacement_m && ss_dot3(force->normal, force->force) > 0.0;
+}
+
+void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const double position[3],
+                        double out_force[3])
+{
+    ss_set3(out_force, 0.0, 0.0, 0.0);
+    if (!corrector->has_force) {
+        return;
+    }
+    const softsim_force *force = &corrector->force;
+    double along = 0.0;
+    ss_copy3(out_force, force->force);
+    if (displacement(corrector, now_ns, position, &along)) {
+        const double *n = force->normal;
+        const double normal_force = ss_dot3(n, force->force);
+        const double stiffness = fmin(force->stiffness, max_stiffness_n_per_m);
+        const double corrected = fmax(0.0, normal_force - stiffness * along);
+        ss_madd3(out_force, force->force, -normal_force, n); /* tangential part */
+        ss_madd3(out_force, out_force, corrected, n);
+    }
+    ss_scale3(out_force, out_force, fade(corrector, now_ns));
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The force in effect, corrected for the time it took.
+ *
+ * A force F answers a pose x_a that is old by the trip there and back. Along the tissue's normal n
+ * the felt stiffness S says how it changes with position, so at the present position x
+ *
+ *   F_device = n max(0, n.F - S n.(x - x_a)) + (F - n (n.F))
+ *
+ * which leaves a fifth of the energy that the delay would hand to the hand, and holds 6 to 8
+ * times the stiffness. No correction where S = 0, n.F <= 0, |x - x_a| > 5 mm, the pose is older
+ * than 50 ms, or any of it makes no sense: there the linear law no longer speaks of the present.
+ *
+ * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms.
+ * World frame, SI. Thread: the bridge's loop; no allocation after creation.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "softsim/types.h"
+
+/* Poses remembered: a force is corrected only when it answers one of them. */
+enum { SS_CORRECT_HISTORY = 1024 };
+
+typedef struct ss_corrector {
+    bool is_enabled;
+    bool has_force;
+    softsim_force force; /* in effect */
+    int64_t received_ns;
+    struct {
+        int32_t seq; /* 0: empty */
+        int64_t time_ns;
+        double position[3];
+    } history[SS_CORRECT_HISTORY];
+} ss_corrector;
+
+void ss_corrector_init(ss_corrector *corrector, bool is_enabled);
+/* Remembers a pose that is about to be sent. `seq` from 1. */
+void ss_corrector_note_pose(ss_corrector *corrector, int32_t seq, int64_t time_ns,
+                            const double position[3]);
+/* Puts a force into effect: the newest that came wins. */
+void ss_corrector_take_force(ss_corrector *corrector, const softsim_force *force,
+                             int64_t receive_ns);
+/* What to exert at `position` now. Zero before the first force. */
+void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const double position[3],
+                        double out_force[3]);
+/* seq of the force in effect, -1 when there is none (yet, or any more). */
+int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns);

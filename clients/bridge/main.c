@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-bridge: options, set-up and the summary. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bridge.h"
+#include "output.h"
+#include "process.h"
+#include "rt/args.h"
+#include "rt/thread.h"
+#include "softsim/client.h"
+
+enum { EXIT_BAD_INPUT = 2, DEFAULT_TICKS = 2000, CSV_BUFFER = 1 << 20 };
+
+typedef enum device_name { DEVICE_NONE = -1, DEVICE_SIM, DEVICE_SCRIPT } device_name;
+
+typedef struct options {
+    const char *lcm_url, *prefix, *csv, *path, *axes, *offset;
+    int32_t device, correct, body, grip, script;
+    int64_t probe, seed, delay_ticks, ticks;
+    double rate_hz, scale, force_scale, duration_s, damping;
+    double delay_ms, jitter_ms, loss, outlier, linear_tissue;
+} options;
+
+static const char usage[] = "--device sim|script [options]";
+static const char about[] =
+    "Connects a device to a softsimd: poses at 1 kHz, forces corrected to the present position.";
+
+/* Options that only one device or one mode knows are faults elsewhere. */
+static void check_options(const options *o, softsim_error *error)
+{
+    const bool is_linear = !isnan(o->linear_tissue);
+    if (o->device == DEVICE_NONE) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--device is missing; give sim or script");
+    }
+    if ((o->device == DEVICE_SCRIPT) != (o->path != NULL)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          o->path != NULL ? "--path: only --device script follows a path"
+                                          : "--device script needs --path POSES.csv");
+    }
+    if (is_linear && (o->device != DEVICE_SIM || o->scale != 1.0 || o->force_scale != 1.0 ||
+                      strcmp(o->axes, "x,y,z") != 0 || strcmp(o->offset, "0,0,0") != 0 ||
+                      o->delay_ms + o->jitter_ms + o->loss + o->outlier > 0.0)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--linear-tissue goes with --device sim, in the contact frame, and knows "
+                          "no delay but --delay-ticks");
+    }
+    if (!is_linear && o->delay_ticks > 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--delay-ticks goes with --linear-tissue; give --delay-ms");
+    }
+}
+
+static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
+{
+    *o = (options){.device = DEVICE_NONE,
+                   .body = SS_BODY_MEDIUM,
+                   .grip = SS_GRIP_MEDIUM,
+                   .seed = 1,
+                   .rate_hz = 1000.0,
+                   .scale = 1.0,
+                   .force_scale = 1.0,
+                   .axes = "x,y,z",
+                   .offset = "0,0,0",
+                   .linear_tissue = NAN};
+    const ss_arg rows[] = {
+        {"--device", SS_ARG_CHOICE, &o->device, 0, 0, "sim|script",
+         "simulated device and hand, or a pose path"},
+        {"--probe", SS_ARG_INTEGER, &o->probe, 0, SOFTSIM_MAX_PROBES - 1, "N", "its number (0)"},
+        {"--rate", SS_ARG_NUMBER, &o->rate_hz, 100, 4000, "HZ", "poses a second (1000)"},
+        {"--duration", SS_ARG_NUMBER, &o->duration_s, 1e-3, 1e6, "S",
+         "ends after S (without: at the path's end, or when stopped)"},
+        {"--axes", SS_ARG_STRING, &o->axes, 0, 0, "x,-z,y",
+         "the device axis, with sign, of each world axis (x,y,z)"},
+        {"--scale", SS_ARG_NUMBER, &o->scale, 1e-3, 1e3, "X", "world metres a device metre (1)"},
+        {"--offset-m", SS_ARG_STRING, &o->offset, 0, 0, "X,Y,Z",
+         "world position of the device's origin (0,0,0)"},
+        {"--force-scale", SS_ARG_NUMBER, &o->force_scale, 0, 100, "X",
+         "device newtons a world newton (1)"},
+        {"--correct", SS_ARG_CHOICE, &o->correct, 0, 0, "on|off",
+         "correct forces to the present position (on)"},
+        {"--damping", SS_ARG_NUMBER, &o->damping, 0, 20, "N_S_PER_M",
+         "the bridge's own damping in contact (0)"},
+        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", "one row per period, world frame"},
+        {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
+         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
+        {"--prefix", SS_ARG_STRING, &o->prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+        {"--path", SS_ARG_STRING, &o->path, 0, 0, "POSES.csv",
+         "script: time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
+        {"--body", SS_ARG_CHOICE, &o->body, 0, 0, SS_SIM_BODIES, "sim: the device (medium)"},
+        {"--grip", SS_ARG_CHOICE, &o->grip, 0, 0, SS_SIM_GRIPS, "sim: the hand (medium)"},
+        {"--script", SS_ARG_CHOICE, &o->script, 0, 0, SS_SIM_SCRIPTS,
+         "sim: what the hand does, z out of the tissue (press)"},
+        {"--seed", SS_ARG_INTEGER, &o->seed, 0, 9007199254740992.0, "N", "sim: tremor, bus (1)"},
+        {"--delay-ms", SS_ARG_NUMBER, &o->delay_ms, 0, 200, "MS", "bus, one way (0)"},
+        {"--jitter-ms", SS_ARG_NUMBER, &o->jitter_ms, 0, 50, "MS", "bus: mean further delay (0)"},
+        {"--loss", SS_ARG_NUMBER, &o->loss, 0, 1, "SHARE", "bus: messages lost (0)"},
+        {"--outlier", SS_ARG_NUMBER, &o->outlier, 0, 1, "SHARE",
+         "bus: messages 5 to 20 ms later (0)"},
+        {"--linear-tissue", SS_ARG_NUMBER, &o->linear_tissue, 0, 1e5, "N_PER_M",
+         "sim: no server, a linear tissue at z = 0"},
+        {"--delay-ticks", SS_ARG_INTEGER, &o->delay_ticks, 0, 1000, "N",
+         "linear tissue: age of the pose answered (0)"},
+        {"--ticks", SS_ARG_INTEGER, &o->ticks, 1, 1e9, "N",
+         "ends after N periods (linear tissue: 2000)"},
+    };
+    int32_t count = 0;
+    const char *positional = NULL;
+    const ss_args_result result =
+        ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
+                      &positional, 0, 0, &count, error);
+    if (result == SS_ARGS_DONE) {
+        return result;
+    }
+    check_options(o, error);
+    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+}
+
+static softsim_status open_device(const options *o, ss_device *out_device, softsim_error *error)
+{
+    const double period_s = 1.0 / o->rate_hz;
+    if (o->device == DEVICE_SCRIPT) {
+        return ss_script_create(o->path, period_s, out_device, error);
+    }
+    const ss_sim_config config = {.body = (ss_sim_body)o->body,
+                                  .grip = (ss_sim_grip)o->grip,
+                                  .script = (ss_sim_script)o->script,
+                                  .seed = (uint64_t)o->seed,
+                                  .period_s = period_s};
+    return ss_sim_create(&config, out_device, error);
+}
+
+static int64_t tick_count(const options *o)
+{
+    const int64_t by_time =
+        o->duration_s > 0.0 ? (int64_t)ceil(o->duration_s * o->rate_hz) : INT64_MAX;
+    const int64_t by_ticks =
+        o->ticks > 0 ? o->ticks
+                     : (isnan(o->linear_tissue) || o->duration_s > 0.0 ? INT64_MAX : DEFAULT_TICKS);
+    return by_time < by_ticks ? by_time : by_ticks;
+}
+
+static void report(const ss_bridge_summary *s, bool is_linear)
+{
+    const double ticks = s->ticks > 0 ? (double)s->ticks : 1.0;
+    printf("ticks       %" PRId64 ", %" PRId64 " late\n", s->ticks, s->late_ticks);
+    if (!is_linear) {
+        printf("forces      %" PRId64 " received, %" PRId64 " poses answered, %" PRId64
+               " messages lost on the simulated bus\n",
+               s->forces, s->answered, s->lost);
+        printf("latency_us  mean %.0f max %.0f\n",
+               s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
+               s->max_latency_us);
+    }
+    printf("peak force  %.6g N\n", s->peak_force_n);
+    printf("contact     %.1f %% of the time\n", 100.0 * (double)s->contact_ticks / ticks);
+    printf("energy in   %.6g J\n", s->energy_in_j);
+}
+
+/* Runs the bridge in real time. An exit status. */
+static int run_connected(const char *program, const options *o, ss_bridge *bridge)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_client *client = NULL;
+    const softsim_client_config config = {.lcm_url = o->lcm_url,
+                                          .prefix = o->prefix,
+                                          .context = bridge,
+                                          .handle_force = ss_bridge_take_force};
+    if (!ss_process_raise_priority()) {
+        fprintf(stderr, "%s: SCHED_FIFO is not allowed here; periods may come late\n", program);
+    }
+    const softsim_status status = softsim_client_open(&config, &client, &error);
+    if (status != SOFTSIM_OK) {
+        ss_args_print_error(program, &error);
+        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    }
+    ss_thread_lock_memory();
+    const bool is_good = ss_bridge_run(bridge, client);
+    softsim_client_close(&client);
+    if (!is_good) {
+        fprintf(stderr, "%s: LCM failed\n", program);
+    } else if (bridge->summary.forces == 0) {
+        fprintf(stderr,
+                "%s: no force came; is softsimd running, with this prefix, LCM url and probe?\n",
+                program);
+    }
+    return is_good && bridge->summary.forces > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+/* Opens device and file, runs, reports. An exit status. */
+static int run(const char *program, const options *o, const ss_frame *frame, softsim_error *error)
+{
+    static ss_bridge bridge; /* large */
+    ss_output csv = {0};
+    ss_device device;
+    if (open_device(o, &device, error) != SOFTSIM_OK) {
+        ss_args_print_error(program, error);
+        return EXIT_BAD_INPUT;
+    }
+    if (o->csv != NULL && ss_output_open(&csv, o->csv, error) != SOFTSIM_OK) {
+        ss_args_print_error(program, error);
+        device.destroy(device.state);
+        return EXIT_FAILURE;
+    }
+    const ss_bridge_config config = {
+        .probe = (int32_t)o->probe,
+        .is_correcting = o->correct == 0,
+        .damping_n_s_per_m = o->damping,
+        .tick_count = tick_count(o),
+        .bus = {o->delay_ms, o->jitter_ms, o->loss, o->outlier, (uint64_t)o->seed},
+        .csv = csv.file};
+    if (ss_bridge_init(&bridge, &config, frame, &device, error) != SOFTSIM_OK) {
+        ss_args_print_error(program, error);
+        ss_output_abandon(&csv);
+        return EXIT_FAILURE;
+    }
+    if (csv.file != NULL) {
+        setvbuf(csv.file, NULL, _IOFBF, CSV_BUFFER);
+        fputs(ss_bridge_csv_header, csv.file);
+    }
+    int status = EXIT_SUCCESS;
+    if (isnan(o->linear_tissue)) {
+        status = run_connected(program, o, &bridge);
+    } else {
+        ss_bridge_run_linear(&bridge, o->linear_tissue, (int32_t)o->delay_ticks);
+    }
+    if (bridge.summary.ticks > 0) {
+        report(&bridge.summary, !isnan(o->linear_tissue));
+        if (ss_output_commit(&csv, error) != SOFTSIM_OK) {
+            ss_args_print_error(program, error);
+            status = EXIT_FAILURE;
+        }
+    }
+    ss_output_abandon(&csv);
+    ss_bridge_fini(&bridge);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    options o;
+    ss_frame frame;
+    softsim_error error = {.status = SOFTSIM_OK};
+    const ss_args_result parsed = parse_options(argc, argv, &o, &error);
+    if (parsed == SS_ARGS_DONE) {
+        return EXIT_SUCCESS;
+    }
+    ss_frame_init(&frame, o.axes, o.offset, o.scale, o.force_scale, &error);
+    if (error.fault_count > 0) {
+        ss_args_print_error(argv[0], &error);
+        return EXIT_BAD_INPUT;
+    }
+    ss_process_catch_stop();
+    return run(argv[0], &o, &frame, &error);
+}

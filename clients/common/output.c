@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "output.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void forget(ss_output *output)
+{
+    free(output->path);
+    free(output->temporary);
+    *output = (ss_output){0};
+}
+
+softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error)
+{
+    *output = (ss_output){.path = strdup(path)};
+    if (output->path == NULL ||
+        asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {
+        output->temporary = NULL;
+        forget(output);
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    output->file = fopen(output->temporary, "wbe");
+    if (output->file == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
+        forget(output);
+        return SOFTSIM_ERROR_FILE;
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_output_commit(ss_output *output, softsim_error *error)
+{
+    if (output->file == NULL) {
+        return SOFTSIM_OK;
+    }
+    errno = 0;
+    bool is_good = ferror(output->file) == 0 && fflush(output->file) == 0;
+    if (is_good && fsync(fileno(output->file)) != 0) {
+        is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
+    }
+    is_good = fclose(output->file) == 0 && is_good;
+    is_good = is_good && rename(output->temporary, output->path) == 0;
+    if (!is_good) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s", output->path,
+                          errno != 0 ? strerror(errno) : "an earlier write failed");
+        unlink(output->temporary);
+    }
+    forget(output);
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_FILE;
+}
+
+void ss_output_abandon(ss_output *output)
+{
+    if (output->file != NULL) {
+        fclose(output->file);
+        unlink(output->temporary);
+        forget(output);
+    }
+}

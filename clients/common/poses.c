@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Poses from an event log or a pose CSV, as one sequence.
+ *
+ * The time of a log's pose is the logger's receipt of it: that is the one clock that all senders
+ * of a log share. It is made never to decrease, and a step of more than max_gap_us (a log put
+ * together from several, a clock that was set) counts as none and is noted, so that no player
+ * waits for it.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/vec.h"
+#include "softsim/log.h"
+
+static const int64_t max_gap_us = 60 * 1000 * 1000;
+
+struct softsim_poses {
+    softsim_log *log; /* one of the two */
+    softsim_path *path;
+
+    /* Of a log: the last pose's time. */
+    bool has_time;
+    int64_t log_utime_us, time_us;
+    bool has_pending; /* a pose that waits behind a note */
+    softsim_pose_event pending;
+
+    /* Of a CSV: the sample grid. */
+    double rate_hz;
+    int64_t first_sample, sample, sample_end;
+    int32_t probe; /* the next at this sample */
+};
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t a = strlen(text);
+    const size_t b = strlen(end);
+    return a >= b && strcmp(text + a - b, end) == 0;
+}
+
+static bool is_csv(const char *path)
+{
+    char head[6] = {0};
+    FILE *file = fopen(path, "re");
+    if (file != NULL) {
+        if (fread(head, 1, sizeof head, file) != sizeof head) {
+            head[0] = '\0';
+        }
+        fclose(file);
+    }
+    return memcmp(head, "time_s", sizeof head) == 0 || ends_with(path, ".csv");
+}
+
+softsim_status softsim_poses_open(const char *path, double rate_hz, softsim_poses **out_poses,
+                                  softsim_error *error)
+{
+    *out_poses = NULL;
+    softsim_poses *poses = calloc(1, sizeof *poses);
+    if (poses == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    softsim_status status;
+    if (is_csv(path)) {
+        status = softsim_path_load(path, &poses->path, error);
+        if (status == SOFTSIM_OK) {
+            double begin_s = 0.0;
+            double end_s = 0.0;
+            softsim_path_range(poses->path, -1, &begin_s, &end_s);
+            /* A time written in decimals may miss its tick by rounding: a thousandth is allowed. */
+            poses->rate_hz = rate_hz;
+            poses->first_sample = (int64_t)ceil(begin_s * rate_hz - 1e-3);
+            poses->sample_end = (int64_t)floor(end_s * rate_hz + 1e-3) + 1;
+        }
+    } else {
+        status = softsim_log_open(path, &poses->log, error);
+    }
+    if (status != SOFTSIM_OK) {
+        free(poses);
+        return status;
+    }
+    softsim_poses_rewind(poses);
+    *out_poses = poses;
+    return SOFTSIM_OK;
+}
+
+void softsim_poses_close(softsim_poses **poses)
+{
+    if (*poses != NULL) {
+        softsim_log_close(&(*poses)->log);
+        softsim_path_free(&(*poses)->path);
+        free(*poses);
+        *poses = NULL;
+    }
+}
+
+void softsim_poses_rewind(softsim_poses *poses)
+{
+    if (poses->log != NULL) {
+        softsim_log_rewind(poses->log);
+    }
+    poses->has_time = false;
+    poses->has_pending = false;
+    poses->time_us = 0;
+    poses->sample = poses->first_sample;
+    poses->probe = 0;
+}
+
+/* ---- CSV ------------------------------------------------------------------------------------- */
+
+static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_event *out)
+{
+    double begin_s = 0.0;
+    double end_s = 0.0;
+    softsim_path_range(poses->path, -1, &begin_s, &end_s);
+    while (poses->sample < poses->sample_end) {
+        const double time_s = (double)poses->sample / poses->rate_hz;
+        const double inside_s = fmin(fmax(time_s, begin_s), end_s); /* within rounding of a row */
+        while (poses->probe < SOFTSIM_MAX_PROBES) {
+            const int32_t probe = poses->probe++;
+            if (softsim_path_sample(poses->path, probe, inside_s, &out->pose)) {
+                const int64_t ticks = poses->sample - poses->first_sample;
+                out->channel_probe = probe;
+                out->time_us = llround((double)ticks * 1e6 / poses->rate_hz);
+                return SOFTSIM_POSES_POSE;
+            }
+        }
+        poses->probe = 0;
+        ++poses->sample;
+    }
+    return SOFTSIM_POSES_END;
+}
+
+/* ---- log --------------------------------------------------------------------------------------
+ */
+
+/* Moves the time on to the event; true when the step was not taken. */
+static bool advance_time(softsim_poses *poses, int64_t utime_us)
+{
+    /* Unsigned, because two hostile times may be further apart than int64 reaches. */
+    const uint64_t step = (uint64_t)utime_us - (uint64_t)poses->log_utime_us;
+    const bool is_back = poses->has_time && utime_us < poses->log_utime_us;
+    const bool is_odd = poses->has_time && (is_back || step > (uint64_t)max_gap_us);
+    if (poses->has_time && !is_odd) {
+        poses->time_us += (int64_t)step;
+    }
+    poses->has_time = true;
+    poses->log_utime_us = utime_us;
+    return is_odd;
+}
+
+static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event *out, char *note,
+                                        size_t note_size)
+{
+    if (poses->has_pending) {
+        poses->has_pending = false;
+        *out = poses->pending;
+        return SOFTSIM_POSES_POSE;
+    }
+    softsim_log_event event;
+    for (;;) {
+        switch (softsim_log_next(poses->log, &event)) {
+        case SOFTSIM_LOG_END:
+            return SOFTSIM_POSES_END;
+        case SOFTSIM_LOG_DAMAGED:
+            snprintf(note, note_size,
+                     "damaged record at byte %" PRId64 ", skipped %" PRId64 " bytes", event.offset,
+                     event.skipped);
+            return SOFTSIM_POSES_NOTE;
+        case SOFTSIM_LOG_TRUNCATED:
+            snprintf(note, note_size,
+                     "truncated record at byte %" PRId64 ", skipped the last %" PRId64 " bytes",
+                     event.offset, event.skipped);
+            return SOFTSIM_POSES_NOTE;
+        case SOFTSIM_LOG_UNREADABLE:
+            snprintf(note, note_size, "cannot read on at byte %" PRId64 ", the rest is left out",
+                     event.offset);
+            return SOFTSIM_POSES_NOTE;
+        case SOFTSIM_LOG_EVENT:
+            break;
+        }
+        const int32_t probe = softsim_log_probe(event.channel);
+        if (probe < 0) {
+            continue; /* other messages of the session */
+        }
+        if (!softsim_log_decode_pose(event.data, event.data_size, &out->pose)) {
+            snprintf(note, note_size,
+                     "record at byte %" PRId64 " on %s is no probe_pose_t (%" PRId32
+                     " bytes), skipped",
+                     event.offset, event.channel, event.data_size);
+            return SOFTSIM_POSES_NOTE;
+        }
+        const bool is_odd = advance_time(poses, event.utime_us);
+        out->channel_probe = probe;
+        out->time_us = poses->time_us;
+        if (is_odd) {
+            poses->pending = *out;
+            poses->has_pending = true;
+            snprintf(note, note_size, "the log's clock jumps at byte %" PRId64 ", played without",
+                     event.offset);
+            return SOFTSIM_POSES_NOTE;
+        }
+        return SOFTSIM_POSES_POSE;
+    }
+}
+
+softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event *out_event,
+                                        char *note, size_t note_size)
+{
+    return poses->path != NULL ? next_of_path(poses, out_event)
+                               : next_of_log(poses, out_event, note, note_size);
+}
+
+void softsim_poses_restamp(softsim_pose *pose, int64_t sender, int32_t seq)
+{
+    pose->sender = sender;
+    pose->seq = seq;
+    pose->force_seq = -1;
+    pose->flags = 0;
+    ss_set3(pose->applied_force, NAN, NAN, NAN);
+}

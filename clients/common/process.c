@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "process.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+
+/* Below the server's threads, above everything ordinary. */
+static const int client_priority = 60;
+
+static volatile sig_atomic_t is_stopped;
+
+static void note_stop(int signal_number)
+{
+    (void)signal_number;
+    is_stopped = 1;
+}
+
+void ss_process_catch_stop(void)
+{
+    struct sigaction action = {.sa_handler = note_stop}; /* no SA_RESTART: waits end */
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool ss_process_is_stopped(void)
+{
+    return is_stopped != 0;
+}
+
+bool ss_process_raise_priority(void)
+{
+    const struct sched_param parameter = {.sched_priority = client_priority};
+    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/* What the client programs ask of the system. */
+#include <stdbool.h>
+
+/* From here on SIGINT and SIGTERM ask the program to end by itself. Thread: main, at start. */
+void ss_process_catch_stop(void);
+/* Has the program been asked to end? Thread: any; RT-safe. */
+bool ss_process_is_stopped(void);
+
+/* Moves the calling thread to SCHED_FIFO; false where that is not allowed. Call it before
+ * softsim_client_open: LCM's reader thread inherits the class. */
+bool ss_process_raise_priority(void);

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-monitor: the server's state in a terminal, drawn anew with every status; one line a
+ * second where the output is no terminal; JSON, one line a status, for programs.
+ */
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "process.h"
+#include "rt/args.h"
+#include "show.h"
+#include "softsim/client.h"
+
+enum { EXIT_BAD_INPUT = 2 };
+static const int64_t patience_ns = 5000000000; /* without a status: the server is gone */
+static const int64_t line_ns = 1000000000;
+static const int64_t slice_ns = 200000000; /* between looks at the clock and at signals */
+
+typedef struct monitor {
+    bool is_json, is_once, is_terminal;
+    bool is_done;
+    int64_t shown_ns, received_ns; /* 0: never */
+} monitor;
+
+static void take_status(void *context, const struct _softsim_server_status_t *status,
+                        int64_t receive_ns)
+{
+    monitor *m = context;
+    m->received_ns = receive_ns;
+    if (m->is_done) {
+        return;
+    }
+    if (m->is_json) {
+        ss_show_json(stdout, status);
+    } else if (m->is_terminal) {
+        fputs("\033[H\033[J", stdout); /* home, clear below */
+        ss_show_page(stdout, status);
+    } else if (m->is_once) {
+        ss_show_page(stdout, status);
+    } else if (m->shown_ns == 0 || receive_ns - m->shown_ns >= line_ns) {
+        ss_show_line(stdout, status);
+        m->shown_ns = receive_ns;
+    }
+    fflush(stdout);
+    m->is_done = m->is_once;
+}
+
+/* An exit status. */
+static int watch(const char *program, monitor *m, softsim_client *client, double duration_s)
+{
+    const int64_t start_ns = softsim_client_now_ns();
+    bool is_silent = false;
+    while (!m->is_done && !ss_process_is_stopped()) {
+        const int64_t now_ns = softsim_client_now_ns();
+        const int64_t heard_ns = m->received_ns != 0 ? m->received_ns : start_ns;
+        if (duration_s > 0.0 && (double)(now_ns - start_ns) >= 1e9 * duration_s) {
+            break;
+        }
+        if (now_ns - heard_ns > patience_ns) {
+            if (!is_silent) {
+                fprintf(stderr,
+                        "%s: no status for 5 s; is softsimd running, with this prefix and "
+                        "LCM url?\n",
+                        program);
+            }
+            is_silent = true;
+            if (m->is_once) {
+                return EXIT_FAILURE;
+            }
+        } else {
+            is_silent = false;
+        }
+        if (softsim_client_wait(client, now_ns + slice_ns) < 0) {
+            fprintf(stderr, "%s: LCM failed\n", program);
+            return EXIT_FAILURE;
+        }
+    }
+    return m->received_ns != 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int main(int argc, char **argv)
+{
+    monitor m = {.is_terminal = isatty(STDOUT_FILENO) == 1};
+    double duration_s = 0.0;
+    softsim_client_config config = {.context = &m, .handle_status = take_status};
+    const ss_arg rows[] = {
+        {"--once", SS_ARG_FLAG, &m.is_once, 0, 0, NULL, "show one status and end"},
+        {"--json", SS_ARG_FLAG, &m.is_json, 0, 0, NULL, "one line of JSON a status"},
+        {"--duration", SS_ARG_NUMBER, &duration_s, 1e-3, 1e6, "S", "ends after S"},
+        {"--lcm-url", SS_ARG_STRING, &config.lcm_url, 0, 0, "URL",
+         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
+        {"--prefix", SS_ARG_STRING, &config.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+    };
+    softsim_error error = {.status = SOFTSIM_OK};
+    const char *positional = NULL;
+    int32_t count = 0;
+    const ss_args_result parsed =
+        ss_args_parse(argc, argv, "[options]", "Shows the state of a softsimd.", rows,
+                      (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
+    if (parsed == SS_ARGS_DONE) {
+        return EXIT_SUCCESS;
+    }
+    softsim_client *client = NULL;
+    ss_process_catch_stop();
+    if (parsed == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
+        ss_args_print_error(argv[0], &error);
+        return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    }
+    const int status = watch(argv[0], &m, client, duration_s);
+    softsim_client_close(&client);
+    return status;
+}

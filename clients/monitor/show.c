@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "show.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "softsim/types.h"
+
+static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
+static const char *const refusals[SOFTSIM_REFUSED_COUNT] = {
+    "malformed", "type hash",    "not finite",  "stale",
+    "jump",      "other sender", "wrong probe", "other"};
+
+static const char *verdict_name(int32_t verdict)
+{
+    return verdict >= 0 && verdict < 4 ? verdicts[verdict] : "unknown";
+}
+
+/* ---- JSON ---------------------------------------------------------------------------------------
+ */
+
+static void json_text(FILE *out, const char *name, const char *text)
+{
+    fprintf(out, ", \"%s\": \"", name);
+    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
+        if (*at == '"' || *at == '\\') {
+            fprintf(out, "\\%c", *at);
+        } else if (*at < 0x20 || *at >= 0x7F) {
+            fprintf(out, "\\u%04x", *at); /* bytes beyond ASCII are read as Latin-1 */
+        } else {
+            fputc(*at, out);
+        }
+    }
+    fputc('"', out);
+}
+
+static void json_integer(FILE *out, const char *name, int64_t value)
+{
+    fprintf(out, ", \"%s\": %" PRId64, name, value);
+}
+
+static void json_integers(FILE *out, const char *name, const int64_t *value, int count)
+{
+    fprintf(out, ", \"%s\": ", name);
+    for (int i = 0; i < count; ++i) {
+        fprintf(out, "%s%" PRId64, i == 0 ? "[" : ", ", value[i]);
+    }
+    fputc(']', out);
+}
+
+static void json_value(FILE *out, double value)
+{
+    if (isfinite(value)) {
+        fprintf(out, "%.17g", value);
+    } else {
+        fputs("null", out);
+    }
+}
+
+static void json_number(FILE *out, const char *name, double value)
+{
+    fprintf(out, ", \"%s\": ", name);
+    json_value(out, value);
+}
+
+static void json_numbers(FILE *out, const char *name, const double *value, int count)
+{
+    fprintf(out, ", \"%s\": ", name);
+    for (int i = 0; i < count; ++i) {
+        fputs(i == 0 ? "[" : ", ", out);
+        json_value(out, value[i]);
+    }
+    fputc(']', out);
+}
+
+void ss_show_json(FILE *out, const softsim_server_status_t *s)
+{
+#define INTEGER(field)         json_integer(out, #field, s->field)
+#define INTEGERS(field, count) json_integers(out, #field, s->field, count)
+#define NUMBER(field)          json_number(out, #field, s->field)
+#define NUMBERS(field, count)  json_numbers(out, #field, s->field, count)
+#define TEXT(field)            json_text(out, #field, s->field)
+    fprintf(out, "{\"utime\": %" PRId64, s->utime);
+    INTEGER(seq);
+    INTEGER(verdict);
+    INTEGER(fault_bits);
+    INTEGER(threads);
+    INTEGER(nodes);
+    INTEGER(active_nodes);
+    INTEGER(elements);
+    INTEGER(worst_element);
+    INTEGER(substeps);
+    INTEGER(probes);
+    INTEGER(plan_hash);
+    INTEGER(state_hash);
+    INTEGER(step);
+    INTEGER(bytes_in_use);
+    INTEGER(poses_received);
+    INTEGER(poses_superseded);
+    INTEGERS(poses_refused, 8);
+    INTEGER(mesh_bytes_sent);
+    INTEGER(wire_dropped);
+    INTEGERS(probe_periods, 8);
+    INTEGERS(probe_forces, 8);
+    INTEGERS(probe_missed, 8);
+    NUMBER(uptime_s);
+    NUMBER(simulation_rate_hz);
+    NUMBER(stable_step_s);
+    NUMBERS(step_us, 3);
+    NUMBERS(lateness_us, 4);
+    NUMBER(kinetic_j);
+    NUMBER(elastic_j);
+    NUMBER(total_j);
+    NUMBER(energy_to_device_j);
+    NUMBER(energy_from_device_j);
+    NUMBERS(worst_contact_j, 8);
+    NUMBERS(loop_delay_ms, 2);
+    NUMBERS(stiffness_limit_n_per_m, 8);
+    INTEGER(stiffness_backoffs);
+    TEXT(scene);
+    TEXT(model);
+    TEXT(reason);
+    fputs("}\n", out);
+#undef INTEGER
+#undef INTEGERS
+#undef NUMBER
+#undef NUMBERS
+#undef TEXT
+}
+
+/* ---- for people
+ * ---------------------------------------------------------------------------------- */
+
+/* The text with a dot for every control character: a message must not drive the terminal. */
+static void put_text(FILE *out, const char *text)
+{
+    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
+        fputc(*at < 0x20 || *at == 0x7F || (*at >= 0x80 && *at < 0xA0) ? '.' : *at, out);
+    }
+}
+
+static int64_t sum(const int64_t *value, int count)
+{
+    uint64_t total = 0; /* wraps on nonsense instead of overflowing */
+    for (int i = 0; i < count; ++i) {
+        total += (uint64_t)value[i];
+    }
+    return (int64_t)total;
+}
+
+void ss_show_line(FILE *out, const softsim_server_status_t *s)
+{
+    fprintf(out,
+            "%.1f s %s: step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
+            "poses %" PRId64 " refused %" PRId64 "; forces %" PRId64 " missed %" PRId64
+            "; energy %.3g J",
+            s->uptime_s, verdict_name(s->verdict), s->step, s->simulation_rate_hz, s->step_us[0],
+            s->step_us[1], s->lateness_us[1], s->poses_received, sum(s->poses_refused, 8),
+            sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
+    if (s->reason[0] != '\0') {
+        fputs(" - ", out);
+        put_text(out, s->reason);
+    }
+    fputc('\n', out);
+}
+
+static void show_probes(FILE *out, const softsim_server_status_t *s)
+{
+    fputs("probe    periods     forces     missed   worst contact   stiffness limit\n", out);
+    for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (s->probe_periods[p] != 0) {
+            fprintf(out, "%5d %10" PRId64 " %10" PRId64 " %10" PRId64 " %13.3g J %13.0f N/m\n", p,
+                    s->probe_periods[p], s->probe_forces[p], s->probe_missed[p],
+                    s->worst_contact_j[p], s->stiffness_limit_n_per_m[p]);
+        }
+    }
+}
+
+void ss_show_page(FILE *out, const softsim_server_status_t *s)
+{
+    fputs("scene       ", out);
+    put_text(out, s->scene);
+    fputs("\nmodel       ", out);
+    put_text(out, s->model);
+    fprintf(out, "\nverdict     %s%s", verdict_name(s->verdict), s->reason[0] != '\0' ? ": " : "");
+    put_text(out, s->reason);
+    fprintf(out,
+            "\nup          %.1f s, %d threads, %.1f MB\n"
+            "body        %d nodes (%d active), %d elements, worst element %d\n"
+            "simulation  step %" PRId64 " at %.1f Hz, %d substeps, stable step %.3g s\n"
+            "step time   p50 %.0f  p99 %.0f  max %.0f us\n"
+            "lateness    p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n"
+            "loop delay  p50 %.2f  p95 %.2f ms\n"
+            "energy      kinetic %.3g  elastic %.3g  total %.3g J\n"
+            "device      given %.3g  taken %.3g J, %" PRId64 " stiffness back-offs\n"
+            "wire        %.1f MB of mesh sent, %" PRId64 " messages dropped\n"
+            "poses       %" PRId64 " received, %" PRId64 " superseded",
+            s->uptime_s, s->threads, 1e-6 * (double)s->bytes_in_use, s->nodes, s->active_nodes,
+            s->elements, s->worst_element, s->step, s->simulation_rate_hz, s->substeps,
+            s->stable_step_s, s->step_us[0], s->step_us[1], s->step_us[2], s->lateness_us[0],
+            s->lateness_us[1], s->lateness_us[2], s->lateness_us[3], s->loop_delay_ms[0],
+            s->loop_delay_ms[1], s->kinetic_j, s->elastic_j, s->total_j, s->energy_to_device_j,
+            s->energy_from_device_j, s->stiffness_backoffs, 1e-6 * (double)s->mesh_bytes_sent,
+            s->wire_dropped, s->poses_received, s->poses_superseded);
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        if (s->poses_refused[i] != 0) {
+            fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[i], refusals[i]);
+        }
+    }
+    fputs("\n\n", out);
+    show_probes(out, s);
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-replay: options, the look through the log beforehand, and the report afterwards. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "process.h"
+#include "replay.h"
+#include "rt/args.h"
+#include "softsim/client.h"
+#include "softsim/log.h"
+
+enum { EXIT_BAD_INPUT = 2, MAX_NOTES = 20 };
+
+typedef struct options {
+    const char *lcm_url, *prefix, *record, *csv;
+    double rate_hz, speed;
+    int64_t repeat;
+    bool is_lockstep, is_convert;
+    const char *input, *output;
+} options;
+
+/* What the log holds. */
+typedef struct survey {
+    int64_t poses, notes, duration_us;
+    int32_t probe_count;
+} survey;
+
+static const char usage[] = "[options] LOG|CSV   or   --convert [options] CSV OUT.lcmlog";
+static const char about[] =
+    "Plays the probe poses of an LCM event log, or of a pose CSV\n"
+    "(time_s,probe,x,y,z,qw,qx,qy,qz,buttons), to a softsimd and keeps the answers.";
+
+static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
+{
+    *o = (options){.rate_hz = 1000.0, .speed = 1.0, .repeat = 1};
+    const ss_arg rows[] = {
+        {"--lockstep", SS_ARG_FLAG, &o->is_lockstep, 0, 0, NULL,
+         "wait for each pose's answer before the next (server with --lockstep)"},
+        {"--speed", SS_ARG_NUMBER, &o->speed, 1e-3, 1e3, "X", "times as fast as recorded (1)"},
+        {"--repeat", SS_ARG_INTEGER, &o->repeat, 1, 1e6, "N", "play N times (1)"},
+        {"--rate", SS_ARG_NUMBER, &o->rate_hz, 1, 1e4, "HZ", "at which a CSV is sampled (1000)"},
+        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", "one row per force received"},
+        {"--record", SS_ARG_STRING, &o->record, 0, 0, "OUT.lcmlog",
+         "event log of the poses sent and the forces received"},
+        {"--convert", SS_ARG_FLAG, &o->is_convert, 0, 0, NULL,
+         "write the poses as an event log instead of playing them"},
+        {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
+         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
+        {"--prefix", SS_ARG_STRING, &o->prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+    };
+    const char *positional[2] = {NULL, NULL};
+    int32_t count = 0;
+    const ss_args_result result =
+        ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
+                      positional, 1, 2, &count, error);
+    if (result == SS_ARGS_DONE) {
+        return result;
+    }
+    if (count > 0 && count != (o->is_convert ? 2 : 1)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s",
+                          o->is_convert ? "--convert needs two files: CSV OUT.lcmlog"
+                                        : "only --convert takes a second file");
+    }
+    if (o->is_lockstep && o->speed != 1.0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--speed: in --lockstep the answers set the pace; leave it out");
+    }
+    o->input = positional[0];
+    o->output = positional[1];
+    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+}
+
+/* Reads the whole log once: says what is damaged, counts poses and probes. */
+static survey look_through(const char *program, const char *path, softsim_poses *poses)
+{
+    survey found = {0};
+    uint32_t probes = 0;
+    for (;;) {
+        softsim_pose_event event;
+        char note[256];
+        const softsim_poses_result next = softsim_poses_next(poses, &event, note, sizeof note);
+        if (next == SOFTSIM_POSES_END) {
+            break;
+        }
+        if (next == SOFTSIM_POSES_NOTE) {
+            if (found.notes++ < MAX_NOTES) {
+                fprintf(stderr, "%s: %s: %s\n", program, path, note);
+            }
+            continue;
+        }
+        ++found.poses;
+        probes |= 1u << event.channel_probe;
+        found.duration_us = event.time_us;
+    }
+    if (found.notes > MAX_NOTES) {
+        fprintf(stderr, "%s: %s: and %" PRId64 " more\n", program, path, found.notes - MAX_NOTES);
+    }
+    found.probe_count = __builtin_popcount(probes);
+    return found;
+}
+
+/* Writes the poses as a log: times from 0, sender 1, so that equal input gives equal bytes. */
+static int convert(const char *program, const options *o, softsim_poses *poses)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    if (softsim_log_create(o->output, &writer, &error) != SOFTSIM_OK) {
+        ss_args_print_error(program, &error);
+        return EXIT_FAILURE;
+    }
+    const char *prefix = o->prefix != NULL ? o->prefix : SOFTSIM_DEFAULT_PREFIX;
+    softsim_pose_event event;
+    char note[256];
+    int32_t seq = 0;
+    softsim_poses_result next;
+    softsim_poses_rewind(poses);
+    while ((next = softsim_poses_next(poses, &event, note, sizeof note)) != SOFTSIM_POSES_END) {
+        if (next == SOFTSIM_POSES_POSE) {
+            char channel[SOFTSIM_LOG_CHANNEL_SIZE];
+            snprintf(channel, sizeof channel, "%.50s_PROBE_%" PRId32, prefix, event.channel_probe);
+            softsim_poses_restamp(&event.pose, 1, ++seq);
+            event.pose.utime_us = event.time_us;
+            softsim_log_write_pose(writer, event.time_us, channel, &event.pose);
+        }
+    }
+    if (softsim_log_finish(&writer, &error) != SOFTSIM_OK) {
+        ss_args_print_error(program, &error);
+        return EXIT_FAILURE;
+    }
+    return EXIT_SUCCESS;
+}
+
+static void report(const ss_replay *replay, const survey *found)
+{
+    const ss_replay_statistics *s = &replay->statistics;
+    const softsim_client_counts counts = softsim_client_read_counts(replay->client);
+    printf("poses       %" PRId64 " sent, %" PRId64 " answered, %" PRId64 " missing answers\n",
+           s->poses, s->answered, s->poses - s->answered);
+    printf("forces      %" PRId64 " received, peak %.6g N\n", s->forces, s->peak_force_n);
+    printf("latency_us  p50 %" PRId64 " p99 %" PRId64 " max %" PRId64 "\n",
+           ss_replay_latency(s, 0.5), ss_replay_latency(s, 0.99), s->max_latency_us);
+    printf("log         %" PRId64 " poses, %" PRId64 " damaged or skipped records\n", found->poses,
+           found->notes);
+    if (replay->is_lockstep) {
+        printf("lockstep    %" PRId64 " poses sent again, %" PRId64 " repeated answers\n",
+               s->resent, s->duplicates);
+    }
+    if (s->other_sender > 0) {
+        printf("refused     %" PRId64 " forces say that another sender holds the probe\n",
+               s->other_sender);
+    }
+    if (counts.malformed > 0 || counts.unsent > 0) {
+        printf("network     %" PRId64 " malformed messages, %" PRId64 " poses not sent\n",
+               counts.malformed, counts.unsent);
+    }
+}
+
+static bool finish_files(const char *program, ss_replay *replay, ss_output *csv)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    const bool is_good = (softsim_log_finish(&replay->record, &error) == SOFTSIM_OK) &
+                         (ss_output_commit(csv, &error) == SOFTSIM_OK);
+    ss_args_print_error(program, &error);
+    return is_good;
+}
+
+/* Opens files and network, plays, reports. */
+static int play(const char *program, const options *o, softsim_poses *poses, const survey *found)
+{
+    static ss_replay replay; /* large */
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_output csv = {0};
+    replay.poses = poses;
+    replay.speed = o->speed;
+    replay.repeat = o->repeat;
+    replay.repeat_gap_us = (int64_t)(1e6 / o->rate_hz);
+    replay.is_lockstep = o->is_lockstep;
+    const softsim_client_config config = {.lcm_url = o->lcm_url,
+                                          .prefix = o->prefix,
+                                          .context = &replay,
+                                          .handle_force = ss_replay_take_force};
+    if (!o->is_lockstep) {
+        ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
+    }
+    softsim_status status = softsim_client_open(&config, &replay.client, &error);
+    if (status == SOFTSIM_OK && o->record != NULL) {
+        status = softsim_log_create(o->record, &replay.record, &error);
+    }
+    if (status == SOFTSIM_OK && o->csv != NULL) {
+        status = ss_output_open(&csv, o->csv, &error);
+        replay.csv = csv.file;
+    }
+    if (status != SOFTSIM_OK) {
+        ss_args_print_error(program, &error);
+        softsim_log_abandon(&replay.record);
+        softsim_client_close(&replay.client);
+        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    }
+    if (replay.csv != NULL) {
+        fputs(ss_replay_csv_header, replay.csv);
+    }
+    if (o->is_lockstep && found->probe_count > 1) {
+        fprintf(stderr,
+                "%s: %" PRId32 " probes: in lockstep every pose is a tick, so a log at the tick "
+                "rate plays %" PRId32 " times slower in simulated time\n",
+                program, found->probe_count, found->probe_count);
+    }
+    const ss_replay_result result = ss_replay_run(&replay);
+    if (result == SS_REPLAY_SILENT) {
+        fprintf(stderr,
+                "%s: no answer for 5 s after pose %" PRId32
+                "; is softsimd running, with this prefix and LCM url%s?\n",
+                program, replay.seq, o->is_lockstep ? ", with --lockstep" : "");
+    } else if (result == SS_REPLAY_STOPPED) {
+        fprintf(stderr, "%s: stopped after %" PRId64 " of %" PRId64 " poses\n", program,
+                replay.statistics.poses, found->poses * o->repeat);
+    } else if (result == SS_REPLAY_BROKEN) {
+        fprintf(stderr, "%s: LCM failed\n", program);
+    }
+    const bool is_written = finish_files(program, &replay, &csv);
+    report(&replay, found);
+    softsim_client_close(&replay.client);
+    return result == SS_REPLAY_DONE && is_written ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int main(int argc, char **argv)
+{
+    options o;
+    softsim_error error = {.status = SOFTSIM_OK};
+    const ss_args_result parsed = parse_options(argc, argv, &o, &error);
+    if (parsed == SS_ARGS_DONE) {
+        return EXIT_SUCCESS;
+    }
+    softsim_poses *poses = NULL;
+    if (parsed == SS_ARGS_BAD ||
+        softsim_poses_open(o.input, o.rate_hz, &poses, &error) != SOFTSIM_OK) {
+        ss_args_print_error(argv[0], &error);
+        return EXIT_BAD_INPUT;
+    }
+    ss_process_catch_stop();
+    const survey found = look_through(argv[0], o.input, poses);
+    int status = EXIT_BAD_INPUT;
+    if (found.poses == 0) {
+        fprintf(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n", argv[0],
+                o.input);
+    } else if (found.poses > INT32_MAX / o.repeat) {
+        fprintf(stderr, "%s: --repeat: more poses than a seq can number\n", argv[0]);
+    } else {
+        status = o.is_convert ? convert(argv[0], &o, poses) : play(argv[0], &o, poses, &found);
+    }
+    softsim_poses_close(&poses);
+    return status;
+}

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "replay.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <time.h>
+
+#include "process.h"
+#include "rt/vec.h"
+
+static const int64_t silence_ns = 5000000000; /* without an answer: failure */
+static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
+static const int64_t drain_ns = 500000000;    /* for the last answers */
+
+const char ss_replay_csv_header[] = "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,"
+                                    "stiffness_n_per_m,model_age_us,flags,latency_us\n";
+
+/* The clock of lcm-logger's records. */
+static int64_t wall_clock_us(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
+}
+
+/* ---- answers ------------------------------------------------------------------------------- */
+
+static void count_latency(ss_replay_statistics *statistics, int64_t latency_us)
+{
+    const int64_t bounded = latency_us < 0 ? 0 : latency_us;
+    ++statistics->latency[bounded < SS_REPLAY_BUCKETS ? bounded : SS_REPLAY_BUCKETS - 1];
+    ++statistics->latency_count;
+    if (bounded > statistics->max_latency_us) {
+        statistics->max_latency_us = bounded;
+    }
+}
+
+int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantile)
+{
+    const double wanted = quantile * (double)statistics->latency_count;
+    int64_t seen = 0;
+    for (int32_t us = 0; us < SS_REPLAY_BUCKETS - 1; ++us) {
+        seen += statistics->latency[us];
+        if (seen > 0 && (double)seen >= wanted) {
+            return us;
+        }
+    }
+    return statistics->max_latency_us;
+}
+
+static void write_row(FILE *csv, const softsim_force *force, int64_t latency_us)
+{
+    fprintf(csv, "%" PRId32 ",%" PRId64 ",%" PRId32, force->pose_seq, force->pose_utime_us,
+            force->probe);
+    for (int i = 0; i < 3; ++i) {
+        fprintf(csv, ",%.17g", force->force[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        fprintf(csv, ",%.17g", force->torque[i]);
+    }
+    fprintf(csv, ",%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId64 "\n", force->depth,
+            force->stiffness, force->model_age_us, force->flags, latency_us);
+}
+
+void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
+{
+    ss_replay *replay = context;
+    ss_replay_statistics *statistics = &replay->statistics;
+    const int64_t latency_us = receive_ns / 1000 - force->pose_utime_us;
+    int32_t *answered = &replay->answered_seq[force->probe];
+    const bool is_first =
+        force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
+    replay->silent_since_ns = 0;
+    if (replay->record != NULL) {
+        softsim_log_write_force(replay->record, wall_clock_us(),
+                                softsim_client_force_channel(replay->client, force->probe), force);
+    }
+    if (replay->is_lockstep && !is_first) {
+        ++statistics->duplicates;
+        return;
+    }
+    if (is_first) {
+        *answered = force->pose_seq;
+        ++statistics->answered;
+        count_latency(statistics, latency_us);
+    }
+    ++statistics->forces;
+    statistics->other_sender += (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
+    statistics->peak_force_n = fmax(statistics->peak_force_n, ss_norm3(force->force));
+    if (replay->csv != NULL) {
+        write_row(replay->csv, force, latency_us);
+    }
+}
+
+/* ---- sending ----------------------------------------------------------------------------------
+ */
+
+/* Gives the pose its number and time and sends it. */
+static void send_pose(ss_replay *replay, softsim_pose_event *event)
+{
+    const int32_t channel = event->channel_probe;
+    softsim_poses_restamp(&event->pose, softsim_client_sender(replay->client), ++replay->seq);
+    replay->sent_seq[channel] = replay->seq;
+    event->pose.utime_us = softsim_client_now_us();
+    if (replay->silent_since_ns == 0) {
+        replay->silent_since_ns = softsim_client_now_ns();
+    }
+    softsim_client_send_pose(replay->client, &event->pose, channel);
+    ++replay->statistics.poses;
+    if (replay->record != NULL) {
+        softsim_log_write_pose(replay->record, wall_clock_us(),
+                               softsim_client_probe_channel(replay->client, channel), &event->pose);
+    }
+}
+
+/* Takes answers until `deadline_ns`, or until `channel` (-1: none) has all its poses answered. */
+static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32_t channel)
+{
+    for (;;) {
+        if (softsim_client_wait(replay->client, deadline_ns) < 0) {
+            return SS_REPLAY_BROKEN;
+        }
+        if (ss_process_is_stopped()) {
+            return SS_REPLAY_STOPPED;
+        }
+        const int64_t now_ns = softsim_client_now_ns();
+        if (replay->silent_since_ns != 0 && now_ns - replay->silent_since_ns > silence_ns) {
+            return SS_REPLAY_SILENT;
+        }
+        if (channel >= 0 && replay->answered_seq[channel] == replay->sent_seq[channel]) {
+            return SS_REPLAY_DONE;
+        }
+        if (now_ns >= deadline_ns) {
+            return SS_REPLAY_DONE;
+        }
+    }
+}
+
+static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event)
+{
+    const int32_t channel = event->channel_probe;
+    send_pose(replay, event);
+    for (;;) {
+        const ss_replay_result result =
+            wait_until(replay, softsim_client_now_ns() + resend_ns, channel);
+        if (result != SS_REPLAY_DONE ||
+            replay->answered_seq[channel] == replay->sent_seq[channel]) {
+            return result;
+        }
+        /* The same message again: a server that has answered it repeats its answer. */
+        softsim_client_send_pose(replay->client, &event->pose, channel);
+        ++replay->statistics.resent;
+    }
+}
+
+/* Waits until the last pose of every channel is answered, for a while. */
+static ss_replay_result drain(ss_replay *replay)
+{
+    const int64_t deadline_ns = softsim_client_now_ns() + drain_ns;
+    ss_replay_result result = SS_REPLAY_DONE;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES && result == SS_REPLAY_DONE; ++p) {
+        result = wait_until(replay, deadline_ns, p);
+    }
+    return result;
+}
+
+ss_replay_result ss_replay_run(ss_replay *replay)
+{
+    const int64_t start_ns = softsim_client_now_ns();
+    ss_replay_result result = SS_REPLAY_DONE;
+    int64_t turn_us = 0; /* log time at which this turn starts */
+    for (int64_t turn = 0; turn < replay->repeat && result == SS_REPLAY_DONE; ++turn) {
+        int64_t last_us = turn_us;
+        softsim_poses_rewind(replay->poses);
+        while (result == SS_REPLAY_DONE) {
+            softsim_pose_event event;
+            char note[256]; /* said once already, when the log was looked through */
+            const softsim_poses_result next =
+                softsim_poses_next(replay->poses, &event, note, sizeof note);
+            if (next == SOFTSIM_POSES_END) {
+                break;
+            }
+            if (next == SOFTSIM_POSES_NOTE) {
+                continue;
+            }
+            if (replay->is_lockstep) {
+                result = play_locked(replay, &event);
+                continue;
+            }
+            last_us = turn_us + event.time_us;
+            const double elapsed_ns = 1e3 * (double)last_us / replay->speed;
+            result = wait_until(replay, start_ns + (int64_t)elapsed_ns, -1);
+            if (result == SS_REPLAY_DONE) {
+                send_pose(replay, &event);
+            }
+        }
+        turn_us = last_us + replay->repeat_gap_us;
+    }
+    return result == SS_REPLAY_DONE && !replay->is_lockstep ? drain(replay) : result;
+}

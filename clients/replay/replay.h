@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Plays recorded poses to a server and keeps the answers.
+ *
+ * Paced: every pose is sent at its time of the log, on the absolute clock; answers are taken
+ * whenever they come. Lockstep: a pose is sent, and again every 100 ms, until its answer is here;
+ * then the next. Either ends in failure when 5 s pass without any answer to what was sent; a
+ * server that is started again within that time is simply played on to.
+ * Thread: main.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "output.h"
+#include "softsim/client.h"
+#include "softsim/log.h"
+
+/* Latencies are counted in buckets of 1 us up to here; longer ones in the last. */
+enum { SS_REPLAY_BUCKETS = 100 * 1000 };
+
+typedef struct ss_replay_statistics {
+    int64_t poses;    /* sent, repeats of lockstep not counted */
+    int64_t answered; /* poses that at least one force answers */
+    int64_t forces;   /* that answer this sender */
+    int64_t resent;
+    int64_t duplicates;   /* second answers in lockstep, not kept */
+    int64_t other_sender; /* forces that say that another sender holds the probe */
+    double peak_force_n;
+    int64_t latency_count, max_latency_us; /* of the first answer to each pose */
+    uint32_t latency[SS_REPLAY_BUCKETS];
+} ss_replay_statistics;
+
+typedef struct ss_replay {
+    /* parameters */
+    softsim_poses *poses;
+    double speed;          /* 2: twice as fast as recorded */
+    int64_t repeat;        /* times the whole log is played */
+    int64_t repeat_gap_us; /* between the last pose and the first again */
+    bool is_lockstep;
+    FILE *csv;                  /* NULL: not wanted */
+    softsim_log_writer *record; /* NULL: not wanted */
+
+    /* state */
+    softsim_client *client;
+    int32_t seq;                              /* of the last pose sent */
+    int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
+    int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
+    int64_t silent_since_ns;                  /* first unanswered send; 0: none */
+    ss_replay_statistics statistics;
+} ss_replay;
+
+typedef enum ss_replay_result {
+    SS_REPLAY_DONE,
+    SS_REPLAY_STOPPED, /* by a signal */
+    SS_REPLAY_SILENT,  /* 5 s without an answer */
+    SS_REPLAY_BROKEN   /* LCM failed */
+} ss_replay_result;
+
+/* Callback of the client; `context` is the ss_replay. */
+void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+/* Plays; the parameters and `client` are set, the rest is zero. */
+ss_replay_result ss_replay_run(ss_replay *replay);
+/* `quantile` in 0..1, microseconds; 0 without answers. */
+int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantile);
+/* The header line of the CSV, with its \n. */
+extern const char ss_replay_csv_header[];

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * A client of softsimd over LCM: sends probe poses, receives the contact forces that answer them
+ * and the server's status. Nothing connects: the server may come, go and come again; poses then
+ * simply go unanswered.
+ *
+ * What arrives is checked before it is decoded: exact size, type hash, finite values, and forces
+ * only when they answer this client's own sender number. Messages are handled by callbacks from
+ * softsim_client_wait, every one that is there, so that no queue grows.
+ * Thread: a client belongs to one thread; LCM's own reader thread takes over the scheduling class
+ * that the caller of softsim_client_open has.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "softsim/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SOFTSIM_DEFAULT_PREFIX "SOFTSIM"
+
+struct _softsim_server_status_t; /* generated from lcmtypes/server_status_t.lcm */
+
+typedef struct softsim_client_config {
+    const char *lcm_url; /* NULL: LCM_DEFAULT_URL, else the local multicast group */
+    const char *prefix;  /* of the channels; NULL: SOFTSIM_DEFAULT_PREFIX */
+    void *context;       /* handed to the callbacks */
+    /* A force that answers this client; receive_ns of the monotonic clock. NULL: none wanted. */
+    void (*handle_force)(void *context, const softsim_force *force, int64_t receive_ns);
+    /* The server's status, valid during the call. NULL: none wanted. */
+    void (*handle_status)(void *context, const struct _softsim_server_status_t *status,
+                          int64_t receive_ns);
+} softsim_client_config;
+
+/* What came in and was not handed on. */
+typedef struct softsim_client_counts {
+    int64_t malformed; /* wrong size, type or channel, values that are not finite */
+    int64_t foreign;   /* forces for other senders */
+    int64_t unsent;    /* poses that LCM could not send */
+} softsim_client_counts;
+
+typedef struct softsim_client softsim_client;
+
+/* Joins the group and subscribes; draws the sender number. The error says what to do where the
+ * machine has no multicast route. */
+softsim_status softsim_client_open(const softsim_client_config *config, softsim_client **out_client,
+                                   softsim_error *error);
+/* Accepts NULL; nulls. */
+void softsim_client_close(softsim_client **client);
+/* This client's random number, never 0. */
+int64_t softsim_client_sender(const softsim_client *client);
+/* Channel names, "SOFTSIM_PROBE_0" and "SOFTSIM_FORCE_0". */
+const char *softsim_client_probe_channel(const softsim_client *client, int32_t probe);
+const char *softsim_client_force_channel(const softsim_client *client, int32_t probe);
+/* Publishes the pose as it is on the channel of `channel_probe`. False (counted) on failure. */
+bool softsim_client_send_pose(softsim_client *client, const softsim_pose *pose,
+                              int32_t channel_probe);
+/* Handles every message that is there; when there is none, waits for one until `deadline_ns` of
+ * the monotonic clock. Returns how many it handled, 0 after the deadline or a signal, -1 when LCM
+ * is broken. */
+int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns);
+softsim_client_counts softsim_client_read_counts(const softsim_client *client);
+/* The monotonic clock, and the microseconds of it that go into `utime`. */
+int64_t softsim_client_now_ns(void);
+int64_t softsim_client_now_us(void);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * How a world is created. Always start from softsim_default_config(): it sets every field and a
+ * cookie that softsim_create checks, so that new fields never break a caller.
+ */
+#include <stdint.h>
+
+typedef struct softsim_config {
+    uint32_t cookie;
+    const char *const *set;     /* PATH=VALUE overrides of scene values */
+    int32_t set_count;
+    int32_t threads;            /* for set-up and workers; results do not depend on it */
+    double step_s;              /* outer step and tick; 0: the scene's own rates */
+    const char *import_program; /* NULL: softsim-import beside the program, else in libexec */
+} softsim_config;
+
+/* Thread: any. */
+softsim_config softsim_default_config(void);

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Signed distances of the tools' shapes, in closed form.
+ *
+ * Sphere and capsule: distance to a point or segment, less the radius. Box: with q = |x| - e,
+ * d = |max(q, 0)| outside, max q inside. Cylinder and cone are turned figures: with r = |(x, y)|
+ * the distance to a rectangle or triangle in the half-plane (r, z). All are exact, so 1-Lipschitz
+ * and with a unit gradient wherever they have one. Where they have none (centre, axis, medial
+ * faces) a fixed choice is made: +x off the axis, +z at a sphere's centre, the first of equal
+ * faces. Rejected: distances by libccd, which has no distance query and a depth that is not the
+ * least.
+ */
+#include <math.h>
+
+#include "contact/shape.h"
+#include "rt/vec.h"
+
+/* Squares of lengths below this underflow; directions so short are replaced by the fixed choice. */
+static const double tiny = 1e-100;
+
+/* Splits x into radius r and unit direction off the z axis. */
+static double split_axis(const double x[3], double out_radial[3])
+{
+    const double r = hypot(x[0], x[1]);
+    if (r > tiny) {
+        ss_set3(out_radial, x[0] / r, x[1] / r, 0.0);
+    } else {
+        ss_set3(out_radial, 1.0, 0.0, 0.0);
+    }
+    return r;
+}
+
+/* The gradient of a turned figure: nr along the radial direction, nz along the axis. */
+static void join_axis(const double radial[3], double nr, double nz, double out_normal[3])
+{
+    ss_set3(out_normal, nr * radial[0], nr * radial[1], nz);
+}
+
+static double capsule_distance(double radius, double half_length, const double x[3],
+                               double out_normal[3])
+{
+    const double z = fmax(-half_length, fmin(half_length, x[2]));
+    ss_set3(out_normal, x[0], x[1], x[2] - z);
+    const double length = ss_norm3(out_normal);
+    if (length > tiny) {
+        ss_scale3(out_normal, out_normal, 1.0 / length);
+    } else if (half_length > 0.0) {
+        ss_set3(out_normal, 1.0, 0.0, 0.0);
+    } else {
+        ss_set3(out_normal, 0.0, 0.0, 1.0);
+    }
+    return length - radius;
+}
+
+static double box_distance(const double extent[3], const double x[3], double out_normal[3])
+{
+    double q[3];
+    double outside[3];
+    int deepest = 0;
+    for (int k = 0; k < 3; ++k) {
+        q[k] = fabs(x[k]) - extent[k];
+        outside[k] = copysign(fmax(q[k], 0.0), x[k]);
+        deepest = q[k] > q[deepest] ? k : deepest;
+    }
+    if (q[deepest] <= tiny) {
+        ss_set3(out_normal, 0.0, 0.0, 0.0);
+        out_normal[deepest] = copysign(1.0, x[deepest]);
+        return q[deepest];
+    }
+    ss_copy3(out_normal, outside);
+    return ss_normalize3(out_normal);
+}
+
+static double cylinder_distance(double radius, double half_length, const double x[3],
+                                double out_normal[3])
+{
+    double radial[3];
+    const double qr = split_axis(x, radial) - radius;
+    const double qz = fabs(x[2]) - half_length;
+    const double up = copysign(1.0, x[2]);
+    if (qr > tiny && qz > tiny) {
+        const double d = hypot(qr, qz);
+        join_axis(radial, qr / d, up * qz / d, out_normal);
+        return d;
+    }
+    if (qr >= qz) {
+        join_axis(radial, 1.0, 0.0, out_normal);
+        return qr;
+    }
+    ss_set3(out_normal, 0.0, 0.0, up);
+    return qz;
+}
+
+/* Half-plane figure: base from (0, -L) to (R, -L), side from (R, -L) to the apex (0, L). The side's
+ * outward normal is (2L, R)/s, s = |(R, 2L)|. */
+static double cone_distance(double radius, double half_length, const double x[3],
+                            double out_normal[3])
+{
+    double radial[3];
+    const double r = split_axis(x, radial);
+    const double slant = hypot(radius, 2.0 * half_length);
+    const double nr = 2.0 * half_length / slant;
+    const double nz = radius / slant;
+    const double side = (r - radius) * nr + (x[2] + half_length) * nz;
+    const double base = -half_length - x[2];
+    if (side <= 0.0 && base <= 0.0) {
+        if (side >= base) {
+            join_axis(radial, nr, nz, out_normal);
+            return side;
+        }
+        ss_set3(out_normal, 0.0, 0.0, -1.0);
+        return base;
+    }
+    /* Position along the side from the rim (0) to the apex (slant). */
+    const double along = (radius - r) * nz + (x[2] + half_length) * nr;
+    if (side > 0.0 && along >= 0.0 && along <= slant) {
+        join_axis(radial, nr, nz, out_normal);
+        return side;
+    }
+    if (base > 0.0 && r <= radius) {
+        ss_set3(out_normal, 0.0, 0.0, -1.0);
+        return base;
+    }
+    const double corner_r = along > slant ? 0.0 : radius;
+    const double corner_z = along > slant ? half_length : -half_length;
+    const double d = hypot(r - corner_r, x[2] - corner_z);
+    if (d > tiny) {
+        join_axis(radial, (r - corner_r) / d, (x[2] - corner_z) / d, out_normal);
+    } else {
+        join_axis(radial, nr, nz, out_normal);
+    }
+    return d;
+}
+
+double ss_shape_distance(const ss_shape *shape, const double x[3], double out_normal[3])
+{
+    /* Also false for NaN; squares further out would overflow. */
+    if (!(fabs(x[0]) < 1e60 && fabs(x[1]) < 1e60 && fabs(x[2]) < 1e60)) {
+        ss_set3(out_normal, 0.0, 0.0, 1.0);
+        return INFINITY;
+    }
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+        return capsule_distance(shape->radius, 0.0, x, out_normal);
+    case SS_SHAPE_CAPSULE:
+        return capsule_distance(shape->radius, shape->half_length, x, out_normal);
+    case SS_SHAPE_BOX:
+        return box_distance(shape->half_extent, x, out_normal);
+    case SS_SHAPE_CYLINDER:
+        return cylinder_distance(shape->radius, shape->half_length, x, out_normal);
+    case SS_SHAPE_CONE:
+        return cone_distance(shape->radius, shape->half_length, x, out_normal);
+    case SS_SHAPE_CONVEX:
+        return ss_convex_distance(shape->convex, x, out_normal);
+    }
+    ss_set3(out_normal, 0.0, 0.0, 1.0);
+    return INFINITY;
+}
+
+double ss_shape_bounding_radius(const ss_shape *shape)
+{
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+        return shape->radius;
+    case SS_SHAPE_CAPSULE:
+        return shape->radius + shape->half_length;
+    case SS_SHAPE_BOX:
+        return ss_norm3(shape->half_extent);
+    case SS_SHAPE_CYLINDER:
+    case SS_SHAPE_CONE:
+        return hypot(shape->radius, shape->half_length);
+    case SS_SHAPE_CONVEX:
+        return ss_convex_bounding_radius(shape->convex);
+    }
+    return 0.0;
+}
+
+double ss_shape_curvature_radius(const ss_shape *shape)
+{
+    const bool is_round = shape->kind == SS_SHAPE_SPHERE || shape->kind == SS_SHAPE_CAPSULE ||
+                          shape->kind == SS_SHAPE_CYLINDER;
+    return is_round ? shape->radius : 0.0;
+}
+
+double ss_shape_inradius(const ss_shape *shape)
+{
+    const double *e = shape->half_extent;
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+    case SS_SHAPE_CAPSULE:
+        return shape->radius;
+    case SS_SHAPE_BOX:
+        return fmin(e[0], fmin(e[1], e[2]));
+    case SS_SHAPE_CYLINDER:
+        return fmin(shape->radius, shape->half_length);
+    case SS_SHAPE_CONE: /* incircle of the triangle with base 2 R and height 2 L */
+        return 2.0 * shape->radius * shape->half_length /
+               (shape->radius + hypot(shape->radius, 2.0 * shape->half_length));
+    case SS_SHAPE_CONVEX:
+        return ss_convex_inradius(shape->convex);
+    }
+    return 0.0;
+}
+
+void ss_shape_span(const ss_shape *shape, double *out_low, double *out_high)
+{
+    double high = 0.0;
+    double length = 0.0;
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+        break;
+    case SS_SHAPE_CAPSULE:
+    case SS_SHAPE_CYLINDER:
+    case SS_SHAPE_CONE:
+        high = shape->half_length;
+        break;
+    case SS_SHAPE_BOX:
+        high = shape->half_extent[2];
+        break;
+    case SS_SHAPE_CONVEX:
+        ss_convex_extent(shape->convex, out_low, out_high, &length);
+        return;
+    }
+    *out_low = -high;
+    *out_high = high;
+}
+
+double ss_shape_gyration(const ss_shape *shape)
+{
+    const double *e = shape->half_extent;
+    double low = 0.0;
+    double high = 0.0;
+    double length = 0.0;
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+        return 0.0;
+    case SS_SHAPE_CAPSULE:
+        length = 2.0 * (shape->half_length + shape->radius);
+        break;
+    case SS_SHAPE_BOX:
+        length = 2.0 * fmax(e[0], fmax(e[1], e[2]));
+        break;
+    case SS_SHAPE_CYLINDER:
+    case SS_SHAPE_CONE:
+        length = 2.0 * fmax(shape->half_length, shape->radius);
+        break;
+    case SS_SHAPE_CONVEX:
+        ss_convex_extent(shape->convex, &low, &high, &length);
+        break;
+    }
+    return fmax(0.005, length / sqrt(12.0));
+}
+
+/* ---- poses ---------------------------------------------------------------------------------- */
+
+void ss_tool_pose_blend(const ss_tool_pose *from, const ss_tool_pose *to, double s,
+                        ss_tool_pose *out)
+{
+    const double *a = from->orientation;
+    const double *b = to->orientation;
+    const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+    const double sign = dot < 0.0 ? -1.0 : 1.0;
+    double length = 0.0;
+    double q[4];
+    for (int k = 0; k < 4; ++k) {
+        q[k] = (1.0 - s) * a[k] + s * sign * b[k];
+        length += q[k] * q[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        out->orientation[k] = q[k] / sqrt(length);
+    }
+    for (int k = 0; k < 3; ++k) {
+        out->position[k] = (1.0 - s) * from->position[k] + s * to->position[k];
+    }
+}
+
+double ss_tool_motion_bound(const ss_shape *shape, const ss_tool_pose *from, const ss_tool_pose *to)
+{
+    const double *a = from->orientation;
+    const double *b = to->orientation;
+    const double dot = fabs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]);
+    const double angle = shape->kind == SS_SHAPE_SPHERE ? 0.0 : 2.0 * acos(fmin(1.0, dot));
+    double shift[3];
+    ss_sub3(shift, to->position, from->position);
+    return ss_norm3(shift) + angle * ss_shape_bounding_radius(shape);
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/* Private to contact/: what shape.c needs of convex meshes (convex.c). All RT-safe. */
+#include "contact/contact.h"
+
+double ss_convex_distance(const ss_convex *convex, const double x[3], double out_normal[3]);
+double ss_convex_bounding_radius(const ss_convex *convex);
+double ss_convex_inradius(const ss_convex *convex);
+/* Extent along z about the origin, and the largest extent of the bounding box. */
+void ss_convex_extent(const ss_convex *convex, double *out_z_low, double *out_z_high,
+                      double *out_length);
+void ss_convex_support(const ss_convex *convex, const double direction[3], double out[3]);
+void ss_convex_centre(const ss_convex *convex, double out[3]);
+
+/* The shape's extent along its axis z: where its contacts are spread. */
+void ss_shape_span(const ss_shape *shape, double *out_low, double *out_high);

@@ -1,0 +1,607 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * One haptic tick, in order:
+ *   poses     the newest pose x, the hand's filtered velocity v, the observer's sums
+ *   gate      whether the hand may feel anything: watchdog, entry, pause, fault, stop
+ *   result    a new local model, taken so that the force does not step; grasp edges
+ *   coupling  the spring that lets the hand feel at most K_max
+ *   balance   proxy and contact forces
+ *   limits    force (the proxy slips), ramp, slew
+ *   output    the message, the target for the simulation, the history for the observer
+ * No clock is read: time is the tick's number and the device's own time stamps.
+ */
+#include "haptic/haptic.h"
+
+#include <string.h>
+
+#include "haptic/internal.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#define TWO_PI 6.283185307179586
+#define VELOCITY_CORNER 50.0   /* Hz: one position count a millisecond is 30 mm/s */
+#define SPEED_MAX 10.0         /* m/s: no hand is faster; bounds what a bad clock can do */
+#define SPRING_RATE 5.0        /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
+#define PREDICT_TIME_MAX 0.025 /* s */
+#define PREDICT_MOVE_MAX 0.003 /* m */
+enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
+
+struct ss_haptic {
+    ss_haptic_config config;
+    /* state: device */
+    bool has_pose;
+    softsim_pose pose;
+    int64_t pose_tick;
+    uint32_t epoch;
+    double v[3];
+    bool is_pressed;
+    int64_t press_tick;
+    /* state: proxy and tissue */
+    double p[3], pdot[3];
+    double spring; /* K_c */
+    ss_gate gate;
+    ss_law law;
+    bool is_fault;
+    int64_t result_tick;
+    double model_force[3], surface_point[3], surface_normal[3], surface_depth, surface_proxy[3];
+    /* state: output */
+    int32_t bad_streak;
+    int64_t bad_inputs;
+    uint32_t grasp_edges, teleports;
+    double last_force[3];
+    uint64_t digest;
+    ss_haptic_output output;
+    ss_observer observer;
+};
+
+/* ---- guards ----------------------------------------------------------------------------------- */
+
+static bool is_pose_finite(const softsim_pose *pose)
+{
+    return ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4);
+}
+
+static bool is_result_finite(const ss_local_model *result)
+{
+    const ss_contact_set *set = &result->set;
+    bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
+                   ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
+                   ss_is_finite(set->torque, 3) && isfinite(set->depth) &&
+                   ss_is_finite(set->point, 3) && ss_is_finite(set->normal, 3);
+    for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
+        const ss_contact *c = &set->contact[i];
+        const double scalar[5] = {c->force, c->stiffness, c->tangential, c->viscosity, c->gap};
+        is_good = ss_is_finite(c->point, 3) && ss_is_finite(c->normal, 3) &&
+                  ss_is_finite(scalar, 5) && ss_is_finite(&c->curvature[0][0], 9);
+    }
+    return is_good;
+}
+
+/* Finite, but can it be meant? */
+static bool is_result_sound(const ss_local_model *result, int64_t tick)
+{
+    if (result->set.count < 0 || result->set.count > SS_MAX_CONTACTS || result->tick > tick ||
+        result->period <= 0.0) {
+        return false;
+    }
+    for (int32_t i = 0; i < result->set.count; ++i) {
+        if (fabs(ss_norm3(result->set.contact[i].normal) - 1.0) > 1e-3) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool are_inputs_finite(const ss_haptic_input *input)
+{
+    for (int32_t i = 0; i < input->pose_count; ++i) {
+        if (!is_pose_finite(&input->pose[i])) {
+            return false;
+        }
+    }
+    /* A fault's numbers are not looked at. */
+    return !input->is_result_new || input->result == NULL || input->result->is_fault ||
+           is_result_finite(input->result);
+}
+
+/* ---- poses ------------------------------------------------------------------------------------ */
+
+/* Seconds since the last pose: the device's own clock, or ticks in lockstep. */
+static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
+{
+    const double period = haptic->config.period;
+    if (haptic->config.is_lockstep) {
+        return period * (double)(tick > haptic->pose_tick ? tick - haptic->pose_tick : 1);
+    }
+    const double elapsed = ((double)pose->utime_us - (double)haptic->pose.utime_us) * 1e-6;
+    return elapsed > 0.0 ? elapsed : period;
+}
+
+static void filter_velocity(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
+{
+    if (ss_is_finite(pose->velocity, 3)) {
+        ss_copy3(haptic->v, pose->velocity);
+    } else {
+        const double elapsed = pose_interval(haptic, pose, tick);
+        const double share = 1.0 - exp(-TWO_PI * VELOCITY_CORNER * elapsed);
+        for (int i = 0; i < 3; ++i) {
+            const double raw = (pose->position[i] - haptic->pose.position[i]) / elapsed;
+            haptic->v[i] += share * (raw - haptic->v[i]);
+        }
+    }
+    ss_limit_force(haptic->v, SPEED_MAX);
+}
+
+static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
+{
+    const bool is_pressed = (pose->buttons & SOFTSIM_BUTTON_GRASP) != 0;
+    if (is_pressed != haptic->is_pressed) {
+        ++haptic->grasp_edges;
+        haptic->press_tick = tick;
+    }
+    haptic->is_pressed = is_pressed;
+}
+
+/* Returns true when a device begins here: the first pose of a holder, or one after silence. */
+static bool take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoch, int64_t tick)
+{
+    const bool is_new_holder = !haptic->has_pose || epoch != haptic->epoch;
+    const bool is_return = tick - haptic->pose_tick >= SS_WATCHDOG_TICKS;
+    const bool corrects = (pose->flags & SOFTSIM_POSE_CORRECTS) != 0;
+    if (is_new_holder) {
+        ss_observer_restart(&haptic->observer, &haptic->config, corrects);
+        ss_set3(haptic->last_force, 0.0, 0.0, 0.0);
+    } else if (is_return) {
+        ss_observer_break(&haptic->observer);
+    }
+    if (is_new_holder || is_return) {
+        ss_set3(haptic->v, 0.0, 0.0, 0.0);
+    } else {
+        filter_velocity(haptic, pose, tick);
+    }
+    ss_observer_pose(&haptic->observer, &haptic->config, pose, tick);
+    take_button(haptic, pose, tick);
+    haptic->has_pose = true;
+    haptic->pose = *pose;
+    haptic->pose_tick = tick;
+    haptic->epoch = epoch;
+    return is_new_holder;
+}
+
+static bool take_poses(ss_haptic *haptic, const ss_haptic_input *input, bool is_bad)
+{
+    const int32_t first =
+        input->pose_count > POSES_A_TICK ? input->pose_count - POSES_A_TICK : 0;
+    bool is_new_holder = false;
+    for (int32_t i = first; i < input->pose_count; ++i) {
+        if (is_bad && !is_pose_finite(&input->pose[i])) {
+            continue;
+        }
+        is_new_holder =
+            take_pose(haptic, &input->pose[i], input->sender_epoch, input->tick) || is_new_holder;
+    }
+    return is_new_holder;
+}
+
+/* ---- gate, result, grasp ---------------------------------------------------------------------- */
+
+static void place_proxy(ss_haptic *haptic)
+{
+    ss_law_clear(&haptic->law);
+    ss_copy3(haptic->p, haptic->pose.position);
+    ss_copy3(haptic->gate.placed_at, haptic->pose.position);
+    ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
+    ++haptic->teleports;
+}
+
+static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, bool is_new_holder)
+{
+    const ss_gate_input gate = {
+        .tick = input->tick,
+        .period = haptic->config.period,
+        .is_stale = input->tick - haptic->pose_tick >= SS_WATCHDOG_TICKS,
+        .is_paused = input->is_paused,
+        .is_reset = input->is_reset,
+        .is_stopping = input->is_stopping,
+        .is_new_holder = is_new_holder,
+        .is_fault = haptic->is_fault,
+        .has_result = haptic->law.is_known,
+        .result_tick = haptic->result_tick,
+        .has_force = ss_norm3(haptic->last_force) > 0.0,
+    };
+    if (ss_gate_step(&haptic->gate, &gate)) {
+        place_proxy(haptic);
+    }
+}
+
+/* The pose and hand velocity that the coupling sees. */
+static void used_pose(const ss_haptic *haptic, int64_t tick, double x[3], double v[3])
+{
+    ss_copy3(x, haptic->pose.position);
+    ss_copy3(v, haptic->v);
+    ss_gate_pose(&haptic->gate, tick, x, v);
+}
+
+/* A result for where the proxy is now: the law, and entry if it is the first. */
+static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t tick)
+{
+    ss_law *law = &haptic->law;
+    const bool is_first = haptic->gate.phase == SS_PHASE_WAITING;
+    double x[3], v[3], normal[3], point[3], depth = 0.0;
+    used_pose(haptic, tick, x, v);
+    if (!is_first && haptic->is_pressed && result->set.is_held && !law->held.is_held) {
+        ss_law_hold(law, haptic->p, haptic->pdot);
+    }
+    ss_law_take(law, result, &haptic->config, tick, x, haptic->p, haptic->pdot, is_first);
+    if (!ss_law_surface(law, haptic->pose.position, normal, point, &depth)) {
+        ss_copy3(normal, result->set.normal);
+        ss_copy3(point, haptic->pose.position);
+    }
+    if (ss_gate_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
+                                haptic->pose.position)) {
+        ss_gate_enter(&haptic->gate, tick, true, point, normal);
+        /* The proxy goes out to the surface, at once. */
+        used_pose(haptic, tick, haptic->p, v);
+        ++haptic->teleports;
+    } else if (is_first) {
+        ss_gate_enter(&haptic->gate, tick, false, point, normal);
+    } else {
+        ss_gate_follow(&haptic->gate, law->result_period, point, normal);
+    }
+}
+
+/* Takes a fresh result; returns true when there was a good one. */
+static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
+{
+    const ss_local_model *result = input->result;
+    if (!input->is_result_new || result == NULL) {
+        return false;
+    }
+    haptic->is_fault = result->is_fault;
+    if (result->is_fault) {
+        return false;
+    }
+    if (!is_result_finite(result) || !is_result_sound(result, input->tick)) {
+        ++haptic->bad_inputs;
+        return false;
+    }
+    haptic->result_tick = result->tick;
+    ss_copy3(haptic->model_force, result->set.force);
+    ss_copy3(haptic->surface_point, result->set.point);
+    ss_copy3(haptic->surface_normal, result->set.normal);
+    ss_copy3(haptic->surface_proxy, result->proxy);
+    haptic->surface_depth = result->set.depth;
+    const ss_phase phase = haptic->gate.phase;
+    if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
+        result->tick >= haptic->gate.placed) {
+        use_result(haptic, result, input->tick);
+    }
+    return true;
+}
+
+/* The grasp begins with the button in contact, stays only if the model holds too (a result may
+ * also begin it, in use_result), and ends with the button. */
+static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
+                         const double x[3])
+{
+    ss_law *law = &haptic->law;
+    const bool is_refused = is_fresh && !input->result->set.is_held &&
+                            input->result->tick >= haptic->press_tick;
+    if (!haptic->is_pressed || is_refused) {
+        ss_law_release(law, &haptic->config, x, haptic->p, haptic->pdot);
+    } else if (!law->held.is_held && input->tick == haptic->press_tick &&
+               ss_law_active_count(law) > 0) {
+        ss_law_hold(law, haptic->p, haptic->pdot);
+    }
+}
+
+/* ---- coupling, balance, limits ---------------------------------------------------------------- */
+
+static void update_spring(ss_haptic *haptic)
+{
+    const ss_haptic_config *config = &haptic->config;
+    const bool is_in_contact = ss_law_active_count(&haptic->law) > 0;
+    double tissue[3][3];
+    ss_law_stiffness(&haptic->law, is_in_contact, tissue);
+    double wanted = ss_coupling_spring(haptic->observer.limit, ss_coupling_largest(tissue));
+    if (config->between_steps != SS_BETWEEN_LOCAL) {
+        /* Without a law the tissue has no stiffness: nothing to share it with. */
+        wanted = ss_coupling_spring(INFINITY, 0.0);
+    }
+    if (is_in_contact) {
+        const double factor = exp(SPRING_RATE * config->period);
+        wanted = fmin(haptic->spring * factor, fmax(haptic->spring / factor, wanted));
+    }
+    haptic->spring = wanted;
+}
+
+/* Balances the proxy against the law and keeps the force within the limit; writes the values of
+ * the law, p and the whole force. Returns true when limited. */
+static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
+                          double out_force[3])
+{
+    const ss_haptic_config *config = &haptic->config;
+    ss_law *law = &haptic->law;
+    const double damper = config->damping / config->period;
+    ss_balance balance;
+    balance.spring = haptic->spring + damper;
+    for (int i = 0; i < 3; ++i) {
+        const double pull = haptic->spring * x[i] + config->damping * v[i] +
+                            damper * haptic->p[i] + law->residual[i] + law->released[i];
+        balance.p_free[i] = pull / balance.spring;
+    }
+    ss_law_rows(law, config, tick, x, haptic->p, &balance);
+    double p[3], value[SS_MAX_CONTACTS], change[3];
+    ss_coupling_balance(&balance, p, value, law->held.value);
+    for (int32_t i = 0; i < law->count; ++i) {
+        law->contact[i].value = i < balance.count ? value[i] : 0.0;
+    }
+    ss_law_force(law, out_force);
+    ss_copy3(change, out_force);
+    const bool is_limited = ss_limit_force(out_force, config->max_force);
+    if (is_limited) {
+        ss_sub3(change, change, out_force);
+        ss_coupling_slip(&balance, value, change, p);
+        ss_coupling_evaluate(&balance, p, value, law->held.value);
+        for (int32_t i = 0; i < balance.count; ++i) {
+            law->contact[i].value = value[i];
+        }
+    }
+    ss_sub3(haptic->pdot, p, haptic->p);
+    ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
+    ss_copy3(haptic->p, p);
+    return is_limited;
+}
+
+/* ---- output ----------------------------------------------------------------------------------- */
+
+static int32_t age_us(const ss_haptic *haptic, int64_t tick)
+{
+    const double age = (double)(tick - haptic->result_tick) * haptic->config.period * 1e6;
+    return haptic->result_tick == 0 ? 0 : (int32_t)fmin(age, INT32_MAX);
+}
+
+/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose. */
+static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_force *force)
+{
+    const ss_law *law = &haptic->law;
+    int32_t strongest = 0;
+    for (int32_t i = 1; i < law->count; ++i) {
+        strongest = law->contact[i].value > law->contact[strongest].value ? i : strongest;
+    }
+    ss_copy3(force->normal,
+             law->count > 0 ? law->contact[strongest].direction : haptic->surface_normal);
+    double move[3];
+    ss_sub3(move, haptic->p, haptic->surface_proxy);
+    ss_madd3(move, move, -ss_dot3(move, force->normal), force->normal);
+    ss_add3(force->point, haptic->surface_point, move);
+    force->depth = 0.0;
+    if (is_in_contact) {
+        double inward[3];
+        ss_sub3(inward, haptic->surface_proxy, haptic->pose.position);
+        force->depth =
+            fmax(0.0, haptic->surface_depth + ss_dot3(haptic->surface_normal, inward));
+    }
+}
+
+/* dF/dx that the hand feels along the normal: coupling and tissue in series. */
+static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
+{
+    double tissue[3][3];
+    double k = 0.0;
+    ss_law_stiffness(&haptic->law, true, tissue);
+    for (int r = 0; r < 3; ++r) {
+        k += normal[r] * ss_dot3(tissue[r], normal);
+    }
+    return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
+}
+
+static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
+                        const double whole[3], int32_t flags)
+{
+    softsim_force *force = &haptic->output.force;
+    const double size = ss_norm3(whole);
+    const int32_t active = ss_law_active_count(&haptic->law);
+    const bool is_in_contact = active > 0 && ss_gate_gain(&haptic->gate, input->tick) > 0.0;
+    ++force->seq;
+    force->sender = haptic->pose.sender;
+    force->probe = haptic->pose.probe;
+    force->pose_seq = haptic->pose.seq;
+    force->pose_utime_us = haptic->pose.utime_us;
+    force->contact_count = is_in_contact ? active : 0;
+    force->model_age_us = age_us(haptic, input->tick);
+    force->flags = flags | (is_in_contact ? SOFTSIM_FORCE_CONTACT : 0) |
+                   (haptic->law.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
+    ss_copy3(force->force, sent);
+    ss_set3(force->torque, 0.0, 0.0, 0.0);
+    if (haptic->config.tool_gyration > 0.0 && size > 0.0) {
+        ss_law_torque(&haptic->law, force->torque);
+        ss_scale3(force->torque, force->torque, ss_norm3(sent) / size);
+    }
+    ss_copy3(force->model_force, haptic->model_force);
+    ss_copy3(force->proxy, haptic->p);
+    write_surface(haptic, is_in_contact, force);
+    const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
+    force->stiffness =
+        is_in_contact && (flags & hidden) == 0 ? felt_stiffness(haptic, force->normal) : 0.0;
+}
+
+static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const double v[3])
+{
+    ss_proxy_target *target = &haptic->output.target;
+    target->tick = input->tick;
+    target->pose_seq = haptic->pose.seq;
+    target->is_present = haptic->gate.phase != SS_PHASE_SILENT;
+    target->is_grasping = haptic->is_pressed && target->is_present;
+    target->grasp_edges = haptic->grasp_edges;
+    target->teleports = haptic->teleports;
+    ss_copy3(target->proxy, haptic->p);
+    ss_copy3(target->orientation, haptic->pose.orientation);
+    ss_copy3(target->velocity, v);
+}
+
+static void write_sums(ss_haptic *haptic)
+{
+    const ss_observer *observer = &haptic->observer;
+    ss_haptic_output *output = &haptic->output;
+    output->has_force = haptic->has_pose;
+    output->worst_contact_j = observer->worst;
+    output->energy_to_device_j = observer->to_device;
+    output->energy_from_device_j = observer->from_device;
+    output->stiffness_limit = observer->limit;
+    output->loop_delay_ms[0] = 1e3 * observer->delay_p50;
+    output->loop_delay_ms[1] = 1e3 * observer->delay_p95;
+    output->bad_inputs = haptic->bad_inputs;
+}
+
+static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size)
+{
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ byte[i]) * UINT64_C(1099511628211);
+    }
+    return hash;
+}
+
+/* What the observer must know of a force later on, and what the lockstep hash remembers of it. */
+static void remember_force(ss_haptic *haptic, int64_t tick)
+{
+    const softsim_force *force = &haptic->output.force;
+    const ss_past_force record = {.seq = force->seq,
+                                    .tick = tick,
+                                    .pose_tick = haptic->pose_tick,
+                                    .pose_utime_us = haptic->pose.utime_us,
+                                    .force = {force->force[0], force->force[1], force->force[2]}};
+    ss_observer_force(&haptic->observer, &record);
+    ss_copy3(haptic->last_force, force->force);
+    haptic->digest = hash_bytes(haptic->digest, force->force, sizeof force->force);
+}
+
+/* Non-finite input: the last force again, for as long as the watchdog would wait. */
+static void repeat_force(ss_haptic *haptic, int64_t tick)
+{
+    haptic->output.force.seq += haptic->has_pose;
+    haptic->output.force.flags |= SOFTSIM_FORCE_PREDICTED;
+    haptic->output.target.tick = tick;
+    if (haptic->has_pose) {
+        remember_force(haptic, tick);
+    }
+    write_sums(haptic);
+}
+
+/* ---- public ----------------------------------------------------------------------------------- */
+
+void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
+{
+    ss_haptic_config *own = &haptic->config;
+    *own = *config;
+    own->period = config->period > 1e-5 && config->period < 1.0 ? config->period : 1e-3;
+    own->max_force = config->max_force >= 0.0 ? config->max_force : 0.0;
+    own->max_slew = config->max_slew >= 0.0 ? config->max_slew : 0.0;
+    own->stiffness = config->stiffness >= 1.0 ? config->stiffness : 1.0;
+    own->damping = config->damping >= 0.0 ? config->damping : 0.0;
+}
+
+ss_haptic *ss_haptic_create(const ss_haptic_config *config)
+{
+    ss_haptic *haptic = ss_memory_get(1, sizeof *haptic);
+    if (haptic == NULL) {
+        return NULL;
+    }
+    ss_haptic_configure(haptic, config);
+    ss_observer_restart(&haptic->observer, &haptic->config, false);
+    haptic->spring = haptic->observer.limit;
+    return haptic;
+}
+
+void ss_haptic_destroy(ss_haptic **haptic)
+{
+    if (haptic != NULL) {
+        ss_memory_free(*haptic);
+        *haptic = NULL;
+    }
+}
+
+void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double period,
+                       double out_position[3])
+{
+    const double ahead = fmin((lag_periods + 0.5) * period, PREDICT_TIME_MAX);
+    double move[3];
+    ss_scale3(move, target->velocity, ahead);
+    ss_limit_force(move, PREDICT_MOVE_MAX);
+    ss_add3(out_position, target->proxy, move);
+}
+
+uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
+{
+    const ss_observer *observer = &haptic->observer;
+    const double state[] = {haptic->p[0],   haptic->p[1],     haptic->p[2],        haptic->v[0],
+                            haptic->v[1],   haptic->v[2],     haptic->spring,      observer->limit,
+                            observer->worst, observer->energy, observer->delay_p95};
+    const int64_t number[] = {haptic->output.force.seq, (int64_t)haptic->gate.phase,
+                              haptic->gate.since, haptic->law.tick, haptic->bad_inputs,
+                              (int64_t)haptic->grasp_edges, (int64_t)haptic->teleports};
+    uint64_t hash = hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
+    hash = hash_bytes(hash, state, sizeof state);
+    hash = hash_bytes(hash, number, sizeof number);
+    for (int32_t i = 0; i < haptic->law.count; ++i) {
+        const double contact[2] = {haptic->law.contact[i].value, haptic->law.contact[i].offset};
+        hash = hash_bytes(hash, contact, sizeof contact);
+    }
+    return hash;
+}
+
+/* The ramp's share of the force, and the slew limit. */
+static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
+                         bool is_limited, int32_t *inout_flags, double out_sent[3])
+{
+    const ss_haptic_config *config = &haptic->config;
+    ss_scale3(out_sent, whole, ss_gate_gain(&haptic->gate, input->tick));
+    is_limited =
+        ss_limit_slew(out_sent, haptic->last_force, config->max_slew * config->period) ||
+        is_limited;
+    *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
+}
+
+void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_output *output)
+{
+    const int64_t tick = input->tick;
+    const bool is_bad = !are_inputs_finite(input);
+    haptic->bad_inputs += is_bad;
+    haptic->bad_streak = is_bad ? haptic->bad_streak + 1 : 0;
+    if (is_bad && haptic->bad_streak < BAD_TICKS) {
+        repeat_force(haptic, tick);
+        *output = haptic->output;
+        return;
+    }
+    const bool is_new_holder = take_poses(haptic, input, is_bad);
+    if (haptic->has_pose) {
+        const bool corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0;
+        double x[3], v[3], whole[3], sent[3];
+        ss_observer_tick(&haptic->observer, &haptic->config, corrects,
+                         ss_law_active_count(&haptic->law) > 0, tick);
+        step_gate(haptic, input, is_new_holder);
+        ss_law_decay(&haptic->law, haptic->config.period);
+        const bool is_fresh = take_result(haptic, input);
+        used_pose(haptic, tick, x, v);
+        update_grasp(haptic, input, is_fresh, x);
+        update_spring(haptic);
+        const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
+        int32_t flags = ss_gate_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
+        settle_force(haptic, input, whole, is_limited, &flags, sent);
+        if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
+            write_force(haptic, input, sent, whole, flags);
+            write_target(haptic, input, v);
+            remember_force(haptic, tick);
+        } else {
+            /* The numbers overflowed: as a fault of the model, and the proxy begins anew. */
+            ++haptic->bad_inputs;
+            haptic->is_fault = true;
+            place_proxy(haptic);
+            repeat_force(haptic, tick);
+        }
+    }
+    write_sums(haptic);
+    *output = haptic->output;
+}

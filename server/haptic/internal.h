@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The parts of one haptic tick, shared by the files of this folder and by its tests.
+ *
+ * law.c       the local contact model as a law affine in the proxy, offsets, grasp
+ * coupling.c  the yielding spring between hand and proxy, the balance
+ * limit.c     force and slew limit, ramps (watchdog, pause, fault, stop), entry into tissue
+ * observer.c  energy per contact, loop delay, stiffness limit
+ * haptic.c    the tick
+ *
+ * Symbols: x pose used, p proxy, p- proxy of the tick before, v hand velocity, T period,
+ * n normal out of the tissue, F force on the hand. SI units, world frame. All functions RT-safe.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "haptic/haptic.h"
+
+enum {
+    SS_FORCE_HISTORY = 4096,  /* past forces; 4 s at 1 kHz, beyond any live loop delay */
+    SS_DELAY_SAMPLES = 4096,  /* delay samples of the last second */
+    SS_DELAY_BUCKETS = 1024,  /* of 50 us: delays up to 51 ms are told apart */
+    SS_BALANCE_PASSES = 12,   /* over the active set; 10^6 random sets of 1 to 8 took at most 9 */
+    SS_WATCHDOG_TICKS = 50,   /* without a good pose */
+    SS_RAMP_TICKS = 20,       /* to zero force */
+    SS_ENTRY_TICKS = 500,     /* the depth fades in */
+};
+
+/* ---- law.c ---------------------------------------------------------------------------------- */
+
+/* One contact of the law: parameters as received, state, and what this tick made of them. */
+typedef struct ss_law_contact {
+    double normal[3], point[3];
+    double force;           /* N at p_k; -k gap where near */
+    double model_stiffness; /* N/m, k_n clamped */
+    double stiffness;       /* N/m, k: k_n erring high */
+    double tangential;      /* N/m, k_t */
+    double viscosity;       /* N s/m, B bounded */
+    double curvature[3][3]; /* 1/m */
+    double rate;            /* N/s, for linear extrapolation */
+    double offset;          /* N, o */
+    double direction[3];    /* n', the normal bent by the curvature */
+    double value;           /* N, F(p) >= 0 of the last tick */
+} ss_law_contact;
+
+/* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity), all directions. */
+typedef struct ss_law_held {
+    bool is_held;
+    double force[3], position[3], velocity[3];
+    double stiffness[3][3], viscosity[3][3];
+    double value[3]; /* N, F(p) of the last tick */
+} ss_law_held;
+
+typedef struct ss_law {
+    bool is_known; /* a result was taken since the proxy was placed */
+    int32_t count;
+    ss_law_contact contact[SS_MAX_CONTACTS];
+    ss_law_held held;
+    int64_t tick;         /* of the result */
+    double result_period; /* s, h */
+    double proxy[3];      /* p_k */
+    double velocity[3];   /* v_k */
+    double depth;         /* m, penetration that the model has not yet yielded to */
+    double residual[3];   /* N, decaying: what an update changed beyond the contacts' offsets */
+    double released[3];   /* N, decaying: the force of a grasp let go */
+} ss_law;
+
+/* One row of the balance: F(p) = max(0, free_force - slope n.(p - p_free)). */
+typedef struct ss_balance_row {
+    double normal[3];
+    double free_force; /* N, at p_free; may be negative */
+    double slope;      /* N/m, k' = k + B/T */
+} ss_balance_row;
+
+/* What the proxy is balanced against in one tick. */
+typedef struct ss_balance {
+    double spring;       /* N/m, K_c + B_c/T */
+    double p_free[3];    /* proxy without contact */
+    int32_t count;
+    ss_balance_row row[SS_MAX_CONTACTS];
+    bool is_held;
+    double held_force[3]; /* N, of the grasp at p_free */
+    double held_slope[3][3];
+} ss_balance;
+
+void ss_law_clear(ss_law *law);
+/* Lets offsets decay by one period. */
+void ss_law_decay(ss_law *law, double period);
+/* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
+ * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
+void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
+                 int64_t tick, const double x[3], const double p[3], const double pdot[3],
+                 bool is_fresh);
+/* Starts or ends a grasp without changing the force. */
+void ss_law_hold(ss_law *law, const double p[3], const double pdot[3]);
+void ss_law_release(ss_law *law, const ss_haptic_config *config, const double x[3],
+                    const double p[3], const double pdot[3]);
+/* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */
+void ss_law_rows(ss_law *law, const ss_haptic_config *config, int64_t tick, const double x[3],
+                 const double p[3], ss_balance *balance);
+/* Where the law puts the tissue's surface: *out_depth > 0 when `x` is inside the plane of vanishing
+ * force, with its normal and a point of it. False when no contact is known. */
+bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3],
+                    double out_point[3], double *out_depth);
+/* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
+void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3]);
+/* The whole force of the last tick's values. */
+void ss_law_force(const ss_law *law, double out[3]);
+/* Torque of the last tick's values about the tool's origin. */
+void ss_law_torque(const ss_law *law, double out[3]);
+int32_t ss_law_active_count(const ss_law *law);
+
+/* ---- coupling.c ----------------------------------------------------------------------------- */
+
+/* Solves the balance: spring (p - p_free) = sum F_i(p) n_i + held; writes p and F_i. Returns the
+ * passes used. */
+int ss_coupling_balance(const ss_balance *balance, double out_p[3], double out_force[],
+                        double out_held[3]);
+/* The force that a balance's law exerts at `p`. */
+void ss_coupling_evaluate(const ss_balance *balance, const double p[3], double out_force[],
+                          double out_held[3]);
+/* Moves `p` so that the law's force becomes `change` less (the proxy slips). */
+void ss_coupling_slip(const ss_balance *balance, const double force[], const double change[3],
+                      double p[3]);
+/* Largest eigenvalue of a symmetric matrix. */
+double ss_coupling_largest(double matrix[3][3]);
+/* The spring K_c that lets the hand feel at most `limit` against tissue of stiffness k (0:
+ * unknown). */
+double ss_coupling_spring(double limit, double k);
+/* x of A x = b, A symmetric positive definite. */
+void ss_coupling_solve(double a[3][3], const double b[3], double out[3]);
+
+/* ---- observer.c ----------------------------------------------------------------------------- */
+
+typedef struct ss_past_force {
+    int32_t seq;
+    int64_t tick, pose_tick, pose_utime_us;
+    double force[3];
+} ss_past_force;
+
+typedef struct ss_observer {
+    /* state: energy */
+    bool has_sample, is_in_contact;
+    double x[3];
+    int32_t force_seq;
+    double energy, worst, to_device, from_device; /* J */
+    /* state: delay */
+    bool is_known;
+    double delay_p50, delay_p95; /* s */
+    double limit;                /* N/m, K_max */
+    int32_t sample_head, sample_count;
+    int64_t last_tick;
+    int32_t last_seq;
+    uint32_t bucket_count[SS_DELAY_BUCKETS];
+    uint16_t sample_bucket[SS_DELAY_SAMPLES];
+    int64_t sample_tick[SS_DELAY_SAMPLES];
+    ss_past_force history[SS_FORCE_HISTORY];
+} ss_observer;
+
+/* A new holder: delays and the running contact are forgotten, sums and the worst contact stay. */
+void ss_observer_restart(ss_observer *observer, const ss_haptic_config *config, bool corrects);
+/* The stream of poses was interrupted: the running contact ends. */
+void ss_observer_break(ss_observer *observer);
+/* An accepted pose, received in `tick`. */
+void ss_observer_pose(ss_observer *observer, const ss_haptic_config *config,
+                      const softsim_pose *pose, int64_t tick);
+/* A force that was handed out. */
+void ss_observer_force(ss_observer *observer, const ss_past_force *record);
+/* Once a tick: the delay's quantiles and the stiffness limit. */
+void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, bool corrects,
+                      bool is_in_contact, int64_t tick);
+/* The rule K_max(tau). */
+double ss_observer_rule(const ss_haptic_config *config, double delay, bool corrects);
+
+/* ---- limit.c -------------------------------------------------------------------------------- */
+
+typedef enum ss_phase {
+    SS_PHASE_SILENT,   /* no device: the tool is out of the world */
+    SS_PHASE_WAITING,  /* placed anew: no result for this place yet, no force */
+    SS_PHASE_ENTERING, /* found in tissue: the depth fades in */
+    SS_PHASE_IN,
+    SS_PHASE_RAMPING   /* down to zero, then silent or waiting */
+} ss_phase;
+
+typedef struct ss_gate {
+    ss_phase phase;
+    bool is_stopped;      /* for good */
+    bool is_model_late;   /* or at fault */
+    bool is_stale;
+    bool is_paused;
+    int64_t since;        /* tick at which the phase began */
+    int64_t placed;       /* tick at which the proxy was placed: older results do not count */
+    double placed_at[3];
+    double entry_point[3]; /* of the surface, smoothed */
+    double entry_normal[3];
+} ss_gate;
+
+/* What the gate learns in a tick. */
+typedef struct ss_gate_input {
+    int64_t tick;
+    double period;
+    bool is_stale, is_paused, is_reset, is_stopping;
+    bool is_new_holder;   /* the first pose of a sender, or after the watchdog */
+    bool is_fault;        /* the model says so */
+    bool has_result;      /* a result since the proxy was placed */
+    int64_t result_tick;
+    bool has_force;       /* something to ramp down from */
+} ss_gate_input;
+
+/* Moves the phase; true when the law is void and the proxy goes to the pose. */
+bool ss_gate_step(ss_gate *gate, const ss_gate_input *input);
+/* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
+bool ss_gate_is_found_inside(const ss_gate *gate, int64_t tick, double period, double depth,
+                             const double x[3]);
+/* The first result for this place: enters, by fading if `is_inside`. */
+void ss_gate_enter(ss_gate *gate, int64_t tick, bool is_inside, const double point[3],
+                   const double normal[3]);
+/* Follows the surface while entering. */
+void ss_gate_follow(ss_gate *gate, double period, const double point[3], const double normal[3]);
+/* The pose and hand velocity to use: faded towards the surface while entering. */
+void ss_gate_pose(const ss_gate *gate, int64_t tick, double x[3], double v[3]);
+/* 1 .. 0 while ramping, 0 when silent or waiting. */
+double ss_gate_gain(const ss_gate *gate, int64_t tick);
+/* Flags 8, 16, 64. */
+int32_t ss_gate_flags(const ss_gate *gate);
+
+/* |force| <= limit: scales `force`, returns true when it did. */
+bool ss_limit_force(double force[3], double limit);
+/* |force - last| <= step, as a vector; true when it did. */
+bool ss_limit_slew(double force[3], const double last[3], double step);

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * When the hand may feel anything at all, and how much.
+ *
+ *   SILENT --pose--> WAITING --result for this place--> ENTERING --500 ticks--> IN
+ *      ^                ^  \________ not inside _________________________________^ |
+ *      |                |                                                          |
+ *      +-- no pose, stop +-- pause, fault, reset ------- RAMPING <-- any of them --+
+ *
+ * A ramp once begun runs its 20 ticks to the end, factor 1 - r/20 in its r-th tick; a pose that
+ * returns meanwhile waits and then enters. WAITING gives no force while the proxy follows the pose:
+ * the model has not yet said where the tool is. Only results stepped to a target from after the
+ * proxy was placed count.
+ *
+ * Entry fades the pose, not the force: with g from 0 to 1 the pose used is x_s + g (x - x_s), x_s
+ * the pose moved out along n to the surface, so that the model and the hand sink in together.
+ * Fading the force instead would let the model feel the whole depth at once and throw the hand out
+ * when the force has grown. The surface point is smoothed, since the tissue springs back under
+ * the first results.
+ */
+#include "haptic/internal.h"
+
+#include "rt/vec.h"
+
+/* s: a result older than this means that the model no longer answers. */
+#define MODEL_TIMEOUT 0.5
+/* s: smoothing of the surface while entering. */
+#define ENTRY_SMOOTHING 0.02
+/* s: so long after placing, tissue that was flung away by the tool may come back to it; */
+#define SETTLING 0.1
+/* m: depth beyond the hand's own way that tells so. */
+#define SETTLING_DEPTH 0.2e-3
+
+static void begin(ss_gate *gate, ss_phase phase, int64_t tick)
+{
+    gate->phase = phase;
+    gate->since = tick;
+}
+
+/* Is the force to go, or to stay away, whatever the phase? */
+static bool is_barred(const ss_gate *gate)
+{
+    return gate->is_stopped || gate->is_stale || gate->is_paused || gate->is_model_late;
+}
+
+static bool place(ss_gate *gate, int64_t tick)
+{
+    begin(gate, SS_PHASE_WAITING, tick);
+    gate->placed = tick;
+    return true;
+}
+
+bool ss_gate_step(ss_gate *gate, const ss_gate_input *input)
+{
+    const int64_t tick = input->tick;
+    const int64_t answered = input->has_result ? input->result_tick : gate->placed;
+    gate->is_stopped = gate->is_stopped || input->is_stopping;
+    gate->is_stale = input->is_stale;
+    gate->is_paused = input->is_paused;
+    /* Once late, late until it answers for where the proxy is now. */
+    const bool is_overdue = (double)(tick - answered) * input->period > MODEL_TIMEOUT ||
+                            (gate->is_model_late && !input->has_result);
+    gate->is_model_late = !input->is_paused && gate->phase != SS_PHASE_SILENT &&
+                          (input->is_fault || is_overdue);
+    /* The end of a ramp or of the fade. */
+    if (gate->phase == SS_PHASE_RAMPING && tick - gate->since >= SS_RAMP_TICKS) {
+        if (gate->is_stopped || gate->is_stale) {
+            begin(gate, SS_PHASE_SILENT, tick);
+            return true;
+        }
+        return place(gate, tick);
+    }
+    if (gate->phase == SS_PHASE_ENTERING && tick - gate->since >= SS_ENTRY_TICKS) {
+        begin(gate, SS_PHASE_IN, tick);
+    }
+    switch (gate->phase) {
+    case SS_PHASE_SILENT:
+        return !gate->is_stopped && !gate->is_stale && place(gate, tick);
+    case SS_PHASE_WAITING:
+        if (gate->is_stopped || gate->is_stale) {
+            begin(gate, SS_PHASE_SILENT, tick);
+            return true;
+        }
+        return (input->is_reset || input->is_new_holder) && place(gate, tick);
+    case SS_PHASE_ENTERING:
+    case SS_PHASE_IN:
+        if (input->is_new_holder || (input->is_reset && !input->has_force)) {
+            return place(gate, tick);
+        }
+        if (is_barred(gate) || input->is_reset) {
+            begin(gate, SS_PHASE_RAMPING, tick);
+        }
+        return false;
+    case SS_PHASE_RAMPING:
+        return input->is_new_holder && !gate->is_stopped && place(gate, tick);
+    }
+    return false;
+}
+
+bool ss_gate_is_found_inside(const ss_gate *gate, int64_t tick, double period, double depth,
+                             const double x[3])
+{
+    double way[3];
+    switch (gate->phase) {
+    case SS_PHASE_WAITING:
+        return depth > 0.0;
+    case SS_PHASE_IN:
+        ss_sub3(way, x, gate->placed_at);
+        return (double)(tick - gate->placed) * period < SETTLING &&
+               depth > ss_norm3(way) + SETTLING_DEPTH;
+    case SS_PHASE_SILENT:
+    case SS_PHASE_ENTERING:
+    case SS_PHASE_RAMPING:
+        break;
+    }
+    return false;
+}
+
+void ss_gate_enter(ss_gate *gate, int64_t tick, bool is_inside, const double point[3],
+                   const double normal[3])
+{
+    begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN, tick);
+    if (is_inside) {
+        ss_copy3(gate->entry_point, point);
+        ss_copy3(gate->entry_normal, normal);
+    }
+}
+
+void ss_gate_follow(ss_gate *gate, double period, const double point[3], const double normal[3])
+{
+    const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
+    for (int i = 0; i < 3; ++i) {
+        gate->entry_point[i] += share * (point[i] - gate->entry_point[i]);
+        gate->entry_normal[i] += share * (normal[i] - gate->entry_normal[i]);
+    }
+    if (ss_normalize3(gate->entry_normal) == 0.0) {
+        ss_copy3(gate->entry_normal, normal);
+    }
+}
+
+void ss_gate_pose(const ss_gate *gate, int64_t tick, double x[3], double v[3])
+{
+    if (gate->phase != SS_PHASE_ENTERING) {
+        return;
+    }
+    const double left = 1.0 - (double)(tick - gate->since) / SS_ENTRY_TICKS;
+    double inward[3];
+    ss_sub3(inward, gate->entry_point, x);
+    const double depth = ss_dot3(gate->entry_normal, inward);
+    if (depth > 0.0) {
+        ss_madd3(x, x, left * depth, gate->entry_normal);
+        ss_madd3(v, v, -left * ss_dot3(gate->entry_normal, v), gate->entry_normal);
+    }
+}
+
+double ss_gate_gain(const ss_gate *gate, int64_t tick)
+{
+    switch (gate->phase) {
+    case SS_PHASE_ENTERING:
+    case SS_PHASE_IN:
+        return 1.0;
+    case SS_PHASE_RAMPING:
+        return fmax(0.0, 1.0 - (double)(tick - gate->since + 1) / SS_RAMP_TICKS);
+    case SS_PHASE_SILENT:
+    case SS_PHASE_WAITING:
+        break;
+    }
+    return 0.0;
+}
+
+int32_t ss_gate_flags(const ss_gate *gate)
+{
+    int32_t flags = 0;
+    if (gate->phase == SS_PHASE_RAMPING || gate->phase == SS_PHASE_ENTERING || is_barred(gate)) {
+        flags |= SOFTSIM_FORCE_RAMPING;
+    }
+    if (gate->is_stale) {
+        flags |= SOFTSIM_FORCE_STALE;
+    }
+    if (gate->is_model_late) {
+        flags |= SOFTSIM_FORCE_MODEL_FAULT;
+    }
+    return flags;
+}
+
+bool ss_limit_force(double force[3], double limit)
+{
+    const double size = ss_norm3(force);
+    if (size <= limit) {
+        return false;
+    }
+    ss_scale3(force, force, limit / size);
+    return true;
+}
+
+bool ss_limit_slew(double force[3], const double last[3], double step)
+{
+    double change[3];
+    ss_sub3(change, force, last);
+    if (!ss_limit_force(change, step)) {
+        return false;
+    }
+    ss_add3(force, last, change);
+    return true;
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/thread.h"
+#include "world.h"
+
+/*
+ * The world moved by poses alone: the daemon's lockstep and the headless API. One thread calls
+ * everything; time is the tick number. The step begun at tick n is computed at once, or by a
+ * worker while the ticks of its period run, and its results are posted at tick n + m: the bits do
+ * not depend on which.
+ */
+
+/* With two threads or more, the step is computed by a worker while the ticks of its period run.
+ * Outside the real-time rule: a lockstep world waits, on a condition, for what it needs. */
+typedef struct ss_step_worker {
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    bool is_busy, is_stopping;
+    ss_world *world;
+} ss_step_worker;
+
+static void *worker_body(void *argument)
+{
+    ss_step_worker *worker = argument;
+    ss_thread_flush_denormals();
+    pthread_mutex_lock(&worker->mutex);
+    while (!worker->is_stopping) {
+        if (worker->is_busy) {
+            pthread_mutex_unlock(&worker->mutex);
+            ss_world_step_compute(worker->world);
+            pthread_mutex_lock(&worker->mutex);
+            worker->is_busy = false;
+            pthread_cond_broadcast(&worker->changed);
+        } else {
+            pthread_cond_wait(&worker->changed, &worker->mutex);
+        }
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    return NULL;
+}
+
+static void start_worker(ss_world *world)
+{
+    ss_step_worker *worker = ss_memory_get(1, sizeof *worker);
+    if (!worker) {
+        return;
+    }
+    worker->world = world;
+    pthread_mutex_init(&worker->mutex, NULL);
+    pthread_cond_init(&worker->changed, NULL);
+    if (pthread_create(&worker->thread, NULL, worker_body, worker) != 0) {
+        ss_memory_free(worker);
+        return;
+    }
+    world->worker = worker;
+}
+
+void ss_lockstep_stop(ss_world *world)
+{
+    ss_step_worker *worker = world->worker;
+    if (!worker) {
+        return;
+    }
+    pthread_mutex_lock(&worker->mutex);
+    worker->is_stopping = true;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->mutex);
+    pthread_join(worker->thread, NULL);
+    pthread_mutex_destroy(&worker->mutex);
+    pthread_cond_destroy(&worker->changed);
+    ss_memory_free(worker);
+    world->worker = NULL;
+}
+
+void ss_world_settle(ss_world *world)
+{
+    ss_step_worker *worker = world->worker;
+    if (!worker) {
+        return;
+    }
+    pthread_mutex_lock(&worker->mutex);
+    while (worker->is_busy) {
+        pthread_cond_wait(&worker->changed, &worker->mutex);
+    }
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+static void begin_lockstep_step(ss_world *world)
+{
+    ss_world_step_begin(world);
+    world->is_step_pending = true;
+    if (!world->worker) {
+        ss_world_step_compute(world);
+        return;
+    }
+    pthread_mutex_lock(&world->worker->mutex);
+    world->worker->is_busy = true;
+    pthread_cond_broadcast(&world->worker->changed);
+    pthread_mutex_unlock(&world->worker->mutex);
+}
+
+/* A refused pose is answered too: a zero force for a foreign sender or a probe without a tool,
+ * else the probe's force of this tick, under the refused pose's own number. */
+static void answer_refused(softsim_force *force, const softsim_pose *pose, softsim_refusal refusal)
+{
+    if (refusal == SOFTSIM_REFUSED_OTHER_SENDER || refusal == SOFTSIM_REFUSED_WRONG_PROBE) {
+        const int32_t seq = force->seq;
+        *force = (softsim_force){.seq = seq, .probe = pose->probe};
+        if (refusal == SOFTSIM_REFUSED_OTHER_SENDER) {
+            force->flags = SOFTSIM_FORCE_OTHER_SENDER;
+        }
+    }
+    force->sender = pose->sender;
+    force->pose_seq = pose->seq;
+    force->pose_utime_us = pose->utime_us;
+}
+
+softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose,
+                                  const int32_t *channel, int32_t count,
+                                  softsim_force out_force[SOFTSIM_MAX_PROBES])
+{
+    if (world->threads > 1 && !world->worker) {
+        start_worker(world);
+    }
+    const int64_t tick = ++world->tick;
+    const int64_t now_ns = (int64_t)llround((double)tick * world->period * 1e9);
+    softsim_refusal refusals[SOFTSIM_MAX_PROBES];
+    const softsim_pose *judged[SOFTSIM_MAX_PROBES] = {NULL};
+    softsim_refusal last = SOFTSIM_ACCEPTED;
+    for (int32_t i = 0; i < count; ++i) {
+        uint32_t epoch = 0;
+        last = ss_gate_judge(world->gate, &pose[i], channel[i], now_ns, &epoch);
+        if (channel[i] < 0 || channel[i] >= SOFTSIM_MAX_PROBES) {
+            continue;
+        }
+        judged[channel[i]] = &pose[i];
+        refusals[channel[i]] = last;
+        if (last == SOFTSIM_ACCEPTED) {
+            const ss_pose_record record = {.pose = pose[i], .sender_epoch = epoch};
+            ss_ring_push(world->probe[channel[i]].poses, &record);
+        }
+    }
+    if ((tick - 1) % world->step_ticks == 0 && world->is_step_pending) {
+        ss_world_settle(world);
+        ss_world_step_post(world);
+        world->is_step_pending = false;
+    }
+    ss_world_haptic_tick(world, tick, 0, now_ns);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        out_force[p] = (softsim_force){.probe = p, .pose_seq = -1};
+    }
+    ss_force_record record;
+    while (ss_ring_pop(world->forces, &record)) {
+        out_force[record.force.probe] = record.force;
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (judged[p] && refusals[p] != SOFTSIM_ACCEPTED) {
+            answer_refused(&out_force[p], judged[p], refusals[p]);
+        }
+    }
+    if ((tick - 1) % world->step_ticks == 0) {
+        begin_lockstep_step(world);
+    }
+    return last;
+}
+
+uint64_t ss_world_hash(ss_world *world)
+{
+    ss_world_settle(world);
+    const ss_mesh *mesh = world->scene->mesh;
+    const ss_real *u = world->model_class->displacement(world->model);
+    const ss_real *v = world->model_class->velocity(world->model);
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        double state[6];
+        for (int32_t axis = 0; axis < 3; ++axis) {
+            state[axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
+            state[3 + axis] = (double)v[4 * i + axis];
+        }
+        hash = ss_world_fnv(hash, state, sizeof state);
+    }
+    hash = world->model_class->hash(world->model, hash);
+    return ss_world_fnv(hash, &world->steps, sizeof world->steps);
+}
+
+/* ---- the public headless API -------------------------------------------------------------------------------- */
+
+enum { CONFIG_COOKIE = 0x50f751 };
+
+softsim_config softsim_default_config(void)
+{
+    return (softsim_config){.cookie = CONFIG_COOKIE, .threads = 1};
+}
+
+softsim_world *softsim_create(const char *scene_path, const softsim_config *config,
+                              softsim_error *error)
+{
+    if (!config || config->cookie != CONFIG_COOKIE) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "the configuration was not made by softsim_default_config()");
+        return NULL;
+    }
+    const ss_world_options options = {.scene_path = scene_path,
+                                      .set = config->set,
+                                      .set_count = config->set_count,
+                                      .threads = config->threads,
+                                      .step_s = config->step_s,
+                                      .is_lockstep = true,
+                                      .import_program = config->import_program};
+    ss_world *world = NULL;
+    ss_thread_flush_denormals();
+    ss_world_create(&options, &world, error);
+    return (softsim_world *)world;
+}
+
+void softsim_destroy(softsim_world **world)
+{
+    ss_world *inner = (ss_world *)*world;
+    ss_world_destroy(&inner);
+    *world = NULL;
+}
+
+softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose,
+                             const int32_t *channel, int32_t count,
+                             softsim_force out_force[SOFTSIM_MAX_PROBES])
+{
+    /* As in the daemon, a pose is normalised once, where it comes in. */
+    softsim_pose normal[SOFTSIM_MAX_PROBES];
+    count = count < SOFTSIM_MAX_PROBES ? count : SOFTSIM_MAX_PROBES;
+    for (int32_t i = 0; i < count; ++i) {
+        normal[i] = pose[i];
+        ss_gate_normalize(&normal[i]);
+    }
+    return ss_world_lockstep((ss_world *)world, normal, channel, count, out_force);
+}
+
+void softsim_read(softsim_world *public_world, softsim_state *out_state)
+{
+    ss_world *world = (ss_world *)public_world;
+    ss_world_settle(world);
+    ss_model_info info;
+    ss_gate_counts counts;
+    world->model_class->info(world->model, &info);
+    ss_gate_read(world->gate, &counts);
+    *out_state = (softsim_state){.tick = world->tick,
+                                 .step = world->steps,
+                                 .time_s = (double)world->tick * world->period,
+                                 .period_s = world->period,
+                                 .simulation_period_s = world->step_period,
+                                 .substeps = info.substeps,
+                                 .node_count = world->scene->mesh->node_count,
+                                 .probes = world->used_probes,
+                                 .verdict = info.verdict,
+                                 .reason = info.reason,
+                                 .stable_step_s = info.stable_step,
+                                 .kinetic_j = info.kinetic,
+                                 .elastic_j = info.elastic,
+                                 .dissipated_j = info.dissipated,
+                                 .work_j = info.work,
+                                 .poses_received = counts.received};
+    memcpy(out_state->poses_refused, counts.refused, sizeof out_state->poses_refused);
+    static const double quantile[3] = {0.5, 0.99, 1.0};
+    for (int i = 0; i < 3; ++i) {
+        out_state->step_us[i] = ss_histogram_quantile(world->step_time, quantile[i]);
+    }
+}
+
+void softsim_read_nodes(softsim_world *public_world, double (*out_position)[3],
+                        double (*out_displacement)[3], double (*out_velocity)[3])
+{
+    ss_world *world = (ss_world *)public_world;
+    ss_world_settle(world);
+    const ss_mesh *mesh = world->scene->mesh;
+    const ss_real *u = world->model_class->displacement(world->model);
+    const ss_real *v = world->model_class->velocity(world->model);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int32_t axis = 0; axis < 3; ++axis) {
+            if (out_position) {
+                out_position[i][axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
+            }
+            if (out_displacement) {
+                out_displacement[i][axis] = (double)u[4 * i + axis];
+            }
+            if (out_velocity) {
+                out_velocity[i][axis] = (double)v[4 * i + axis];
+            }
+        }
+    }
+}
+
+int32_t softsim_triangle_count(const softsim_world *world)
+{
+    return ((const ss_world *)world)->scene->mesh->triangle_count;
+}
+
+const int32_t (*softsim_triangles(const softsim_world *world))[3]
+{
+    return (const int32_t (*)[3])((const ss_world *)world)->scene->mesh->triangle;
+}
+
+int32_t softsim_prescribed_count(const softsim_world *world)
+{
+    return ((const ss_world *)world)->scene->prescribed_count;
+}
+
+const char *softsim_prescribed_name(const softsim_world *world, int32_t set)
+{
+    return set < 0 ? "fixed" : ((const ss_world *)world)->scene->prescribed[set].name;
+}
+
+void softsim_read_reaction(softsim_world *public_world, int32_t set, double out_force[3])
+{
+    ss_world *world = (ss_world *)public_world;
+    ss_world_settle(world);
+    world->model_class->reaction(world->model, set, out_force);
+}
+
+uint64_t softsim_hash(softsim_world *world)
+{
+    return ss_world_hash((ss_world *)world);
+}

@@ -1,0 +1,661 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "loops.h"
+
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "rt/clock.h"
+#include "rt/memory.h"
+#include "rt/thread.h"
+#include "rt/vec.h"
+
+/*
+ * Every loop runs on the absolute monotonic clock from one common start, so that tick n is due at
+ * start + n T for all of them. A loop that wakes late by whole periods skips them, and the skipped
+ * ones are missed periods: nothing is caught up by running twice.
+ *
+ * Settling a period (net thread only, so that forces + missed = periods in every status): the
+ * haptic loop hands over one force a tick with the tick's number; a gap in the numbers is missed
+ * periods; a force sent within one period of its due time is a force, a later one is a missed
+ * period though it was sent.
+ */
+
+enum {
+    HAPTIC_PRIORITY = 80,
+    NET_PRIORITY = 78,
+    SIMULATION_PRIORITY = 70,
+    FAULT_WIRE_CLAMPED = 1 << 16,
+    FAULT_WIRE_CAPPED = 1 << 17,
+    FAULT_SLOW = 1 << 18,
+    STOP_TICKS = 25 /* the force ramps to zero in 20 */
+};
+static const int64_t STATUS_PERIOD_NS = 250000000;
+
+typedef struct ss_loops {
+    ss_world *world;
+    const ss_options *options;
+    int64_t start_ns;
+    int64_t period_ns, step_period_ns;
+    int wake_fd;             /* haptic -> net */
+    int event_fd;            /* any -> main: something to look at */
+    atomic_bool is_ending;   /* loops return */
+    atomic_bool is_over;     /* main shall end: shutdown, duration in lockstep, broken network */
+    atomic_bool is_listening;
+    atomic_int refreshes;    /* net -> publish */
+    _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
+
+    /* net thread */
+    ss_net *net;
+    softsim_status net_status;
+    softsim_error net_error;
+    int64_t last_tick[SOFTSIM_MAX_PROBES];
+    int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
+    int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
+    double peak_force;
+    int64_t next_status_ns, next_log_ns;
+    int64_t logged_refusals;
+    int64_t queue_refused; /* poses that found their ring full */
+    ss_haptic_stats haptic_stats;
+    ss_simulation_stats simulation_stats;
+
+    /* publish thread; read by net */
+    ss_publisher *publisher;
+} ss_loops;
+
+/* ---- net thread: poses in ------------------------------------------------------------------------ */
+
+static void answer(ss_loops *loops, softsim_force *force)
+{
+    force->utime_us = ss_clock_now_ns() / 1000;
+    ss_net_send_force(loops->net, force);
+}
+
+static void end(ss_loops *loops)
+{
+    atomic_store_explicit(&loops->is_over, true, memory_order_release);
+    ss_wake_signal(loops->event_fd);
+}
+
+/* Lockstep: the pose moves the world by one tick and is answered. */
+static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t channel)
+{
+    ss_world *world = loops->world;
+    ss_world_probe *probe = &world->probe[channel];
+    if (probe->has_answer && probe->answered_seq == pose->seq &&
+        probe->answered_sender == pose->sender) {
+        answer(loops, &probe->answer);
+        return;
+    }
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    ss_world_lockstep(world, pose, &channel, 1, force);
+    ++loops->forces[channel];
+    ++loops->periods[channel];
+    loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
+    probe->answer = force[channel];
+    probe->answered_seq = pose->seq;
+    probe->answered_sender = pose->sender;
+    probe->has_answer = true;
+    answer(loops, &probe->answer);
+    const double duration = loops->options->duration_s;
+    if (duration > 0.0 && (double)world->tick * world->period >= duration) {
+        end(loops);
+    }
+}
+
+static void handle_pose(void *context, const softsim_pose *pose, int32_t channel,
+                        int64_t receive_ns)
+{
+    ss_loops *loops = context;
+    ss_world *world = loops->world;
+    if (loops->options->lockstep) {
+        answer_lockstep(loops, pose, channel);
+        return;
+    }
+    ss_pose_record record = {.pose = *pose};
+    const softsim_refusal refusal =
+        ss_gate_judge(world->gate, pose, channel, receive_ns, &record.sender_epoch);
+    if (refusal == SOFTSIM_ACCEPTED) {
+        loops->queue_refused += !ss_ring_push(world->probe[channel].poses, &record);
+    } else if (refusal == SOFTSIM_REFUSED_OTHER_SENDER &&
+               ss_gate_may_answer_other(world->gate, channel, receive_ns)) {
+        softsim_force force = {.sender = pose->sender,
+                               .probe = channel,
+                               .pose_seq = pose->seq,
+                               .pose_utime_us = pose->utime_us,
+                               .flags = SOFTSIM_FORCE_OTHER_SENDER};
+        answer(loops, &force);
+    }
+}
+
+static void handle_refusal(void *context, softsim_refusal reason, int32_t channel)
+{
+    ss_loops *loops = context;
+    (void)channel;
+    ss_gate_refuse(loops->world->gate, reason);
+}
+
+static void send_status(ss_loops *loops);
+
+static int32_t handle_command(void *context, const char *name, const char *argument,
+                              char *out_text, int32_t text_size)
+{
+    ss_loops *loops = context;
+    if (loops->options->no_commands && strcmp(name, "refresh") != 0 &&
+        strcmp(name, "status") != 0) {
+        snprintf(out_text, (size_t)text_size, "refused: the server was started with --no-commands");
+        return 1;
+    }
+    ss_command_record record;
+    const int32_t code =
+        ss_world_command(loops->world, name, argument, &record, out_text, text_size);
+    if (code != 0) {
+        return code;
+    }
+    switch (record.kind) {
+    case SS_COMMAND_REFRESH:
+        atomic_fetch_add_explicit(&loops->refreshes, 1, memory_order_release);
+        break;
+    case SS_COMMAND_STATUS:
+        send_status(loops);
+        break;
+    case SS_COMMAND_SHUTDOWN:
+        end(loops);
+        break;
+    case SS_COMMAND_SET:
+        if (record.key == SS_LIVE_MAX_BYTES) {
+            atomic_store_explicit(&loops->max_bytes_per_s, record.value, memory_order_release);
+        } else if (record.key == SS_LIVE_MESH_RATE) {
+            atomic_store_explicit(&loops->mesh_rate_hz, record.value, memory_order_release);
+        }
+        break;
+    default:
+        break;
+    }
+    return 0;
+}
+
+/* ---- net thread: forces and status out ------------------------------------------------------------- */
+
+static void settle_forces(ss_loops *loops)
+{
+    ss_force_record record;
+    while (ss_ring_pop(loops->world->forces, &record)) {
+        const int32_t p = record.force.probe;
+        const int64_t first = loops->last_tick[p] ? loops->last_tick[p] : record.tick - 1;
+        const int64_t settled = record.tick - first;
+        record.force.utime_us = ss_clock_now_ns() / 1000;
+        const bool is_sent = ss_net_send_force(loops->net, &record.force);
+        const bool in_time = is_sent && ss_clock_now_ns() - record.due_ns <= loops->period_ns;
+        loops->periods[p] += settled;
+        loops->forces[p] += in_time;
+        loops->missed[p] += settled - in_time;
+        loops->last_tick[p] = record.tick;
+        loops->last_flags[p] = record.force.flags;
+        loops->peak_force = fmax(loops->peak_force, ss_norm3(record.force.force));
+    }
+}
+
+/* Takes what the loops last reported. */
+static void take_stats(ss_loops *loops)
+{
+    const ss_haptic_stats *haptic = ss_mailbox_take(loops->world->haptic_stats, NULL);
+    const ss_simulation_stats *simulation = ss_mailbox_take(loops->world->simulation_stats, NULL);
+    if (haptic) {
+        loops->haptic_stats = *haptic;
+    }
+    if (simulation) {
+        loops->simulation_stats = *simulation;
+    }
+}
+
+/* Why the force of a probe is not what its pose asks for; NULL when nothing is wrong. */
+static const char *probe_reason(const ss_loops *loops)
+{
+    static const char *const silent[SOFTSIM_MAX_PROBES] = {
+        "probe 0 went silent: its force is ramped to zero", "probe 1 went silent: its force is ramped to zero",
+        "probe 2 went silent: its force is ramped to zero", "probe 3 went silent: its force is ramped to zero",
+        "probe 4 went silent: its force is ramped to zero", "probe 5 went silent: its force is ramped to zero",
+        "probe 6 went silent: its force is ramped to zero", "probe 7 went silent: its force is ramped to zero"};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (loops->last_flags[p] & SOFTSIM_FORCE_STALE) {
+            return silent[p];
+        }
+    }
+    return NULL;
+}
+
+/* The model's verdict, or what else is wrong when the model is well. */
+static void judge(const ss_loops *loops, ss_report *report)
+{
+    const ss_model_info *info = &loops->simulation_stats.info;
+    report->verdict = info->verdict;
+    report->reason = info->reason ? info->reason : "";
+    report->fault_bits = (int32_t)info->fault_bits;
+    if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
+        report->fault_bits |= FAULT_WIRE_CLAMPED;
+        report->reason = *report->reason ? report->reason : "displacements beyond the wire's range are clamped";
+    }
+    if (loops->publisher && ss_publisher_is_capped(loops->publisher)) {
+        report->fault_bits |= FAULT_WIRE_CAPPED;
+        report->reason = *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
+    }
+    if (loops->simulation_stats.is_slow && report->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        report->verdict = SOFTSIM_VERDICT_DEGRADED;
+        report->fault_bits |= FAULT_SLOW;
+        report->reason = "the simulation is slower than real time";
+    }
+    const char *reason = probe_reason(loops);
+    if (reason && !*report->reason) {
+        report->reason = reason;
+    }
+}
+
+static void send_status(ss_loops *loops)
+{
+    ss_world *world = loops->world;
+    const ss_scene *scene = world->scene;
+    if (loops->options->lockstep) {
+        ss_world_settle(world);
+    }
+    take_stats(loops);
+    const ss_simulation_stats *simulation = &loops->simulation_stats;
+    const ss_haptic_stats *haptic = &loops->haptic_stats;
+    const ss_model_info *info = &simulation->info;
+    ss_gate_counts counts;
+    ss_gate_read(world->gate, &counts);
+    ss_report report = {
+        .threads = world->threads,
+        .nodes = scene->mesh->node_count,
+        .active_nodes = info->active_nodes,
+        .elements = scene->mesh->tetrahedron_count > 0 ? scene->mesh->tetrahedron_count
+                                                       : scene->mesh->triangle_count,
+        .worst_element = info->worst_element,
+        .substeps = info->substeps,
+        .probes = __builtin_popcount(world->used_probes),
+        .plan_hash = (int64_t)world->plan_hash,
+        .step = info->step,
+        .bytes_in_use = ss_memory_in_use(),
+        .poses_received = counts.received,
+        .poses_superseded = haptic->superseded + loops->queue_refused,
+        .mesh_bytes_sent = loops->publisher ? ss_publisher_bytes(loops->publisher) : 0,
+        .wire_dropped = ss_net_dropped(loops->net),
+        .uptime_s = 1e-9 * (double)(ss_clock_now_ns() - loops->start_ns),
+        .simulation_rate_hz = 1.0 / world->step_period,
+        .stable_step_s = info->stable_step,
+        .kinetic_j = info->kinetic,
+        .elastic_j = info->elastic,
+        .total_j = info->kinetic + info->elastic,
+        .energy_to_device_j = haptic->energy_to_device_j,
+        .energy_from_device_j = haptic->energy_from_device_j,
+        .scene = scene->path,
+        .model = world->model_class->name};
+    if (loops->options->lockstep) {
+        report.state_hash = (int64_t)ss_world_hash(world);
+    }
+    memcpy(report.poses_refused, counts.refused, sizeof report.poses_refused);
+    memcpy(report.probe_periods, loops->periods, sizeof report.probe_periods);
+    memcpy(report.probe_forces, loops->forces, sizeof report.probe_forces);
+    memcpy(report.probe_missed, loops->missed, sizeof report.probe_missed);
+    memcpy(report.step_us, simulation->step_us, sizeof report.step_us);
+    memcpy(report.lateness_us, haptic->lateness_us, sizeof report.lateness_us);
+    memcpy(report.worst_contact_j, haptic->worst_contact_j, sizeof report.worst_contact_j);
+    memcpy(report.loop_delay_ms, haptic->loop_delay_ms, sizeof report.loop_delay_ms);
+    memcpy(report.stiffness_limit_n_per_m, haptic->stiffness_limit,
+           sizeof report.stiffness_limit_n_per_m);
+    judge(loops, &report);
+    ss_net_send_status(loops->net, &report);
+}
+
+/* At most once a second: how many poses were refused since, by reason. */
+static void log_refusals(ss_loops *loops, int64_t now_ns)
+{
+    static const char *const reasons[SOFTSIM_REFUSED_COUNT] = {
+        "malformed", "wrong type",   "not finite",  "stale",
+        "jump",      "other sender", "wrong probe", "other"};
+    if (now_ns < loops->next_log_ns) {
+        return;
+    }
+    loops->next_log_ns = now_ns + 1000000000;
+    ss_gate_counts counts;
+    ss_gate_read(loops->world->gate, &counts);
+    int64_t total = 0;
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        total += counts.refused[i];
+    }
+    if (total == loops->logged_refusals || loops->options->log_level < SS_LOG_WARNING) {
+        return;
+    }
+    fprintf(stderr, "softsimd: warning: %lld messages refused so far:", (long long)total);
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        if (counts.refused[i] > 0) {
+            fprintf(stderr, " %s %lld", reasons[i], (long long)counts.refused[i]);
+        }
+    }
+    fprintf(stderr, "\n");
+    loops->logged_refusals = total;
+}
+
+static void *net_body(void *argument)
+{
+    ss_loops *loops = argument;
+    const ss_net_config config = {.lcm_url = loops->options->lcm_url,
+                                  .prefix = loops->options->prefix,
+                                  .is_lockstep = loops->options->lockstep};
+    const ss_net_calls calls = {.context = loops,
+                                .handle_pose = handle_pose,
+                                .handle_refusal = handle_refusal,
+                                .handle_command = handle_command};
+    loops->net_status = ss_net_open(&config, &calls, &loops->net, &loops->net_error);
+    atomic_store_explicit(&loops->is_listening, true, memory_order_release);
+    ss_wake_signal(loops->event_fd);
+    if (loops->net_status != SOFTSIM_OK) {
+        return NULL;
+    }
+    while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
+        const int64_t now = ss_clock_now_ns();
+        if (now >= loops->next_status_ns) {
+            loops->next_status_ns = now + STATUS_PERIOD_NS;
+            send_status(loops);
+            log_refusals(loops, now);
+        }
+        const int64_t wait_ms = (loops->next_status_ns - now) / 1000000 + 1;
+        if (!ss_net_wait(loops->net, loops->wake_fd, (int)wait_ms)) {
+            loops->net_status = SOFTSIM_ERROR_NETWORK;
+            softsim_error_add(&loops->net_error, SOFTSIM_ERROR_NETWORK,
+                              "LCM stopped working; check the network and start again");
+            end(loops);
+            break;
+        }
+        if (!loops->options->lockstep) {
+            settle_forces(loops);
+        }
+    }
+    settle_forces(loops);
+    send_status(loops);
+    ss_net_close(&loops->net);
+    return NULL;
+}
+
+/* ---- the other loops ------------------------------------------------------------------------------------ */
+
+/* Sleeps until period `*tick` + 1 is due; skips the periods that are already over. Returns the
+ * due time and counts the skipped ones. */
+static int64_t next_period(int64_t start_ns, int64_t period_ns, int64_t *tick, int64_t *out_skipped)
+{
+    ++*tick;
+    int64_t due = start_ns + *tick * period_ns;
+    const int64_t now = ss_clock_now_ns();
+    *out_skipped = 0;
+    if (now - due >= period_ns) {
+        *out_skipped = (now - due) / period_ns;
+        *tick += *out_skipped;
+        due += *out_skipped * period_ns;
+    }
+    ss_clock_sleep_until(due);
+    return due;
+}
+
+static void *haptic_body(void *argument)
+{
+    ss_loops *loops = argument;
+    ss_world *world = loops->world;
+    int64_t tick = 0;
+    while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
+        int64_t skipped = 0;
+        const int64_t due = next_period(loops->start_ns, loops->period_ns, &tick, &skipped);
+        world->late_periods += skipped;
+        ss_world_haptic_tick(world, tick, due, ss_clock_now_ns());
+        ss_wake_signal(loops->wake_fd);
+    }
+    return NULL;
+}
+
+static void *simulation_body(void *argument)
+{
+    ss_loops *loops = argument;
+    ss_world *world = loops->world;
+    int64_t step = 0;
+    int32_t slow = 0; /* counts down from the last late step: half a second of them is a verdict */
+    int32_t lates = 0;
+    while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
+        int64_t skipped = 0;
+        next_period(loops->start_ns, loops->step_period_ns, &step, &skipped);
+        lates = skipped > 0 ? lates + 1 : lates - (lates > 0);
+        if (lates > 20) {
+            slow = (int32_t)(500000000 / loops->step_period_ns) + 1;
+        }
+        slow -= slow > 0;
+        world->is_slow = slow > 0;
+        ss_world_step_begin(world);
+        ss_world_step_compute(world);
+        ss_world_step_post(world);
+    }
+    return NULL;
+}
+
+static void *publish_body(void *argument)
+{
+    ss_loops *loops = argument;
+    int refreshes = 0;
+    int64_t due = loops->start_ns;
+    double max_bytes = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
+    while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
+        const double rate = atomic_load_explicit(&loops->mesh_rate_hz, memory_order_acquire);
+        const int64_t period = (int64_t)(1e9 / rate);
+        const int64_t now = ss_clock_now_ns();
+        due = now - due > period ? now : due + period;
+        ss_clock_sleep_until(due < now + 200000000 ? due : now + 200000000);
+        const double new_max =
+            atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
+        if (new_max != max_bytes) {
+            max_bytes = new_max;
+            ss_publisher_set_max_bytes(loops->publisher, max_bytes);
+        }
+        const int asked = atomic_load_explicit(&loops->refreshes, memory_order_acquire);
+        if (asked != refreshes) {
+            refreshes = asked;
+            ss_publisher_refresh(loops->publisher);
+        }
+        bool is_new = false;
+        const ss_surface_snapshot *snapshot = ss_mailbox_take(loops->world->surface, &is_new);
+        ss_publisher_send(loops->publisher, ss_clock_now_ns(), snapshot ? snapshot->step : 0,
+                          snapshot && is_new ? snapshot->displacement : NULL);
+    }
+    return NULL;
+}
+
+/* ---- main thread ------------------------------------------------------------------------------------------ */
+
+typedef struct ss_loop_threads {
+    ss_thread *net, *simulation, *haptic, *publish;
+    bool is_fifo_refused;
+} ss_loop_threads;
+
+static softsim_status start_loop(ss_loops *loops, const char *name, int priority,
+                                 void *(*body)(void *), ss_thread **out_thread,
+                                 ss_loop_threads *threads, softsim_error *error)
+{
+    bool is_refused = false;
+    const softsim_status status = ss_thread_start(name, priority, loops->options->realtime, body,
+                                                  loops, out_thread, &is_refused);
+    threads->is_fifo_refused |= is_refused;
+    if (status != SOFTSIM_OK) {
+        softsim_error_add(error, status,
+                          "cannot start the %s thread: %s; --realtime auto falls back to the "
+                          "ordinary scheduler",
+                          name, softsim_status_text(status));
+    }
+    return status;
+}
+
+/* The net thread opens LCM itself: LCM's reader inherits its scheduling class. */
+static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softsim_error *error)
+{
+    const softsim_status status = start_loop(loops, "net", NET_PRIORITY, net_body, &threads->net,
+                                             threads, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    while (!atomic_load_explicit(&loops->is_listening, memory_order_acquire)) {
+        struct pollfd wait = {.fd = loops->event_fd, .events = POLLIN};
+        poll(&wait, 1, 100);
+        ss_wake_drain(loops->event_fd);
+    }
+    if (loops->net_status != SOFTSIM_OK) {
+        *error = loops->net_error;
+    }
+    return loops->net_status;
+}
+
+static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
+{
+    const ss_scene *scene = loops->world->scene;
+    const ss_mesh *mesh = scene->mesh;
+    const ss_publisher_config config = {.lcm_url = loops->options->lcm_url,
+                                        .prefix = loops->options->prefix,
+                                        .max_bytes_per_s = scene->max_bytes_per_s};
+    const ss_publish_mesh surface = {.node_count = mesh->node_count,
+                                     .triangle_count = mesh->triangle_count,
+                                     .rest = (const double (*)[3])mesh->position,
+                                     .triangle = (const int32_t (*)[3])mesh->triangle,
+                                     .fixed = scene->fixed,
+                                     .diagonal = ss_mesh_diagonal(mesh)};
+    return ss_publisher_open(&config, &surface, &loops->publisher, error);
+}
+
+static softsim_status start_all(ss_loops *loops, ss_loop_threads *threads, softsim_error *error)
+{
+    const bool is_lockstep = loops->options->lockstep;
+    softsim_status status = SOFTSIM_OK;
+    if (loops->world->surface) {
+        status = open_publisher(loops, error);
+    }
+    loops->start_ns = ss_clock_now_ns();
+    if (status == SOFTSIM_OK) {
+        status = start_net(loops, threads, error);
+    }
+    loops->start_ns = ss_clock_now_ns() + loops->period_ns;
+    if (status == SOFTSIM_OK && !is_lockstep) {
+        status = start_loop(loops, "simulation", SIMULATION_PRIORITY, simulation_body,
+                            &threads->simulation, threads, error);
+    }
+    if (status == SOFTSIM_OK && !is_lockstep && loops->world->used_probes) {
+        status = start_loop(loops, "haptic", HAPTIC_PRIORITY, haptic_body, &threads->haptic,
+                            threads, error);
+    }
+    if (status == SOFTSIM_OK && loops->world->surface) {
+        status = start_loop(loops, "publish", 0, publish_body, &threads->publish, threads, error);
+    }
+    return status;
+}
+
+/* Waits for SIGINT, SIGTERM, the duration, or the end from within. */
+static void wait_for_end(ss_loops *loops)
+{
+    const double duration = loops->options->lockstep ? 0.0 : loops->options->duration_s;
+    const int64_t deadline =
+        duration > 0.0 ? ss_clock_now_ns() + (int64_t)(duration * 1e9) : INT64_MAX;
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    while (!atomic_load_explicit(&loops->is_over, memory_order_acquire)) {
+        const int64_t left = deadline - ss_clock_now_ns();
+        if (left <= 0) {
+            return;
+        }
+        const int64_t wait = left < 50000000 ? left : 50000000;
+        const struct timespec timeout = {.tv_nsec = (long)wait};
+        if (sigtimedwait(&signals, NULL, &timeout) > 0) {
+            return;
+        }
+    }
+}
+
+static void print_summary(const ss_loops *loops)
+{
+    int64_t periods = 0, forces = 0, missed = 0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        periods += loops->periods[p];
+        forces += loops->forces[p];
+        missed += loops->missed[p];
+    }
+    const double *late = loops->haptic_stats.lateness_us;
+    const double *step = loops->simulation_stats.step_us;
+    fprintf(stderr,
+            "softsimd: %lld haptic periods: %lld forces, %lld missed; peak force %.3f N\n"
+            "softsimd: haptic lateness us p50 %.0f p99 %.0f p99.9 %.0f max %.0f; step us p50 %.0f "
+            "p99 %.0f max %.0f; %lld steps at %.6g Hz\n",
+            (long long)periods, (long long)forces, (long long)missed, loops->peak_force, late[0],
+            late[1], late[2], late[3], step[0], step[1], step[2],
+            (long long)loops->simulation_stats.info.step, 1.0 / loops->world->step_period);
+}
+
+softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_error *error)
+{
+    ss_loops *loops = ss_memory_get(1, sizeof *loops);
+    if (!loops) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "no memory for the loops");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    loops->world = world;
+    loops->options = options;
+    loops->period_ns = (int64_t)llround(world->period * 1e9);
+    loops->step_period_ns = loops->period_ns * world->step_ticks;
+    loops->wake_fd = ss_wake_open();
+    loops->event_fd = ss_wake_open();
+    atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
+    atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
+
+    if (options->realtime != SS_REALTIME_OFF && !options->lockstep && !ss_thread_lock_memory() &&
+        options->log_level >= SS_LOG_WARNING) {
+        fprintf(stderr, "softsimd: warning: memory is not locked, so a page fault may delay a "
+                        "force; raise `ulimit -l` or run as root\n");
+    }
+    ss_loop_threads threads = {0};
+    softsim_status status = start_all(loops, &threads, error);
+    if (status == SOFTSIM_OK) {
+        if (threads.is_fifo_refused && options->log_level >= SS_LOG_WARNING) {
+            fprintf(stderr, "softsimd: warning: SCHED_FIFO is not allowed, so forces may be late; "
+                            "run as root or raise `ulimit -r`\n");
+        }
+        puts("softsimd: ready");
+        fflush(stdout);
+        wait_for_end(loops);
+        if (!options->lockstep) {
+            /* Let the haptic loop ramp the forces to zero. */
+            atomic_store_explicit(&world->is_stopping, true, memory_order_release);
+            ss_clock_sleep_until(ss_clock_now_ns() + STOP_TICKS * loops->period_ns);
+        }
+    }
+    atomic_store_explicit(&loops->is_ending, true, memory_order_release);
+    ss_thread_join(&threads.haptic);
+    ss_thread_join(&threads.simulation);
+    ss_wake_signal(loops->wake_fd);
+    ss_thread_join(&threads.net);
+    ss_thread_join(&threads.publish);
+    ss_publisher_close(&loops->publisher);
+    if (status == SOFTSIM_OK) {
+        status = loops->net_status;
+        if (status != SOFTSIM_OK) {
+            *error = loops->net_error;
+        }
+        if (options->log_level >= SS_LOG_INFO) {
+            print_summary(loops);
+        }
+    }
+    if (loops->wake_fd >= 0) {
+        close(loops->wake_fd);
+    }
+    if (loops->event_fd >= 0) {
+        close(loops->event_fd);
+    }
+    ss_memory_free(loops);
+    return status;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include <signal.h>
+#include <stdio.h>
+
+#include "loops.h"
+#include "options.h"
+#include "world.h"
+
+static void print_line(void *sink, const char *text)
+{
+    fprintf(sink, "%s\n", text);
+}
+
+int main(int argc, char **argv)
+{
+    static softsim_error error;
+    ss_options options;
+    switch (ss_options_parse(argc, argv, &options, &error)) {
+    case SS_ARGS_DONE:
+        return 0;
+    case SS_ARGS_BAD:
+        ss_args_print_error(argv[0], &error);
+        return 2;
+    case SS_ARGS_RUN:
+        break;
+    }
+    /* Blocked before any thread starts, so that only the main thread takes them. */
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, NULL);
+    signal(SIGPIPE, SIG_IGN);
+
+    const ss_world_options world_options = {.scene_path = options.scene_path,
+                                            .set = options.set.value,
+                                            .set_count = options.set.count,
+                                            .threads = (int32_t)options.threads,
+                                            .is_lockstep = options.lockstep};
+    ss_world *world = NULL;
+    if (ss_world_create(&world_options, &world, &error) != SOFTSIM_OK) {
+        ss_args_print_error(argv[0], &error);
+        return 2;
+    }
+    int exit_code = 0;
+    if (options.explain) {
+        ss_world_explain(world, print_line, stdout);
+    }
+    if (options.print_config) {
+        const ss_scene_model *models = NULL;
+        ss_world_scene_models(&models);
+        ss_scene_print(world->scene, &models[world->scene->model_index], print_line, stdout);
+    }
+    if (!options.check && !options.explain && !options.print_config) {
+        if (ss_loops_run(world, &options, &error) != SOFTSIM_OK) {
+            ss_args_print_error(argv[0], &error);
+            exit_code = 1;
+        }
+        if (options.hash) {
+            printf("%016llx\n", (unsigned long long)ss_world_hash(world));
+        }
+    }
+    ss_world_destroy(&world);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "softsimd: cannot write to stdout; is the disk full?\n");
+        exit_code = 1;
+    }
+    return exit_code;
+}

@@ -1,0 +1,502 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What is wrong with a mesh. One pass over nodes, elements, edges and faces each; shared edges
+ * and faces by sorted tuples (topology.h), coincident nodes by a grid of cells.
+ *
+ * A node is non-manifold when the triangles around it form more than one fan: corners of
+ * neighbouring triangles are joined across their common edges, and each node may have one set of
+ * corners. Measures are relative to the mean edge h, so that a body in millimetres is judged as
+ * the same body in metres.
+ */
+#include "mesh/mesh.h"
+#include "mesh/topology.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Relative to h, h^2, h^3. */
+static const double flat_area = 1e-6;
+static const double flat_volume = 1e-9;
+static const double coincidence = 1e-6;
+static const double short_edge = 1e-3;
+
+static void add_fault(ss_mesh_fault *fault, int32_t number)
+{
+    if (fault->count < SS_MESH_FIRST) {
+        fault->first[fault->count] = number;
+    }
+    ++fault->count;
+}
+
+/* ---- nodes ---------------------------------------------------------------------------------- */
+
+static void check_positions(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    bool is_first = true;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const double *x = mesh->position[i];
+        if (!ss_is_finite(x, 3)) {
+            add_fault(&report->non_finite, i);
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+            report->box_min[k] = is_first ? x[k] : fmin(report->box_min[k], x[k]);
+            report->box_max[k] = is_first ? x[k] : fmax(report->box_max[k], x[k]);
+        }
+        is_first = false;
+    }
+}
+
+static uint64_t hash_cell(const double cell[3])
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int k = 0; k < 3; ++k) {
+        uint64_t bits;
+        const double value = cell[k] + 0.0; /* -0 and 0 are one cell */
+        memcpy(&bits, &value, sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/* Is a node within `reach` of x among those in the cell at `cell` (in units of cells)? */
+static bool cell_has_node(const ss_mesh *mesh, const int32_t *head, const int32_t *next,
+                          uint64_t mask, const double cell[3], const double x[3], double reach)
+{
+    for (int32_t i = head[hash_cell(cell) & mask]; i >= 0; i = next[i]) {
+        double d[3];
+        ss_sub3(d, x, mesh->position[i]);
+        if (ss_norm3(d) <= reach) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Looks into the up to eight cells that the cube of half width `reach` about x overlaps. */
+static bool has_twin(const ss_mesh *mesh, const int32_t *head, const int32_t *next, uint64_t mask,
+                     const double x[3], double reach, double size)
+{
+    for (int corner = 0; corner < 8; ++corner) {
+        double cell[3];
+        bool is_new = true;
+        for (int k = 0; k < 3; ++k) {
+            const bool is_high = (corner >> k & 1) != 0;
+            cell[k] = floor((x[k] + (is_high ? reach : -reach)) / size);
+            is_new = is_new && !(is_high && cell[k] == floor((x[k] - reach) / size));
+        }
+        if (is_new && cell_has_node(mesh, head, next, mask, cell, x, reach)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A twin is not entered into the grid, so that cells stay sparse on any input: entered nodes are
+ * more than `reach` apart, a cell is 16 reaches wide. */
+static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    uint64_t mask = 1;
+    while (mask < 2 * (uint64_t)mesh->node_count) {
+        mask *= 2;
+    }
+    int32_t *head = ss_memory_get(mask, sizeof *head);
+    int32_t *next = ss_memory_get((size_t)mesh->node_count, sizeof *next);
+    if (head == NULL || next == NULL) {
+        ss_memory_free(head);
+        ss_memory_free(next);
+        return false;
+    }
+    memset(head, 0xff, mask * sizeof *head);
+    --mask;
+
+    /* Never below the rounding of the coordinates, so that cells can be told apart. */
+    double largest = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        largest = fmax(largest, fmax(fabs(report->box_min[k]), fabs(report->box_max[k])));
+    }
+    const double reach = fmax(fmax(coincidence * report->edge_mean, 1e-15 * largest), 1e-300);
+    const double size = 16.0 * reach;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const double *x = mesh->position[i];
+        if (!ss_is_finite(x, 3)) {
+            continue;
+        }
+        if (has_twin(mesh, head, next, mask, x, reach, size)) {
+            add_fault(&report->coincident_node, i);
+            continue;
+        }
+        const double cell[3] = {floor(x[0] / size), floor(x[1] / size), floor(x[2] / size)};
+        int32_t *bucket = &head[hash_cell(cell) & mask];
+        next[i] = *bucket;
+        *bucket = i;
+    }
+    ss_memory_free(head);
+    ss_memory_free(next);
+    return true;
+}
+
+/* ---- edges ---------------------------------------------------------------------------------- */
+
+static double edge_length(const ss_mesh *mesh, const ss_mesh_tuple *edge)
+{
+    double d[3];
+    ss_sub3(d, mesh->position[edge->node[1]], mesh->position[edge->node[0]]);
+    return ss_norm3(d);
+}
+
+static void measure_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mesh_report *report)
+{
+    int64_t count = 0;
+    double sum = 0.0;
+    for (int64_t i = 0; i < edges->count; i = ss_mesh_run_end(edges, i)) {
+        const double length = edge_length(mesh, &edges->tuple[i]);
+        if (isfinite(length)) {
+            report->edge_min = count == 0 ? length : fmin(report->edge_min, length);
+            report->edge_max = fmax(report->edge_max, length);
+            sum += length;
+            ++count;
+        }
+    }
+    report->edge_mean = count > 0 ? sum / (double)count : 0.0;
+    for (int64_t i = 0; i < edges->count; i = ss_mesh_run_end(edges, i)) {
+        if (edge_length(mesh, &edges->tuple[i]) < short_edge * report->edge_mean) {
+            add_fault(&report->short_edge, edges->tuple[i].node[0]);
+        }
+    }
+}
+
+/* Corners of edge `id` (3 t + c) in triangle t: the one at its lower node, the one at its higher. */
+static void edge_corners(const ss_mesh *mesh, int32_t id, int32_t out[2])
+{
+    const int32_t start = id;
+    const int32_t end = id / 3 * 3 + (id % 3 + 1) % 3;
+    const bool is_ascending = ss_mesh_edge_is_ascending(mesh, id);
+    out[0] = is_ascending ? start : end;
+    out[1] = is_ascending ? end : start;
+}
+
+static void check_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, int32_t *corner_set,
+                        ss_mesh_report *report)
+{
+    ss_mesh_union_init(corner_set, 3 * mesh->triangle_count);
+    for (int64_t i = 0; i < edges->count;) {
+        const int64_t end = ss_mesh_run_end(edges, i);
+        const ss_mesh_tuple *edge = &edges->tuple[i];
+        if (end - i == 1) {
+            add_fault(&report->open_edge, edge->node[0]);
+        } else if (end - i > 2) {
+            add_fault(&report->non_manifold_edge, edge->node[0]);
+        } else if (ss_mesh_edge_is_ascending(mesh, edge[0].id) ==
+                   ss_mesh_edge_is_ascending(mesh, edge[1].id)) {
+            add_fault(&report->inconsistent_winding, edge->node[0]);
+        }
+        int32_t first[2];
+        edge_corners(mesh, edge->id, first);
+        for (int64_t k = i + 1; k < end; ++k) {
+            int32_t other[2];
+            edge_corners(mesh, edges->tuple[k].id, other);
+            ss_mesh_union_join(corner_set, first[0], other[0]);
+            ss_mesh_union_join(corner_set, first[1], other[1]);
+        }
+        i = end;
+    }
+}
+
+/* Counts fans: `fans` is zeroed scratch of node_count. */
+static void check_fans(const ss_mesh *mesh, int32_t *corner_set, int32_t *fans,
+                       ss_mesh_report *report)
+{
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        if (!ss_mesh_has_good_nodes(mesh, mesh->triangle[t], 3)) {
+            continue;
+        }
+        for (int32_t c = 0; c < 3; ++c) {
+            if (ss_mesh_union_find(corner_set, 3 * t + c) == 3 * t + c) {
+                ++fans[mesh->triangle[t][c]];
+            }
+        }
+    }
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        if (fans[i] > 1) {
+            add_fault(&report->non_manifold_node, i);
+        }
+    }
+}
+
+/* ---- triangles ------------------------------------------------------------------------------ */
+
+static bool indices_are_good(const ss_mesh *mesh, const int32_t *node, int count)
+{
+    for (int k = 0; k < count; ++k) {
+        if (node[k] < 0 || node[k] >= mesh->node_count) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Area; *inout_angle is lowered to the smallest angle in degrees, by tan a = |u x v| / u . v. */
+static double measure_triangle(const ss_mesh *mesh, const int32_t *node, double *inout_angle)
+{
+    double area = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double *x = mesh->position[node[c]];
+        double u[3];
+        double v[3];
+        double uv[3];
+        ss_sub3(u, mesh->position[node[(c + 1) % 3]], x);
+        ss_sub3(v, mesh->position[node[(c + 2) % 3]], x);
+        ss_cross3(uv, u, v);
+        area = 0.5 * ss_norm3(uv);
+        *inout_angle =
+            fmin(*inout_angle, atan2(2.0 * area, ss_dot3(u, v)) * (180.0 / 3.14159265358979323846));
+    }
+    return area;
+}
+
+static void check_triangles(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    report->angle_min = 180.0;
+    const double least = flat_area * report->edge_mean * report->edge_mean;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *node = mesh->triangle[t];
+        if (!indices_are_good(mesh, node, 3)) {
+            add_fault(&report->bad_index, t);
+            continue;
+        }
+        const double area = measure_triangle(mesh, node, &report->angle_min);
+        if (isfinite(area)) {
+            report->area += area;
+        }
+        if (area <= least) {
+            add_fault(&report->zero_area, t);
+        }
+    }
+}
+
+/* Equal tuples: all but the first of each run are duplicates. */
+static void check_duplicates(const ss_mesh_tuples *elements, ss_mesh_fault *fault)
+{
+    for (int64_t i = 0; i < elements->count;) {
+        const int64_t end = ss_mesh_run_end(elements, i);
+        for (int64_t k = i + 1; k < end; ++k) {
+            add_fault(fault, elements->tuple[k].id);
+        }
+        i = end;
+    }
+}
+
+/* ---- tetrahedra ----------------------------------------------------------------------------- */
+
+static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    const double least = flat_volume * report->edge_mean * report->edge_mean * report->edge_mean;
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        const int32_t *node = mesh->tetrahedron[e];
+        if (!indices_are_good(mesh, node, 4)) {
+            add_fault(&report->bad_index, e);
+            continue;
+        }
+        double a[3];
+        double b[3];
+        double c[3];
+        double bc[3];
+        ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
+        ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
+        ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
+        ss_cross3(bc, b, c);
+        if (ss_dot3(a, bc) / 6.0 <= least) {
+            add_fault(&report->inverted_tetrahedron, e);
+        }
+    }
+}
+
+static bool check_shared_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    ss_mesh_tuples tuples = {0};
+    if (!ss_mesh_list_tetrahedra(mesh, &tuples)) {
+        return false;
+    }
+    check_duplicates(&tuples, &report->duplicate_tetrahedron);
+    ss_mesh_tuples_fini(&tuples);
+    if (!ss_mesh_list_tetrahedron_faces(mesh, &tuples)) {
+        return false;
+    }
+    for (int64_t i = 0; i < tuples.count;) {
+        const int64_t end = ss_mesh_run_end(&tuples, i);
+        if (end - i > 2) {
+            add_fault(&report->crowded_face, tuples.tuple[i].node[0]);
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&tuples);
+    return true;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------- */
+
+static bool check_parts(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mesh_report *report)
+{
+    int32_t *part = ss_memory_get((size_t)mesh->node_count, sizeof *part);
+    ss_mesh_part *parts = NULL;
+    bool is_done = false;
+    const int32_t count = part != NULL ? ss_mesh_find_parts(mesh, true, part) : -1;
+    if (count >= 0) {
+        report->component_count = count;
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            if (part[i] < 0) {
+                add_fault(&report->loose_node, i);
+            }
+        }
+        /* Cavities of a volume are shells of their own: parts of the surface alone. */
+        const int32_t shells = ss_mesh_find_parts(mesh, false, part);
+        parts = shells >= 0 ? ss_memory_get((size_t)shells, sizeof *parts) : NULL;
+        is_done = parts != NULL;
+        if (is_done) {
+            report->is_inside_out =
+                ss_mesh_measure_parts(mesh, part, shells, edges, parts, NULL);
+            for (int32_t p = 0; p < shells; ++p) {
+                report->volume += parts[p].volume;
+            }
+        }
+    }
+    ss_memory_free(parts);
+    ss_memory_free(part);
+    return is_done;
+}
+
+static bool check_surface_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges,
+                                ss_mesh_report *report)
+{
+    int32_t *corner_set = ss_memory_get(3 * (size_t)mesh->triangle_count, sizeof *corner_set);
+    int32_t *fans = ss_memory_get((size_t)mesh->node_count, sizeof *fans);
+    const bool is_done = corner_set != NULL && fans != NULL;
+    if (is_done) {
+        check_edges(mesh, edges, corner_set, report);
+        check_fans(mesh, corner_set, fans, report);
+    }
+    ss_memory_free(corner_set);
+    ss_memory_free(fans);
+    return is_done;
+}
+
+static bool measure_mean_edge(const ss_mesh *mesh, const ss_mesh_tuples *edges,
+                              ss_mesh_report *report)
+{
+    if (mesh->tetrahedron_count == 0) {
+        measure_edges(mesh, edges, report);
+        return true;
+    }
+    ss_mesh_tuples inner = {0};
+    if (!ss_mesh_list_tetrahedron_edges(mesh, &inner)) {
+        return false;
+    }
+    measure_edges(mesh, &inner, report);
+    ss_mesh_tuples_fini(&inner);
+    return true;
+}
+
+softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
+{
+    *out_report = (ss_mesh_report){0};
+    ss_mesh_tuples edges = {0};
+    ss_mesh_tuples triangles = {0};
+    check_positions(mesh, out_report);
+    const bool is_done =
+        ss_mesh_list_triangle_edges(mesh, &edges) && ss_mesh_list_triangles(mesh, &triangles) &&
+        measure_mean_edge(mesh, &edges, out_report) &&
+        check_surface_edges(mesh, &edges, out_report) && find_coincident(mesh, out_report) &&
+        check_parts(mesh, &edges, out_report) && check_shared_tetrahedra(mesh, out_report);
+    if (is_done) {
+        check_triangles(mesh, out_report);
+        check_duplicates(&triangles, &out_report->duplicate_triangle);
+        check_tetrahedra(mesh, out_report);
+    }
+    ss_mesh_tuples_fini(&edges);
+    ss_mesh_tuples_fini(&triangles);
+    return is_done ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* ---- the verdict ---------------------------------------------------------------------------- */
+
+static void report_fault(const char *name, const ss_mesh_fault *fault, const char *what,
+                         const char *where, const char *remedy, softsim_error *error)
+{
+    if (fault->count == 0) {
+        return;
+    }
+    char numbers[SS_MESH_FIRST * 12 + 8] = "";
+    size_t used = 0;
+    for (int i = 0; i < SS_MESH_FIRST && i < fault->count; ++i) {
+        used += (size_t)snprintf(numbers + used, sizeof numbers - used, "%s%d", i > 0 ? ", " : "",
+                                 fault->first[i]);
+    }
+    softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s: %s: %lld (%s %s%s): %s", name, what,
+                      (long long)fault->count, where, numbers,
+                      fault->count > SS_MESH_FIRST ? ", ..." : "", remedy);
+}
+
+/* Bodies outside this are a wrong `units` or `scale`, not tissue; m. */
+static const double diagonal_min = 1e-7;
+static const double diagonal_max = 1e5;
+
+softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error)
+{
+    ss_mesh_report r;
+    if (ss_mesh_check(mesh, &r) != SOFTSIM_OK) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory while checking it", name);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    const struct {
+        const ss_mesh_fault *fault;
+        const char *what, *where, *remedy;
+    } rows[] = {
+        {&r.non_finite, "nodes that are not finite", "node", "correct or remove them"},
+        {&r.bad_index, "elements of nodes that do not exist", "element",
+         "the file is damaged: write it again"},
+        {&r.zero_area, "flat triangles", "triangle",
+         "merge nearby vertices and dissolve degenerate faces"},
+        {&r.duplicate_triangle, "triangles that are there already", "triangle", "remove them"},
+        {&r.loose_node, "nodes without an element", "node", "remove them"},
+        {&r.coincident_node, "nodes on top of others", "node", "merge vertices by distance"},
+        {&r.short_edge, "edges shorter than 1/1000 of the mean", "at node",
+         "merge vertices by distance, or remesh"},
+        {&r.non_manifold_edge, "edges of more than two triangles", "at node",
+         "remove inner faces, or remesh"},
+        {&r.non_manifold_node, "nodes where surfaces touch in a point only", "node",
+         "separate the surfaces, or join them by more than a point"},
+        {&r.inconsistent_winding, "edges whose two triangles are wound against each other",
+         "at node", "recalculate the normals to point outside"},
+        {&r.duplicate_tetrahedron, "tetrahedra that are there already", "tetrahedron",
+         "remove them"},
+        {&r.crowded_face, "faces of more than two tetrahedra", "at node",
+         "remove overlapping tetrahedra"},
+        {&r.inverted_tetrahedron, "inverted or flat tetrahedra", "tetrahedron",
+         "swap two of their nodes if all are inverted, else remesh"},
+    };
+    bool is_usable = true;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        report_fault(name, rows[i].fault, rows[i].what, rows[i].where, rows[i].remedy, error);
+        is_usable = is_usable && rows[i].fault->count == 0;
+    }
+    if (r.is_inside_out) {
+        is_usable = false;
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "%s: the surface is wound inside out: flip its normals", name);
+    }
+    double diagonal[3];
+    ss_sub3(diagonal, r.box_max, r.box_min);
+    const double size = ss_norm3(diagonal);
+    if (is_usable && !(size >= diagonal_min && size <= diagonal_max)) {
+        is_usable = false;
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "%s: %g m across: check its units and scale (%g to %g m are usable)",
+                          name, size, diagonal_min, diagonal_max);
+    }
+    return is_usable ? SOFTSIM_OK : SOFTSIM_ERROR_MESH;
+}

@@ -1,0 +1,452 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Reading mesh files. MSH text goes to our own reader, by its content; the formats that assimp
+ * knows go, by their name, to the helper program softsim-import, because assimp ends the process
+ * or runs for ever on some damaged files. The helper limits its own memory and CPU time; here a
+ * clock limits its wall time and its output is bounded and checked, since a damaged file may
+ * have made it write anything. A child forked without exec was rejected: the daemon would link
+ * assimp.
+ */
+#include "mesh/import.h"
+
+#include "mesh/mesh.h"
+#include "rt/clock.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { MAX_WALL_S = 60, MAX_FILE_BYTES = 1 << 30, MAX_TEXT = 1024 };
+
+typedef struct buffer {
+    char *data;
+    size_t size, capacity, limit;
+} buffer;
+
+typedef struct import {
+    const char *path;
+    double metres_per_unit;
+    softsim_error *error;
+    buffer out;          /* what the helper writes */
+    char text[MAX_TEXT]; /* the start of what it says on stderr */
+    size_t text_size;
+} import;
+
+/* ---- the helper program ----------------------------------------------------------------------- */
+
+static bool find_program(const char *given, char out[PATH_MAX])
+{
+    if (given != NULL) {
+        return snprintf(out, PATH_MAX, "%s", given) < PATH_MAX && access(out, X_OK) == 0;
+    }
+    const ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - 1);
+    if (length > 0) {
+        out[length] = '\0';
+        static const char helper[] = "softsim-import";
+        char *name = strrchr(out, '/');
+        if (name != NULL && (size_t)(name + 1 - out) + sizeof helper <= PATH_MAX) {
+            memcpy(name + 1, helper, sizeof helper);
+            if (access(out, X_OK) == 0) {
+                return true;
+            }
+        }
+    }
+    (void)snprintf(out, PATH_MAX, "%s/softsim-import", SOFTSIM_LIBEXECDIR);
+    return access(out, X_OK) == 0;
+}
+
+/* Starts it with /dev/null as stdin and pipes for the rest; our ends close on exec. Returns 0 or
+ * an errno value. */
+static int start_program(const char *program, const char *path, pid_t *out_pid, int out_fd[2])
+{
+    int output[2];
+    int errors[2];
+    if (pipe2(output, O_CLOEXEC) != 0) {
+        return errno;
+    }
+    if (pipe2(errors, O_CLOEXEC) != 0) {
+        const int reason = errno;
+        (void)close(output[0]);
+        (void)close(output[1]);
+        return reason;
+    }
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none;
+    sigset_t defaults;
+    (void)sigemptyset(&none);
+    (void)sigemptyset(&defaults);
+    (void)sigaddset(&defaults, SIGPIPE);
+    (void)sigaddset(&defaults, SIGXCPU);
+    (void)posix_spawn_file_actions_init(&actions);
+    (void)posix_spawnattr_init(&attributes);
+    (void)posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    (void)posix_spawn_file_actions_adddup2(&actions, output[1], 1);
+    (void)posix_spawn_file_actions_adddup2(&actions, errors[1], 2);
+    (void)posix_spawnattr_setsigmask(&attributes, &none);
+    (void)posix_spawnattr_setsigdefault(&attributes, &defaults);
+    (void)posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+
+    /* A path that begins with '-' must not look like an option. */
+    char safe_path[PATH_MAX + 2];
+    (void)snprintf(safe_path, sizeof safe_path, "%s%s", path[0] == '-' ? "./" : "", path);
+    char program_name[] = "softsim-import";
+    char *const arguments[] = {program_name, safe_path, NULL};
+    const int reason =
+        posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
+    (void)posix_spawn_file_actions_destroy(&actions);
+    (void)posix_spawnattr_destroy(&attributes);
+    (void)close(output[1]);
+    (void)close(errors[1]);
+    if (reason != 0) {
+        (void)close(output[0]);
+        (void)close(errors[0]);
+        return reason;
+    }
+    out_fd[0] = output[0];
+    out_fd[1] = errors[0];
+    return 0;
+}
+
+/* ---- what it writes --------------------------------------------------------------------------- */
+
+static bool grow(buffer *b)
+{
+    if (b->size < b->capacity) {
+        return true;
+    }
+    const size_t capacity = b->capacity == 0 ? 1 << 16 : 2 * b->capacity;
+    char *data = b->size < b->limit ? realloc(b->data, capacity) : NULL;
+    if (data == NULL) {
+        return false;
+    }
+    b->data = data;
+    b->capacity = capacity;
+    return true;
+}
+
+/* Reads what is there; false at the end of the stream (*out_failed: or when it is too much). */
+static bool read_output(buffer *b, int fd, bool *out_failed)
+{
+    if (!grow(b)) {
+        *out_failed = true;
+        return false;
+    }
+    const ssize_t count = read(fd, b->data + b->size, b->capacity - b->size);
+    if (count > 0) {
+        b->size += (size_t)count;
+    }
+    return count > 0 || (count < 0 && errno == EINTR);
+}
+
+static bool read_text(import *im, int fd)
+{
+    char piece[256];
+    const ssize_t count = read(fd, piece, sizeof piece);
+    for (ssize_t i = 0; i < count && im->text_size + 1 < sizeof im->text; ++i) {
+        im->text[im->text_size++] = piece[i];
+    }
+    return count > 0 || (count < 0 && errno == EINTR);
+}
+
+/* Collects both streams until they end; false when out of time or bounds. */
+static bool collect(import *im, const int fd[2])
+{
+    struct pollfd polled[2] = {{.fd = fd[0], .events = POLLIN}, {.fd = fd[1], .events = POLLIN}};
+    const int64_t deadline_ns = ss_clock_now_ns() + (int64_t)MAX_WALL_S * 1000000000;
+    bool has_failed = false;
+    while (polled[0].fd >= 0 || polled[1].fd >= 0) {
+        const int64_t left_ms = (deadline_ns - ss_clock_now_ns()) / 1000000;
+        const int ready = left_ms > 0 ? poll(polled, 2, (int)left_ms) : 0;
+        if (ready == 0 || (ready < 0 && errno != EINTR)) {
+            return false;
+        }
+        if (ready > 0 && polled[0].revents != 0 && !read_output(&im->out, fd[0], &has_failed)) {
+            polled[0].fd = -1;
+        }
+        if (ready > 0 && polled[1].revents != 0 && !read_text(im, fd[1])) {
+            polled[1].fd = -1;
+        }
+        if (has_failed) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Runs the helper to its end, by force if need be. Returns false when it could not be run. */
+static bool run_program(import *im, const char *program, bool *out_is_complete, int *out_status)
+{
+    pid_t pid = 0;
+    int fd[2] = {-1, -1};
+    const int reason = start_program(program, im->path, &pid, fd);
+    if (reason != 0) {
+        softsim_error_add(im->error, SOFTSIM_ERROR_SYSTEM, "%s: cannot start %s (%s)", im->path,
+                          program, strerror(reason));
+        return false;
+    }
+    *out_is_complete = collect(im, fd);
+    if (!*out_is_complete) {
+        (void)kill(pid, SIGKILL);
+    }
+    (void)close(fd[0]);
+    (void)close(fd[1]);
+    pid_t waited;
+    do {
+        waited = waitpid(pid, out_status, 0);
+    } while (waited < 0 && errno == EINTR);
+    if (waited != pid) {
+        softsim_error_add(im->error, SOFTSIM_ERROR_SYSTEM, "%s: lost track of %s (%s)", im->path,
+                          program, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+/* ---- its answer ------------------------------------------------------------------------------- */
+
+static softsim_status refuse(import *im, const char *what)
+{
+    softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT,
+                      "%s: %s: write the mesh again from the program that made it, or as OBJ",
+                      im->path, what);
+    return SOFTSIM_ERROR_FORMAT;
+}
+
+/* The first line of what it said, printable characters only. */
+static const char *first_line(import *im)
+{
+    im->text[im->text_size] = '\0';
+    im->text[strcspn(im->text, "\r\n")] = '\0';
+    for (char *c = im->text; *c != '\0'; ++c) {
+        if ((unsigned char)*c < ' ' || *c == 0x7f) {
+            *c = '?';
+        }
+    }
+    return im->text[0] != '\0' ? im->text : "the importer gave no reason";
+}
+
+static softsim_status judge(import *im, bool is_complete, int status)
+{
+    if (!is_complete || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) ||
+        (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)) {
+        return refuse(im, "reading it took too long or gave too much, it is damaged or too large");
+    }
+    if (WIFSIGNALED(status)) {
+        return refuse(im, "the importer crashed on it, it is damaged");
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+        /* A line that starts with ':' has a line number first. */
+        const char *line = first_line(im);
+        softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT, "%s%s%s", im->path,
+                          line[0] == ':' ? "" : ": ", line);
+        return SOFTSIM_ERROR_FORMAT;
+    }
+    return SOFTSIM_OK;
+}
+
+/* Checks sizes, indices and positions, scales, and makes the mesh. */
+static softsim_status unpack(import *im, ss_mesh **out_mesh)
+{
+    ss_import_header header;
+    if (im->out.size < sizeof header) {
+        return refuse(im, "the importer's answer is cut off");
+    }
+    memcpy(&header, im->out.data, sizeof header);
+    const size_t rest = im->out.size - sizeof header;
+    const int64_t bound = (int64_t)rest;
+    if (memcmp(header.magic, SS_IMPORT_MAGIC, sizeof header.magic) != 0 || header.node_count < 1 ||
+        header.node_count > bound || header.triangle_count < 1 || header.triangle_count > bound ||
+        (size_t)header.node_count * 24 + (size_t)header.triangle_count * 12 != rest) {
+        return refuse(im, "the importer's answer makes no sense");
+    }
+    /* 24-byte header, so both arrays are aligned in the allocation. */
+    double(*position)[3] = (double(*)[3])(void *)(im->out.data + sizeof header);
+    int32_t(*triangle)[3] = (int32_t(*)[3])(void *)(position + header.node_count);
+    int64_t bad_count = 0;
+    int64_t first_bad = -1;
+    for (int64_t i = 0; i < header.node_count; ++i) {
+        ss_scale3(position[i], position[i], im->metres_per_unit);
+        if (!ss_is_finite(position[i], 3)) {
+            first_bad = bad_count++ == 0 ? i : first_bad;
+        }
+    }
+    if (bad_count > 0) {
+        softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT,
+                          "%s: %lld of its positions are not finite (the first is vertex %lld as "
+                          "read): correct or remove them",
+                          im->path, (long long)bad_count, (long long)first_bad);
+        return SOFTSIM_ERROR_FORMAT;
+    }
+    for (int64_t t = 0; t < header.triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            if (triangle[t][k] < 0 || triangle[t][k] >= header.node_count) {
+                return refuse(im, "a triangle has a vertex that does not exist");
+            }
+        }
+    }
+    return ss_mesh_create((int32_t)header.node_count, (const double(*)[3])position,
+                          (int32_t)header.triangle_count, (const int32_t(*)[3])triangle, 0, NULL,
+                          out_mesh, im->error);
+}
+
+static softsim_status import_file(const char *path, double metres_per_unit,
+                                  const char *import_program, ss_mesh **out_mesh,
+                                  softsim_error *error)
+{
+    char program[PATH_MAX] = "";
+    if (!find_program(import_program, program)) {
+        softsim_error_add(error, SOFTSIM_ERROR_SYSTEM,
+                          "%s: the helper program softsim-import is not there (looked for %s): "
+                          "install it, or give the mesh as MSH",
+                          path, program);
+        return SOFTSIM_ERROR_SYSTEM;
+    }
+    import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error};
+    im.out.limit = SS_IMPORT_MAX_BYTES;
+    bool is_complete = false;
+    int exit_status = 0;
+    softsim_status status = SOFTSIM_ERROR_SYSTEM;
+    if (run_program(&im, program, &is_complete, &exit_status)) {
+        status = judge(&im, is_complete, exit_status);
+        if (status == SOFTSIM_OK) {
+            status = unpack(&im, out_mesh);
+        }
+    }
+    free(im.out.data);
+    return status;
+}
+
+/* ---- MSH files -------------------------------------------------------------------------------- */
+
+static softsim_status fail_file(const char *path, const char *why, softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot read it (%s): check its name and rights",
+                      path, why);
+    return SOFTSIM_ERROR_FILE;
+}
+
+static softsim_status read_msh_file(int fd, const char *path, size_t size, double metres_per_unit,
+                                    ss_mesh **out_mesh, softsim_error *error)
+{
+    char *text = malloc(size);
+    if (text == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    /* A file that shrinks meanwhile reads as one that is cut off. */
+    size_t used = 0;
+    ssize_t count = 1;
+    while (used < size && count != 0) {
+        count = pread(fd, text + used, size - used, (off_t)used);
+        if (count < 0 && errno != EINTR) {
+            break;
+        }
+        used += count > 0 ? (size_t)count : 0;
+    }
+    const softsim_status status =
+        count < 0 ? fail_file(path, strerror(errno), error)
+                  : ss_mesh_read_msh(text, used, path, metres_per_unit, out_mesh, error);
+    free(text);
+    return status;
+}
+
+/* Is the first character that is not blank a '$', as in every MSH text? */
+static bool looks_like_msh(int fd)
+{
+    char start[64];
+    const ssize_t count = pread(fd, start, sizeof start, 0);
+    ssize_t i = 0;
+    while (i < count && strchr(" \t\r\n", start[i]) != NULL && start[i] != '\0') {
+        ++i;
+    }
+    return i < count && start[i] == '$';
+}
+
+static bool is_importable(const char *path)
+{
+    static const char *const known[] = {".obj", ".stl", ".ply", ".glb", ".gltf"};
+    const char *slash = strrchr(path, '/');
+    const char *extension = strrchr(slash != NULL ? slash : path, '.');
+    for (size_t i = 0; extension != NULL && i < sizeof known / sizeof known[0]; ++i) {
+        if (strcasecmp(extension, known[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* An open regular file of a size that can be read, or -1 with the fault in `error`. Opened without
+ * blocking: a FIFO must not hang the start. */
+static int open_file(const char *path, size_t *out_size, softsim_status *out_status,
+                     softsim_error *error)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct stat info;
+    *out_status = SOFTSIM_ERROR_FILE;
+    if (fd < 0 || fstat(fd, &info) != 0) {
+        (void)fail_file(path, strerror(errno), error);
+    } else if (!S_ISREG(info.st_mode)) {
+        (void)fail_file(path, S_ISDIR(info.st_mode) ? "a folder" : "not a file", error);
+    } else if (info.st_size == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: the file is empty: write it again", path);
+        *out_status = SOFTSIM_ERROR_FORMAT;
+    } else if (info.st_size > MAX_FILE_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s: larger than 1 GiB: simplify the mesh first", path);
+        *out_status = SOFTSIM_ERROR_FORMAT;
+    } else {
+        *out_size = (size_t)info.st_size;
+        *out_status = SOFTSIM_OK;
+        return fd;
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return -1;
+}
+
+softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
+                            ss_mesh **out_mesh, softsim_error *error)
+{
+    *out_mesh = NULL;
+    if (!(metres_per_unit > 0.0 && isfinite(metres_per_unit))) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: a unit of %g m: give a positive number", path, metres_per_unit);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    size_t size = 0;
+    softsim_status status = SOFTSIM_OK;
+    const int fd = open_file(path, &size, &status, error);
+    if (fd < 0) {
+        return status;
+    }
+    if (looks_like_msh(fd)) {
+        status = read_msh_file(fd, path, size, metres_per_unit, out_mesh, error);
+    } else if (is_importable(path)) {
+        status = import_file(path, metres_per_unit, import_program, out_mesh, error);
+    } else {
+        status = SOFTSIM_ERROR_FORMAT;
+        softsim_error_add(error, status,
+                          "%s: not a mesh that is read here: give OBJ, STL, PLY, GLB or glTF "
+                          "(by the file's ending) or Gmsh MSH 2.2 ASCII",
+                          path);
+    }
+    (void)close(fd);
+    return status;
+}

@@ -1,0 +1,407 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Shared edges and faces by sorting: tuples are put into buckets by their lowest node (one
+ * counting pass) and each bucket, a handful of tuples on any real mesh, is sorted by itself. Linear
+ * in practice, n log n on the worst input, the same result on every machine. A hash table was
+ * rejected: its order, and on hostile input its time, depend on the hash.
+ */
+#include "mesh/topology.h"
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- tuples ------------------------------------------------------------------------------- */
+
+static int compare_tuples(const void *left, const void *right)
+{
+    const ss_mesh_tuple *a = left;
+    const ss_mesh_tuple *b = right;
+    for (int k = 0; k < 4; ++k) {
+        if (a->node[k] != b->node[k]) {
+            return a->node[k] < b->node[k] ? -1 : 1;
+        }
+    }
+    return (a->id > b->id) - (a->id < b->id);
+}
+
+static void sort_nodes(int32_t *node, int count)
+{
+    for (int i = 1; i < count; ++i) {
+        const int32_t value = node[i];
+        int k = i;
+        for (; k > 0 && node[k - 1] > value; --k) {
+            node[k] = node[k - 1];
+        }
+        node[k] = value;
+    }
+}
+
+bool ss_mesh_has_good_nodes(const ss_mesh *mesh, const int32_t *node, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (node[i] < 0 || node[i] >= mesh->node_count) {
+            return false;
+        }
+        for (int k = 0; k < i; ++k) {
+            if (node[i] == node[k]) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static void push(ss_mesh_tuples *out, const int32_t *element, const int8_t *corner, int corners,
+                 int32_t id)
+{
+    ss_mesh_tuple *tuple = &out->tuple[out->count];
+    for (int k = 0; k < corners; ++k) {
+        tuple->node[k] = element[corner[k]];
+    }
+    sort_nodes(tuple->node, corners);
+    tuple->id = id;
+    ++out->count;
+}
+
+static bool sort_tuples(ss_mesh_tuples *tuples, int32_t node_count)
+{
+    int64_t *start = ss_memory_get((size_t)node_count + 1, sizeof *start);
+    ss_mesh_tuple *sorted = ss_memory_get((size_t)tuples->count, sizeof *sorted);
+    if (start == NULL || sorted == NULL) {
+        ss_memory_free(start);
+        ss_memory_free(sorted);
+        return false;
+    }
+    for (int64_t i = 0; i < tuples->count; ++i) {
+        ++start[tuples->tuple[i].node[0] + 1];
+    }
+    for (int32_t n = 0; n < node_count; ++n) {
+        start[n + 1] += start[n];
+    }
+    for (int64_t i = 0; i < tuples->count; ++i) {
+        sorted[start[tuples->tuple[i].node[0]]++] = tuples->tuple[i];
+    }
+    /* start[n] is now the end of bucket n. */
+    int64_t begin = 0;
+    for (int32_t n = 0; n < node_count; ++n) {
+        if (start[n] - begin > 1) {
+            qsort(sorted + begin, (size_t)(start[n] - begin), sizeof *sorted, compare_tuples);
+        }
+        begin = start[n];
+    }
+    ss_memory_free(start);
+    ss_memory_free(tuples->tuple);
+    tuples->tuple = sorted;
+    return true;
+}
+
+/* Lists `pieces` tuples of `corners` nodes for every good element of `size` nodes. */
+static bool list(const ss_mesh *mesh, const int32_t *element, int32_t element_count, int size,
+                 const int8_t (*piece)[4], int pieces, int corners, bool has_piece_ids,
+                 ss_mesh_tuples *out)
+{
+    out->count = 0;
+    out->tuple = ss_memory_get((size_t)element_count * (size_t)pieces, sizeof *out->tuple);
+    if (out->tuple == NULL) {
+        return false;
+    }
+    for (int32_t e = 0; e < element_count; ++e) {
+        const int32_t *node = element + (int64_t)size * e;
+        for (int p = 0; p < pieces && ss_mesh_has_good_nodes(mesh, node, size); ++p) {
+            push(out, node, piece[p], corners, has_piece_ids ? e * pieces + p : e);
+        }
+    }
+    if (!sort_tuples(out, mesh->node_count)) {
+        ss_mesh_tuples_fini(out);
+        return false;
+    }
+    return true;
+}
+
+static const int8_t whole[1][4] = {{0, 1, 2, 3}};
+static const int8_t triangle_edge[3][4] = {{0, 1}, {1, 2}, {2, 0}};
+static const int8_t tetrahedron_edge[6][4] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+/* Face opposite corner c, counter-clockwise from outside when the volume is positive. */
+static const int8_t tetrahedron_face[4][4] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+bool ss_mesh_list_triangle_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, triangle_edge, 3,
+                2, true, out);
+}
+
+bool ss_mesh_list_triangles(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, whole, 1, 3, false,
+                out);
+}
+
+bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
+                tetrahedron_edge, 6, 2, false, out);
+}
+
+bool ss_mesh_list_tetrahedron_faces(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
+                tetrahedron_face, 4, 3, true, out);
+}
+
+bool ss_mesh_list_tetrahedra(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4, whole, 1, 4,
+                false, out);
+}
+
+void ss_mesh_tuples_fini(ss_mesh_tuples *tuples)
+{
+    ss_memory_free(tuples->tuple);
+    *tuples = (ss_mesh_tuples){0};
+}
+
+int64_t ss_mesh_run_end(const ss_mesh_tuples *tuples, int64_t begin)
+{
+    int64_t end = begin + 1;
+    while (end < tuples->count && memcmp(tuples->tuple[end].node, tuples->tuple[begin].node,
+                                         sizeof tuples->tuple[end].node) == 0) {
+        ++end;
+    }
+    return end;
+}
+
+bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id)
+{
+    const int32_t *node = mesh->triangle[id / 3];
+    return node[id % 3] < node[(id % 3 + 1) % 3];
+}
+
+/* ---- parts ---------------------------------------------------------------------------------- */
+
+void ss_mesh_union_init(int32_t *parent, int32_t count)
+{
+    for (int32_t i = 0; i < count; ++i) {
+        parent[i] = i;
+    }
+}
+
+int32_t ss_mesh_union_find(int32_t *parent, int32_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* The lower number becomes the root, so that roots do not depend on the order of joining. */
+void ss_mesh_union_join(int32_t *parent, int32_t a, int32_t b)
+{
+    a = ss_mesh_union_find(parent, a);
+    b = ss_mesh_union_find(parent, b);
+    if (a < b) {
+        parent[b] = a;
+    } else {
+        parent[a] = b;
+    }
+}
+
+static void join_elements(const ss_mesh *mesh, const int32_t *element, int32_t count, int size,
+                          int32_t *parent, bool *is_used)
+{
+    for (int32_t e = 0; e < count; ++e) {
+        const int32_t *node = element + (int64_t)size * e;
+        if (!ss_mesh_has_good_nodes(mesh, node, size)) {
+            continue;
+        }
+        for (int k = 0; k < size; ++k) {
+            is_used[node[k]] = true;
+            ss_mesh_union_join(parent, node[0], node[k]);
+        }
+    }
+}
+
+int32_t ss_mesh_find_parts(const ss_mesh *mesh, bool by_tetrahedra, int32_t *out_part)
+{
+    const int32_t n = mesh->node_count;
+    int32_t *parent = ss_memory_get((size_t)n, sizeof *parent);
+    bool *is_used = ss_memory_get((size_t)n, sizeof *is_used);
+    int32_t count = 0;
+    if (parent == NULL || is_used == NULL) {
+        count = -1;
+    } else {
+        ss_mesh_union_init(parent, n);
+        join_elements(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, parent,
+                      is_used);
+        if (by_tetrahedra) {
+            join_elements(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
+                          parent, is_used);
+        }
+        for (int32_t i = 0; i < n; ++i) {
+            const int32_t root = ss_mesh_union_find(parent, i);
+            out_part[i] = !is_used[i] ? -1 : root == i ? count++ : out_part[root];
+        }
+    }
+    ss_memory_free(parent);
+    ss_memory_free(is_used);
+    return count;
+}
+
+static bool box_lies_inside(const ss_mesh_part *inner, const ss_mesh_part *outer)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (!(inner->box_min[k] > outer->box_min[k] && inner->box_max[k] < outer->box_max[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_inside_out(const ss_mesh_part *parts, int32_t count, int32_t index)
+{
+    if (parts[index].is_open || !(parts[index].volume < 0.0)) {
+        return false;
+    }
+    for (int32_t i = 0; i < count && count <= SS_MESH_MAX_PARTS; ++i) {
+        if (i != index && box_lies_inside(&parts[index], &parts[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* V = sum over triangles of a . (b x c) / 6, about the part's first node so that bodies far from
+ * the origin lose no digits. */
+static void add_triangle(ss_mesh_part *part, const double origin[3], const double *const x[3])
+{
+    double a[3];
+    double b[3];
+    double c[3];
+    double bc[3];
+    ss_sub3(a, x[0], origin);
+    ss_sub3(b, x[1], origin);
+    ss_sub3(c, x[2], origin);
+    ss_cross3(bc, b, c);
+    part->volume += ss_dot3(a, bc) / 6.0;
+    for (int corner = 0; corner < 3; ++corner) {
+        for (int k = 0; k < 3; ++k) {
+            part->box_min[k] = fmin(part->box_min[k], x[corner][k]);
+            part->box_max[k] = fmax(part->box_max[k], x[corner][k]);
+        }
+    }
+}
+
+bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t part_count,
+                           const ss_mesh_tuples *edges, ss_mesh_part *parts,
+                           bool *out_is_inside_out)
+{
+    for (int32_t i = mesh->node_count - 1; i >= 0; --i) {
+        if (part[i] >= 0) {
+            ss_copy3(parts[part[i]].box_min, mesh->position[i]);
+            ss_copy3(parts[part[i]].box_max, mesh->position[i]);
+        }
+    }
+    /* box_min moves while triangles are added: the fixed origin is the mesh's first node. */
+    const double *origin = mesh->node_count > 0 ? mesh->position[0] : NULL;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *node = mesh->triangle[t];
+        if (ss_mesh_has_good_nodes(mesh, node, 3)) {
+            const double *const x[3] = {mesh->position[node[0]], mesh->position[node[1]],
+                                        mesh->position[node[2]]};
+            add_triangle(&parts[part[node[0]]], origin, x);
+        }
+    }
+    for (int64_t i = 0; i < edges->count;) {
+        const int64_t end = ss_mesh_run_end(edges, i);
+        if (end - i != 2) {
+            parts[part[edges->tuple[i].node[0]]].is_open = true;
+        }
+        i = end;
+    }
+    bool any = false;
+    for (int32_t p = 0; p < part_count; ++p) {
+        const bool is_bad = is_inside_out(parts, part_count, p);
+        if (out_is_inside_out != NULL) {
+            out_is_inside_out[p] = is_bad;
+        }
+        any = any || is_bad;
+    }
+    return any;
+}
+
+/* ---- the surface of a volume ------------------------------------------------------------------ */
+
+static double six_volumes(const ss_mesh *mesh, const int32_t *node)
+{
+    double a[3];
+    double b[3];
+    double c[3];
+    double bc[3];
+    ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
+    ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
+    ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
+    ss_cross3(bc, b, c);
+    return ss_dot3(a, bc);
+}
+
+bool ss_mesh_extract_surface(ss_mesh *mesh)
+{
+    /* Faces of exactly one tetrahedron, marked first so that they come out in file order. */
+    ss_mesh_tuples faces = {0};
+    const size_t face_count = 4 * (size_t)mesh->tetrahedron_count;
+    bool *is_surface = ss_memory_get(face_count, sizeof *is_surface);
+    if (is_surface == NULL || !ss_mesh_list_tetrahedron_faces(mesh, &faces)) {
+        ss_memory_free(is_surface);
+        return false;
+    }
+    int32_t count = 0;
+    for (int64_t i = 0; i < faces.count;) {
+        const int64_t end = ss_mesh_run_end(&faces, i);
+        if (end - i == 1) {
+            is_surface[faces.tuple[i].id] = true;
+            ++count;
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&faces);
+    mesh->triangle = ss_memory_get((size_t)count, sizeof *mesh->triangle);
+    if (mesh->triangle == NULL) {
+        ss_memory_free(is_surface);
+        return false;
+    }
+
+    /* An inverted tetrahedron still has its outside outside. */
+    for (size_t id = 0; id < face_count; ++id) {
+        if (is_surface[id]) {
+            const int32_t *node = mesh->tetrahedron[id / 4];
+            const int8_t *corner = tetrahedron_face[id % 4];
+            const bool is_inverted = six_volumes(mesh, node) < 0.0;
+            int32_t *triangle = mesh->triangle[mesh->triangle_count++];
+            triangle[0] = node[corner[0]];
+            triangle[1] = node[corner[is_inverted ? 2 : 1]];
+            triangle[2] = node[corner[is_inverted ? 1 : 2]];
+        }
+    }
+    ss_memory_free(is_surface);
+    return true;
+}
+
+bool ss_mesh_find_closed(ss_mesh *mesh)
+{
+    ss_mesh_tuples edges = {0};
+    if (!ss_mesh_list_triangle_edges(mesh, &edges)) {
+        return false;
+    }
+    mesh->is_closed = edges.count > 0;
+    for (int64_t i = 0; i < edges.count;) {
+        const int64_t end = ss_mesh_run_end(&edges, i);
+        mesh->is_closed = mesh->is_closed && end - i == 2;
+        i = end;
+    }
+    ss_mesh_tuples_fini(&edges);
+    return true;
+}

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn_energy.h"
+/*
+ * What the hand is told of a contact: force, place, and how stiff the tissue feels.
+ *
+ * The tissue's static tangent at the tool, along the contact's normal n, is the contact's own
+ * stiffness in series with the body. With c the force on the nodes and k_cc that on the tool for
+ * a unit motion of the tool along n, and H the body's static tangent
+ *
+ *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N' + kc sum_q A_q B_q n_q n_q' B_q' + k
+ *
+ * (weights held, L_k the Laplacian of kap_k; k: grasp springs), any motion y of the nodes gives
+ *
+ *   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c
+ *
+ * with equality at H y = c. y is kept between steps and improved by a fixed small number of
+ * Jacobi-preconditioned conjugate gradients, so that the estimate costs a few products, depends
+ * on nothing but the past, and errs high: a stiffness that is too low makes the haptic loop
+ * unstable, one that is too high only stiffens it. Rejected: an exact solve (a factor a step),
+ * the secant force over depth (too low), a fit of force to motion (late, and blind in slides).
+ *
+ * Tangentially the body answers with the same ks and the same tensions: k_t = k_n, which errs
+ * high by the strain term, and by the pressure's.
+ * The viscosity is the damping that the motion y meets, y.gamma y, at most 10 ms of stiffness.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+/* Conjugate gradients per step, and in the first step of a contact. */
+enum { ITERATIONS = 2, FIRST_ITERATIONS = 12, REST_ITERATIONS = 300 };
+/* s: viscosity over stiffness. */
+#define MAX_VISCOUS_TIME 0.01
+
+/* ---- the static tangent ------------------------------------------------------------------------- */
+
+/* out = H x. */
+static void apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
+{
+    static const double still[3] = {0.0, 0.0, 0.0};
+    const ss_cnn_kernels *kernels = model->kernels;
+    const int32_t n = model->node_count;
+    memset(out, 0, (size_t)n * 4 * sizeof *out);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* minus the contact's part, for now */
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->penalty > 0.0) {
+            double unused[3] = {0.0, 0.0, 0.0};
+            ss_touch_tangent(tool->touch, x, still, out, unused);
+        }
+        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+            const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
+            for (int a = 0; a < 3; ++a) {
+                out[at + a] -= stiffness * x[at + a];
+            }
+        }
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        for (int a = 0; a < 4; ++a) {
+            out[at + a] = model->rest_stiffness[i] * x[at + a] - out[at + a];
+        }
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (!source || (source->c1 == 0.0 && source->rank == 0.0)) {
+            continue;
+        }
+        double unused, square;
+        kernels->product(&model->network->rows, source->kap, NULL, x, model->us, &unused, &square);
+        kernels->axpy(n, source->c1, model->us, out);
+        if (source->rank > 0.0) {
+            kernels->axpy(n, source->rank * kernels->dot(n, source->r, x), source->r, out);
+        }
+    }
+    if (model->normal) {
+        const double change = kernels->dot(n, model->normal, x);
+        kernels->axpy(n, model->material.bulk / model->volume * change, model->normal, out);
+    }
+}
+
+/* Rows of the Jacobi preconditioner, from the step bound's: 0 on axes that cannot move. */
+static void set_inverse(ss_model *model)
+{
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const ss_real inverse =
+            model->stiff[i] > 0.0 ? (ss_real)(1.0 / model->stiff[i]) : (ss_real)1;
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        for (int k = 0; k < 4; ++k) {
+            model->inverse[at + k] = model->mobility[at + k] > 0 ? inverse : 0;
+        }
+    }
+}
+
+/* Improves y towards H y = push; leaves the residual push - H y in model->residual. */
+static void solve_some(ss_model *model, ss_real *y, int iterations)
+{
+    const ss_cnn_kernels *kernels = model->kernels;
+    const int32_t n = model->node_count;
+    const size_t bytes = (size_t)n * 4 * sizeof *y;
+    apply_tangent(model, y, model->product);
+    memcpy(model->residual, model->push, bytes);
+    kernels->axpy(n, -1.0, model->product, model->residual);
+    double rho = kernels->scale(n, model->inverse, model->residual, model->scaled);
+    memcpy(model->search, model->scaled, bytes);
+    for (int k = 0; k < iterations && rho > 0.0; ++k) {
+        apply_tangent(model, model->search, model->product);
+        const double curvature = kernels->dot(n, model->search, model->product);
+        if (!(curvature > 0.0)) {
+            break;
+        }
+        const double step = rho / curvature;
+        kernels->axpy(n, step, model->search, y);
+        kernels->axpy(n, -step, model->product, model->residual);
+        const double next = kernels->scale(n, model->inverse, model->residual, model->scaled);
+        kernels->axpy(n, next / rho, model->search, model->scaled);
+        ss_real *t = model->search;
+        model->search = model->scaled;
+        model->scaled = t;
+        rho = next;
+    }
+}
+
+/* ---- in contact --------------------------------------------------------------------------------- */
+
+/* c into model->push; returns k_cc. */
+static double push_along(ss_model *model, const ss_cnn_tool *tool, const double normal[3])
+{
+    double on_tool[3] = {0.0, 0.0, 0.0};
+    memset(model->push, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    ss_touch_tangent(tool->touch, NULL, normal, model->push, on_tool);
+    double stiffness = -ss_dot3(on_tool, normal);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        const double k = tool->grasp.share * tool->grasp.stiffness[i];
+        for (int a = 0; a < 3; ++a) {
+            model->push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
+        }
+        stiffness += k;
+    }
+    return stiffness;
+}
+
+/* sum gamma |y|^2 */
+static double damping_met(const ss_model *model, const ss_real *y)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const ss_real *yi = y + 4 * (ptrdiff_t)i;
+        sum += (double)(model->damping[i] * (yi[0] * yi[0] + yi[1] * yi[1] + yi[2] * yi[2]));
+    }
+    return sum;
+}
+
+/* Fills tool->felt for a push along `normal`; returns the viscosity. */
+static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
+{
+    const int32_t n = model->node_count;
+    const double k_cc = push_along(model, tool, normal);
+    set_inverse(model);
+    if (!tool->was_touching) {
+        memset(tool->shape_y, 0, (size_t)n * 4 * sizeof(ss_real));
+    }
+    solve_some(model, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS);
+    /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
+    const double felt = k_cc - model->kernels->dot(n, tool->shape_y, model->push) -
+                        model->kernels->dot(n, tool->shape_y, model->residual);
+    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
+    const double viscosity = tool->was_touching ? damping_met(model, tool->shape_y) : 0.0;
+    return fmin(viscosity, MAX_VISCOUS_TIME * tool->felt);
+}
+
+/* The direction in which the tissue pushes the tool: the first contact's where there is only one. */
+static void push_direction(const ss_cnn_tool *tool, const ss_contact_set *set, double out[3])
+{
+    ss_copy3(out, set->contact[0].normal);
+    if (set->count > 1) {
+        double force[3];
+        ss_copy3(force, tool->force);
+        if (ss_normalize3(force) > 0.0 && ss_dot3(force, out) > 0.0) {
+            ss_copy3(out, force);
+        }
+    }
+}
+
+/* The contacts' forces become the whole reaction along its direction (the forces through the
+ * weights are not the contacts' own), and the tool's stiffness is shared by force. */
+static void share_contacts(const ss_cnn_tool *tool, const double normal[3], double viscosity,
+                           ss_contact_set *set)
+{
+    double along = 0.0, sum = 0.0;
+    for (int32_t k = 0; k < set->count; ++k) {
+        along += set->contact[k].force * ss_dot3(set->contact[k].normal, normal);
+        sum += set->contact[k].force;
+    }
+    const double whole = ss_dot3(tool->force, normal);
+    const double factor = along > 0.0 ? whole / along : 0.0;
+    for (int32_t k = 0; k < set->count; ++k) {
+        ss_contact *contact = &set->contact[k];
+        const double share = sum > 0.0 ? contact->force / sum : 1.0 / set->count;
+        contact->force = along > 0.0 ? contact->force * factor : whole * share;
+        if (!set->is_held) {
+            contact->force = fmax(0.0, contact->force);
+        }
+        contact->stiffness = share * tool->felt;
+        contact->tangential = share * tool->felt;
+        contact->viscosity = share * viscosity;
+    }
+}
+
+void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
+{
+    memset(out, 0, sizeof *out);
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->is_ready ||
+        !model->tool[probe].is_present) {
+        return;
+    }
+    ss_cnn_tool *tool = &model->tool[probe];
+    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
+    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
+    ss_copy3(out->force, tool->force);
+    ss_copy3(out->torque, tool->torque);
+    const bool is_touching = tool->penalty > 0.0 || tool->grasp.count > 0;
+    if (out->count > 0 && is_touching) {
+        double normal[3];
+        push_direction(tool, out, normal);
+        const double viscosity = feel(model, tool, normal);
+        share_contacts(tool, normal, viscosity, out);
+    } else {
+        for (int32_t k = 0; k < out->count; ++k) {
+            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
+            out->contact[k].tangential = out->contact[k].stiffness;
+        }
+    }
+    tool->was_touching = is_touching;
+}
+
+/* ---- at rest ------------------------------------------------------------------------------------ */
+
+/* The cell whose Qhat is the median's nearest: neither at the rim nor a special place. */
+static int32_t usual_cell(const ss_cnn_network *network)
+{
+    int32_t best = -1;
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        if (network->column_of[i] >= 0 &&
+            (best < 0 || fabs(network->qhat[i] - network->median_qhat) <
+                             fabs(network->qhat[best] - network->median_qhat))) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* The push of a contact sample at cell `i` by the subdivision row's weights: half on the node,
+ * half on its ring, along the node's normal. Returns false where the node has no normal. */
+static bool push_cell(ss_model *model, int32_t cell)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    const ss_cnn_edges *edges = &model->network->edges;
+    double normal[3] = {0.0, 0.0, 0.0};
+    int32_t degree = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        if (c[0] == cell || c[1] == cell || c[2] == cell) {
+            double u[3], v[3], n[3];
+            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+            ss_cross3(n, u, v);
+            ss_add3(normal, normal, n);
+        }
+    }
+    if (!(ss_normalize3(normal) > 0.0)) {
+        return false;
+    }
+    for (int32_t e = 0; e < edges->count; ++e) {
+        degree += edges->from[e] == 4 * cell || edges->to[e] == 4 * cell;
+    }
+    memset(model->push, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    for (int k = 0; k < 3; ++k) {
+        model->push[4 * (ptrdiff_t)cell + k] = (ss_real)(0.5 * normal[k]);
+        for (int32_t e = 0; e < edges->count; ++e) {
+            const bool is_from = edges->from[e] == 4 * cell, is_to = edges->to[e] == 4 * cell;
+            if (is_from || is_to) {
+                const int32_t other = is_from ? edges->to[e] : edges->from[e];
+                model->push[other + k] = (ss_real)(0.5 / degree * normal[k]);
+            }
+        }
+    }
+    return true;
+}
+
+/* 1 / stiffness of the body for a push at `cell`, at rest, with the cell's pretension. */
+static double rest_compliance(ss_model *model, ss_cnn_tool *tool, int32_t cell)
+{
+    const ss_real *column;
+    ss_cnn_source *source = &tool->source;
+    ss_cnn_network_columns(model->network, 1, &cell, &column);
+    memcpy(source->kap_edge, column,
+           (size_t)model->network->edges.padded_count * sizeof *column);
+    model->kernels->scatter(&model->network->rows, source->kap_edge, source->kap, source->b);
+    source->c1 = source->c2 = model->material.pretension;
+    source->rank = 0.0;
+    source->is_on = true;
+    ss_cnn_set_bound(model);
+    set_inverse(model);
+    memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    solve_some(model, tool->shape_y, REST_ITERATIONS);
+    source->is_on = false;
+    return model->kernels->dot(model->node_count, tool->shape_y, model->push);
+}
+
+void ss_cnn_set_rest_felt(ss_model *model)
+{
+    const int32_t cell = usual_cell(model->network);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_used) {
+            continue;
+        }
+        /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
+        const double contact = 0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
+        tool->rest_felt = contact;
+        if (cell >= 0 && push_cell(model, cell)) {
+            const double compliance = rest_compliance(model, tool, cell);
+            tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
+        }
+        memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    }
+}

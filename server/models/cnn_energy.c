@@ -1,0 +1,477 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn_energy.h"
+/*
+ * cnn-energy: a surface deforms as a cellular neural network spreads the energy of a contact.
+ *
+ * After Zhong, Shirinzadeh, Alici, Smith: "Haptic deformation modelling through cellular neural
+ * network", I. J. of Simulation 7 (8), 2006. A contact is a current source on the cells of the
+ * touched nodes; the network's equilibrium is the discrete Poisson equation; the flux between two
+ * cells becomes a force along the edge between two nodes. The paper leaves open which source acts
+ * after unloading, whether there is a memory of rest, and whose lengths count. Taken literally
+ * the body collapses or stays dented. The closure used here, with rest-geometry templates:
+ *
+ *   kap_i   normalised flux densities of a source on cell i alone (cnn_network.c, cnn_columns.c)
+ *   kap     = sum_i w^_i kap_i over the cells that are touched
+ *   eps     = 1/2 sum_e kap_e (|P_e|^2 - L0_e^2)        the flux-weighted mean Green strain, so
+ *   psi     = E^ eps+^2 / 2 + T0 eta                    the source is modulus x strain (equation 5)
+ *   eta     = 1/2 sum_e kap_e |u_e|^2                   pretension in balance at rest
+ *   Pi      = sum_sources a psi + contact + 1/2 sum ks |P - P*|^2 + 1/2 (B/V0) (sum N.u)^2
+ *   m P'' + gamma P' = F - dPi/dP
+ *
+ * Pi is one potential of positions and tool poses, without memory: for fixed weights it is convex
+ * (one equilibrium for each load, full return after it), all work is the tools' and the loads',
+ * and touching, sliding, letting go and second tools need no case of their own. A cell saturates
+ * at the output K: psi then grows linearly beyond eps_s (cnn_source.c).
+ *
+ * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
+ * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
+ * motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed
+ * volume are then refused, since their derivative through the fit is missing.
+ *
+ * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (a volume
+ * mesh's inner nodes stay at rest). Everything else is derived. Displacements, never positions,
+ * so that single precision loses nothing far from the origin. Not built: rectangular grids,
+ * anisotropic rho, volume domains, relaxation in place of equilibrium, an active window.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* ---- set-up ----------------------------------------------------------------------------------- */
+
+static bool get_quads(const ss_model *model, ss_real **out)
+{
+    *out = ss_memory_get((size_t)model->node_count * 4, sizeof **out);
+    return *out != NULL;
+}
+
+static bool get_node_reals(const ss_model *model, const double *from, ss_real **out)
+{
+    *out = ss_memory_get((size_t)model->node_count, sizeof **out);
+    for (int32_t i = 0; *out && i < model->node_count; ++i) {
+        (*out)[i] = (ss_real)from[i];
+    }
+    return *out != NULL;
+}
+
+static softsim_status allocate_state(ss_model *model)
+{
+    ss_real **const quads[] = {&model->u,      &model->v,        &model->u_low,      &model->old_u,
+                               &model->old_v,  &model->old_low,  &model->us,         &model->vs,
+                               &model->sum1,   &model->sum2,     &model->load_force, &model->base,
+                               &model->force,  &model->mobility, &model->inverse,    &model->push,
+                               &model->residual, &model->search, &model->scaled,     &model->product,
+                               &model->held_b};
+    bool is_good = true;
+    for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
+        is_good = is_good && get_quads(model, quads[k]);
+    }
+    is_good = is_good && (model->is_held || get_quads(model, &model->fitted));
+    is_good = is_good && (model->material.bulk == 0.0 || get_quads(model, &model->normal));
+    is_good = is_good && get_node_reals(model, model->material.mass, &model->mass) &&
+              get_node_reals(model, model->material.damping, &model->damping) &&
+              get_node_reals(model, model->material.rest_stiffness, &model->rest_stiffness);
+    const size_t n = (size_t)model->node_count;
+    const size_t edges = (size_t)model->network->edges.padded_count;
+    model->stiff = ss_memory_get(n, sizeof *model->stiff);
+    model->mobility_max = ss_memory_get(n, sizeof *model->mobility_max);
+    model->strain = ss_memory_get(edges, sizeof *model->strain);
+    model->stretch = ss_memory_get(edges, sizeof *model->stretch);
+    model->held_kap =
+        ss_memory_get((size_t)model->network->held.entry_count, sizeof *model->held_kap);
+    model->column = ss_memory_get(SS_CNN_WHOLE_COLUMNS, sizeof *model->column);
+    is_good = is_good && model->stiff && model->mobility_max && model->strain && model->stretch &&
+              model->held_kap && model->column;
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* 1/m on every axis that may move; driven axes are taken out when their sets are read. */
+static void set_mobility(ss_model *model)
+{
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double mass = model->material.mass[i];
+        for (int k = 0; k < 3; ++k) {
+            const bool is_free = mass > 0.0 && (model->plan.fixed[i] & (1 << k)) == 0;
+            model->mobility[4 * (ptrdiff_t)i + k] = is_free ? (ss_real)(1.0 / mass) : 0;
+        }
+    }
+}
+
+/* What the step bound and the contact stiffness need of the free nodes. */
+static void set_extremes(ss_model *model)
+{
+    model->damping_rate_min = model->smallest_sigma = (double)INFINITY;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const ss_real *mobility = model->mobility + 4 * (ptrdiff_t)i;
+        model->mobility_max[i] =
+            fmax(fmax((double)mobility[0], (double)mobility[1]), (double)mobility[2]);
+        if (model->mobility_max[i] > 0.0) {
+            const double mass = model->material.mass[i];
+            const double rate = model->material.damping[i] / mass;
+            model->damping_rate_min = fmin(model->damping_rate_min, rate);
+            model->damping_rate_max = fmax(model->damping_rate_max, rate);
+            if (model->network->area[i] > 0.0) {
+                model->smallest_sigma =
+                    fmin(model->smallest_sigma, mass / model->network->area[i]);
+            }
+        }
+    }
+}
+
+/* N_i, V0 and the pressure's share of the step bound. */
+static softsim_status set_volume(ss_model *model, softsim_error *error)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    if (!model->normal) {
+        return SOFTSIM_OK;
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        double u[3], v[3], n[3];
+        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+        ss_cross3(n, u, v);
+        for (int a = 0; a < 3; ++a) {
+            for (int k = 0; k < 3; ++k) {
+                model->normal[4 * (ptrdiff_t)c[a] + k] += (ss_real)(n[k] / 6.0);
+            }
+        }
+        double r[3];
+        ss_sub3(r, mesh->position[c[0]], mesh->position[0]);
+        model->volume += ss_dot3(n, r) / 6.0;
+    }
+    if (!(model->volume > 0.0)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "cnn-energy: enclosed_bulk_pa: the surface encloses no volume (is it "
+                          "inside out?)");
+        return SOFTSIM_ERROR_MESH;
+    }
+    model->bulk_rate =
+        model->material.bulk / model->volume *
+        model->kernels->weighted_square(model->node_count, model->normal, model->mobility);
+    return SOFTSIM_OK;
+}
+
+/* Centroid and size; of free bodies the weights of the fit. */
+static void set_geometry(ss_model *model)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0}, size[3], area = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->fit_weight += model->material.rest_stiffness[i];
+        area += model->network->area[i];
+        for (int k = 0; k < 3; ++k) {
+            low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
+            high[k] = i == 0 ? mesh->position[i][k] : fmax(high[k], mesh->position[i][k]);
+        }
+    }
+    ss_sub3(size, high, low);
+    model->diagonal = ss_norm3(size);
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double w = model->fit_weight > 0.0
+                             ? model->material.rest_stiffness[i] / model->fit_weight
+                             : model->network->area[i] / area;
+        ss_madd3(model->centroid_rest, model->centroid_rest, w, mesh->position[i]);
+    }
+}
+
+static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_shape *shape)
+{
+    const ss_model_plan *plan = &model->plan;
+    const size_t n = (size_t)model->node_count;
+    const double radius = ss_shape_curvature_radius(shape), h = model->network->mean_edge;
+    tool->is_used = true;
+    tool->shape = shape;
+    tool->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
+    tool->radius = radius > 0.0 ? radius : tool->reach;
+    tool->full_weight = 3.14159265358979323846 * tool->radius * tool->reach / 3.0;
+    tool->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, tool->radius);
+    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
+    status = status == SOFTSIM_OK ? ss_cnn_source_init(model, &tool->source) : status;
+    tool->source.is_tool = true;
+    tool->mu = ss_memory_get(n, sizeof *tool->mu);
+    tool->eps = ss_memory_get(n, sizeof *tool->eps);
+    tool->eta = ss_memory_get(n, sizeof *tool->eta);
+    tool->share = ss_memory_get(n, sizeof *tool->share);
+    tool->grasp.node = ss_memory_get(n, sizeof *tool->grasp.node);
+    tool->grasp.stiffness = ss_memory_get(n, sizeof *tool->grasp.stiffness);
+    tool->grasp.offset = ss_memory_get(n, sizeof *tool->grasp.offset);
+    const bool is_good = get_quads(model, &tool->shape_y) && tool->mu && tool->eps && tool->eta &&
+                         tool->share && tool->grasp.node && tool->grasp.stiffness &&
+                         tool->grasp.offset;
+    return status != SOFTSIM_OK ? status : is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+static softsim_status create_tools(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    double smallest = 0.0;
+    int count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            const double radius = ss_shape_inradius(&plan->tool[k].shape);
+            smallest = count++ == 0 ? radius : fmin(smallest, radius);
+        }
+    }
+    if (count == 0) {
+        return SOFTSIM_OK;
+    }
+    softsim_status status =
+        ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
+    if (status == SOFTSIM_OK) {
+        status = ss_cnn_network_solve_all(model->network, plan->threads, error);
+    }
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            status = create_tool(model, &model->tool[k], &model->plan.tool[k].shape);
+        }
+    }
+    return status;
+}
+
+/* ---- the class -------------------------------------------------------------------------------- */
+
+static void reset(ss_model *model)
+{
+    const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
+    ss_real *const cleared[] = {model->u,     model->v,     model->u_low,      model->old_u,
+                                model->old_v, model->old_low, model->load_force, model->base,
+                                model->force};
+    for (size_t k = 0; k < sizeof cleared / sizeof *cleared; ++k) {
+        memset(cleared[k], 0, bytes);
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        model->source[k].is_on = false;
+    }
+    for (int32_t k = 0; k < model->plan.load_count; ++k) {
+        model->load[k].factor = 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        tool->is_present = tool->was_touching = false;
+        tool->grasp.is_pressed = false;
+        tool->grasp.count = tool->count = 0;
+        tool->source.is_on = false;
+        tool->felt = 0.0;
+        tool->penalty = 0.0;
+        if (tool->is_used) {
+            memset(tool->shape_y, 0, bytes);
+        }
+    }
+    ss_cnn_loads_build(model);
+    model->step = 0;
+    model->substeps = 0;
+    model->work = model->dissipated = model->kinetic = model->elastic = 0.0;
+    model->pressure = 0.0;
+    model->is_ready = false;
+    model->first = NULL;
+    model->d = model->u;
+    model->fault_bits = 0;
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+    ss_cnn_set_bound(model);
+}
+
+static void destroy(ss_model *model)
+{
+    if (!model) {
+        return;
+    }
+    ss_cnn_loads_fini(model);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        ss_touch_destroy(&tool->touch);
+        ss_cnn_source_fini(&tool->source);
+        void *const owned[] = {tool->mu,         tool->eps,         tool->eta, tool->share,
+                               tool->grasp.node, tool->grasp.stiffness, tool->grasp.offset,
+                               tool->shape_y};
+        for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
+            ss_memory_free(owned[m]);
+        }
+    }
+    ss_surface_destroy(&model->surface);
+    ss_cnn_network_destroy(&model->network);
+    ss_cnn_material_fini(&model->material);
+    void *const owned[] = {model->held,   model->mass,     model->damping,  model->rest_stiffness,
+                           model->mobility, model->normal, model->mobility_max, model->u, model->v,
+                           model->u_low,  model->old_u,    model->old_v,    model->old_low,
+                           model->us,     model->vs,       model->sum1,     model->sum2,
+                           model->load_force, model->base, model->force,    model->fitted,
+                           model->strain, model->stretch,  model->held_kap, model->held_b,
+                           model->inverse, model->push,    model->residual, model->search,
+                           model->scaled, model->product,  model->stiff};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_memory_free(model->column);
+    ss_memory_free(model);
+}
+
+/* The parts in the order in which they need one another. */
+static softsim_status build(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    softsim_status status = ss_cnn_material_create(plan, &model->material, error);
+    const softsim_status checked = ss_cnn_plan_check(plan, &model->material, error);
+    if (status != SOFTSIM_OK || checked != SOFTSIM_OK) {
+        return status != SOFTSIM_OK ? status : checked;
+    }
+    model->is_held = ss_cnn_plan_is_held(plan);
+    model->held = ss_memory_get((size_t)model->node_count, 1);
+    if (!model->held) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->held[i] = (plan->fixed[i] & 7) == 7;
+    }
+    status = ss_cnn_network_create(plan->mesh, model->held, model->material.rho, &model->network,
+                                   error);
+    status = status == SOFTSIM_OK ? allocate_state(model) : status;
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    set_mobility(model);
+    status = ss_cnn_loads_create(model, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    set_extremes(model);
+    set_geometry(model);
+    status = set_volume(model, error);
+    status = status == SOFTSIM_OK ? create_tools(model, error) : status;
+    if (status == SOFTSIM_OK) {
+        ss_cnn_source_moduli(model);
+        ss_cnn_set_rest_felt(model);
+        reset(model);
+    }
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    *out_model = NULL;
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (model && own) {
+        model->plan = *plan;
+        model->node_count = plan->mesh->node_count;
+        model->kernels = ss_cnn_kernels_get();
+        model->has_gravity = ss_norm3(plan->gravity) > 0.0;
+        status = build(model, error ? error : own);
+        model->plan.param = NULL;
+    }
+    ss_memory_free(own);
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    *out_model = model;
+    return SOFTSIM_OK;
+}
+
+static void info(const ss_model *model, ss_model_info *out)
+{
+    const bool is_limited = model->verdict >= SOFTSIM_VERDICT_DEGRADED;
+    *out = (ss_model_info){.step = model->step,
+                           .substeps = model->substeps,
+                           .active_nodes = model->network->triangle_nodes,
+                           .worst_element = is_limited ? model->limiting_node : -1,
+                           .fault_bits = model->fault_bits,
+                           .verdict = model->verdict,
+                           .reason = model->reason,
+                           .stable_step = model->bound,
+                           .kinetic = model->kinetic,
+                           .elastic = model->elastic,
+                           .dissipated = model->dissipated,
+                           .work = model->work};
+}
+
+static const ss_real *displacement(const ss_model *model)
+{
+    return model->u;
+}
+
+static const ss_real *velocity(const ss_model *model)
+{
+    return model->v;
+}
+
+static uint64_t add_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; ++k) {
+        hash = (hash ^ byte[k]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static uint64_t hash_state(const ss_model *model, uint64_t seed)
+{
+    const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
+    uint64_t hash = add_bytes(seed, model->u_low, quads);
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        hash = add_bytes(hash, &model->source[k].is_on, sizeof(bool));
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        const ss_cnn_grasp *grasp = &tool->grasp;
+        const size_t count = (size_t)grasp->count;
+        if (!tool->is_used) {
+            continue;
+        }
+        hash = add_bytes(hash, tool->shape_y, quads);
+        hash = add_bytes(hash, &tool->felt, sizeof tool->felt);
+        hash = add_bytes(hash, &grasp->count, sizeof grasp->count);
+        if (count > 0) {
+            hash = add_bytes(hash, &grasp->share, sizeof grasp->share);
+            hash = add_bytes(hash, grasp->node, count * sizeof *grasp->node);
+            hash = add_bytes(hash, grasp->stiffness, count * sizeof *grasp->stiffness);
+            hash = add_bytes(hash, grasp->offset, count * sizeof *grasp->offset);
+        }
+    }
+    return hash;
+}
+
+/* The modulus that is set is the one that counts from then on. What the change adds to or takes
+ * from the stored energy is booked as work at the next step. */
+static void set(ss_model *model, int32_t index, double value)
+{
+    ss_cnn_material *material = &model->material;
+    const bool is_modulus = index == SS_CNN_MODULUS_J || index == SS_CNN_MODULUS_N_PER_M;
+    if (is_modulus && value > 0.0 && isfinite(value)) {
+        material->is_modulus_energy = index == SS_CNN_MODULUS_J;
+        material->modulus = value;
+    } else if (index == SS_CNN_PRETENSION_J && model->is_held && value >= 0.0 && isfinite(value)) {
+        material->pretension = value;
+    } else {
+        return;
+    }
+    ss_cnn_source_moduli(model);
+    model->is_ready = false;
+}
+
+extern const ss_model_class ss_model_cnn_energy;
+const ss_model_class ss_model_cnn_energy = {
+    .name = "cnn-energy",
+    .help = "a surface deforms as a cellular neural network spreads the energy of a contact",
+    .row = ss_cnn_rows_table,
+    .row_count = SS_CNN_ROW_COUNT,
+    .needs_volume = false,
+    .step_cost_us = ss_cnn_step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = ss_cnn_step,
+    .contacts = ss_cnn_contacts,
+    .reset = reset,
+    .info = info,
+    .displacement = displacement,
+    .velocity = velocity,
+    .reaction = ss_cnn_reaction,
+    .hash = hash_state,
+    .explain = ss_cnn_explain,
+    .set = set};

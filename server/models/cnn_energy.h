@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What the files of the model cnn-energy share: its parameters, its state and its parts. Private
+ * to them; everyone else uses the row in the table of models. cnn_energy.c derives the equations.
+ *
+ * Memory: all of it is allocated while the model is created. Thread: set-up functions as marked,
+ * everything else by the simulation thread and RT-safe.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "models/cnn_kernels.h"
+#include "models/cnn_network.h"
+#include "models/model.h"
+
+/* Rows of the parameter table, in its order. */
+enum {
+    SS_CNN_MODULUS_J,
+    SS_CNN_MODULUS_N_PER_M,
+    SS_CNN_PRETENSION_J,
+    SS_CNN_ENCLOSED_BULK_PA,
+    SS_CNN_RHO,
+    SS_CNN_PER_AREA,
+    SS_CNN_AREA_DENSITY,
+    SS_CNN_AREA_DAMPING,
+    SS_CNN_AREA_REST_STIFFNESS,
+    SS_CNN_MASS,
+    SS_CNN_DAMPING,
+    SS_CNN_REST_STIFFNESS,
+    SS_CNN_SATURATION,
+    SS_CNN_ROW_COUNT
+};
+extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
+
+/* Stiffness of a grasp over that of contact, N/m^3 over N/m^3: it shares the stability bound. */
+#define SS_CNN_GRASP_SHARE 0.2
+
+/* What the body is made of, a value per node, SI. */
+typedef struct ss_cnn_material {
+    double *mass, *damping, *rest_stiffness; /* kg, N s/m, N/m */
+    double *rho;
+    bool is_modulus_energy; /* modulus is E^ in J, else E in N/m */
+    double modulus, pretension, bulk, saturation; /* saturation INFINITY: none */
+} ss_cnn_material;
+
+/* A place where energy enters the network: the cells under a tool, a load or a driven patch. */
+typedef struct ss_cnn_source {
+    bool is_on;
+    bool is_tool;
+    double from;              /* s: a load's source is on from here */
+    /* constant during a sub-step */
+    ss_real *kap_edge, *kap, *b; /* edges; entries; quads with the row sum in the fourth lane */
+    ss_real *b_turned;        /* free bodies: R b */
+    double amplitude;         /* a */
+    double modulus;           /* E^, J */
+    double eps_limit;         /* eps_s; INFINITY without saturation */
+    double qhat, qhat_over_own, inverse_own; /* of loads: means by weight */
+    /* at the last evaluation */
+    ss_real *r;
+    double eps, eta;
+    double c1, c2;            /* T + a T0, a T0 */
+    double rank;              /* a E^ where the strain term acts, else 0 */
+} ss_cnn_source;
+
+typedef struct ss_cnn_grasp {
+    bool is_pressed;
+    double share;             /* 1 while held, then ramped to 0 */
+    double share_before;      /* at the start of the sub-step */
+    double square;            /* sum k_i |x_i|^2 / 2, J, at full share */
+    int32_t count;
+    int32_t *node;
+    double *stiffness;        /* N/m */
+    double (*offset)[3];      /* in the tool's frame */
+} ss_cnn_grasp;
+
+typedef struct ss_cnn_tool {
+    bool is_used;             /* has a row in the scene */
+    const ss_shape *shape;
+    ss_touch *touch;
+    double radius, reach, full_weight, stiffness; /* R, delta, W1, kc */
+    ss_cnn_source source;
+    ss_cnn_grasp grasp;
+    /* state */
+    bool is_present;
+    ss_tool_pose pose;        /* where the forces below were evaluated */
+    ss_tool_pose from, to;    /* of the outer step */
+    double turn[3];           /* rotation vector from `from` to `to` */
+    /* weights at the last preparation */
+    int32_t count;
+    const int32_t *node;
+    const double *weight;
+    double *mu, *eps, *eta, *share;
+    double weight_sum, amplitude_slope;
+    /* forces on the tool */
+    double frozen_force[3], frozen_torque[3]; /* through the weights */
+    double force[3], torque[3];               /* all of them */
+    double penalty;                           /* J */
+    /* stiffness as the tool feels it */
+    ss_real *shape_y;         /* motion of the nodes per unit motion of the tool */
+    bool was_touching;
+    double felt, rest_felt;   /* N/m: last in contact, and at rest */
+} ss_cnn_tool;
+
+typedef struct ss_cnn_load {
+    const ss_load *plan;
+    int32_t source;
+    int32_t triangle_count;   /* pressure */
+    int32_t *triangle;
+    double factor;            /* now acting */
+} ss_cnn_load;
+
+typedef struct ss_cnn_driven {
+    const ss_prescribed *plan;
+    int32_t source;           /* -1: none of its nodes can carry one */
+    double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
+} ss_cnn_driven;
+
+struct ss_model {
+    ss_model_plan plan;
+    int32_t node_count;
+    const ss_cnn_kernels *kernels;
+    ss_cnn_material material;
+    ss_cnn_network *network;
+    ss_surface *surface;
+    bool is_held;             /* supports stop every rigid motion: P* = P0 */
+    bool has_gravity;
+    double diagonal, volume;  /* m, m^3 */
+    double smallest_sigma;    /* kg/m^2 */
+    double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
+    double bulk_rate;         /* (B/V0) sum |N|^2/m, 1/s^2 */
+    uint8_t *held;            /* cells held at zero: fixed on all axes */
+    /* per node, for the kernels */
+    ss_real *mass, *damping, *rest_stiffness;
+    ss_real *mobility, *normal; /* quads; normal NULL without B */
+    double *mobility_max;     /* 1/m, 0 where no axis is free */
+    /* tools, loads, driven nodes */
+    ss_cnn_tool tool[SOFTSIM_MAX_PROBES];
+    ss_cnn_load *load;
+    ss_cnn_driven *driven;
+    ss_cnn_source *source;    /* of loads and driven patches */
+    int32_t source_count;
+    int32_t *loaded;          /* nodes that loads or gravity push */
+    int32_t loaded_count;
+    /* state */
+    ss_real *u, *v, *u_low;
+    int64_t step;
+    double work, dissipated;
+    /* derived from the state; valid while is_ready */
+    bool is_ready, has_strain, has_totals;
+    ss_cnn_totals totals;     /* of u and v, where has_totals */
+    double kinetic, elastic, bound; /* J, J, s */
+    double pressure;          /* Pa */
+    const ss_real *d;         /* P - P* at the last evaluation: u, or fitted */
+    const ss_cnn_source *first; /* the source that `force` does not hold yet; NULL: none on */
+    int32_t limiting_node;
+    double rotation[3][3], centroid_rest[3], fit_weight; /* of a free body; fit_weight = sum ks */
+    /* scratch */
+    ss_real *old_u, *old_v, *old_low;    /* at the start of the sub-step; swapped with u, v */
+    ss_real *us, *vs, *sum1, *sum2;
+    ss_real *load_force, *base, *force;  /* loads; and f_s; and contact */
+    ss_real *fitted;          /* P - P* of a free body */
+    ss_real *strain, *stretch;           /* edges */
+    ss_real *held_kap, *held_b;          /* reactions */
+    ss_real *inverse, *push, *residual, *search, *scaled, *product; /* the tangent's solve */
+    double *stiff;            /* rows of the step bound */
+    const ss_real **column;
+    /* report */
+    int32_t substeps;
+    uint32_t fault_bits;
+    softsim_verdict verdict;
+    const char *reason;
+};
+
+/* ---- cnn_material.c: parameters to values a node, and everything refused about them ----------- */
+
+/* Thread: set-up only. */
+softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
+                                      softsim_error *error);
+void ss_cnn_material_fini(ss_cnn_material *material);
+/* Faults of fixed nodes, loads, prescribed sets and tools against the mesh. Thread: set-up only. */
+softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
+                                 softsim_error *error);
+/* Do the fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
+bool ss_cnn_plan_is_held(const ss_model_plan *plan);
+
+/* ---- cnn_source.c: where energy enters the network -------------------------------------------- */
+
+/* Allocates one source; free bodies need b_turned. Thread: set-up only. */
+softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source);
+void ss_cnn_source_fini(ss_cnn_source *source);
+/* A source of fixed weights (they sum to 1) over `node`. Thread: set-up only. */
+softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *node,
+                                 const double *weight, ss_cnn_source *source);
+/* Moduli and saturation of all sources from the material's present values. */
+void ss_cnn_source_moduli(ss_model *model);
+/* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
+ * weights, which are added to model->base. */
+void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
+/* r = b + L d, then eps, eta and the tensions c1, c2. */
+void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d);
+/* Energy of the source at its last evaluation: a psi, J. */
+double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
+/* Source `index` of source_count + SOFTSIM_MAX_PROBES (loads and patches first, then tools), or
+ * NULL where it is not on. */
+ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
+
+/* ---- cnn_step.c: time ------------------------------------------------------------------------- */
+
+void ss_cnn_step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+/* P - P* of the displacements `u`: themselves in a held body, else the best rigid fit is taken
+ * out (rotation and centroid are kept in the model). */
+const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u);
+/* The largest stable RK4 step for modes with damping rates d_min..d_max and frequencies up to
+ * sqrt(omega2). Thread: any. */
+double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
+/* model->stiff and model->bound from the last evaluation. */
+void ss_cnn_set_bound(ss_model *model);
+
+/* ---- cnn_load.c: what acts without a tool -------------------------------------------------------- */
+
+/* Sources and lists of loads and prescribed sets. Thread: set-up only. */
+softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error);
+void ss_cnn_loads_fini(ss_model *model);
+/* How much of each load acts at `time`, and sources switched on; true when forces must be built. */
+bool ss_cnn_loads_update(ss_model *model, double time);
+/* Forces of loads and gravity into model->load_force. */
+void ss_cnn_loads_build(ss_model *model);
+/* The work of loads and gravity since old_u, J. */
+double ss_cnn_loads_work(const ss_model *model);
+/* Driven axes go from where they are to where they belong at `time`. */
+void ss_cnn_driven_update(ss_model *model, double time);
+/* Puts driven nodes at `path` of the outer step, moving so that they cover `fraction` in `h`. */
+void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h);
+/* The work of driven nodes during a stage of weight `share` of a sub-step of `h`, J. */
+double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
+                          double share);
+/* Force of the support on the body, see model.h. */
+void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
+
+/* ---- cnn_contact.c: what the hand is told -------------------------------------------------------- */
+
+/* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
+void ss_cnn_set_rest_felt(ss_model *model);
+void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
+
+/* ---- cnn_explain.c ------------------------------------------------------------------------------- */
+
+double ss_cnn_step_cost_us(const ss_model_plan *plan);
+void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
+/* Contact stiffness for a tool of radius R (m): stability and penetration at the working force. */
+double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius);

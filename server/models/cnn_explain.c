@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn_energy.h"
+/*
+ * What a plan uses and leaves out, what it costs, and how stiff its contacts are.
+ *
+ * The cost of a step is counted work times a cost per unit measured once on the reference core
+ * (Zen 5, float, AVX2), never a clock: rates chosen from it are the same on every machine.
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2. */
+#define CONTACT_SHARE 0.3
+#define RK4_RADIUS 2.6
+/* rho beside rho under a tool, where the contact starts to soften. */
+#define RHO_RATIO_WARNING 4.0
+
+double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius)
+{
+    if (plan->contact_stiffness > 0.0) {
+        return plan->contact_stiffness;
+    }
+    const double rate = RK4_RADIUS / plan->step;
+    const double stable = CONTACT_SHARE * sigma * rate * rate;
+    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
+    return fmin(stable, working / (0.03 * radius * radius * radius));
+}
+
+/* Microseconds. */
+#define COST_STEP 1.0
+#define COST_NODE 0.016
+#define COST_SOURCE_NODE 0.013
+#define COST_TOOL 20.0
+#define COST_TOOL_NODE 0.045
+
+double ss_cnn_step_cost_us(const ss_model_plan *plan)
+{
+    const double nodes = plan->mesh->node_count;
+    int tools = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        tools += plan->tool[k].is_used;
+    }
+    const double sources = plan->load_count + plan->prescribed_count;
+    return COST_STEP + COST_NODE * nodes + COST_SOURCE_NODE * nodes * sources +
+           tools * (COST_TOOL + COST_TOOL_NODE * nodes);
+}
+
+/* ---- lines ------------------------------------------------------------------------------------- */
+
+typedef struct printer {
+    void (*line)(void *sink, const char *text);
+    void *sink;
+} printer;
+
+static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    out->line(out->sink, text);
+}
+
+static double megabytes(double bytes)
+{
+    return bytes / 1048576.0;
+}
+
+static void explain_network(const ss_model *model, const printer *out)
+{
+    const ss_cnn_network *network = model->network;
+    int32_t held = 0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        held += model->held[i];
+    }
+    say(out, "network: %d cells (%d held at zero), %d edges, mean edge %.4g m, %d part%s, %.2f MB",
+        network->triangle_nodes, held, network->edges.count, network->mean_edge,
+        network->component_count, network->component_count == 1 ? "" : "s",
+        megabytes((double)ss_cnn_network_bytes(network)));
+    if (network->column_count > 0) {
+        say(out, "columns: %d, %s, %.1f MB", network->column_count,
+            network->is_compact ? "as potentials, rebuilt when a cell is touched"
+                                : "as flux densities",
+            megabytes((double)ss_cnn_network_column_bytes(network)));
+    } else {
+        say(out, "left out: columns (no tool)");
+    }
+    say(out, "kernels: %s, %s", model->kernels->name,
+        sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+}
+
+static void explain_material(const ss_model *model, const printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    if (model->network->median_qhat > 0.0) {
+        const double qhat = model->network->median_qhat;
+        say(out, "modulus: %.6g J, which is %.6g N/m on this mesh (median Qhat %.6g m^2)",
+            m->is_modulus_energy ? m->modulus : m->modulus * qhat,
+            m->is_modulus_energy ? m->modulus / qhat : m->modulus, qhat);
+    } else {
+        say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : "N/m");
+    }
+    if (m->pretension > 0.0) {
+        say(out, "pretension: %.6g J", m->pretension);
+    } else {
+        say(out, "left out: pretension (pretension_j is 0)");
+    }
+    if (model->normal) {
+        say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->volume, m->bulk);
+    } else {
+        say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
+    }
+    if (isfinite(m->saturation)) {
+        say(out, "saturation: cells at %.6g", m->saturation);
+    } else {
+        say(out, "left out: saturation of cells (none given)");
+    }
+    if (model->is_held) {
+        say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
+    } else {
+        say(out, "rest shape: follows the body's rigid motion (too few supports to hold it)");
+    }
+}
+
+static void warn_rho(const ss_model *model, const printer *out)
+{
+    const ss_cnn_network *network = model->network;
+    double largest = 0.0;
+    int32_t soft = 0, first = -1;
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        largest = fmax(largest, network->edge_rho[e]);
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (network->is_source[i] && largest > RHO_RATIO_WARNING * model->material.rho[i]) {
+            first = soft++ == 0 ? i : first;
+        }
+    }
+    if (soft > 0) {
+        say(out,
+            "warning: rho of %d nodes (first %d) is more than %g times below the largest: contact "
+            "there is soft, and a load where it is ten times below is refused",
+            soft, first, RHO_RATIO_WARNING);
+    }
+}
+
+static void explain_tools(const ss_model *model, const printer *out)
+{
+    const ss_model_plan *plan = &model->plan;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_used) {
+            continue;
+        }
+        const double depth =
+            sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
+        say(out,
+            "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
+            "%.4g N/m at rest",
+            k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
+        if (depth > 0.2 * tool->radius) {
+            say(out,
+                "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
+                "contact.working_force_n or the rate",
+                k, depth / tool->radius);
+        }
+        if (tool->radius < 0.5 * model->network->mean_edge) {
+            say(out,
+                "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
+                "force will ripple; refine the mesh",
+                k, tool->radius, model->network->mean_edge);
+        }
+    }
+    if (model->surface) {
+        say(out, "contact: %lld samples", (long long)ss_surface_sample_count(model->surface));
+    } else {
+        say(out, "left out: contact (no tool)");
+    }
+}
+
+void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const printer out = {line, sink};
+    explain_network(model, &out);
+    explain_material(model, &out);
+    warn_rho(model, &out);
+    explain_tools(model, &out);
+    say(&out, "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
+        model->source_count, model->bound);
+    if (model->plan.step > 0.7 * model->bound) {
+        say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", model->plan.step,
+            ceil(model->plan.step / (0.7 * model->bound)));
+    }
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The hot loops of cnn-energy, compiled once per SIMD path and chosen at start by the processor.
+ *
+ * In and out: plain arrays, 64-byte aligned, nodes as quads x y z 0. Arithmetic is ss_real in
+ * lanes; sums over the body are taken in double at the end of blocks of 32 rows. No kernel
+ * allocates, branches on data or depends on the number of threads. Symbols as in cnn_energy.c.
+ * Thread: any, RT-safe.
+ */
+#include <stdint.h>
+
+#include "rt/real.h"
+
+/* The network as rows of a symmetric sparse product. Rows of free nodes only, grouped by degree,
+ * because a branch that mispredicts at every third node costs as much as the row itself. */
+typedef struct ss_cnn_group {
+    int32_t degree, row_count, first_row, first_entry;
+} ss_cnn_group;
+
+typedef struct ss_cnn_rows {
+    int32_t group_count, row_count, entry_count;
+    ss_cnn_group *group;
+    int32_t *node;      /* row: node number x 4, an offset into quad arrays */
+    int32_t *neighbour; /* entry: node number x 4 */
+    int32_t *edge;      /* entry: number of the edge */
+    ss_real *arm;       /* entry: P0_i - P0_j and 1, m */
+} ss_cnn_rows;
+
+/* Edges i < j at rest; count padded to a multiple of 8 with edges from node 0 to node 0. */
+typedef struct ss_cnn_edges {
+    int32_t count, padded_count;
+    int32_t *from, *to;   /* node number x 4 */
+    ss_real *x, *y, *z;   /* P0_j - P0_i, m */
+} ss_cnn_edges;
+
+/* One RK4 stage: a = (force - c1 r + c2 b - p N - ks d - gamma v) / m, then the next stage's u and
+ * v (stages 0 to 2) or the step's sums (stage 3). */
+typedef struct ss_cnn_stage {
+    int32_t node_count, index;
+    double h;                          /* s */
+    double c1, c2, pressure;           /* c1 = T + a T0, c2 = a T0 in N; pressure in Pa */
+    const ss_real *force, *r, *b, *normal; /* quads; r NULL: no source; normal NULL: no pressure */
+    const ss_real *rest_stiffness, *damping; /* a node, N/m and N s/m */
+    const ss_real *mobility;           /* quad, 1/kg; 0 on fixed and driven axes */
+    const ss_real *u0, *v0;            /* the state at the step's start */
+    const ss_real *d, *v;              /* of this stage: u, or P - P* of a free body; velocity */
+    ss_real *us, *vs;                  /* the next stage; may be d and v */
+    ss_real *sum1, *sum2;              /* a1 + a2 + a3, a1 + 2 a2 + 2 a3 */
+} ss_cnn_stage;
+
+typedef struct ss_cnn_totals {
+    double kinetic; /* sum m v^2, J x 2 */
+    double rest;    /* sum ks u^2 */
+    double largest; /* largest |u|^2, m^2 */
+} ss_cnn_totals;
+
+typedef struct ss_cnn_kernels {
+    const char *name;
+    /* r = b + L u over `rows` (b NULL: r = L u); out_ub = u.b, out_ur = u.r. */
+    void (*product)(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b,
+                    const ss_real *u, ss_real *r, double *out_ub, double *out_ur);
+    /* From edges to rows: kap of every entry, b = L P0 and in its fourth lane the row sum. */
+    void (*scatter)(const ss_cnn_rows *rows, const ss_real *kap_edge, ss_real *kap, ss_real *b);
+    /* strain = P0_e.u_e + |u_e|^2/2, stretch = |u_e|^2/2 (= (|P_e|^2 - L0^2)/2). */
+    void (*strain)(const ss_cnn_edges *edges, const ss_real *u, ss_real *strain, ss_real *stretch);
+    /* sum += weight[c] column[c] for `count` columns; eps[c] += column[c].strain, eta likewise. */
+    void (*combine)(int32_t padded_count, int32_t count, const ss_real *const *column,
+                    const double *weight, const ss_real *strain, const ss_real *stretch,
+                    ss_real *sum, double *eps, double *eta);
+    /* Returns the power lost to damping at this stage, W. */
+    double (*stage)(const ss_cnn_stage *stage);
+    /* u = u0 + h v0 + h^2/6 sum1 (with its rounding error in u_low), v = v0 + h/6 sum2. */
+    void (*finish)(const ss_cnn_stage *stage, const ss_real *low0, ss_real *u, ss_real *u_low,
+                   ss_real *v);
+    void (*total)(int32_t node_count, const ss_real *u, const ss_real *v,
+                  const ss_real *rest_stiffness, const ss_real *mass, ss_cnn_totals *out);
+    /* y += s x over quads. */
+    void (*axpy)(int32_t node_count, double s, const ss_real *x, ss_real *y);
+    /* x.y over quads. */
+    double (*dot)(int32_t node_count, const ss_real *x, const ss_real *y);
+    /* out = a b lane by lane; returns b.out. */
+    double (*scale)(int32_t node_count, const ss_real *a, const ss_real *b, ss_real *out);
+    /* sum |r|^2 / m */
+    double (*weighted_square)(int32_t node_count, const ss_real *r, const ss_real *mobility);
+} ss_cnn_kernels;
+
+/* The best path that this processor runs. */
+const ss_cnn_kernels *ss_cnn_kernels_get(void);
+/* All paths built in, best first, for tests; NULL beyond the last. */
+const ss_cnn_kernels *ss_cnn_kernels_path(int32_t index);

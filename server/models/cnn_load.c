@@ -1,0 +1,519 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn_energy.h"
+/*
+ * What acts on the body without a tool: forces on nodes, pressure on patches, gravity, driven
+ * nodes; and what the supports answer.
+ *
+ * A load's nodes, or a driven patch, are a source of the network with fixed weights: equal ones
+ * for a force, by area for a pressure. It is switched on when the load first acts and stays on
+ * (the strain it has caused must be undone after the force is gone); what it holds at that moment
+ * is booked as work. Loads on the same nodes share one source: a force and the force that takes
+ * it back are one contact. Pressure follows the deformed surface, once per step. Driven axes
+ * move at constant velocity through a step: with their mobility at 0, RK4 follows them exactly.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* rho on an edge over rho at the loaded cell: the contact softens above, and fails far above. */
+#define RHO_RATIO_MAX 10.0
+
+static bool is_driven(const ss_prescribed *set, int32_t i, int k)
+{
+    return set->axis[k] && isfinite(set->displacement[i][k]);
+}
+
+/* ---- sources ---------------------------------------------------------------------------------- */
+
+/* Cells and weights of one source while it is built. */
+typedef struct patch {
+    int32_t count;
+    int32_t *node;  /* increasing */
+    double *weight; /* sum 1 */
+} patch;
+
+static softsim_status allocate_patch(const ss_model *model, patch *out)
+{
+    out->node = ss_memory_get((size_t)model->node_count, sizeof *out->node);
+    out->weight = ss_memory_get((size_t)model->node_count, sizeof *out->weight);
+    return out->node && out->weight ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+static void free_patch(patch *gone)
+{
+    ss_memory_free(gone->node);
+    ss_memory_free(gone->weight);
+}
+
+/* Turns raw[node] > 0 into a patch over the cells that can carry a source. */
+static void fill_patch(const ss_model *model, const double *raw, patch *out)
+{
+    double sum = 0.0;
+    out->count = 0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (raw[i] > 0.0 && model->network->is_source[i]) {
+            out->node[out->count] = i;
+            out->weight[out->count++] = raw[i];
+            sum += raw[i];
+        }
+    }
+    for (int32_t k = 0; k < out->count; ++k) {
+        out->weight[k] /= sum;
+    }
+}
+
+/* The triangles whose nodes are all in the load's group; their areas as weights. */
+static softsim_status find_pressure_triangles(ss_model *model, ss_cnn_load *load, double *raw)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    uint8_t *is_in = ss_memory_get((size_t)mesh->node_count, 1);
+    load->triangle = ss_memory_get((size_t)mesh->triangle_count, sizeof *load->triangle);
+    if (!is_in || !load->triangle) {
+        ss_memory_free(is_in);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t k = 0; k < load->plan->node_count; ++k) {
+        is_in[load->plan->node[k]] = 1;
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        if (is_in[c[0]] && is_in[c[1]] && is_in[c[2]]) {
+            double u[3], v[3], n[3];
+            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+            ss_cross3(n, u, v);
+            load->triangle[load->triangle_count++] = t;
+            for (int k = 0; k < 3; ++k) {
+                raw[c[k]] += ss_norm3(n);
+            }
+        }
+    }
+    ss_memory_free(is_in);
+    return SOFTSIM_OK;
+}
+
+/* A cell whose neighbourhood conducts far better than itself has almost no contact stiffness. */
+static void check_rho(const ss_model *model, const patch *cells, int32_t which,
+                      softsim_error *error)
+{
+    const ss_cnn_network *network = model->network;
+    double largest = 0.0;
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        largest = fmax(largest, network->edge_rho[e]);
+    }
+    for (int32_t k = 0; k < cells->count; ++k) {
+        const double ratio = largest / model->material.rho[cells->node[k]];
+        if (ratio > RHO_RATIO_MAX) {
+            softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                              "cnn-energy: rho at node %d, where load %d acts, is %.3g times smaller "
+                              "than elsewhere (at most %g): the contact would be without stiffness",
+                              cells->node[k], which, ratio, RHO_RATIO_MAX);
+            return;
+        }
+    }
+}
+
+/* The source over `cells`: one that exists already over the same nodes, or a new one. */
+static softsim_status find_source(ss_model *model, const patch *cells, double from, patch *known,
+                                  int32_t *out_source)
+{
+    *out_source = -1;
+    if (cells->count == 0) {
+        return SOFTSIM_OK;
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        const size_t bytes = (size_t)cells->count * sizeof *cells->node;
+        const size_t weights = (size_t)cells->count * sizeof *cells->weight;
+        if (known[k].count == cells->count && memcmp(known[k].node, cells->node, bytes) == 0 &&
+            memcmp(known[k].weight, cells->weight, weights) == 0) {
+            model->source[k].from = fmin(model->source[k].from, from);
+            *out_source = k;
+            return SOFTSIM_OK;
+        }
+    }
+    const int32_t index = model->source_count++;
+    model->source[index].from = from;
+    *out_source = index;
+    softsim_status status = allocate_patch(model, &known[index]);
+    if (status == SOFTSIM_OK) {
+        known[index].count = cells->count;
+        memcpy(known[index].node, cells->node, (size_t)cells->count * sizeof *cells->node);
+        memcpy(known[index].weight, cells->weight, (size_t)cells->count * sizeof *cells->weight);
+        status = ss_cnn_source_fix(model, cells->count, cells->node, cells->weight,
+                                   &model->source[index]);
+    }
+    return status;
+}
+
+static softsim_status create_load(ss_model *model, int32_t which, patch *cells, double *raw,
+                                  patch *known, softsim_error *error)
+{
+    ss_cnn_load *load = &model->load[which];
+    load->plan = &model->plan.load[which];
+    memset(raw, 0, (size_t)model->node_count * sizeof *raw);
+    if (load->plan->is_pressure) {
+        const softsim_status status = find_pressure_triangles(model, load, raw);
+        if (status != SOFTSIM_OK) {
+            return status;
+        }
+        if (load->triangle_count == 0) {
+            softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                              "cnn-energy: load %d is a pressure, but no triangle has all its nodes "
+                              "in the group",
+                              which);
+            return SOFTSIM_ERROR_SCENE;
+        }
+    } else {
+        for (int32_t k = 0; k < load->plan->node_count; ++k) {
+            raw[load->plan->node[k]] = 1.0;
+        }
+    }
+    fill_patch(model, raw, cells);
+    if (!load->plan->is_pressure && cells->count == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "cnn-energy: load %d acts on nodes without area", which);
+        return SOFTSIM_ERROR_SCENE;
+    }
+    check_rho(model, cells, which, error);
+    return find_source(model, cells, load->plan->from, known, &load->source);
+}
+
+static softsim_status create_driven(ss_model *model, int32_t which, patch *cells, double *raw,
+                                    patch *known)
+{
+    ss_cnn_driven *driven = &model->driven[which];
+    const ss_prescribed *set = &model->plan.prescribed[which];
+    driven->plan = set;
+    driven->from = ss_memory_get((size_t)set->node_count, sizeof *driven->from);
+    driven->to = ss_memory_get((size_t)set->node_count, sizeof *driven->to);
+    if (!driven->from || !driven->to) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    memset(raw, 0, (size_t)model->node_count * sizeof *raw);
+    for (int32_t i = 0; i < set->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (is_driven(set, i, k)) {
+                raw[set->node[i]] = 1.0;
+                model->mobility[4 * (ptrdiff_t)set->node[i] + k] = 0;
+            }
+        }
+    }
+    fill_patch(model, raw, cells);
+    return find_source(model, cells, set->from, known, &driven->source);
+}
+
+static softsim_status list_loaded(ss_model *model)
+{
+    uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
+    model->loaded = ss_memory_get((size_t)model->node_count, sizeof *model->loaded);
+    if (!mark || !model->loaded) {
+        ss_memory_free(mark);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t l = 0; l < model->plan.load_count; ++l) {
+        for (int32_t k = 0; k < model->plan.load[l].node_count; ++k) {
+            mark[model->plan.load[l].node[k]] = 1;
+        }
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (mark[i] || model->has_gravity) {
+            model->loaded[model->loaded_count++] = i;
+        }
+    }
+    ss_memory_free(mark);
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    const size_t limit = (size_t)plan->load_count + (size_t)plan->prescribed_count;
+    const int32_t before = error->fault_count;
+    patch cells = {0}, *known = ss_memory_get(limit, sizeof *known);
+    double *raw = ss_memory_get((size_t)model->node_count, sizeof *raw);
+    softsim_status status = allocate_patch(model, &cells);
+    model->load = ss_memory_get((size_t)plan->load_count, sizeof *model->load);
+    model->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *model->driven);
+    model->source = ss_memory_get(limit, sizeof *model->source);
+    if (!known || !raw || !model->load || !model->driven || !model->source) {
+        status = SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
+        status = create_load(model, k, &cells, raw, known, error);
+    }
+    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
+        status = create_driven(model, k, &cells, raw, known);
+    }
+    for (size_t k = 0; known && k < limit; ++k) {
+        free_patch(&known[k]);
+    }
+    free_patch(&cells);
+    ss_memory_free(known);
+    ss_memory_free(raw);
+    status = status == SOFTSIM_OK ? list_loaded(model) : status;
+    return status == SOFTSIM_OK && error->fault_count > before ? SOFTSIM_ERROR_SCENE : status;
+}
+
+void ss_cnn_loads_fini(ss_model *model)
+{
+    for (int32_t k = 0; model->load && k < model->plan.load_count; ++k) {
+        ss_memory_free(model->load[k].triangle);
+    }
+    for (int32_t k = 0; model->driven && k < model->plan.prescribed_count; ++k) {
+        ss_memory_free(model->driven[k].from);
+        ss_memory_free(model->driven[k].to);
+    }
+    for (int32_t k = 0; model->source && k < model->source_count; ++k) {
+        ss_cnn_source_fini(&model->source[k]);
+    }
+    ss_memory_free(model->load);
+    ss_memory_free(model->driven);
+    ss_memory_free(model->source);
+    ss_memory_free(model->loaded);
+}
+
+/* ---- forces ----------------------------------------------------------------------------------- */
+
+static double ramp_at(double from, double ramp, double time)
+{
+    if (time < from) {
+        return 0.0;
+    }
+    return ramp > 0.0 ? fmin(1.0, (time - from) / ramp) : 1.0;
+}
+
+static void add_node_force(ss_real *force, int32_t node, const double f[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        force[4 * (ptrdiff_t)node + k] += (ss_real)f[k];
+    }
+}
+
+/* -p times a third of each triangle's area vector, as it lies now. */
+static void add_pressure(const ss_model *model, const ss_cnn_load *load, double pressure)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    for (int32_t k = 0; k < load->triangle_count; ++k) {
+        const int32_t *c = mesh->triangle[load->triangle[k]];
+        double p[3][3], u[3], v[3], n[3];
+        for (int a = 0; a < 3; ++a) {
+            const ss_real *moved = model->u + 4 * (ptrdiff_t)c[a];
+            ss_set3(p[a], mesh->position[c[a]][0] + (double)moved[0],
+                    mesh->position[c[a]][1] + (double)moved[1],
+                    mesh->position[c[a]][2] + (double)moved[2]);
+        }
+        ss_sub3(u, p[1], p[0]);
+        ss_sub3(v, p[2], p[0]);
+        ss_cross3(n, u, v);
+        ss_scale3(n, n, -pressure / 6.0);
+        for (int a = 0; a < 3; ++a) {
+            add_node_force(model->load_force, c[a], n);
+        }
+    }
+}
+
+bool ss_cnn_loads_update(ss_model *model, double time)
+{
+    bool is_changed = false;
+    for (int32_t l = 0; l < model->plan.load_count; ++l) {
+        ss_cnn_load *load = &model->load[l];
+        const ss_load *plan = load->plan;
+        const double factor = time < plan->to ? ramp_at(plan->from, plan->ramp, time) : 0.0;
+        is_changed = is_changed || factor != load->factor || (plan->is_pressure && factor != 0.0);
+        load->factor = factor;
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        ss_cnn_source *source = &model->source[k];
+        if (!source->is_on && time >= source->from) {
+            source->is_on = true;
+            model->is_ready = false;
+        }
+    }
+    return is_changed;
+}
+
+void ss_cnn_loads_build(ss_model *model)
+{
+    memset(model->load_force, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    for (int32_t i = 0; model->has_gravity && i < model->node_count; ++i) {
+        double f[3];
+        ss_scale3(f, model->plan.gravity, model->material.mass[i]);
+        add_node_force(model->load_force, i, f);
+    }
+    for (int32_t l = 0; l < model->plan.load_count; ++l) {
+        const ss_cnn_load *load = &model->load[l];
+        if (load->factor != 0.0 && load->plan->is_pressure) {
+            add_pressure(model, load, load->factor * load->plan->pressure);
+        } else if (load->factor != 0.0) {
+            double f[3];
+            ss_scale3(f, load->plan->force, load->factor / load->plan->node_count);
+            for (int32_t k = 0; k < load->plan->node_count; ++k) {
+                add_node_force(model->load_force, load->plan->node[k], f);
+            }
+        }
+    }
+}
+
+double ss_cnn_loads_work(const ss_model *model)
+{
+    double work = 0.0;
+    for (int32_t k = 0; k < model->loaded_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+        for (ptrdiff_t a = at; a < at + 3; ++a) {
+            const double moved = ((double)model->u[a] - (double)model->old_u[a]) +
+                                 ((double)model->u_low[a] - (double)model->old_low[a]);
+            work += (double)model->load_force[a] * moved;
+        }
+    }
+    return work;
+}
+
+/* ---- driven nodes ----------------------------------------------------------------------------- */
+
+void ss_cnn_driven_update(ss_model *model, double time)
+{
+    for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
+        const ss_cnn_driven *driven = &model->driven[p];
+        const ss_prescribed *set = driven->plan;
+        const double factor = ramp_at(set->from, set->ramp, time);
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                if (is_driven(set, i, k)) {
+                    driven->from[i][k] = (double)model->u[4 * (ptrdiff_t)set->node[i] + k];
+                    driven->to[i][k] = factor * set->displacement[i][k];
+                }
+            }
+        }
+    }
+}
+
+void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h)
+{
+    for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
+        const ss_cnn_driven *driven = &model->driven[p];
+        const ss_prescribed *set = driven->plan;
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            const double half_mass = 0.5 * model->material.mass[set->node[i]];
+            for (int k = 0; k < 3; ++k) {
+                if (!is_driven(set, i, k)) {
+                    continue;
+                }
+                const ptrdiff_t at = 4 * (ptrdiff_t)set->node[i] + k;
+                const double way = driven->to[i][k] - driven->from[i][k];
+                const double before = (double)model->v[at];
+                model->u[at] = (ss_real)(driven->from[i][k] + path * way);
+                model->v[at] = h > 0.0 ? (ss_real)(way * fraction / h) : model->v[at];
+                /* The support also pays for the change of velocity. */
+                const double after = (double)model->v[at];
+                model->work += half_mass * (after * after - before * before);
+            }
+        }
+    }
+}
+
+/* What a support at node `i` must push with so that the node follows it, at the last evaluation. */
+static void support_at(const ss_model *model, int32_t i, const ss_real *d, const ss_real *v,
+                       double out[3])
+{
+    const ptrdiff_t at = 4 * (ptrdiff_t)i;
+    const ss_cnn_source *first = model->first;
+    for (int k = 0; k < 3; ++k) {
+        out[k] = (double)model->rest_stiffness[i] * (double)d[at + k] +
+                 (double)model->damping[i] * (double)v[at + k] - (double)model->force[at + k];
+        if (first) {
+            const ss_real *b = first->b_turned ? first->b_turned : first->b;
+            out[k] += first->c1 * (double)first->r[at + k] - first->c2 * (double)b[at + k];
+        }
+        if (model->normal) {
+            out[k] += model->pressure * (double)model->normal[at + k];
+        }
+    }
+}
+
+double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
+                          double share)
+{
+    double power = 0.0;
+    for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
+        const ss_prescribed *set = model->driven[p].plan;
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            double support[3];
+            support_at(model, set->node[i], d, v, support);
+            for (int k = 0; k < 3; ++k) {
+                if (is_driven(set, i, k)) {
+                    power += support[k] * (double)v[4 * (ptrdiff_t)set->node[i] + k];
+                }
+            }
+        }
+    }
+    return power * h * share;
+}
+
+/* ---- reactions -------------------------------------------------------------------------------- */
+
+/* Forces of the network on held cells, whose rows the stages leave out: c1 r - c2 b, summed. */
+static void add_held_network(const ss_model *model, double out_force[3])
+{
+    const ss_cnn_source *list[SOFTSIM_MAX_PROBES];
+    int32_t count = 0;
+    for (int t = 0; t < SOFTSIM_MAX_PROBES; ++t) {
+        if (model->tool[t].source.is_on) {
+            list[count++] = &model->tool[t].source;
+        }
+    }
+    for (int32_t s = 0; s < model->source_count + count; ++s) {
+        const ss_cnn_source *source =
+            s < model->source_count ? &model->source[s] : list[s - model->source_count];
+        if (!source->is_on) {
+            continue;
+        }
+        const ss_cnn_rows *held = &model->network->held;
+        double ub, ur;
+        model->kernels->scatter(held, source->kap_edge, model->held_kap, model->held_b);
+        model->kernels->product(held, model->held_kap, NULL, model->d, model->product, &ub, &ur);
+        for (int32_t row = 0; row < held->row_count; ++row) {
+            const ss_real *b = model->held_b + held->node[row];
+            const ss_real *stretch = model->product + held->node[row];
+            for (int k = 0; k < 3; ++k) {
+                const double turned = model->is_held ? (double)b[k]
+                                                     : model->rotation[k][0] * (double)b[0] +
+                                                           model->rotation[k][1] * (double)b[1] +
+                                                           model->rotation[k][2] * (double)b[2];
+                out_force[k] += source->c1 * (turned + (double)stretch[k]) - source->c2 * turned;
+            }
+        }
+    }
+}
+
+void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3])
+{
+    ss_set3(out_force, 0.0, 0.0, 0.0);
+    if (!model->is_ready || set < -1 || set >= model->plan.prescribed_count) {
+        return;
+    }
+    double support[3];
+    if (set >= 0) {
+        const ss_prescribed *driven = model->driven[set].plan;
+        for (int32_t i = 0; i < driven->node_count; ++i) {
+            support_at(model, driven->node[i], model->d, model->v, support);
+            for (int k = 0; k < 3; ++k) {
+                out_force[k] += is_driven(driven, i, k) ? support[k] : 0.0;
+            }
+        }
+        return;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if ((model->plan.fixed[i] & 7) == 0) {
+            continue;
+        }
+        support_at(model, i, model->d, model->v, support);
+        for (int k = 0; k < 3; ++k) {
+            out_force[k] += (model->plan.fixed[i] & (1 << k)) != 0 ? support[k] : 0.0;
+        }
+    }
+    add_held_network(model, out_force);
+}

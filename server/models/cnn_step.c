@@ -1,0 +1,773 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn_energy.h"
+/*
+ * Time: m P'' + gamma P' + g + ks (P - P*) = F by classical Runge-Kutta, with a step that is
+ * computed, not guessed.
+ *
+ * Any mode is x'' + d x' + w^2 x = 0 with d within the bounds of gamma/m and w^2 at most
+ *
+ *   omega^2 = max_i (ks_i + 2 sum_k c1_k D_k,i + kc sum_q A_q B_qi + k_i) / m_i
+ *           + sum_k a E^ sum_i |r_i|^2 / m_i + (B/V0) sum_i |N_i|^2 / m_i
+ *
+ * (D_k,i the row sum of kap of source k). The bound is the largest step that keeps all of them
+ * inside RK4's region of stability; sub-steps take 0.7 of it, a tool moves at most R/4 in one,
+ * and the bound is looked at again after each: a step that turns out too large is taken back.
+ * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
+ * sub-step still stable, while tools and driven nodes reach their places: flagged, never silent.
+ * Rejected: an implicit step (the contact set and kap change within it), scaling masses.
+ *
+ * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
+ * also give the energies at that moment, and hold through the next one. Work and dissipation are
+ * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+/* Of the stable step. */
+#define STEP_SHARE 0.7
+/* Sub-steps taken back in one outer step before one is accepted as it is. */
+enum { MAX_REJECTED = 16 };
+/* Time in which a released grasp lets go, s. */
+#define RELEASE_TIME 0.02
+/* Diagonals of the body: a displacement beyond is cut off. */
+#define MAX_DISPLACEMENT 100.0
+
+/* ---- the stable step --------------------------------------------------------------------------- */
+
+/* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
+ * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
+enum { ARCS = 32 };
+static const double rk4_radius[ARCS] = {
+    2.8284, 2.9087, 2.9499, 2.9431, 2.9040, 2.8482, 2.7840, 2.7217, 2.6707, 2.6360, 2.6185,
+    2.6156, 2.6164, 2.6270, 2.6471, 2.6738, 2.7044, 2.7361, 2.7667, 2.7943, 2.8175, 2.8353,
+    2.8472, 2.8530, 2.8482, 2.8393, 2.8279, 2.8155, 2.8036, 2.7939, 2.7875, 2.7853};
+/* cos of the angle from the negative real axis at the ends of the intervals: sin(k pi / 64). */
+static const double arc_cosine[ARCS + 1] = {
+    0.0,         0.049067674, 0.098017140, 0.146730474, 0.195090322, 0.242980180, 0.290284677,
+    0.336889853, 0.382683432, 0.427555093, 0.471396737, 0.514102744, 0.555570233, 0.595699304,
+    0.634393284, 0.671558955, 0.707106781, 0.740951125, 0.773010453, 0.803207531, 0.831469612,
+    0.857728610, 0.881921264, 0.903989293, 0.923879533, 0.941544065, 0.956940336, 0.970031253,
+    0.980785280, 0.989176510, 0.995184727, 0.998795456, 1.0};
+
+double ss_cnn_rk4_limit(double d_min, double d_max, double omega2)
+{
+    const double omega = sqrt(fmax(omega2, 0.0));
+    double limit = d_max > 0.0 ? rk4_radius[ARCS - 1] / d_max : (double)INFINITY;
+    for (int k = 0; k < ARCS && omega > 0.0; ++k) {
+        if (2.0 * omega * arc_cosine[k + 1] < d_min) {
+            continue; /* every mode is more damped than that */
+        }
+        const double highest =
+            k > 0 ? fmin(omega, d_max / (2.0 * arc_cosine[k])) : omega; /* mode at these angles */
+        limit = highest > 0.0 ? fmin(limit, rk4_radius[k] / highest) : limit;
+    }
+    return limit;
+}
+
+/* Adds to model->stiff (of `kap` rows) and returns the strain term of one source. */
+static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
+{
+    const ss_real *b = source->b;
+    const double factor = 2.0 * source->c1;
+    for (int32_t i = 0; factor > 0.0 && i < model->node_count; ++i) {
+        model->stiff[i] += factor * (double)b[4 * (ptrdiff_t)i + 3];
+    }
+    if (source->rank == 0.0) {
+        return 0.0;
+    }
+    return source->rank *
+           model->kernels->weighted_square(model->node_count, source->r, model->mobility);
+}
+
+void ss_cnn_set_bound(ss_model *model)
+{
+    double omega2 = model->bulk_rate, largest = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->stiff[i] = (double)model->rest_stiffness[i];
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        omega2 += source ? add_source_stiffness(model, source) : 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        ss_touch_diagonal(tool->touch, model->stiff);
+        for (int32_t i = 0; i < tool->grasp.count; ++i) {
+            model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+        }
+    }
+    model->limiting_node = -1;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double rate = model->stiff[i] * model->mobility_max[i];
+        if (rate > largest) {
+            largest = rate;
+            model->limiting_node = i;
+        }
+    }
+    model->bound =
+        ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2 + largest);
+}
+
+/* ---- free bodies ------------------------------------------------------------------------------- */
+
+/* Eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, by Jacobi rotations. */
+static void largest_eigenvector(double a[4][4], double out[4])
+{
+    enum { SWEEPS = 12 };
+    double q[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+        for (int p = 0; p < 3; ++p) {
+            for (int r = p + 1; r < 4; ++r) {
+                if (!(fabs(a[p][r]) > 0.0)) {
+                    continue;
+                }
+                const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
+                const double t =
+                    (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+                const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int k = 0; k < 4; ++k) {
+                    const double x = a[k][p], y = a[k][r];
+                    a[k][p] = c * x - s * y;
+                    a[k][r] = s * x + c * y;
+                }
+                for (int k = 0; k < 4; ++k) {
+                    const double x = a[p][k], y = a[r][k];
+                    a[p][k] = c * x - s * y;
+                    a[r][k] = s * x + c * y;
+                    const double u = q[k][p], w = q[k][r];
+                    q[k][p] = c * u - s * w;
+                    q[k][r] = s * u + c * w;
+                }
+            }
+        }
+    }
+    int best = 0;
+    for (int k = 1; k < 4; ++k) {
+        best = a[k][k] > a[best][best] ? k : best;
+    }
+    for (int k = 0; k < 4; ++k) {
+        out[k] = q[k][best];
+    }
+}
+
+/* The rotation that best turns rest into present: Horn 1987, from the weighted covariance
+ * s[a][b] = sum w (present_a)(rest_b). */
+static void best_rotation(double s[3][3], double out[3][3])
+{
+    double m[4][4] = {
+        {s[0][0] + s[1][1] + s[2][2], s[2][1] - s[1][2], s[0][2] - s[2][0], s[1][0] - s[0][1]},
+        {s[2][1] - s[1][2], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
+        {s[0][2] - s[2][0], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
+        {s[1][0] - s[0][1], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}};
+    double q[4];
+    largest_eigenvector(m, q);
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double r[3][3] = {
+        {1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
+        {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
+        {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
+    memcpy(out, r, sizeof r);
+}
+
+/* Weight of a node in the fit: ks, or area where the body has no rest stiffness at all. */
+static double fit_weight(const ss_model *model, int32_t i)
+{
+    return model->fit_weight > 0.0 ? model->material.rest_stiffness[i] : model->network->area[i];
+}
+
+const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u)
+{
+    if (model->is_held) {
+        return u;
+    }
+    const double(*rest)[3] = (const double(*)[3])model->plan.mesh->position;
+    double sum = 0.0, mean[3] = {0.0}, s[3][3] = {{0.0}};
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double w = fit_weight(model, i);
+        sum += w;
+        for (int k = 0; k < 3; ++k) {
+            mean[k] += w * (double)u[4 * (ptrdiff_t)i + k];
+        }
+    }
+    ss_scale3(mean, mean, 1.0 / sum);
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double w = fit_weight(model, i);
+        double q[3], p[3];
+        ss_sub3(q, rest[i], model->centroid_rest);
+        for (int k = 0; k < 3; ++k) {
+            p[k] = q[k] + (double)u[4 * (ptrdiff_t)i + k] - mean[k];
+        }
+        for (int a = 0; a < 3; ++a) {
+            ss_madd3(s[a], s[a], w * p[a], q);
+        }
+    }
+    best_rotation(s, model->rotation);
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        double q[3];
+        ss_sub3(q, rest[i], model->centroid_rest);
+        for (int k = 0; k < 3; ++k) {
+            const double turned = ss_dot3(model->rotation[k], q);
+            model->fitted[4 * (ptrdiff_t)i + k] =
+                (ss_real)((double)u[4 * (ptrdiff_t)i + k] - mean[k] - (turned - q[k]));
+        }
+    }
+    return model->fitted;
+}
+
+/* ---- forces ------------------------------------------------------------------------------------ */
+
+/* Springs between a grasping tool and the nodes it holds. */
+static void add_grasp(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
+                      const ss_tool_pose *pose)
+{
+    ss_cnn_grasp *grasp = &tool->grasp;
+    grasp->square = 0.0;
+    for (int32_t i = 0; i < grasp->count; ++i) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)grasp->node[i];
+        double arm[3], x[3], f[3], moment[3];
+        ss_rotate(arm, pose->orientation, grasp->offset[i]);
+        for (int k = 0; k < 3; ++k) {
+            x[k] = model->plan.mesh->position[grasp->node[i]][k] + (double)u[at + k] -
+                   pose->position[k];
+            const double stretch = x[k] - arm[k];
+            f[k] = grasp->share * grasp->stiffness[i] * stretch; /* on the tool */
+            model->force[at + k] -= (ss_real)f[k];
+            grasp->square += 0.5 * grasp->stiffness[i] * stretch * stretch;
+        }
+        ss_cross3(moment, arm, f);
+        ss_add3(tool->force, tool->force, f);
+        ss_add3(tool->torque, tool->torque, moment);
+    }
+}
+
+/* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
+static void pose_at(const ss_cnn_tool *tool, double path, ss_tool_pose *out)
+{
+    if (path > 0.0 && path < 1.0) {
+        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
+    } else {
+        *out = path > 0.0 ? tool->to : tool->from;
+    }
+}
+
+static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, double path)
+{
+    pose_at(tool, path, &tool->pose);
+    ss_copy3(tool->force, tool->frozen_force);
+    ss_copy3(tool->torque, tool->frozen_torque);
+    tool->penalty = ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force,
+                                     tool->torque);
+    add_grasp(model, tool, u, &tool->pose);
+}
+
+/* Takes the last contact and grasp forces out of model->force. */
+static void clear_contact(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        const int32_t *node;
+        const int32_t count = tool->is_present ? ss_touch_reach(tool->touch, &node) : 0;
+        for (int32_t i = 0; i < count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+    }
+}
+
+/* Sources beyond the first go into model->force as a whole; the first is left to the stage. */
+static void evaluate_sources(ss_model *model)
+{
+    const ss_cnn_kernels *kernels = model->kernels;
+    model->first = NULL;
+    bool is_clean = false;
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (!source) {
+            continue;
+        }
+        ss_cnn_source_evaluate(model, source, model->d);
+        if (!model->first) {
+            model->first = source;
+            continue;
+        }
+        if (!is_clean) {
+            memcpy(model->force, model->base, (size_t)model->node_count * 4 * sizeof(ss_real));
+            is_clean = true;
+        }
+        const ss_real *b = model->is_held ? source->b : source->b_turned;
+        kernels->axpy(model->node_count, -source->c1, source->r, model->force);
+        if (source->c2 != 0.0) {
+            kernels->axpy(model->node_count, source->c2, b, model->force);
+        }
+    }
+}
+
+/* All forces at displacements `u` with the tools at `path`; model->force must hold no contact. */
+static void evaluate(ss_model *model, const ss_real *u, double path)
+{
+    model->d = ss_cnn_fit(model, u);
+    evaluate_sources(model);
+    if (model->normal) {
+        model->pressure = model->material.bulk / model->volume *
+                          model->kernels->dot(model->node_count, model->normal, model->d);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            add_contact(model, &model->tool[k], u, path);
+        }
+    }
+}
+
+/* ---- between sub-steps ------------------------------------------------------------------------- */
+
+/* Finds what the tools may reach between two places on their paths. */
+static int32_t gather(ss_model *model, double path, double next)
+{
+    int32_t count = 0;
+    bool is_refitted = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        if (!is_refitted) {
+            ss_surface_refit(model->surface, model->u);
+            is_refitted = true;
+        }
+        ss_tool_pose from, to;
+        pose_at(tool, path, &from);
+        pose_at(tool, next, &to);
+        count += ss_touch_gather(tool->touch, model->u, &from, &to);
+    }
+    return count;
+}
+
+static void set_totals(ss_model *model)
+{
+    model->kernels->total(model->node_count, model->u, model->v, model->rest_stiffness,
+                          model->mass, &model->totals);
+    model->has_totals = true;
+}
+
+static void set_energies(ss_model *model)
+{
+    if (!model->has_totals) {
+        set_totals(model);
+    }
+    model->kinetic = 0.5 * model->totals.kinetic;
+    double elastic = 0.5 * model->totals.rest;
+    if (!model->is_held) {
+        ss_cnn_totals fitted;
+        model->kernels->total(model->node_count, model->d, model->v, model->rest_stiffness,
+                              model->mass, &fitted);
+        elastic = 0.5 * fitted.rest;
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        elastic += source ? ss_cnn_source_energy(model, source) : 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        elastic += tool->is_present ? tool->penalty + tool->grasp.share * tool->grasp.square : 0.0;
+    }
+    if (model->normal && model->material.bulk > 0.0) {
+        elastic += 0.5 * model->pressure * model->pressure * model->volume / model->material.bulk;
+    }
+    model->elastic = elastic;
+}
+
+/* Everything at the present state with the tools at `path`: weights, forces, energies, bound. */
+static void prepare(ss_model *model, double path)
+{
+    const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
+    model->has_strain = false;
+    model->d = ss_cnn_fit(model, model->u);
+    memcpy(model->base, model->load_force, bytes);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            pose_at(tool, path, &tool->pose);
+            ss_cnn_source_weigh(model, tool, &tool->pose);
+        }
+    }
+    memcpy(model->force, model->base, bytes);
+    evaluate(model, model->u, path);
+    set_energies(model);
+    ss_cnn_set_bound(model);
+    model->is_ready = true;
+    model->has_totals = false;
+}
+
+/* ---- one sub-step ------------------------------------------------------------------------------ */
+
+/* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
+static double tool_work(const ss_model *model, double fraction, double share)
+{
+    double work = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            double way[3];
+            ss_sub3(way, tool->to.position, tool->from.position);
+            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
+        }
+    }
+    return work * fraction * share;
+}
+
+/* After the first stage: what the tools reach on the way, and no contact left in the forces. */
+static void ready_contact(ss_model *model, double path, double next)
+{
+    clear_contact(model);
+    gather(model, path, next);
+}
+
+static void swap(ss_real **a, ss_real **b)
+{
+    ss_real *t = *a;
+    *a = *b;
+    *b = t;
+}
+
+static void swap_states(ss_model *model)
+{
+    swap(&model->u, &model->old_u);
+    swap(&model->v, &model->old_v);
+    swap(&model->u_low, &model->old_low);
+}
+
+/* Classical Runge-Kutta over `h` seconds; the state before is kept in old_*. */
+static void runge_kutta(ss_model *model, double h, double path, double fraction)
+{
+    static const double place[4] = {0.0, 0.5, 0.5, 1.0};
+    static const double share[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    ss_cnn_stage stage = {.node_count = model->node_count,
+                          .h = h,
+                          .force = model->force,
+                          .normal = model->normal,
+                          .rest_stiffness = model->rest_stiffness,
+                          .damping = model->damping,
+                          .mobility = model->mobility,
+                          .u0 = model->u,
+                          .v0 = model->v,
+                          .us = model->us,
+                          .vs = model->vs,
+                          .sum1 = model->sum1,
+                          .sum2 = model->sum2};
+    for (int s = 0; s < 4; ++s) {
+        if (s > 0) {
+            clear_contact(model);
+            evaluate(model, model->us, path + place[s] * fraction);
+        }
+        const ss_cnn_source *first = model->first;
+        stage.index = s;
+        stage.d = model->d;
+        stage.v = s > 0 ? model->vs : model->v;
+        stage.r = first ? first->r : NULL;
+        stage.b = first ? (model->is_held ? first->b : first->b_turned) : NULL;
+        stage.c1 = first ? first->c1 : 0.0;
+        stage.c2 = first ? first->c2 : 0.0;
+        stage.pressure = model->pressure;
+        model->work += tool_work(model, fraction, share[s]);
+        if (model->plan.prescribed_count > 0) {
+            model->work += ss_cnn_driven_work(model, stage.d, stage.v, h, share[s]);
+        }
+        model->dissipated += h * share[s] * model->kernels->stage(&stage);
+        if (s == 0) {
+            ready_contact(model, path, path + fraction);
+        }
+    }
+    model->kernels->finish(&stage, model->u_low, model->old_u, model->old_low, model->old_v);
+    swap_states(model);
+}
+
+static bool is_finite_state(ss_model *model)
+{
+    set_totals(model);
+    return isfinite(model->totals.kinetic) && isfinite(model->totals.rest) &&
+           isfinite(model->totals.largest);
+}
+
+/* A released grasp lets go by `h` seconds' worth. */
+static void fade_grasps(ss_model *model, double h)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_grasp *grasp = &model->tool[k].grasp;
+        grasp->share_before = grasp->share;
+        if (!grasp->is_pressed && grasp->count > 0) {
+            grasp->share = fmax(0.0, grasp->share - h / RELEASE_TIME);
+        }
+    }
+}
+
+/* The energy that fading grasps let go of is lost; or the fading is taken back. */
+static void settle_grasps(ss_model *model, bool is_accepted)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_grasp *grasp = &model->tool[k].grasp;
+        if (!is_accepted) {
+            grasp->share = grasp->share_before;
+            continue;
+        }
+        if (grasp->count > 0) {
+            model->dissipated += (grasp->share_before - grasp->share) * grasp->square;
+            grasp->count = grasp->share > 0.0 ? grasp->count : 0;
+        }
+    }
+}
+
+/* A displacement far beyond the body means nothing any more and would drown every digit. */
+static void clamp_displacements(ss_model *model)
+{
+    const double limit = MAX_DISPLACEMENT * model->diagonal;
+    if (!(model->totals.largest > limit * limit)) {
+        return;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        ss_real *u = model->u + 4 * (ptrdiff_t)i, *v = model->v + 4 * (ptrdiff_t)i;
+        const double length = sqrt((double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] +
+                                   (double)u[2] * (double)u[2]);
+        for (int k = 0; length > limit && k < 3; ++k) {
+            u[k] = (ss_real)((double)u[k] * (limit / length));
+            v[k] = 0;
+            model->is_ready = false;
+            model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
+            model->verdict = SOFTSIM_VERDICT_DEGRADED;
+            model->reason = "displacement beyond a hundred times the body was cut off";
+        }
+    }
+}
+
+/* ---- the outer step ---------------------------------------------------------------------------- */
+
+/* Taking over where the tools go; what changed with a jump is prepared again. */
+static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *own = &model->tool[k];
+        const bool is_present = own->is_used && tool && tool[k].is_present;
+        if (is_present) {
+            own->from = tool[k].from;
+            own->to = tool[k].to;
+            const double *a = own->from.orientation, *b = own->to.orientation;
+            /* Rotation vector of b a*, the short way. */
+            const double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+            const double x[3] = {a[0] * b[1] - b[0] * a[1] - b[2] * a[3] + b[3] * a[2],
+                                 a[0] * b[2] - b[0] * a[2] - b[3] * a[1] + b[1] * a[3],
+                                 a[0] * b[3] - b[0] * a[3] - b[1] * a[2] + b[2] * a[1]};
+            const double sine = ss_norm3(x);
+            const double angle = 2.0 * atan2(sine, fabs(w)) * (w < 0.0 ? -1.0 : 1.0);
+            ss_scale3(own->turn, x, sine > 0.0 ? angle / sine : 0.0);
+        }
+        if (is_present != own->is_present ||
+            (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
+            model->is_ready = false;
+        }
+        if (!is_present) {
+            own->grasp.count = 0;
+            own->grasp.is_pressed = false;
+            own->source.is_on = false;
+            own->count = 0;
+        }
+        own->is_present = is_present;
+    }
+}
+
+/* Loads that changed since the last step replace their old selves in base and force. */
+static void take_loads(ss_model *model, double time)
+{
+    const int32_t n = model->node_count;
+    if (model->loaded_count == 0 && model->source_count == 0) {
+        return;
+    }
+    if (ss_cnn_loads_update(model, time)) {
+        model->kernels->axpy(n, -1.0, model->load_force, model->force);
+        model->kernels->axpy(n, -1.0, model->load_force, model->base);
+        ss_cnn_loads_build(model);
+        model->kernels->axpy(n, 1.0, model->load_force, model->force);
+        model->kernels->axpy(n, 1.0, model->load_force, model->base);
+    }
+}
+
+/* The button's press stores where the touched nodes are in the tool's frame. */
+static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
+{
+    ss_cnn_grasp *grasp = &tool->grasp;
+    if (is_grasping && !grasp->is_pressed) {
+        grasp->share = 1.0;
+        grasp->count = tool->count;
+        for (int32_t i = 0; i < tool->count; ++i) {
+            const int32_t node = tool->node[i];
+            double x[3];
+            for (int k = 0; k < 3; ++k) {
+                x[k] = model->plan.mesh->position[node][k] +
+                       (double)model->u[4 * (ptrdiff_t)node + k] - tool->pose.position[k];
+            }
+            grasp->node[i] = node;
+            grasp->stiffness[i] = SS_CNN_GRASP_SHARE * tool->stiffness * tool->weight[i];
+            ss_rotate_back(grasp->offset[i], tool->pose.orientation, x);
+        }
+        grasp->square = 0.0;
+        ss_cnn_set_bound(model);
+    }
+    grasp->is_pressed = is_grasping;
+}
+
+/* Sub-steps that the tools' motion asks for: at most R/4 each, if anything is in the way. */
+static int32_t motion_steps(ss_model *model)
+{
+    double steps = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
+            steps = fmax(steps, ceil(4.0 * way / tool->radius - 1e-9));
+        }
+    }
+    if (steps > 1.0 && gather(model, 0.0, 1.0) == 0) {
+        return 1;
+    }
+    return (int32_t)fmin(steps, (double)model->plan.max_substeps);
+}
+
+static void fault(ss_model *model)
+{
+    model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
+    model->verdict = SOFTSIM_VERDICT_FAULT;
+    model->reason = "not finite: last good state restored, waiting for reset";
+    model->is_ready = false;
+}
+
+/* Where the outer step stands. */
+typedef struct progress {
+    double left, path;        /* s still to simulate; 0..1 of the tools' way */
+    double cap;               /* s: after a sub-step was taken back */
+    int32_t motion, attempts, accepted, rejected;
+} progress;
+
+/* Length and way of the next sub-step. */
+static void plan_substep(ss_model *model, const progress *p, double *out_h, double *out_fraction)
+{
+    const double stable = fmin(STEP_SHARE * model->bound, p->cap);
+    const double by_time = ceil(p->left / stable - 1e-9);
+    const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
+    const double needed = fmax(fmax(by_time, by_way), 1.0);
+    const double available = fmax(1.0, (double)(model->plan.max_substeps - p->attempts));
+    if (needed <= available) {
+        *out_h = p->left / needed;
+        *out_fraction = (1.0 - p->path) / needed;
+        return;
+    }
+    *out_h = fmin(p->left / available, stable);
+    *out_fraction = (1.0 - p->path) / available;
+    if (by_time > available) {
+        model->fault_bits |= SS_MODEL_FAULT_BUDGET;
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = "needs more sub-steps than max_substeps: slower than real time";
+    }
+}
+
+/* What a sub-step that is taken back must put back beside u and v. */
+typedef struct ledger {
+    double work, dissipated, elastic;
+} ledger;
+
+static void take_back(ss_model *model, progress *p, const ledger *before, double cap)
+{
+    ++p->rejected;
+    p->cap = cap;
+    swap_states(model);
+    settle_grasps(model, false);
+    gather(model, p->path, p->path);
+    model->has_totals = false;
+    prepare(model, p->path);
+    model->work = before->work;
+    model->dissipated = before->dissipated;
+    model->elastic = before->elastic;
+}
+
+/* One attempt; false when the model is at fault. */
+static bool try_substep(ss_model *model, progress *p)
+{
+    double h, fraction;
+    plan_substep(model, p, &h, &fraction);
+    ss_cnn_driven_place(model, p->path, fraction, h);
+    const ledger before = {model->work, model->dissipated, model->elastic};
+    runge_kutta(model, h, p->path, fraction);
+    ++p->attempts;
+    fade_grasps(model, h);
+    if (!is_finite_state(model)) {
+        take_back(model, p, &before, 0.25 * h);
+        if (p->rejected > MAX_REJECTED) {
+            fault(model);
+        }
+        return p->rejected <= MAX_REJECTED;
+    }
+    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    ss_cnn_driven_place(model, next, 0.0, 0.0);
+    const double loads = ss_cnn_loads_work(model);
+    prepare(model, next);
+    if (model->bound < h && p->rejected < MAX_REJECTED) {
+        take_back(model, p, &before, STEP_SHARE * fmin(model->bound, h));
+        return true;
+    }
+    settle_grasps(model, true);
+    model->work += loads;
+    p->left -= h;
+    p->path = next;
+    p->cap = (double)INFINITY;
+    ++p->accepted;
+    return true;
+}
+
+void ss_cnn_step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+        return;
+    }
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+    take_tools(model, tool);
+    take_loads(model, time + 0.5 * dt);
+    ss_cnn_driven_update(model, time + dt);
+    if (!model->is_ready) {
+        const double before = model->elastic;
+        gather(model, 0.0, 0.0);
+        model->has_totals = false;
+        prepare(model, 0.0);
+        model->work += model->elastic - before;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            take_grasp(model, &model->tool[k], tool[k].is_grasping);
+        }
+    }
+    progress p = {.left = dt, .cap = (double)INFINITY, .motion = motion_steps(model)};
+    while (p.path < 1.0) {
+        if (!try_substep(model, &p)) {
+            return;
+        }
+        clamp_displacements(model);
+    }
+    if (!isfinite(model->elastic + model->kinetic)) {
+        fault(model);
+        return;
+    }
+    if (model->verdict == SOFTSIM_VERDICT_GOOD && (p.rejected > 0 || p.accepted > p.motion)) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason = "sub-stepped for stability";
+    }
+    model->substeps = p.accepted;
+    ++model->step;
+}

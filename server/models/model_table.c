@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/model.h"
+/* The table of models: one row a model, and only those that were built in. */
+#include <string.h>
+
+#ifdef SS_MODEL_CNN_ENERGY
+extern const ss_model_class ss_model_cnn_energy;
+#endif
+
+static const ss_model_class *const table[] = {
+#ifdef SS_MODEL_CNN_ENERGY
+    &ss_model_cnn_energy,
+#endif
+    NULL};
+
+const ss_model_class *const *ss_model_table(int32_t *out_count)
+{
+    *out_count = (int32_t)(sizeof table / sizeof *table) - 1;
+    return table;
+}
+
+const ss_model_class *ss_model_find(const char *name)
+{
+    for (const ss_model_class *const *row = table; *row; ++row) {
+        if (strcmp((*row)->name, name) == 0) {
+            return *row;
+        }
+    }
+    return NULL;
+}

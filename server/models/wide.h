@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Short vectors of ss_real, so that a kernel is written once and compiled for every processor.
+ *
+ * ss_quad is one node: x y z and a fourth lane. ss_wide is as many scalars as the processor takes
+ * at once (SS_WIDE_LANES). What the compiler is told decides: -mavx2 -mfma gives 256-bit vectors
+ * and fused multiply-add, baseline x86-64 gives SSE2 without, SOFTSIM_SCALAR or any other
+ * processor plain C. Only ss_*_fma and ss_*_fnma fuse, and only where they are written: results
+ * depend on the path, never on what a compiler happens to contract.
+ * Kernels include this header; nothing else does. RT-safe throughout.
+ */
+#include "rt/real.h"
+
+#if !defined(SOFTSIM_SCALAR) && defined(__AVX2__) && defined(__FMA__)
+#define SS_WIDE_AVX2 1
+#include <immintrin.h>
+#elif !defined(SOFTSIM_SCALAR) && defined(__SSE2__)
+#define SS_WIDE_SSE2 1
+#include <emmintrin.h>
+#endif
+
+#define SS_INLINE static inline __attribute__((always_inline))
+
+/* ---- quads ---------------------------------------------------------------------------------- */
+
+#if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
+
+typedef __m128 ss_quad;
+
+SS_INLINE ss_quad ss_quad_load(const ss_real *p)
+{
+    return _mm_load_ps(p);
+}
+SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
+{
+    _mm_store_ps(p, a);
+}
+SS_INLINE ss_quad ss_quad_all(ss_real s)
+{
+    return _mm_set1_ps(s);
+}
+SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
+{
+    return _mm_add_ps(a, b);
+}
+SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
+{
+    return _mm_sub_ps(a, b);
+}
+SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
+{
+    return _mm_mul_ps(a, b);
+}
+/* a b + c */
+SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
+{
+#ifdef SS_WIDE_AVX2
+    return _mm_fmadd_ps(a, b, c);
+#else
+    return _mm_add_ps(_mm_mul_ps(a, b), c);
+#endif
+}
+/* c - a b */
+SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
+{
+#ifdef SS_WIDE_AVX2
+    return _mm_fnmadd_ps(a, b, c);
+#else
+    return _mm_sub_ps(c, _mm_mul_ps(a, b));
+#endif
+}
+/* Four rows become four columns. */
+SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
+{
+    _MM_TRANSPOSE4_PS(*a, *b, *c, *d);
+}
+
+#elif defined(SS_WIDE_AVX2)
+
+typedef __m256d ss_quad;
+
+SS_INLINE ss_quad ss_quad_load(const ss_real *p)
+{
+    return _mm256_load_pd(p);
+}
+SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
+{
+    _mm256_store_pd(p, a);
+}
+SS_INLINE ss_quad ss_quad_all(ss_real s)
+{
+    return _mm256_set1_pd(s);
+}
+SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
+{
+    return _mm256_add_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
+{
+    return _mm256_sub_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
+{
+    return _mm256_mul_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
+{
+    return _mm256_fmadd_pd(a, b, c);
+}
+SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
+{
+    return _mm256_fnmadd_pd(a, b, c);
+}
+SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
+{
+    const __m256d t0 = _mm256_unpacklo_pd(*a, *b), t1 = _mm256_unpackhi_pd(*a, *b);
+    const __m256d t2 = _mm256_unpacklo_pd(*c, *d), t3 = _mm256_unpackhi_pd(*c, *d);
+    *a = _mm256_permute2f128_pd(t0, t2, 0x20);
+    *b = _mm256_permute2f128_pd(t1, t3, 0x20);
+    *c = _mm256_permute2f128_pd(t0, t2, 0x31);
+    *d = _mm256_permute2f128_pd(t1, t3, 0x31);
+}
+
+#else /* plain C; double without AVX too */
+
+typedef struct ss_quad {
+    ss_real lane[4];
+} ss_quad;
+
+#define SS_QUAD_MAP(expression)                                                                    \
+    ss_quad out;                                                                                   \
+    for (int k = 0; k < 4; ++k) {                                                                  \
+        out.lane[k] = (expression);                                                                \
+    }                                                                                              \
+    return out
+
+SS_INLINE ss_quad ss_quad_load(const ss_real *p)
+{
+    SS_QUAD_MAP(p[k]);
+}
+SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
+{
+    for (int k = 0; k < 4; ++k) {
+        p[k] = a.lane[k];
+    }
+}
+SS_INLINE ss_quad ss_quad_all(ss_real s)
+{
+    SS_QUAD_MAP(s);
+}
+SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] + b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] - b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] * b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
+{
+    SS_QUAD_MAP(a.lane[k] * b.lane[k] + c.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
+{
+    SS_QUAD_MAP(c.lane[k] - a.lane[k] * b.lane[k]);
+}
+SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
+{
+    ss_quad *const row[4] = {a, b, c, d};
+    for (int i = 0; i < 4; ++i) {
+        for (int j = i + 1; j < 4; ++j) {
+            const ss_real t = row[i]->lane[j];
+            row[i]->lane[j] = row[j]->lane[i];
+            row[j]->lane[i] = t;
+        }
+    }
+}
+#undef SS_QUAD_MAP
+
+#endif
+
+/* The four lanes added up in double: at the end of a block of rows, never inside one. */
+SS_INLINE double ss_quad_sum(ss_quad a)
+{
+    _Alignas(32) ss_real lane[4];
+    ss_quad_store(lane, a);
+    return ((double)lane[0] + (double)lane[1]) + ((double)lane[2] + (double)lane[3]);
+}
+
+/* ---- wide ----------------------------------------------------------------------------------- */
+
+#if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
+#define SS_WIDE_LANES 8
+typedef __m256 ss_wide;
+#define SS_WIDE_OP(name) _mm256_##name##_ps
+#elif defined(SS_WIDE_AVX2)
+#define SS_WIDE_LANES 4
+typedef __m256d ss_wide;
+#define SS_WIDE_OP(name) _mm256_##name##_pd
+#elif defined(SS_WIDE_SSE2) && !defined(SOFTSIM_DOUBLE)
+#define SS_WIDE_LANES 4
+typedef __m128 ss_wide;
+#define SS_WIDE_OP(name) _mm_##name##_ps
+#elif defined(SS_WIDE_SSE2)
+#define SS_WIDE_LANES 2
+typedef __m128d ss_wide;
+#define SS_WIDE_OP(name) _mm_##name##_pd
+#else
+#define SS_WIDE_LANES 1
+typedef ss_real ss_wide;
+#endif
+
+#ifdef SS_WIDE_OP
+SS_INLINE ss_wide ss_wide_load(const ss_real *p)
+{
+    return SS_WIDE_OP(load)(p);
+}
+SS_INLINE void ss_wide_store(ss_real *p, ss_wide a)
+{
+    SS_WIDE_OP(store)(p, a);
+}
+SS_INLINE ss_wide ss_wide_all(ss_real s)
+{
+    return SS_WIDE_OP(set1)(s);
+}
+/* a b + c */
+SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
+{
+#ifdef SS_WIDE_AVX2
+    return SS_WIDE_OP(fmadd)(a, b, c);
+#else
+    return SS_WIDE_OP(add)(SS_WIDE_OP(mul)(a, b), c);
+#endif
+}
+#undef SS_WIDE_OP
+#else
+SS_INLINE ss_wide ss_wide_load(const ss_real *p)
+{
+    return *p;
+}
+SS_INLINE void ss_wide_store(ss_real *p, ss_wide a)
+{
+    *p = a;
+}
+SS_INLINE ss_wide ss_wide_all(ss_real s)
+{
+    return s;
+}
+SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
+{
+    return a * b + c;
+}
+#endif
+
+/* The lanes added up in double, at the end of a block. */
+SS_INLINE double ss_wide_sum(ss_wide a)
+{
+    _Alignas(32) ss_real lane[SS_WIDE_LANES];
+    ss_wide_store(lane, a);
+    double sum = 0.0;
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        sum += (double)lane[k];
+    }
+    return sum;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "options.h"
+
+#include <stddef.h>
+
+ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
+                                softsim_error *error)
+{
+    ss_options o = {.prefix = "SOFTSIM", .threads = 1, .log_level = SS_LOG_INFO};
+    int32_t realtime = SS_REALTIME_AUTO;
+    int32_t log_level = SS_LOG_INFO;
+    const ss_arg rows[] = {
+        {"--lcm-url", SS_ARG_STRING, &o.lcm_url, 0, 0, "URL",
+         "LCM provider (default: LCM_DEFAULT_URL, else local multicast, ttl 0)"},
+        {"--prefix", SS_ARG_STRING, &o.prefix, 0, 0, "NAME", "channel prefix (default SOFTSIM)"},
+        {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE", "overrides one scene value"},
+        {"--check", SS_ARG_FLAG, &o.check, 0, 0, "", "loads, plans and exits; opens no LCM"},
+        {"--explain", SS_ARG_FLAG, &o.explain, 0, 0, "",
+         "prints what this scene uses and what is left out, and exits"},
+        {"--print-config", SS_ARG_FLAG, &o.print_config, 0, 0, "",
+         "prints the effective scene values and exits"},
+        {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
+         "ends S seconds after ready (simulated seconds in lockstep)"},
+        {"--no-commands", SS_ARG_FLAG, &o.no_commands, 0, 0, "",
+         "refuses every command but refresh and status"},
+        {"--realtime", SS_ARG_CHOICE, &realtime, 0, 0, "auto|fifo|off",
+         "SCHED_FIFO for the loops: where allowed, always, never (default auto)"},
+        {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N",
+         "threads for set-up and workers (default 1); results do not depend on it"},
+        {"--lockstep", SS_ARG_FLAG, &o.lockstep, 0, 0, "",
+         "one haptic tick per pose received, nothing else moves time"},
+        {"--hash", SS_ARG_FLAG, &o.hash, 0, 0, "",
+         "prints the final state hash as the last line of stdout"},
+        {"--log-level", SS_ARG_CHOICE, &log_level, 0, 0, "error|warning|info",
+         "what stderr tells (default info)"},
+    };
+    int32_t positional_count = 0;
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "[options] SCENE.yaml",
+                      "Simulates the scene's soft object; takes probe poses and publishes contact "
+                      "forces over LCM.",
+                      rows, (int32_t)(sizeof rows / sizeof *rows), &o.scene_path, 1, 1,
+                      &positional_count, error);
+    o.realtime = (ss_realtime)realtime;
+    o.log_level = (ss_log_level)log_level;
+    *out_options = o;
+    return result;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Command lines: one row per option gives parsing, range errors and --help. `--name value` and
+ * `--name=value` are both read; every fault is added to the error in one go; --help and --version
+ * print to stdout. Thread: set-up only.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "softsim/types.h"
+
+typedef enum ss_arg_kind {
+    SS_ARG_FLAG,    /* bool: set to true */
+    SS_ARG_STRING,  /* const char * */
+    SS_ARG_NUMBER,  /* double within min..max */
+    SS_ARG_INTEGER, /* int64_t within min..max */
+    SS_ARG_CHOICE,  /* int32_t: index into `choices` "a|b|c" */
+    SS_ARG_LIST     /* ss_arg_list: may be given again and again */
+} ss_arg_kind;
+
+enum { SS_ARG_LIST_MAX = 64 };
+typedef struct ss_arg_list {
+    const char *value[SS_ARG_LIST_MAX];
+    int32_t count;
+} ss_arg_list;
+
+typedef struct ss_arg {
+    const char *name; /* "--duration" */
+    ss_arg_kind kind;
+    void *out;
+    double min, max;     /* NUMBER and INTEGER, inclusive */
+    const char *value;   /* how --help names the value, or the choices "a|b|c" */
+    const char *help;
+} ss_arg;
+
+typedef enum ss_args_result { SS_ARGS_RUN, SS_ARGS_DONE, SS_ARGS_BAD } ss_args_result;
+
+/* `usage` is the line after the program's name ("[options] SCENE.yaml"), `about` one sentence.
+ * Positional arguments go to `positional`, at least `positional_min` and at most `positional_max`.
+ * SS_ARGS_DONE after --help or --version; SS_ARGS_BAD with the faults in `error`. */
+ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const char *about,
+                             const ss_arg *rows, int32_t row_count, const char **positional,
+                             int32_t positional_min, int32_t positional_max,
+                             int32_t *out_positional_count, softsim_error *error);
+
+/* Prints `error` to stderr, one line per fault, each with the program's name before it. */
+void ss_args_print_error(const char *program, const softsim_error *error);

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Status names and texts, and the list of faults that a set-up function hands back. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "softsim/types.h"
+
+/* Room kept free for the last line, which says how many faults are not shown. */
+enum { MORE_SIZE = 48 };
+#define MORE_FORMAT "(and %d more faults)"
+
+const char *softsim_status_name(softsim_status status)
+{
+    switch (status) {
+#define X(name, value, text)                                                                       \
+    case SOFTSIM_##name:                                                                           \
+        return #name;
+        SOFTSIM_STATUS_LIST(X)
+#undef X
+    }
+    return "UNKNOWN";
+}
+
+const char *softsim_status_text(softsim_status status)
+{
+    switch (status) {
+#define X(name, value, text)                                                                       \
+    case SOFTSIM_##name:                                                                           \
+        return text;
+        SOFTSIM_STATUS_LIST(X)
+#undef X
+    }
+    return "unknown status";
+}
+
+/* The number in the last line when that line is the "more" line, else 0; *out_start is where the
+ * line (with the \n before it) begins. */
+static int faults_not_shown(const char *text, size_t *out_start)
+{
+    const char *last = strrchr(text, '\n');
+    int count = 0;
+    int end = 0;
+    if (last == NULL || sscanf(last + 1, MORE_FORMAT "%n", &count, &end) != 1 ||
+        last[1 + end] != '\0' || end == 0 || count < 1) {
+        return 0;
+    }
+    *out_start = (size_t)(last - text);
+    return count;
+}
+
+void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
+{
+    if (error == NULL) {
+        return;
+    }
+    if (error->status == SOFTSIM_OK) {
+        error->status = status;
+    }
+    error->fault_count += 1;
+
+    size_t used = strnlen(error->text, sizeof error->text - 1);
+    size_t more_start = used;
+    const int hidden = faults_not_shown(error->text, &more_start);
+    if (hidden == 0) {
+        /* Try to append; the first fault is cut where it is too long, later ones are hidden. */
+        char *line = error->text + used + (used > 0);
+        const size_t space = sizeof error->text - MORE_SIZE;
+        const size_t room = space > used + 1 ? space - used - 1 : 0;
+        va_list arguments;
+        va_start(arguments, format);
+        const int length = room > 0 ? vsnprintf(line, room, format, arguments) : -1;
+        va_end(arguments);
+        if (used == 0 || (length >= 0 && (size_t)length < room)) {
+            if (used > 0) {
+                error->text[used] = '\n';
+            }
+            return;
+        }
+    }
+    snprintf(error->text + more_start, sizeof error->text - more_start, "\n" MORE_FORMAT,
+             hidden + 1);
+}

@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Regions and data files on the mesh. */
+#include "scene/region.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum {
+    MAX_DATA_BYTES = 256 << 20, /* of one data file: four million rows of the longest kind */
+    MAX_FILE_FAULTS = 3,        /* shown per data file: one wrong column spoils every row */
+    MAX_CELLS = 4
+};
+
+/* ---- data files ------------------------------------------------------------------------------ */
+
+bool ss_scene_join_path(const char *folder, const char *path, char *out, size_t size)
+{
+    const int length = snprintf(out, size, "%s%s", path[0] == '/' ? "" : folder, path);
+    return length > 0 && (size_t)length < size;
+}
+
+typedef struct data_file {
+    ss_scene_space *space;
+    ss_scene_node *node; /* that names it */
+    char *text;
+    char *next;
+    int64_t line;
+    int32_t faults;
+} data_file;
+
+static void fault_line(data_file *file, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void fault_line(data_file *file, const char *format, ...)
+{
+    char text[320];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    for (ss_scene_node *node = file->node; node != NULL; node = node->parent) {
+        node->is_faulty = true;
+    }
+    if (file->faults++ < MAX_FILE_FAULTS) {
+        ss_scene_report_file(file->space->report, ss_scene_node_place(file->node), file->node->text,
+                             file->line, "%s", text);
+    }
+}
+
+/* The whole of a regular file, with a NUL behind it; NULL with errno or *out_why set. */
+static char *read_whole(const char *path, const char **out_why)
+{
+    struct stat status;
+    *out_why = NULL;
+    FILE *stream = fopen(path, "rbe");
+    if (stream == NULL) {
+        *out_why = strerror(errno);
+        return NULL;
+    }
+    char *text = NULL;
+    if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
+        *out_why = "not a file";
+    } else if (status.st_size > MAX_DATA_BYTES) {
+        *out_why = "larger than 256 MB";
+    } else if ((text = malloc((size_t)status.st_size + 1)) == NULL) {
+        *out_why = "out of memory";
+    } else {
+        const size_t size = fread(text, 1, (size_t)status.st_size, stream);
+        text[size] = '\0';
+        if (ferror(stream) || memchr(text, '\0', size) != NULL) {
+            *out_why = ferror(stream) ? "cannot be read" : "it has a NUL byte, so it is not a text";
+            free(text);
+            text = NULL;
+        }
+    }
+    fclose(stream);
+    return text;
+}
+
+static bool open_data(data_file *file, ss_scene_space *space, ss_scene_node *node)
+{
+    char path[2048];
+    const char *why = "the path is too long";
+    *file = (data_file){.space = space, .node = node};
+    if (ss_scene_join_path(space->folder, node->text, path, sizeof path)) {
+        file->text = read_whole(path, &why);
+    }
+    if (file->text == NULL) {
+        ss_scene_node_fault(space->report, node, "cannot open '%.200s': %s", node->text, why);
+        return false;
+    }
+    file->next = file->text;
+    if (strncmp(file->next, "\xef\xbb\xbf", 3) == 0) {
+        file->next += 3; /* the byte order mark that spreadsheets write */
+    }
+    return true;
+}
+
+/* The next line that is neither blank nor a comment (#), without its ends; NULL at the end. */
+static char *next_line(data_file *file)
+{
+    while (*file->next != '\0') {
+        char *line = file->next;
+        char *end = strchrnul(line, '\n');
+        file->next = *end == '\n' ? end + 1 : end;
+        file->line += 1;
+        while (end > line && (end[-1] == '\r' || end[-1] == ' ' || end[-1] == '\t')) {
+            end--;
+        }
+        *end = '\0';
+        line += strspn(line, " \t");
+        if (line[0] != '\0' && line[0] != '#') {
+            return line;
+        }
+    }
+    return NULL;
+}
+
+static void close_data(data_file *file)
+{
+    free(file->text);
+    file->text = NULL;
+}
+
+/* Splits at commas, in place, blanks cut off; the count, MAX_CELLS + 1 when there are more. */
+static int split(char *line, char *cell[MAX_CELLS])
+{
+    int count = 0;
+    while (line != NULL) {
+        char *comma = strchr(line, ',');
+        if (count == MAX_CELLS) {
+            return MAX_CELLS + 1;
+        }
+        char *end = comma != NULL ? comma : line + strlen(line);
+        while (end > line && (end[-1] == ' ' || end[-1] == '\t')) {
+            end--;
+        }
+        char *next = comma != NULL ? comma + 1 : NULL;
+        *end = '\0';
+        cell[count++] = line + strspn(line, " \t");
+        line = next;
+    }
+    return count;
+}
+
+/* A node number in a data file; -1 after a fault. Marks it in the mask: twice is a fault. */
+static int32_t take_node(data_file *file, const char *text)
+{
+    const ss_mesh *mesh = file->space->mesh;
+    double value = 0;
+    if (ss_scene_parse_number(text, &value) != SS_SCENE_GOOD || value != floor(value)) {
+        fault_line(file, "'%.40s' is not a node number", text);
+        return -1;
+    }
+    if (value < 0 || value >= mesh->node_count) {
+        fault_line(file, "there is no node %.40s; the mesh has nodes 0 to %d", text,
+                   (int)mesh->node_count - 1);
+        return -1;
+    }
+    const int32_t node = (int32_t)value;
+    if (file->space->mask[node]) {
+        fault_line(file, "node %d is given twice; remove one", (int)node);
+        return -1;
+    }
+    file->space->mask[node] = 1;
+    return node;
+}
+
+/* The header line must be the one that names the columns. */
+static bool take_header(data_file *file, const char *expected)
+{
+    char *line = next_line(file);
+    if (line == NULL || strcmp(line, expected) != 0) {
+        fault_line(file, "the first line is '%.60s'; it must be %s", line != NULL ? line : "",
+                   expected);
+        return false;
+    }
+    return true;
+}
+
+/* ---- regions --------------------------------------------------------------------------------- */
+
+static void select_listed(ss_scene_space *space, ss_scene_node *list)
+{
+    const int32_t node_count = space->mesh->node_count;
+    int32_t faults = 0;
+    for (ss_scene_node *item = list->first; item != NULL && faults < MAX_FILE_FAULTS;
+         item = item->next) {
+        double value = -1;
+        ss_scene_parse_number(item->text, &value);
+        if (value < 0 || value >= node_count) {
+            ss_scene_node_fault(space->report, item,
+                                "there is no node %.40s; the mesh has nodes 0 to %d", item->text,
+                                (int)node_count - 1);
+            faults++;
+        } else if (space->mask[(int32_t)value]) {
+            ss_scene_node_fault(space->report, item, "node %.40s is given twice; remove one",
+                                item->text);
+            faults++;
+        } else {
+            space->mask[(int32_t)value] = 1;
+        }
+    }
+}
+
+static void select_file(ss_scene_space *space, ss_scene_node *node)
+{
+    data_file file;
+    if (!open_data(&file, space, node)) {
+        return;
+    }
+    for (char *line = next_line(&file); line != NULL && file.faults < MAX_FILE_FAULTS;
+         line = next_line(&file)) {
+        take_node(&file, line);
+    }
+    close_data(&file);
+}
+
+static void select_group(ss_scene_space *space, ss_scene_node *node)
+{
+    const ss_mesh *mesh = space->mesh;
+    char names[200] = "";
+    for (int32_t i = 0; i < mesh->group_count; i++) {
+        const ss_mesh_group *group = &mesh->group[i];
+        if (strcmp(group->name, node->text) == 0) {
+            for (int32_t k = 0; k < group->node_count; k++) {
+                space->mask[group->node[k]] = 1;
+            }
+            return;
+        }
+        const size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", group->name);
+    }
+    ss_scene_node_fault(space->report, node, "the mesh has no group '%.60s'; it has: %s",
+                        node->text, names[0] != '\0' ? names : "none");
+}
+
+static void select_box(ss_scene_space *space, const ss_scene_node *box)
+{
+    double low[3] = {0};
+    double high[3] = {0};
+    ss_scene_get_vector(box->first, low);
+    ss_scene_get_vector(box->last, high);
+    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+        const double *x = space->mesh->position[i];
+        bool is_inside = true;
+        for (int k = 0; k < 3; k++) {
+            is_inside = is_inside && x[k] >= low[k] - space->tolerance &&
+                        x[k] <= high[k] + space->tolerance;
+        }
+        space->mask[i] = is_inside;
+    }
+}
+
+static void select_sphere(ss_scene_space *space, const ss_scene_node *sphere)
+{
+    double center[3] = {0};
+    ss_scene_get_vector(ss_scene_node_find(sphere, "center_m"), center);
+    const double radius = ss_scene_get_number(sphere, "radius_m", 0) + space->tolerance;
+    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+        const double *x = space->mesh->position[i];
+        const double d[3] = {x[0] - center[0], x[1] - center[1], x[2] - center[2]};
+        space->mask[i] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= radius * radius;
+    }
+}
+
+/* Behind the plane: (x - p) . n <= 0. */
+static void select_plane(ss_scene_space *space, ss_scene_node *plane)
+{
+    double point[3] = {0};
+    double normal[3] = {0};
+    ss_scene_node *normal_node = ss_scene_node_find(plane, "normal");
+    ss_scene_get_vector(ss_scene_node_find(plane, "point_m"), point);
+    ss_scene_get_vector(normal_node, normal);
+    const double length =
+        sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    if (!(length > 0)) {
+        ss_scene_node_fault(space->report, normal_node, "the normal has no length");
+        return;
+    }
+    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+        const double *x = space->mesh->position[i];
+        double distance = 0;
+        for (int k = 0; k < 3; k++) {
+            distance += (x[k] - point[k]) * normal[k] / length;
+        }
+        space->mask[i] = distance <= space->tolerance;
+    }
+}
+
+static int32_t count_mask(const ss_scene_space *space)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+        count += space->mask[i] != 0;
+    }
+    return count;
+}
+
+int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map)
+{
+    memset(space->mask, 0, (size_t)space->mesh->node_count);
+    ss_scene_node *region = NULL;
+    if ((region = ss_scene_node_find(map, "box_m")) != NULL) {
+        select_box(space, region);
+    } else if ((region = ss_scene_node_find(map, "sphere")) != NULL) {
+        select_sphere(space, region);
+    } else if ((region = ss_scene_node_find(map, "plane")) != NULL) {
+        select_plane(space, region);
+    } else if ((region = ss_scene_node_find(map, "group")) != NULL) {
+        select_group(space, region);
+    } else if ((region = ss_scene_node_find(map, "nodes")) != NULL) {
+        if (region->kind == SS_SCENE_LIST) {
+            select_listed(space, region);
+        } else {
+            select_file(space, region);
+        }
+    }
+    if (region == NULL || region->is_faulty) {
+        return -1;
+    }
+    const int32_t count = count_mask(space);
+    if (count == 0) {
+        char path[256];
+        const ss_scene_row *row = ss_scene_find_row(ss_scene_where, region->key);
+        ss_scene_node_path(region, path, sizeof path);
+        ss_scene_key_fault(space->report, region, "%s takes no node of the mesh; %s", path,
+                           row != NULL && row->kind == SS_SCENE_NODES
+                               ? "the file names none"
+                               : "regions are in metres on the transformed mesh "
+                                 "(softsim-mesh info prints its box)");
+        return -1;
+    }
+    return count;
+}
+
+/* ---- values per node ------------------------------------------------------------------------- */
+
+/* A fault for nodes without a value, if there are any. */
+static bool has_all(ss_scene_space *space, ss_scene_node *node, const uint8_t *has)
+{
+    int32_t missing = 0;
+    int32_t first = -1;
+    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+        if (!has[i]) {
+            first = first < 0 ? i : first;
+            missing++;
+        }
+    }
+    if (missing > 0) {
+        char path[256];
+        ss_scene_node_path(node, path, sizeof path);
+        ss_scene_node_fault(space->report, node,
+                            "%s gives no value to %d nodes, the first is %d; %s", path,
+                            (int)missing, (int)first,
+                            node->kind == SS_SCENE_LIST ? "end the list with {value: ...}"
+                                                        : "give every node a row");
+    }
+    return missing == 0;
+}
+
+static bool read_field_file(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
+                            double *out_value)
+{
+    data_file file;
+    ss_scene_node *name = ss_scene_node_find(node, "file");
+    memset(space->mask, 0, (size_t)space->mesh->node_count);
+    if (!open_data(&file, space, name)) {
+        return false;
+    }
+    char *line = take_header(&file, "node,value") ? next_line(&file) : NULL;
+    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+        char *cell[MAX_CELLS];
+        char why[96];
+        if (split(line, cell) != 2) {
+            fault_line(&file, "not two cells; each row is node,value");
+            continue;
+        }
+        const int32_t i = take_node(&file, cell[0]);
+        double value = 0;
+        if (!ss_scene_read_scalar(row, cell[1], false, &value, why, sizeof why)) {
+            char expected[200];
+            ss_scene_row one = *row;
+            one.kind = SS_SCENE_NUMBER;
+            ss_scene_describe(&one, expected, sizeof expected);
+            fault_line(&file, "the value %s; give %s", why, expected);
+        } else if (i >= 0) {
+            out_value[i] = value;
+        }
+    }
+    const bool is_good = file.faults == 0;
+    close_data(&file);
+    return is_good && has_all(space, name, space->mask);
+}
+
+/* First match wins. */
+static bool read_field_regions(ss_scene_space *space, ss_scene_node *list, double *out_value)
+{
+    const int32_t node_count = space->mesh->node_count;
+    uint8_t *has = calloc((size_t)node_count, 1);
+    if (has == NULL) {
+        ss_scene_node_fault(space->report, list, "out of memory");
+        return false;
+    }
+    bool is_good = true;
+    for (ss_scene_node *item = list->first; item != NULL; item = item->next) {
+        ss_scene_node *where = ss_scene_node_find(item, "where");
+        const double value = ss_scene_get_number(item, "value", 0);
+        if (where == NULL) {
+            memset(space->mask, 1, (size_t)node_count);
+        } else if (ss_scene_select(space, where) < 0) {
+            is_good = false;
+            continue;
+        }
+        for (int32_t i = 0; i < node_count; i++) {
+            if (space->mask[i] && !has[i]) {
+                out_value[i] = value;
+                has[i] = 1;
+            }
+        }
+    }
+    is_good = is_good && has_all(space, list, has);
+    free(has);
+    return is_good;
+}
+
+bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
+                         double *out_value)
+{
+    return node->kind == SS_SCENE_MAP ? read_field_file(space, row, node, out_value)
+                                      : read_field_regions(space, node, out_value);
+}
+
+int32_t ss_scene_read_displacement(ss_scene_space *space, ss_scene_node *node,
+                                   double (*out_displacement)[3])
+{
+    data_file file;
+    memset(space->mask, 0, (size_t)space->mesh->node_count);
+    if (!open_data(&file, space, node)) {
+        return -1;
+    }
+    int32_t count = 0;
+    char *line = take_header(&file, "node,ux,uy,uz") ? next_line(&file) : NULL;
+    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+        char *cell[MAX_CELLS];
+        if (split(line, cell) != 4) {
+            fault_line(&file, "not four cells; each row is node,ux,uy,uz");
+            continue;
+        }
+        const int32_t i = take_node(&file, cell[0]);
+        for (int k = 0; k < 3 && i >= 0; k++) {
+            double value = NAN;
+            if (cell[k + 1][0] != '\0' &&
+                (ss_scene_parse_number(cell[k + 1], &value) != SS_SCENE_GOOD ||
+                 fabs(value) > 1e4)) {
+                fault_line(&file, "'%.40s' is not a displacement in m; give a number or nothing",
+                           cell[k + 1]);
+            }
+            out_displacement[i][k] = value;
+        }
+        count++;
+    }
+    if (count == 0 && file.faults == 0) {
+        fault_line(&file, "no rows");
+    }
+    const bool is_good = file.faults == 0;
+    close_data(&file);
+    return is_good ? count : -1;
+}

@@ -1,0 +1,691 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * From the checked tree to the scene: tools, mesh, node sets, parameters, loads.
+ *
+ * Order: text -> tree -> overrides -> tables (types, ranges, plain values) -> tools -> mesh ->
+ * whatever needs the mesh. A part with a fault is left out and the rest goes on, so that one run
+ * names every fault; only unreadable YAML ends it early, and an unusable mesh hides the faults of
+ * the regions on it.
+ */
+#include "scene/scene.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "scene/region.h"
+#include "scene/source.h"
+
+/* Nodes in all sets of loads and prescribed displacements together; bounds the memory that a
+ * small file with many regions on a large mesh can ask for. */
+enum { MAX_SET_NODES = 4000000 };
+
+typedef struct loader {
+    ss_scene_report *report;
+    ss_scene *scene;
+    const ss_scene_model *model; /* NULL: not known */
+    ss_scene_node *root;
+    ss_scene_space space;
+    softsim_error *mesh_error; /* faults of mesh files, shown after those of the scene */
+    const char *import_program;
+    int64_t set_nodes;
+} loader;
+
+static void fault_memory(loader *l)
+{
+    ss_scene_report_add(l->report, SOFTSIM_ERROR_MEMORY, (ss_scene_place){-1, 0, 0},
+                        "out of memory");
+}
+
+/* The node of a path below the root, usable: given, and without a fault in it. */
+static ss_scene_node *good(ss_scene_node *node)
+{
+    return node != NULL && !node->is_faulty ? node : NULL;
+}
+
+static int32_t entry_count(const ss_scene_node *list)
+{
+    return list != NULL && list->kind == SS_SCENE_LIST && list->count <= SS_SCENE_MAX_ENTRIES
+               ? list->count
+               : 0;
+}
+
+/* ---- meshes and tools --------------------------------------------------------------------------
+ */
+
+/* The file's path, when it can be opened; else a fault with the place in the scene. */
+static bool find_file(loader *l, ss_scene_node *node, char *out, size_t size)
+{
+    struct stat status;
+    if (!ss_scene_join_path(l->space.folder, node->text, out, size)) {
+        ss_scene_node_fault(l->report, node, "the path is too long");
+        return false;
+    }
+    if (access(out, R_OK) != 0 || stat(out, &status) != 0) {
+        ss_scene_node_fault(l->report, node,
+                            "cannot open '%.200s': %s; paths are relative to the scene file",
+                            node->text, strerror(errno));
+        return false;
+    }
+    if (!S_ISREG(status.st_mode)) {
+        ss_scene_node_fault(l->report, node, "'%.200s' is not a file", node->text);
+        return false;
+    }
+    return true;
+}
+
+static double metres_of(const ss_scene_node *units)
+{
+    const ss_scene_row *object = ss_scene_find_row(ss_scene_root, "object");
+    const ss_scene_row *row = ss_scene_find_row(object->child, "units");
+    return ss_scene_unit_metres[ss_scene_choice(row->choices, units->text)];
+}
+
+static void take_convex(loader *l, const ss_scene_node *map, ss_shape *shape)
+{
+    char path[2048];
+    ss_mesh *mesh = NULL;
+    ss_scene_node *file = ss_scene_node_find(map, "file");
+    ss_scene_node *units = good(ss_scene_node_find(map, "units"));
+    if (units == NULL) {
+        units = good(ss_scene_node_find(ss_scene_node_find(l->root, "object"), "units"));
+    }
+    if (units == NULL || !find_file(l, file, path, sizeof path)) {
+        return;
+    }
+    if (ss_mesh_load(path, metres_of(units), l->import_program, &mesh, l->mesh_error) ==
+        SOFTSIM_OK) {
+        ss_shape_init_convex(shape, mesh, l->mesh_error);
+    }
+    ss_mesh_destroy(&mesh);
+}
+
+static void take_shape(loader *l, const ss_scene_node *map, ss_shape *shape)
+{
+    const double mm = 1e-3;
+    const ss_scene_node *form = map->first;
+    shape->radius = mm * ss_scene_get_number(form, "radius_mm", 0);
+    shape->half_length = mm / 2 * ss_scene_get_number(form, "length_mm", 0);
+    if (strcmp(form->key, "sphere") == 0) {
+        shape->kind = SS_SHAPE_SPHERE;
+    } else if (strcmp(form->key, "capsule") == 0) {
+        shape->kind = SS_SHAPE_CAPSULE;
+    } else if (strcmp(form->key, "cylinder") == 0) {
+        shape->kind = SS_SHAPE_CYLINDER;
+    } else if (strcmp(form->key, "cone") == 0) {
+        shape->kind = SS_SHAPE_CONE;
+    } else if (strcmp(form->key, "convex") == 0) {
+        shape->kind = SS_SHAPE_CONVEX;
+        take_convex(l, form, shape);
+    } else {
+        double size[3] = {0};
+        ss_scene_get_vector(ss_scene_node_find(form, "size_mm"), size);
+        shape->kind = SS_SHAPE_BOX;
+        for (int k = 0; k < 3; k++) {
+            shape->half_extent[k] = mm / 2 * size[k];
+        }
+    }
+}
+
+static void take_tools(loader *l)
+{
+    ss_scene_node *tools = ss_scene_node_find(ss_scene_node_find(l->root, "contact"), "tools");
+    ss_scene_node *item = entry_count(tools) > 0 ? tools->first : NULL;
+    for (; item != NULL; item = item->next) {
+        if (item->is_faulty) {
+            continue;
+        }
+        const int probe = (int)ss_scene_get_number(item, "probe", 0);
+        ss_scene_tool *tool = &l->scene->tool[probe];
+        if (tool->is_used) {
+            ss_scene_node_fault(
+                l->report, ss_scene_node_find(item, "probe"),
+                "probe %d has a tool already; give each tool its own probe, 0 to %d", probe,
+                SOFTSIM_MAX_PROBES - 1);
+            continue;
+        }
+        tool->is_used = true;
+        take_shape(l, ss_scene_node_find(item, "shape"), &tool->shape);
+    }
+}
+
+static void transform(loader *l, const ss_scene_node *object)
+{
+    double rotate[3] = {0, 0, 0};
+    double translate[3] = {0, 0, 0};
+    const ss_scene_node *map = ss_scene_node_find(object, "transform");
+    if (map != NULL) {
+        ss_scene_get_vector(ss_scene_node_find(map, "rotate_deg"), rotate);
+        ss_scene_get_vector(ss_scene_node_find(map, "translate_m"), translate);
+        ss_mesh_transform(l->scene->mesh, ss_scene_get_number(map, "scale", 1), rotate, translate);
+    }
+}
+
+/* Loads, transforms and judges the mesh; on success the regions can be resolved. */
+static bool take_mesh(loader *l)
+{
+    char path[2048];
+    ss_scene_node *object = ss_scene_node_find(l->root, "object");
+    ss_scene_node *file = good(ss_scene_node_find(object, "mesh"));
+    ss_scene_node *units = good(ss_scene_node_find(object, "units"));
+    ss_scene_node *map = ss_scene_node_find(object, "transform");
+    ss_scene_node *repair = good(ss_scene_node_find(object, "repair"));
+    if (file == NULL || !find_file(l, file, path, sizeof path) || units == NULL ||
+        (map != NULL && map->is_faulty)) {
+        return false;
+    }
+    ss_scene *scene = l->scene;
+    const int32_t before = l->mesh_error->fault_count;
+    const softsim_status status =
+        ss_mesh_load(path, metres_of(units), l->import_program, &scene->mesh, l->mesh_error);
+    if (status != SOFTSIM_OK || scene->mesh == NULL) {
+        if (l->mesh_error->fault_count == before) {
+            softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
+                              softsim_status_text(status));
+        }
+        return false;
+    }
+    transform(l, object);
+    if (repair != NULL && strcmp(repair->text, "true") == 0) {
+        scene->turned_triangles = ss_mesh_orient(scene->mesh);
+        if (scene->turned_triangles < 0) {
+            fault_memory(l);
+            return false;
+        }
+    }
+    if (l->model != NULL && l->model->needs_volume && scene->mesh->tetrahedron_count == 0) {
+        ss_scene_node_fault(l->report, file,
+                            "%s needs a volume, and '%.100s' is a surface; make tetrahedra with "
+                            "softsim-mesh tetrahedralize",
+                            l->model->name, file->text);
+    }
+    const int32_t node_count = scene->mesh->node_count;
+    if (ss_mesh_accept(scene->mesh, path, l->mesh_error) != SOFTSIM_OK || node_count < 1) {
+        return false;
+    }
+    l->space.mesh = scene->mesh;
+    l->space.tolerance = 1e-9 * ss_mesh_diagonal(scene->mesh);
+    l->space.mask = calloc((size_t)node_count, 1);
+    scene->fixed = calloc((size_t)node_count, 1);
+    if (l->space.mask == NULL || scene->fixed == NULL) {
+        fault_memory(l);
+        return false;
+    }
+    return true;
+}
+
+/* ---- fixed nodes, parameters ----------------------------------------------------------------- */
+
+static uint8_t axes_of(const ss_scene_node *item)
+{
+    const ss_scene_node *axes = ss_scene_node_find(item, "axes");
+    uint8_t bits = 0;
+    for (const char *c = axes != NULL ? axes->text : "xyz"; *c != '\0'; c++) {
+        bits |= (uint8_t)(1u << (*c - 'x'));
+    }
+    return bits;
+}
+
+static void take_fixed(loader *l)
+{
+    ss_scene_node *list = ss_scene_node_find(ss_scene_node_find(l->root, "object"), "fixed");
+    ss_scene_node *item = entry_count(list) > 0 ? list->first : NULL;
+    for (; item != NULL; item = item->next) {
+        if (item->is_faulty || ss_scene_select(&l->space, item) < 0) {
+            continue;
+        }
+        const uint8_t axes = axes_of(item);
+        for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
+            l->scene->fixed[i] |= l->space.mask[i] ? axes : 0;
+        }
+    }
+}
+
+/* Rows of the model's table; those that vary over the nodes need the mesh. */
+static void take_parameters(loader *l, bool has_mesh)
+{
+    ss_scene *scene = l->scene;
+    const ss_scene_node *map = ss_scene_node_find(l->root, "model");
+    scene->param = calloc((size_t)l->model->row_count + 1, sizeof *scene->param);
+    if (scene->param == NULL) {
+        fault_memory(l);
+        return;
+    }
+    for (int32_t i = 0; i < l->model->row_count; i++) {
+        const ss_scene_row *row = &scene->source->model_row[i + 1];
+        ss_param_value *value = &scene->param[i];
+        ss_scene_node *node = ss_scene_node_find(map, row->name);
+        value->number = row->fallback;
+        value->is_given = node != NULL;
+        if (good(node) == NULL) {
+            continue;
+        }
+        if (node->kind == SS_SCENE_SCALAR) {
+            char why[96];
+            ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
+        } else if (has_mesh) {
+            value->per_node = calloc((size_t)scene->mesh->node_count, sizeof *value->per_node);
+            if (value->per_node == NULL) {
+                fault_memory(l);
+                return;
+            }
+            ss_scene_read_field(&l->space, row, node, value->per_node);
+        }
+    }
+}
+
+/* ---- loads and prescribed displacements ------------------------------------------------------ */
+
+/* The numbers of the nodes in the mask, increasing; NULL when there is no room for them. */
+static int32_t *list_nodes(loader *l, const uint8_t *mask, uint8_t value, int32_t count)
+{
+    l->set_nodes += count;
+    if (l->set_nodes > MAX_SET_NODES) {
+        ss_scene_report_add(l->report, SOFTSIM_ERROR_SCENE, (ss_scene_place){-1, 0, 0},
+                            "loads and prescribed sets hold more than %d nodes together",
+                            MAX_SET_NODES);
+        return NULL;
+    }
+    int32_t *list = calloc((size_t)count + 1, sizeof *list);
+    if (list == NULL) {
+        fault_memory(l);
+        return NULL;
+    }
+    int32_t used = 0;
+    for (int32_t i = 0; i < l->scene->mesh->node_count && used < count; i++) {
+        if (mask[i] == value) {
+            list[used++] = i;
+        }
+    }
+    return list;
+}
+
+static bool has_triangle(const ss_mesh *mesh, const uint8_t *mask)
+{
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *node = mesh->triangle[t];
+        if (mask[node[0]] && mask[node[1]] && mask[node[2]]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void take_load(loader *l, ss_scene_node *item)
+{
+    const int32_t count = ss_scene_select(&l->space, item);
+    if (count < 0) {
+        return;
+    }
+    ss_scene_force load = {.from = ss_scene_get_number(item, "from_s", 0),
+                           .to = ss_scene_get_number(item, "to_s", INFINITY),
+                           .ramp = ss_scene_get_number(item, "ramp_s", 0),
+                           .pressure = ss_scene_get_number(item, "pressure_pa", 0),
+                           .is_pressure = ss_scene_node_find(item, "pressure_pa") != NULL};
+    ss_scene_get_vector(ss_scene_node_find(item, "force_n"), load.force);
+    if (load.to <= load.from) {
+        ss_scene_node_fault(l->report, ss_scene_node_find(item, "to_s"),
+                            "the load ends at %g s, before it begins at %g s; give a later to_s",
+                            load.to, load.from);
+        return;
+    }
+    if (load.is_pressure && !has_triangle(l->scene->mesh, l->space.mask)) {
+        ss_scene_key_fault(l->report, ss_scene_node_find(item, "pressure_pa"),
+                           "no triangle of the surface has all its nodes in the region, so the "
+                           "pressure acts on nothing; enlarge the region");
+        return;
+    }
+    load.node = list_nodes(l, l->space.mask, 1, count);
+    load.node_count = count;
+    if (load.node != NULL) {
+        l->scene->load[l->scene->load_count++] = load;
+    }
+}
+
+static void take_loads(loader *l)
+{
+    ss_scene_node *list = ss_scene_node_find(l->root, "loads");
+    const int32_t count = entry_count(list);
+    l->scene->load = calloc((size_t)count + 1, sizeof *l->scene->load);
+    if (l->scene->load == NULL) {
+        fault_memory(l);
+        return;
+    }
+    for (ss_scene_node *item = count > 0 ? list->first : NULL; item != NULL; item = item->next) {
+        if (!item->is_faulty) {
+            take_load(l, item);
+        }
+    }
+}
+
+static bool has_region(const ss_scene_node *item)
+{
+    for (const ss_scene_node *key = item->first; key != NULL; key = key->next) {
+        if (ss_scene_find_row(ss_scene_where, key->key) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Into space->mask: per node the axes that are held, as bits; into `u` where to. */
+static bool read_prescribed(loader *l, ss_scene_node *item, double (*u)[3])
+{
+    const int32_t node_count = l->scene->mesh->node_count;
+    uint8_t *mask = l->space.mask;
+    const uint8_t axes = axes_of(item);
+    ss_scene_node *file = ss_scene_node_find(item, "displacement_file");
+    double uniform[3] = {0, 0, 0};
+    ss_scene_get_vector(ss_scene_node_find(item, "displacement_m"), uniform);
+    if (file == NULL && !has_region(item)) {
+        ss_scene_node_fault(l->report, item,
+                            "displacement_m needs nodes; give one of: box_m, sphere, plane, group, "
+                            "nodes");
+        return false;
+    }
+    if (has_region(item) && ss_scene_select(&l->space, item) < 0) {
+        return false;
+    }
+    if (file == NULL) {
+        for (int32_t i = 0; i < node_count; i++) {
+            memcpy(u[i], uniform, sizeof uniform);
+            mask[i] = mask[i] ? axes : 0;
+        }
+        return true;
+    }
+    /* A region beside a file is a promise about the file's nodes, and is held to. */
+    uint8_t *region = has_region(item) ? malloc((size_t)node_count) : NULL;
+    if (region != NULL) {
+        memcpy(region, mask, (size_t)node_count);
+    }
+    bool is_good = ss_scene_read_displacement(&l->space, file, u) >= 0;
+    for (int32_t i = 0; i < node_count && is_good; i++) {
+        if (mask[i] && region != NULL && !region[i]) {
+            ss_scene_node_fault(l->report, file,
+                                "'%.100s' names node %d, which is not in the region beside it",
+                                file->text, (int)i);
+            is_good = false;
+        }
+        uint8_t held = 0;
+        for (int k = 0; k < 3 && mask[i]; k++) {
+            held = (uint8_t)(held | (isnan(u[i][k]) ? 0u : axes & (1u << k)));
+        }
+        mask[i] = held;
+    }
+    free(region);
+    return is_good;
+}
+
+/* One node held twice along one axis has no meaning: named, once per entry. */
+static bool is_conflicting(loader *l, ss_scene_node *item, uint8_t *held)
+{
+    for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
+        const uint8_t both = held[i] & l->space.mask[i];
+        if (both != 0) {
+            char path[256];
+            ss_scene_node_path(item, path, sizeof path);
+            ss_scene_node_fault(l->report, item,
+                                "%s holds node %d along %c, which is %s already; leave it to one",
+                                path, (int)i,
+                                both & 1   ? 'x'
+                                : both & 2 ? 'y'
+                                           : 'z',
+                                l->scene->fixed[i] & both ? "fixed" : "prescribed");
+            return true;
+        }
+    }
+    for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
+        held[i] |= l->space.mask[i];
+    }
+    return false;
+}
+
+/* One set for each pattern of held axes that occurs. */
+static void add_prescribed(loader *l, ss_scene_node *item, const double (*u)[3])
+{
+    ss_scene *scene = l->scene;
+    const ss_scene_node *group = ss_scene_node_find(item, "group");
+    for (uint8_t bits = 1; bits < 8; bits++) {
+        int32_t count = 0;
+        for (int32_t i = 0; i < scene->mesh->node_count; i++) {
+            count += l->space.mask[i] == bits;
+        }
+        if (count == 0) {
+            continue;
+        }
+        ss_scene_prescribed set = {.node_count = count,
+                                   .axis = {bits & 1, bits & 2, bits & 4},
+                                   .from = ss_scene_get_number(item, "from_s", 0),
+                                   .ramp = ss_scene_get_number(item, "ramp_s", 0),
+                                   .entry = item->index};
+        if (group != NULL) {
+            snprintf(set.name, sizeof set.name, "%.60s", group->text);
+        } else {
+            snprintf(set.name, sizeof set.name, "prescribed.%d", (int)item->index);
+        }
+        set.node = list_nodes(l, l->space.mask, bits, count);
+        set.displacement = calloc((size_t)count, sizeof *set.displacement);
+        if (set.node == NULL || set.displacement == NULL) {
+            free(set.node);
+            free(set.displacement);
+            fault_memory(l);
+            return;
+        }
+        for (int32_t i = 0; i < count; i++) {
+            for (int k = 0; k < 3; k++) {
+                set.displacement[i][k] = set.axis[k] ? u[set.node[i]][k] : 0;
+            }
+        }
+        scene->prescribed[scene->prescribed_count++] = set;
+    }
+}
+
+static void take_prescribed(loader *l)
+{
+    ss_scene_node *list = ss_scene_node_find(l->root, "prescribed");
+    const int32_t count = entry_count(list);
+    const size_t node_count = (size_t)l->scene->mesh->node_count;
+    l->scene->prescribed = calloc(7 * (size_t)count + 1, sizeof *l->scene->prescribed);
+    uint8_t *held = malloc(node_count);
+    double(*u)[3] = count > 0 ? calloc(node_count, sizeof *u) : NULL;
+    if (l->scene->prescribed == NULL || held == NULL || (count > 0 && u == NULL)) {
+        fault_memory(l);
+    } else {
+        memcpy(held, l->scene->fixed, node_count);
+        for (ss_scene_node *item = count > 0 ? list->first : NULL; item != NULL;
+             item = item->next) {
+            if (!item->is_faulty && read_prescribed(l, item, u) && !is_conflicting(l, item, held)) {
+                add_prescribed(l, item, (const double(*)[3])u);
+            }
+        }
+    }
+    free(held);
+    free(u);
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+void ss_scene_destroy(ss_scene **scene_pointer)
+{
+    ss_scene *scene = scene_pointer != NULL ? *scene_pointer : NULL;
+    if (scene == NULL) {
+        return;
+    }
+    for (int32_t i = 0; i < scene->load_count; i++) {
+        free(scene->load[i].node);
+    }
+    for (int32_t i = 0; i < scene->prescribed_count; i++) {
+        free(scene->prescribed[i].node);
+        free(scene->prescribed[i].displacement);
+    }
+    for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
+        free(scene->param[i].per_node);
+    }
+    for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
+        if (scene->tool[i].is_used) {
+            ss_shape_fini(&scene->tool[i].shape);
+        }
+    }
+    if (scene->source != NULL) {
+        ss_scene_tree_fini(&scene->source->tree);
+        free(scene->source->model_row);
+    }
+    ss_mesh_destroy(&scene->mesh);
+    free(scene->load);
+    free(scene->prescribed);
+    free(scene->param);
+    free(scene->fixed);
+    free(scene->source);
+    free(scene);
+    *scene_pointer = NULL;
+}
+
+static ss_scene *create(const char *path)
+{
+    ss_scene *scene = calloc(1, sizeof *scene);
+    if (scene == NULL || (scene->source = calloc(1, sizeof *scene->source)) == NULL) {
+        free(scene);
+        return NULL;
+    }
+    const char *slash = strrchr(path, '/');
+    const int folder = slash != NULL ? (int)(slash - path) + 1 : 0;
+    snprintf(scene->path, sizeof scene->path, "%s", path);
+    snprintf(scene->source->folder, sizeof scene->source->folder, "%.*s", folder, path);
+    ss_scene_set_defaults(scene);
+    return scene;
+}
+
+/* Everything below the tables; faults go to the report and to mesh_error. */
+static void resolve(loader *l)
+{
+    take_tools(l);
+    const bool has_mesh = take_mesh(l);
+    if (l->model != NULL) {
+        take_parameters(l, has_mesh);
+    }
+    if (has_mesh) {
+        take_fixed(l);
+        take_loads(l);
+        take_prescribed(l);
+    }
+    free(l->space.mask);
+}
+
+/* Each line of `from` becomes a fault of `error`. */
+static void add_lines(softsim_error *error, softsim_error *from)
+{
+    for (char *line = from->text; from->fault_count > 0 && line != NULL;) {
+        char *end = strchr(line, '\n');
+        if (end != NULL) {
+            *end = '\0';
+        }
+        softsim_error_add(error, from->status, "%s", line);
+        line = end != NULL ? end + 1 : NULL;
+    }
+}
+
+softsim_status ss_scene_load_text(const char *path, const char *text, size_t size,
+                                  const char *const *overrides, int32_t override_count,
+                                  const ss_scene_model *models, int32_t model_count,
+                                  const char *import_program, ss_scene **out_scene,
+                                  softsim_error *error)
+{
+    *out_scene = NULL;
+    if (strlen(path) >= sizeof((ss_scene *)NULL)->path) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "the path of the scene is too long");
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    ss_scene *scene = create(path);
+    ss_scene_report *report = calloc(1, sizeof *report);
+    softsim_error *mesh_error = calloc(1, sizeof *mesh_error);
+    if (scene == NULL || report == NULL || mesh_error == NULL) {
+        ss_scene_destroy(&scene);
+        free(report);
+        free(mesh_error);
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    *report = (ss_scene_report){.path = path, .source = text, .size = size, .overrides = overrides};
+    ss_scene_tree *tree = &scene->source->tree;
+    if (ss_scene_tree_parse(tree, report, text, size)) {
+        for (int32_t i = 0; i < override_count; i++) {
+            ss_scene_tree_override(tree, report, i);
+        }
+        ss_scene_check check = {
+            .report = report, .models = models, .model_count = model_count, .scene = scene};
+        ss_scene_check_tree(&check, tree->root);
+        scene->source->model_row = check.model_row;
+        scene->source->model_row_count = check.model_row_count;
+        loader l = {.report = report,
+                    .scene = scene,
+                    .model = check.model_row_count > 0 ? &models[scene->model_index] : NULL,
+                    .root = tree->root,
+                    .space = {.report = report, .folder = scene->source->folder},
+                    .mesh_error = mesh_error,
+                    .import_program = import_program};
+        resolve(&l);
+    }
+    const bool is_good = ss_scene_report_total(report) + mesh_error->fault_count == 0;
+    softsim_status status = report->count > 0 ? report->fault[0].status : mesh_error->status;
+    ss_scene_report_flush(report, error);
+    add_lines(error, mesh_error);
+    free(report);
+    free(mesh_error);
+    if (!is_good) {
+        ss_scene_destroy(&scene);
+        return status != SOFTSIM_OK ? status : SOFTSIM_ERROR_SCENE;
+    }
+    *out_scene = scene;
+    return SOFTSIM_OK;
+}
+
+/* The file's bytes; NULL with a fault in `error`. */
+static char *read_scene(const char *path, size_t *out_size, softsim_error *error)
+{
+    struct stat status;
+    FILE *stream = fopen(path, "rbe");
+    if (stream == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: cannot open: %s", path,
+                          strerror(errno));
+        return NULL;
+    }
+    char *text = NULL;
+    if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: not a file", path);
+    } else if (status.st_size > SS_SCENE_MAX_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s: error: larger than %d MB; put long lists into files of their own",
+                          path, SS_SCENE_MAX_BYTES >> 20);
+    } else if ((text = malloc((size_t)status.st_size + 1)) == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: error: out of memory", path);
+    } else {
+        *out_size = fread(text, 1, (size_t)status.st_size, stream);
+        text[*out_size] = '\0';
+    }
+    fclose(stream);
+    return text;
+}
+
+softsim_status ss_scene_load(const char *path, const char *const *overrides, int32_t override_count,
+                             const ss_scene_model *models, int32_t model_count,
+                             const char *import_program, ss_scene **out_scene, softsim_error *error)
+{
+    size_t size = 0;
+    *out_scene = NULL;
+    softsim_error local = {0};
+    char *text = read_scene(path, &size, &local);
+    if (text == NULL) {
+        softsim_error_add(error, local.status, "%s", local.text);
+        return local.status;
+    }
+    const softsim_status status =
+        ss_scene_load_text(path, text, size, overrides, override_count, models, model_count,
+                           import_program, out_scene, error);
+    free(text);
+    return status;
+}

@@ -1,0 +1,699 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "world.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/clock.h"
+#include "rt/memory.h"
+#include "rt/thread.h"
+#include "rt/vec.h"
+
+/*
+ * The design comment is in world.h. What is decided here:
+ *
+ * - The simulation rate. `auto` takes the least m in 1, 2, 4, 5, 8, 10, 16, 20, ... for which the
+ *   model's estimated cost of a step (from counts and a built-in cost, never from a clock) is at
+ *   most 40 % of m T, so that equal scenes run at equal rates on every machine. A given rate is
+ *   rounded to a whole number of ticks, since in lockstep a result is due after exactly m of them.
+ * - One lag for all: the proxy is predicted (1 + 1/2) h ahead. A step that is late is a
+ *   degraded period, counted, not a longer prediction.
+ */
+
+enum {
+    POSE_RING = 256,     /* a quarter of a second of poses at 1 kHz */
+    FORCE_RING = 8192,   /* one second of eight probes */
+    COMMAND_RING = 64,
+    TICK_POSES = 64 /* more are left for the next tick */
+};
+static const double LAG_PERIODS = 1.0;
+static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
+static const double COST_SHARE = 0.4;
+
+/* ---- set-up ------------------------------------------------------------------------------------ */
+
+int32_t ss_world_scene_models(const ss_scene_model **out_models)
+{
+    static ss_scene_model models[16];
+    int32_t count = 0;
+    const ss_model_class *const *table = ss_model_table(&count);
+    for (int32_t i = 0; i < count; ++i) {
+        models[i] = (ss_scene_model){.name = table[i]->name,
+                                     .row = table[i]->row,
+                                     .row_count = table[i]->row_count,
+                                     .needs_volume = table[i]->needs_volume};
+    }
+    *out_models = models;
+    return count;
+}
+
+static int32_t choose_step_ticks(const ss_scene *scene, double period, double cost_us)
+{
+    static const int32_t steps[] = {1, 2, 4, 5, 8, 10, 16, 20, 25, 40, 50, 100};
+    if (scene->simulation_rate_hz > 0.0) {
+        const double ticks = round(1.0 / (scene->simulation_rate_hz * period));
+        return ticks < 1.0 ? 1 : (int32_t)ticks;
+    }
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i) {
+        if (cost_us <= COST_SHARE * steps[i] * period * 1e6) {
+            return steps[i];
+        }
+    }
+    return steps[sizeof steps / sizeof *steps - 1];
+}
+
+static softsim_status plan_loads(ss_world *world)
+{
+    const ss_scene *scene = world->scene;
+    world->load = ss_memory_get((size_t)scene->load_count, sizeof *world->load);
+    world->prescribed =
+        ss_memory_get((size_t)scene->prescribed_count, sizeof *world->prescribed);
+    if (!world->load || !world->prescribed) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < scene->load_count; ++i) {
+        const ss_scene_force *from = &scene->load[i];
+        ss_load *to = &world->load[i];
+        *to = (ss_load){.node = from->node,
+                        .node_count = from->node_count,
+                        .pressure = from->pressure,
+                        .is_pressure = from->is_pressure,
+                        .from = from->from,
+                        .to = from->to,
+                        .ramp = from->ramp};
+        ss_copy3(to->force, from->force);
+    }
+    for (int32_t i = 0; i < scene->prescribed_count; ++i) {
+        const ss_scene_prescribed *from = &scene->prescribed[i];
+        ss_prescribed *to = &world->prescribed[i];
+        *to = (ss_prescribed){.node = from->node,
+                              .node_count = from->node_count,
+                              .displacement = from->displacement,
+                              .from = from->from,
+                              .ramp = from->ramp};
+        memcpy(to->axis, from->axis, sizeof to->axis);
+    }
+    return SOFTSIM_OK;
+}
+
+static softsim_status build_model(ss_world *world, double step_s, softsim_error *error)
+{
+    const ss_scene *scene = world->scene;
+    ss_model_plan plan = {.mesh = scene->mesh,
+                          .fixed = scene->fixed,
+                          .param = scene->param,
+                          .load = world->load,
+                          .load_count = scene->load_count,
+                          .prescribed = world->prescribed,
+                          .prescribed_count = scene->prescribed_count,
+                          .working_force = scene->working_force_n,
+                          .contact_stiffness = scene->contact_stiffness_n_per_m3,
+                          .max_force = scene->max_force_n,
+                          .max_substeps = scene->max_substeps,
+                          .threads = world->threads};
+    ss_copy3(plan.gravity, scene->gravity);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        plan.tool[p].is_used = scene->tool[p].is_used;
+        plan.tool[p].shape = scene->tool[p].shape;
+    }
+    world->step_cost_us = world->model_class->step_cost_us(&plan);
+    world->period = step_s > 0.0 ? step_s : 1.0 / scene->haptic_rate_hz;
+    world->step_ticks =
+        step_s > 0.0 ? 1 : choose_step_ticks(scene, world->period, world->step_cost_us);
+    world->step_period = world->step_ticks * world->period;
+    plan.step = world->step_period;
+    return world->model_class->create(&plan, &world->model, error);
+}
+
+static ss_between_steps between(ss_scene_between from)
+{
+    return from == SS_SCENE_HOLD     ? SS_BETWEEN_HOLD
+           : from == SS_SCENE_LINEAR ? SS_BETWEEN_LINEAR
+                                     : SS_BETWEEN_LOCAL;
+}
+
+static ss_haptic_config probe_config(const ss_world *world, int32_t p)
+{
+    ss_haptic_config config = world->haptic_config;
+    config.tool_gyration = ss_shape_gyration(&world->scene->tool[p].shape);
+    return config;
+}
+
+static softsim_status build_probes(ss_world *world, bool is_lockstep)
+{
+    const ss_scene *scene = world->scene;
+    world->haptic_config = (ss_haptic_config){.period = world->period,
+                                              .between_steps = between(scene->between_steps),
+                                              .max_force = scene->max_force_n,
+                                              .max_slew = scene->max_slew_n_per_s,
+                                              .stiffness = scene->coupling_stiffness_n_per_m,
+                                              .damping = scene->coupling_damping_n_s_per_m,
+                                              .is_lockstep = is_lockstep};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (!scene->tool[p].is_used) {
+            continue;
+        }
+        ss_world_probe *probe = &world->probe[p];
+        const ss_haptic_config config = probe_config(world, p);
+        probe->is_used = true;
+        world->used_probes |= (uint8_t)(1u << p);
+        probe->haptic = ss_haptic_create(&config);
+        probe->poses = ss_ring_create(sizeof(ss_pose_record), POSE_RING);
+        probe->result = ss_mailbox_create(sizeof(ss_local_model));
+        probe->target = ss_mailbox_create(sizeof(ss_proxy_target));
+        if (!probe->haptic || !probe->poses || !probe->result || !probe->target) {
+            return SOFTSIM_ERROR_MEMORY;
+        }
+    }
+    const ss_gate_config gate = {.used_probes = world->used_probes,
+                                 .max_jump_m = scene->max_jump_m,
+                                 .period_s = world->period,
+                                 .is_lockstep = is_lockstep};
+    world->gate = ss_gate_create(&gate);
+    return world->gate ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* Steps between surface snapshots. */
+static int32_t snapshot_interval(double mesh_rate_hz, double step_period)
+{
+    const double every = round(1.0 / (mesh_rate_hz * step_period));
+    return every < 1.0 ? 1 : (int32_t)fmin(every, 1e6);
+}
+
+static softsim_status build_exchange(ss_world *world)
+{
+    const ss_scene *scene = world->scene;
+    world->haptic_commands = ss_ring_create(sizeof(ss_command_record), COMMAND_RING);
+    world->simulation_commands = ss_ring_create(sizeof(ss_command_record), COMMAND_RING);
+    world->forces = ss_ring_create(sizeof(ss_force_record), FORCE_RING);
+    world->haptic_stats = ss_mailbox_create(sizeof(ss_haptic_stats));
+    world->simulation_stats = ss_mailbox_create(sizeof(ss_simulation_stats));
+    world->lateness = ss_memory_get(1, sizeof *world->lateness);
+    world->step_time = ss_memory_get(1, sizeof *world->step_time);
+    if (!world->haptic_commands || !world->simulation_commands || !world->forces ||
+        !world->haptic_stats || !world->simulation_stats || !world->lateness ||
+        !world->step_time) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    const int64_t now = ss_clock_now_ns();
+    ss_histogram_init(world->lateness, now);
+    ss_histogram_init(world->step_time, now);
+    if (scene->mesh_rate_hz > 0.0) {
+        world->snapshot_every = snapshot_interval(scene->mesh_rate_hz, world->step_period);
+        world->surface =
+            ss_mailbox_create(sizeof(ss_surface_snapshot) +
+                              3 * sizeof(float) * (size_t)scene->mesh->node_count);
+        if (!world->surface) {
+            return SOFTSIM_ERROR_MEMORY;
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+/* FNV-1a 64 of the plan: what the scene's values made of it. */
+uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size)
+{
+    const uint8_t *byte = data;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ byte[i]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static void add_line_to_hash(void *sink, const char *text)
+{
+    uint64_t *hash = sink;
+    *hash = ss_world_fnv(*hash, text, strlen(text));
+}
+
+softsim_status ss_world_create(const ss_world_options *options, ss_world **out_world,
+                               softsim_error *error)
+{
+    *out_world = NULL;
+    ss_world *world = ss_memory_get(1, sizeof *world);
+    if (!world) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "no memory for the world");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    world->threads = options->threads > 0 ? options->threads : 1;
+    const ss_scene_model *models = NULL;
+    const int32_t model_count = ss_world_scene_models(&models);
+    softsim_status status =
+        ss_scene_load(options->scene_path, options->set, options->set_count, models, model_count,
+                      options->import_program, &world->scene, error);
+    if (status != SOFTSIM_OK) {
+        goto fail;
+    }
+    int32_t class_count = 0;
+    world->model_class = ss_model_table(&class_count)[world->scene->model_index];
+    status = plan_loads(world);
+    if (status == SOFTSIM_OK) {
+        status = build_model(world, options->step_s, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = build_probes(world, options->is_lockstep);
+    }
+    if (status == SOFTSIM_OK) {
+        status = build_exchange(world);
+    }
+    if (status != SOFTSIM_OK) {
+        goto fail;
+    }
+    world->plan_hash = 0xcbf29ce484222325u;
+    ss_scene_print(world->scene, &models[world->scene->model_index], add_line_to_hash,
+                   &world->plan_hash);
+    *out_world = world;
+    return SOFTSIM_OK;
+fail:
+    if (error && error->fault_count == 0) {
+        softsim_error_add(error, status, "%s: %s", options->scene_path,
+                          softsim_status_text(status));
+    }
+    ss_world_destroy(&world);
+    return status;
+}
+
+void ss_world_destroy(ss_world **world_pointer)
+{
+    ss_world *world = *world_pointer;
+    if (!world) {
+        return;
+    }
+    ss_lockstep_stop(world);
+    if (world->model) {
+        world->model_class->destroy(world->model);
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_world_probe *probe = &world->probe[p];
+        ss_haptic_destroy(&probe->haptic);
+        ss_ring_destroy(&probe->poses);
+        ss_mailbox_destroy(&probe->result);
+        ss_mailbox_destroy(&probe->target);
+    }
+    ss_gate_destroy(&world->gate);
+    ss_ring_destroy(&world->forces);
+    ss_ring_destroy(&world->haptic_commands);
+    ss_ring_destroy(&world->simulation_commands);
+    ss_mailbox_destroy(&world->haptic_stats);
+    ss_mailbox_destroy(&world->simulation_stats);
+    ss_mailbox_destroy(&world->surface);
+    ss_memory_free(world->lateness);
+    ss_memory_free(world->step_time);
+    ss_memory_free(world->load);
+    ss_memory_free(world->prescribed);
+    ss_scene_destroy(&world->scene);
+    ss_memory_free(world);
+    *world_pointer = NULL;
+}
+
+/* ---- the plan in words --------------------------------------------------------------------------- */
+
+__attribute__((format(printf, 3, 4))) static void say(void (*line)(void *, const char *),
+                                                      void *sink, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    line(sink, text);
+}
+
+void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
+                      void *sink)
+{
+    static const char *const shapes[] = {"sphere", "capsule", "box", "cylinder", "cone", "convex"};
+    const ss_scene *scene = world->scene;
+    bool needs_convex = false;
+    say(line, sink, "scene: %s", scene->path);
+    say(line, sink, "mesh: %d nodes, %d surface triangles, %d tetrahedra%s",
+        scene->mesh->node_count, scene->mesh->triangle_count, scene->mesh->tetrahedron_count,
+        scene->mesh->is_closed ? ", closed" : ", open");
+    say(line, sink, "model: %s", world->model_class->name);
+    world->model_class->explain(world->model, line, sink);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (scene->tool[p].is_used) {
+            const ss_shape *shape = &scene->tool[p].shape;
+            say(line, sink, "probe %d: %s, bounding radius %.4g mm", p, shapes[shape->kind],
+                1e3 * ss_shape_bounding_radius(shape));
+            needs_convex |= shape->kind == SS_SHAPE_CONVEX;
+        }
+    }
+    say(line, sink, "simulation: every %d haptic period%s, %.6g Hz (%s; estimated %.3g us a step)",
+        world->step_ticks, world->step_ticks == 1 ? "" : "s", 1.0 / world->step_period,
+        scene->simulation_rate_hz > 0.0 ? "as given" : "chosen from counted work",
+        world->step_cost_us);
+    say(line, sink, "haptic: %.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",
+        1.0 / world->period, scene->max_force_n, scene->coupling_stiffness_n_per_m);
+    say(line, sink, "threads: net%s%s", world->used_probes ? ", simulation, haptic" : ", simulation",
+        world->surface ? ", publish" : "");
+    if (!world->used_probes) {
+        say(line, sink, "left out: haptic thread, contact surface (no tools)");
+    }
+    if (!world->surface) {
+        say(line, sink, "left out: mesh publisher, its thread and its snapshots (mesh_rate_hz 0)");
+    } else {
+        say(line, sink, "publish: %.4g Hz, at most %.4g bytes/s", scene->mesh_rate_hz,
+            scene->max_bytes_per_s);
+    }
+    if (!needs_convex) {
+        say(line, sink, "left out: convex narrow phase (no convex-mesh tool)");
+    }
+    if (scene->load_count == 0 && scene->prescribed_count == 0) {
+        say(line, sink, "left out: loads and prescribed displacements (none)");
+    } else {
+        say(line, sink, "loads: %d, prescribed sets: %d", scene->load_count,
+            scene->prescribed_count);
+    }
+    say(line, sink, "memory: %lld bytes", (long long)ss_memory_in_use());
+}
+
+/* ---- haptic thread --------------------------------------------------------------------------------- */
+
+static void run_haptic_command(ss_world *world, const ss_command_record *command)
+{
+    ss_haptic_config *config = &world->haptic_config;
+    switch (command->kind) {
+    case SS_COMMAND_PAUSE:
+        world->haptic_paused = true;
+        break;
+    case SS_COMMAND_RESUME:
+        world->haptic_paused = false;
+        world->haptic_reset = true;
+        break;
+    case SS_COMMAND_RESET:
+        world->haptic_reset = true;
+        break;
+    case SS_COMMAND_SET:
+        switch (command->key) {
+        case SS_LIVE_MAX_FORCE:
+            config->max_force = command->value;
+            break;
+        case SS_LIVE_MAX_SLEW:
+            config->max_slew = command->value;
+            break;
+        case SS_LIVE_COUPLING_STIFFNESS:
+            config->stiffness = command->value;
+            break;
+        case SS_LIVE_COUPLING_DAMPING:
+            config->damping = command->value;
+            break;
+        case SS_LIVE_BETWEEN_STEPS:
+            config->between_steps = between((ss_scene_between)command->value);
+            break;
+        default:
+            return;
+        }
+        for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+            if (world->probe[p].is_used) {
+                const ss_haptic_config changed = probe_config(world, p);
+                ss_haptic_configure(world->probe[p].haptic, &changed);
+            }
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+/* One probe: drain its poses (all of them: the newest wins, none is lost to the energy sum and
+ * the button edges), tick, post the proxy target, push the force. */
+static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
+                       ss_haptic_stats *stats)
+{
+    ss_world_probe *probe = &world->probe[p];
+    softsim_pose pose[TICK_POSES];
+    ss_pose_record record;
+    ss_haptic_input input = {.tick = tick, .pose = pose};
+    while (input.pose_count < TICK_POSES && ss_ring_pop(probe->poses, &record)) {
+        pose[input.pose_count++] = record.pose;
+        input.sender_epoch = record.sender_epoch;
+    }
+    if (input.pose_count > 1) {
+        world->superseded += input.pose_count - 1;
+    }
+    input.result = ss_mailbox_take(probe->result, &input.is_result_new);
+    input.is_paused = world->haptic_paused;
+    input.is_reset = world->haptic_reset;
+    input.is_stopping = atomic_load_explicit(&world->is_stopping, memory_order_acquire);
+
+    ss_haptic_output output;
+    ss_haptic_tick(probe->haptic, &input, &output);
+    *(ss_proxy_target *)ss_mailbox_draft(probe->target) = output.target;
+    ss_mailbox_post(probe->target);
+    if (output.has_force) {
+        const ss_force_record out = {.force = output.force, .tick = tick, .due_ns = due_ns};
+        ss_ring_push(world->forces, &out);
+    }
+    stats->worst_contact_j[p] = output.worst_contact_j;
+    stats->stiffness_limit[p] = output.stiffness_limit;
+    stats->energy_to_device_j += output.energy_to_device_j;
+    stats->energy_from_device_j += output.energy_from_device_j;
+    for (int i = 0; i < 2; ++i) {
+        stats->loop_delay_ms[i] = fmax(stats->loop_delay_ms[i], output.loop_delay_ms[i]);
+    }
+}
+
+void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t now_ns)
+{
+    ss_command_record command;
+    while (ss_ring_pop(world->haptic_commands, &command)) {
+        run_haptic_command(world, &command);
+    }
+    ss_haptic_stats stats = {0};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            tick_probe(world, p, tick, due_ns, &stats);
+        }
+    }
+    world->haptic_reset = false;
+    if (due_ns != 0) {
+        ss_histogram_add(world->lateness, now_ns, 1e-3 * (double)(now_ns - due_ns));
+    }
+    if (tick % 250 == 0) {
+        static const double quantile[4] = {0.5, 0.99, 0.999, 1.0};
+        for (int i = 0; i < 4; ++i) {
+            stats.lateness_us[i] = ss_histogram_quantile(world->lateness, quantile[i]);
+        }
+        stats.superseded = world->superseded;
+        stats.late_periods = world->late_periods;
+        *(ss_haptic_stats *)ss_mailbox_draft(world->haptic_stats) = stats;
+        ss_mailbox_post(world->haptic_stats);
+    }
+}
+
+/* ---- simulation thread ------------------------------------------------------------------------------ */
+
+static void run_simulation_command(ss_world *world, const ss_command_record *command)
+{
+    switch (command->kind) {
+    case SS_COMMAND_PAUSE:
+        world->simulation_paused = true;
+        break;
+    case SS_COMMAND_RESUME:
+        world->simulation_paused = false;
+        break;
+    case SS_COMMAND_RESET:
+        world->model_class->reset(world->model);
+        break;
+    case SS_COMMAND_SET:
+        if (command->key == SS_LIVE_MODEL_ROW) {
+            world->model_class->set(world->model, command->row, command->value);
+        } else if (command->key == SS_LIVE_MESH_RATE) {
+            world->snapshot_every = snapshot_interval(command->value, world->step_period);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+void ss_world_step_begin(ss_world *world)
+{
+    ss_command_record command;
+    while (ss_ring_pop(world->simulation_commands, &command)) {
+        run_simulation_command(world, &command);
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_world_probe *probe = &world->probe[p];
+        const ss_proxy_target *target =
+            probe->is_used ? ss_mailbox_take(probe->target, NULL) : NULL;
+        probe->stepped_to = target ? *target : (ss_proxy_target){0};
+    }
+}
+
+/* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
+ * placed there when it has just come. */
+static ss_model_tool plan_tool(ss_world *world, ss_world_probe *probe, double velocity[3])
+{
+    const ss_proxy_target *target = &probe->stepped_to;
+    ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
+    ss_set3(velocity, 0.0, 0.0, 0.0);
+    if (!target->is_present) {
+        probe->was_present = false;
+        return tool;
+    }
+    ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
+    memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
+    const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
+    tool.from = is_swept ? probe->last : tool.to;
+    if (is_swept) {
+        ss_sub3(velocity, tool.to.position, tool.from.position);
+        ss_scale3(velocity, velocity, 1.0 / world->step_period);
+    }
+    probe->was_present = true;
+    probe->last_teleports = target->teleports;
+    probe->last = tool.to;
+    return tool;
+}
+
+static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
+                          const double velocity[3], bool is_fault)
+{
+    ss_world_probe *probe = &world->probe[p];
+    ss_local_model *out = &probe->computed;
+    *out = (ss_local_model){.tick = probe->stepped_to.tick,
+                            .step = world->steps,
+                            .period = world->step_period,
+                            .pose_seq = probe->stepped_to.pose_seq,
+                            .is_fault = is_fault};
+    if (!tool->is_present) {
+        return;
+    }
+    ss_copy3(out->proxy, tool->to.position);
+    memcpy(out->orientation, tool->to.orientation, sizeof out->orientation);
+    ss_copy3(out->velocity, velocity);
+    const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
+    world->model_class->contacts(world->model, p, near, &out->set);
+}
+
+void ss_world_step_compute(ss_world *world)
+{
+    const int64_t cpu_start = ss_clock_thread_cpu_ns();
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    double velocity[SOFTSIM_MAX_PROBES][3] = {{0}};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            tool[p] = plan_tool(world, &world->probe[p], velocity[p]);
+        }
+    }
+    ss_model_info info;
+    if (!world->simulation_paused) {
+        world->model_class->step(world->model, (double)world->steps * world->step_period,
+                                 world->step_period, tool);
+        ++world->steps;
+    }
+    world->model_class->info(world->model, &info);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            read_contacts(world, p, &tool[p], velocity[p],
+                          info.verdict == SOFTSIM_VERDICT_FAULT);
+        }
+    }
+    const int64_t now = ss_clock_now_ns();
+    ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
+}
+
+static void post_surface(ss_world *world)
+{
+    ss_surface_snapshot *snapshot = ss_mailbox_draft(world->surface);
+    const ss_real *u = world->model_class->displacement(world->model);
+    const int32_t node_count = world->scene->mesh->node_count;
+    snapshot->step = world->steps;
+    for (int32_t i = 0; i < node_count; ++i) {
+        for (int32_t axis = 0; axis < 3; ++axis) {
+            snapshot->displacement[3 * i + axis] = (float)u[4 * i + axis];
+        }
+    }
+    ss_mailbox_post(world->surface);
+}
+
+void ss_world_step_post(ss_world *world)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_world_probe *probe = &world->probe[p];
+        if (probe->is_used) {
+            *(ss_local_model *)ss_mailbox_draft(probe->result) = probe->computed;
+            ss_mailbox_post(probe->result);
+        }
+    }
+    if (world->surface && world->steps % world->snapshot_every == 0) {
+        post_surface(world);
+    }
+    ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);
+    world->model_class->info(world->model, &stats->info);
+    stats->info.step = world->steps;
+    const int64_t quarter = (int64_t)ceil(0.25 / world->step_period);
+    if (world->steps % quarter == 0) {
+        static const double quantile[3] = {0.5, 0.99, 1.0};
+        for (int i = 0; i < 3; ++i) {
+            world->step_quantiles[i] = ss_histogram_quantile(world->step_time, quantile[i]);
+        }
+    }
+    memcpy(stats->step_us, world->step_quantiles, sizeof stats->step_us);
+    stats->is_slow = world->is_slow;
+    ss_mailbox_post(world->simulation_stats);
+}
+
+/* ---- commands -------------------------------------------------------------------------------------------- */
+
+static int32_t parse_set(ss_world *world, const char *argument, ss_command_record *record,
+                         char *out_text, int32_t text_size)
+{
+    const ss_scene_model *models = NULL;
+    ss_world_scene_models(&models);
+    softsim_error error = {0};
+    if (ss_scene_parse_live(argument, &models[world->scene->model_index], &record->key,
+                            &record->row, &record->value, &error) != SOFTSIM_OK) {
+        snprintf(out_text, (size_t)text_size, "%.*s", (int)text_size - 1, error.text);
+        return 2;
+    }
+    if (record->key == SS_LIVE_MESH_RATE && (!world->surface || record->value <= 0.0)) {
+        snprintf(out_text, (size_t)text_size,
+                 "publish.mesh_rate_hz: starting or ending the mesh publisher needs a restart");
+        return 1;
+    }
+    if (record->key == SS_LIVE_MAX_JUMP) {
+        ss_gate_set_max_jump(world->gate, record->value);
+    }
+    return 0;
+}
+
+int32_t ss_world_command(ss_world *world, const char *name, const char *argument,
+                         ss_command_record *out_record, char *out_text, int32_t text_size)
+{
+    static const char *const names[] = {"reset", "pause",  "resume",  "refresh",
+                                        "set",   "status", "shutdown"};
+    const int32_t name_count = (int32_t)(sizeof names / sizeof *names);
+    int32_t kind = 0;
+    while (kind < name_count && strcmp(names[kind], name) != 0) {
+        ++kind;
+    }
+    snprintf(out_text, (size_t)text_size, "done");
+    if (kind == name_count) {
+        snprintf(out_text, (size_t)text_size,
+                 "unknown command '%.40s'; use reset pause resume refresh set status shutdown",
+                 name);
+        return 2;
+    }
+    *out_record = (ss_command_record){.kind = (ss_command_kind)kind};
+    if (kind == SS_COMMAND_SET) {
+        const int32_t code = parse_set(world, argument, out_record, out_text, text_size);
+        if (code != 0) {
+            return code;
+        }
+    }
+    if (kind == SS_COMMAND_REFRESH || kind == SS_COMMAND_STATUS || kind == SS_COMMAND_SHUTDOWN) {
+        return 0;
+    }
+    if (!ss_ring_push(world->haptic_commands, out_record) ||
+        !ss_ring_push(world->simulation_commands, out_record)) {
+        snprintf(out_text, (size_t)text_size, "busy: too many commands at once; send it again");
+        return 1;
+    }
+    return 0;
+}

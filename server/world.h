@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The world: all state, and the pieces of work that the loops call. Nothing here owns a thread in
+ * real time; loops.c gives each piece its thread. In lockstep and headless runs one thread calls
+ * all of them, with an optional worker that computes the next simulation step meanwhile.
+ *
+ * Time. A tick is one haptic period T; a simulation step is `step_ticks` = m of them, h = m T. The
+ * step that starts at tick n runs to the proxies of tick n and its result reaches the haptic loop
+ * at tick n + m: exactly one simulation period late in lockstep, about that in real time.
+ *
+ *   poses -> [ring] -> haptic tick -> [mailbox: proxy target] -> simulation step
+ *                          ^ [mailbox: local model] <--------------'   '--> [mailbox: surface]
+ *                          '--> [ring: forces]
+ */
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "contact/contact.h"
+#include "haptic/haptic.h"
+#include "models/model.h"
+#include "net/net.h"
+#include "rt/histogram.h"
+#include "rt/mailbox.h"
+#include "rt/ring.h"
+#include "scene/scene.h"
+#include "softsim/config.h"
+#include "softsim/softsim.h"
+
+/* A command on its way to a loop. */
+typedef struct ss_command_record {
+    ss_command_kind kind;
+    ss_scene_live_key key; /* SS_COMMAND_SET */
+    int32_t row;           /* of the model's table, for SS_LIVE_MODEL_ROW */
+    double value;
+} ss_command_record;
+
+/* What the haptic loop reports, 4 times a second. */
+typedef struct ss_haptic_stats {
+    double lateness_us[4]; /* p50, p99, p99.9, max */
+    int64_t superseded;
+    int64_t late_periods;
+    double worst_contact_j[SOFTSIM_MAX_PROBES];
+    double stiffness_limit[SOFTSIM_MAX_PROBES];
+    double loop_delay_ms[2];
+    double energy_to_device_j, energy_from_device_j;
+} ss_haptic_stats;
+
+/* What the simulation reports, after each step. */
+typedef struct ss_simulation_stats {
+    ss_model_info info;
+    double step_us[3]; /* p50, p99, max */
+    bool is_slow;      /* steps take longer than their period */
+} ss_simulation_stats;
+
+/* A surface snapshot for the publisher: `displacement` has 3 floats a node. */
+typedef struct ss_surface_snapshot {
+    int64_t step;
+    float displacement[];
+} ss_surface_snapshot;
+
+/* One probe: its tool in the world. */
+typedef struct ss_world_probe {
+    bool is_used;
+    ss_haptic *haptic;           /* haptic thread */
+    ss_ring *poses;              /* net -> haptic */
+    ss_mailbox *result;          /* simulation -> haptic: ss_local_model */
+    ss_mailbox *target;          /* haptic -> simulation: ss_proxy_target */
+    /* simulation thread */
+    ss_tool_pose last;           /* p-hat of the last step */
+    bool was_present;
+    uint32_t last_teleports;
+    ss_proxy_target stepped_to;  /* target of the step under way */
+    ss_local_model computed;     /* result of that step, until it is due */
+    /* lockstep: the answer to the newest pose, for repeated ones */
+    int32_t answered_seq;
+    int64_t answered_sender;
+    bool has_answer;
+    softsim_force answer;
+    int64_t last_good_tick;
+} ss_world_probe;
+
+typedef struct ss_world {
+    ss_scene *scene;
+    const ss_model_class *model_class;
+    ss_model *model;             /* simulation thread */
+    ss_gate *gate;               /* net thread */
+    ss_haptic_config haptic_config;
+    ss_world_probe probe[SOFTSIM_MAX_PROBES];
+    uint8_t used_probes;
+    int32_t threads;
+    double period;               /* s, T */
+    int32_t step_ticks;          /* m */
+    double step_period;          /* s, h = m T */
+    double step_cost_us;         /* estimated */
+    uint64_t plan_hash;
+    ss_load *load;
+    ss_prescribed *prescribed;
+
+    ss_ring *forces;             /* haptic -> net: ss_force_record */
+    ss_ring *haptic_commands;    /* net -> haptic: ss_command_record */
+    ss_ring *simulation_commands;/* net -> simulation */
+    ss_mailbox *haptic_stats;    /* haptic -> net */
+    ss_mailbox *simulation_stats;/* simulation -> net */
+    ss_mailbox *surface;         /* simulation -> publish: ss_surface_snapshot; NULL without */
+
+    /* haptic thread */
+    ss_histogram *lateness;
+    int64_t superseded, late_periods;
+    bool haptic_paused, haptic_reset;
+    atomic_bool is_stopping;     /* any -> haptic */
+
+    /* simulation thread */
+    ss_histogram *step_time;
+    int64_t steps;
+    bool simulation_paused;
+    bool is_slow;
+    int32_t snapshot_every;      /* steps between surface snapshots; 0: no publisher */
+    double step_quantiles[3];
+
+    /* lockstep and headless */
+    int64_t tick;
+    bool is_step_pending;        /* a step was begun and its result is not yet posted */
+    struct ss_step_worker *worker;
+} ss_world;
+
+typedef struct ss_world_options {
+    const char *scene_path;
+    const char *const *set;
+    int32_t set_count;
+    int32_t threads;
+    double step_s;          /* 0: the scene's rates */
+    bool is_lockstep;
+    const char *import_program;
+} ss_world_options;
+
+/* Loads, plans, allocates everything. Thread: set-up only. */
+softsim_status ss_world_create(const ss_world_options *options, ss_world **out_world,
+                               softsim_error *error);
+void ss_world_destroy(ss_world **world);
+
+/* The plan, one line per fact: what the scene uses, what is left out, bytes, threads. */
+void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
+                      void *sink);
+/* Descriptors of the models built in, for scene/. Returns their number. */
+int32_t ss_world_scene_models(const ss_scene_model **out_models);
+
+/* One haptic tick of every used probe. `due_ns` and `lateness_us` describe the period in real
+ * time (0 in lockstep). Thread: haptic; RT-safe. */
+void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t now_ns);
+
+/* Begins a step (takes the proxy targets), computes it, posts its results. In real time the three
+ * run one after the other; in lockstep the results are posted one period later.
+ * Thread: simulation (begin and post may run on the lockstep thread while no compute runs);
+ * RT-safe. */
+void ss_world_step_begin(ss_world *world);
+void ss_world_step_compute(ss_world *world);
+void ss_world_step_post(ss_world *world);
+
+/* Lockstep: judges the poses and moves the world by one tick; out_force as softsim_tick. */
+softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose,
+                                  const int32_t *channel, int32_t count,
+                                  softsim_force out_force[SOFTSIM_MAX_PROBES]);
+/* Waits until the step under way is computed (its results may still be held back). */
+void ss_world_settle(ss_world *world);
+uint64_t ss_world_hash(ss_world *world);
+/* Ends the lockstep worker, if any. Thread: set-up only. */
+void ss_lockstep_stop(ss_world *world);
+/* FNV-1a 64, continued. Thread: any; RT-safe. */
+uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size);
+
+/* Takes a command (net thread): what concerns the loops is handed to them; what concerns the
+ * caller (REFRESH, STATUS, SHUTDOWN, and SET of the publisher's values) is told by *out_record.
+ * Fills `out_text` and returns the reply's code: 0 done, 1 refused, 2 unknown or bad. */
+int32_t ss_world_command(ss_world *world, const char *name, const char *argument,
+                         ss_command_record *out_record, char *out_text, int32_t text_size);

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/* Meshes, parameters and a model to step: shared by the tests of models/. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/mesh.h"
+#include "models/model.h"
+#include "rt/vec.h"
+
+#define PI 3.14159265358979323846
+
+/* ---- meshes ----------------------------------------------------------------------------------- */
+
+/* A mesh under construction; grows without limit checks, tests only. */
+typedef struct draft {
+    double (*position)[3];
+    int32_t (*triangle)[3];
+    int32_t nodes, triangles;
+} draft;
+
+static inline void draft_init(draft *d, int32_t nodes, int32_t triangles)
+{
+    *d = (draft){.position = calloc((size_t)nodes, sizeof *d->position),
+                 .triangle = calloc((size_t)triangles, sizeof *d->triangle)};
+}
+
+static inline int32_t draft_node(draft *d, double x, double y, double z)
+{
+    ss_set3(d->position[d->nodes], x, y, z);
+    return d->nodes++;
+}
+
+static inline void draft_triangle(draft *d, int32_t a, int32_t b, int32_t c)
+{
+    int32_t *t = d->triangle[d->triangles++];
+    t[0] = a;
+    t[1] = b;
+    t[2] = c;
+}
+
+static inline ss_mesh *draft_finish(draft *d)
+{
+    ss_mesh *mesh = NULL;
+    (void)ss_mesh_create(d->nodes, (const double(*)[3])d->position, d->triangles,
+                         (const int32_t(*)[3])d->triangle, 0, NULL, &mesh, NULL);
+    free(d->position);
+    free(d->triangle);
+    return mesh;
+}
+
+/* Centre (node 0) and six nodes around it at distance h, in the plane z = 0. */
+static inline ss_mesh *make_fan(double h)
+{
+    draft d;
+    draft_init(&d, 7, 6);
+    draft_node(&d, 0.0, 0.0, 0.0);
+    for (int k = 0; k < 6; ++k) {
+        draft_node(&d, h * cos(k * PI / 3.0), h * sin(k * PI / 3.0), 0.0);
+    }
+    for (int k = 0; k < 6; ++k) {
+        draft_triangle(&d, 0, 1 + k, 1 + (k + 1) % 6);
+    }
+    return draft_finish(&d);
+}
+
+/* Open cylinder about z: `rows` rings of `columns` nodes, alternating diagonals; node of ring i,
+ * column j is i * columns + j; column 0 lies at +y. */
+static inline ss_mesh *make_cylinder(int rows, int columns, double radius, double length)
+{
+    draft d;
+    draft_init(&d, rows * columns, 2 * rows * columns);
+    for (int i = 0; i < rows; ++i) {
+        for (int j = 0; j < columns; ++j) {
+            const double angle = 2.0 * PI * j / columns;
+            draft_node(&d, radius * sin(angle), radius * cos(angle),
+                       length * ((double)i / (rows - 1) - 0.5));
+        }
+    }
+    for (int i = 0; i + 1 < rows; ++i) {
+        for (int j = 0; j < columns; ++j) {
+            const int32_t a = i * columns + j, b = i * columns + (j + 1) % columns;
+            const int32_t c = a + columns, e = b + columns;
+            if ((i + j) % 2 == 0) {
+                draft_triangle(&d, a, b, e);
+                draft_triangle(&d, a, e, c);
+            } else {
+                draft_triangle(&d, a, b, c);
+                draft_triangle(&d, b, e, c);
+            }
+        }
+    }
+    return draft_finish(&d);
+}
+
+/* Square plate in z = 0 of side `size`, `cells` x `cells`, centred, alternating diagonals, normal
+ * up. Rows of equilateral triangles would be finer; this one has the rim that tests need. */
+static inline ss_mesh *make_plate(int cells, double size)
+{
+    draft d;
+    const int side = cells + 1;
+    draft_init(&d, side * side, 2 * cells * cells);
+    for (int i = 0; i < side; ++i) {
+        for (int j = 0; j < side; ++j) {
+            draft_node(&d, size * ((double)j / cells - 0.5), size * ((double)i / cells - 0.5), 0.0);
+        }
+    }
+    for (int i = 0; i < cells; ++i) {
+        for (int j = 0; j < cells; ++j) {
+            const int32_t a = i * side + j, b = a + 1, c = a + side, e = c + 1;
+            if ((i + j) % 2 == 0) {
+                draft_triangle(&d, a, b, e);
+                draft_triangle(&d, a, e, c);
+            } else {
+                draft_triangle(&d, a, b, c);
+                draft_triangle(&d, b, e, c);
+            }
+        }
+    }
+    return draft_finish(&d);
+}
+
+/* The node on the edge from corner a to b of a geodesic sphere, k of f parts along. */
+static inline int32_t geodesic_node(draft *d, const double *a, const double *b, const double *c,
+                                    int i, int j, int f)
+{
+    double x[3];
+    for (int k = 0; k < 3; ++k) {
+        x[k] = (a[k] * (f - i - j) + b[k] * i + c[k] * j) / f;
+    }
+    ss_normalize3(x);
+    for (int32_t n = 0; n < d->nodes; ++n) {
+        double e[3];
+        ss_sub3(e, d->position[n], x);
+        if (ss_norm3(e) < 1e-6) {
+            return n;
+        }
+    }
+    return draft_node(d, x[0], x[1], x[2]);
+}
+
+/* Geodesic sphere of 10 f^2 + 2 nodes, scaled to semi-axes. */
+static inline ss_mesh *make_ellipsoid(int f, double ax, double ay, double az)
+{
+    static const int face[20][3] = {{0, 11, 5},  {0, 5, 1},   {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                    {1, 5, 9},   {5, 11, 4},  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                    {3, 9, 4},   {3, 4, 2},   {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                    {4, 9, 5},   {2, 4, 11},  {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    const double t = 0.5 * (1.0 + sqrt(5.0));
+    const double corner[12][3] = {{-1, t, 0}, {1, t, 0},   {-1, -t, 0}, {1, -t, 0},
+                                  {0, -1, t}, {0, 1, t},   {0, -1, -t}, {0, 1, -t},
+                                  {t, 0, -1}, {t, 0, 1},   {-t, 0, -1}, {-t, 0, 1}};
+    draft d;
+    draft_init(&d, 10 * f * f + 2, 20 * f * f);
+    for (int m = 0; m < 20; ++m) {
+        const double *a = corner[face[m][0]], *b = corner[face[m][1]], *c = corner[face[m][2]];
+        for (int i = 0; i < f; ++i) {
+            for (int j = 0; i + j < f; ++j) {
+                const int32_t p = geodesic_node(&d, a, b, c, i, j, f);
+                const int32_t q = geodesic_node(&d, a, b, c, i + 1, j, f);
+                const int32_t r = geodesic_node(&d, a, b, c, i, j + 1, f);
+                draft_triangle(&d, p, q, r);
+                if (i + j + 1 < f) {
+                    draft_triangle(&d, q, geodesic_node(&d, a, b, c, i + 1, j + 1, f), r);
+                }
+            }
+        }
+    }
+    for (int32_t n = 0; n < d.nodes; ++n) {
+        d.position[n][0] *= ax;
+        d.position[n][1] *= ay;
+        d.position[n][2] *= az;
+    }
+    return draft_finish(&d);
+}
+
+/* ---- a model ---------------------------------------------------------------------------------- */
+
+enum { MAX_ROWS = 32 };
+
+/* What a test says of a model before it is created. */
+typedef struct setup {
+    ss_mesh *mesh;
+    uint8_t *fixed;
+    ss_param_value param[MAX_ROWS];
+    ss_load load[4];
+    ss_prescribed prescribed[2];
+    ss_model_plan plan;
+    const ss_model_class *class;
+    softsim_error error;
+    ss_model *model;
+    double time;
+} setup;
+
+static inline int row_of(const setup *s, const char *name)
+{
+    for (int k = 0; k < s->class->row_count; ++k) {
+        if (strcmp(s->class->row[k].name, name) == 0) {
+            return k;
+        }
+    }
+    abort();
+}
+
+static inline void give(setup *s, const char *name, double value)
+{
+    s->param[row_of(s, name)] = (ss_param_value){.number = value, .is_given = true};
+}
+
+static inline void give_field(setup *s, const char *name, double *per_node)
+{
+    s->param[row_of(s, name)] = (ss_param_value){.per_node = per_node, .is_given = true};
+}
+
+/* Takes `mesh`; all parameters at their defaults. */
+static inline void setup_init(setup *s, const char *model, ss_mesh *mesh)
+{
+    memset(s, 0, sizeof *s);
+    s->mesh = mesh;
+    s->class = ss_model_find(model);
+    s->fixed = calloc((size_t)mesh->node_count, 1);
+    for (int k = 0; k < s->class->row_count; ++k) {
+        s->param[k].number = s->class->row[k].fallback;
+    }
+    s->plan = (ss_model_plan){.mesh = mesh,
+                              .fixed = s->fixed,
+                              .param = s->param,
+                              .load = s->load,
+                              .prescribed = s->prescribed,
+                              .working_force = 2.0,
+                              .max_force = 8.0,
+                              .step = 1e-3,
+                              .max_substeps = 64,
+                              .threads = 2};
+}
+
+/* A constant force on one node from t = 0 on. */
+static inline void push(setup *s, int32_t *node, double fx, double fy, double fz)
+{
+    s->load[s->plan.load_count++] =
+        (ss_load){.node = node, .node_count = 1, .force = {fx, fy, fz}, .to = (double)INFINITY};
+}
+
+static inline softsim_status setup_create(setup *s)
+{
+    return s->class->create(&s->plan, &s->model, &s->error);
+}
+
+static inline void setup_fini(setup *s)
+{
+    if (s->model) {
+        s->class->destroy(s->model);
+    }
+    free(s->fixed);
+    ss_mesh_destroy(&s->mesh);
+}
+
+static inline void steps(setup *s, int count, double dt)
+{
+    for (int k = 0; k < count; ++k) {
+        s->class->step(s->model, s->time, dt, NULL);
+        s->time += dt;
+    }
+}
+
+static inline double moved(const setup *s, int32_t node, int axis)
+{
+    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
+}
+
+static inline ss_model_info info_of(const setup *s)
+{
+    ss_model_info info;
+    s->class->info(s->model, &info);
+    return info;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Process tests: real programs over real LCM, in a private network namespace of their own with
+ * multicast on lo, so that tests run side by side and never reach a real network. Every child is
+ * reaped; every wait has a deadline and waits for something (a line, a message, an exit).
+ */
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+typedef struct process {
+    pid_t pid;
+    int out_fd, err_fd; /* its stdout and stderr */
+    char out[65536], err[65536];
+    int out_size, err_size;
+    int status;         /* exit code, or 128 + signal, once finished */
+    bool is_running;
+} process;
+
+/* Enters a private network namespace; false where the system forbids it (then the tests are
+ * skipped with a message). Call once, before any thread. */
+bool process_isolate(void);
+
+/* Starts BIN_DIR/argv[0] (argv ends with NULL). `environment`: NULL or extra NAME=VALUE, NULL-ended. */
+void process_start(process *p, const char *const *argv, const char *const *environment);
+/* Reads its output until `text` appears on stdout or stderr; false when it ends or 20 s pass. */
+bool process_wait_for(process *p, const char *text);
+/* Waits for the exit (60 s, then it is killed and status is -1). Returns the status. */
+int process_finish(process *p);
+void process_signal(process *p, int signal);
+/* Runs to the end: status; output in p. */
+int process_run(process *p, const char *const *argv);

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Bad input: scenes, meshes, logs, arguments. Each gets one clear error with a word that names
+ * the fault, exit 2, and nothing is started. Prints the table of what each got.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "process.h"
+
+#define SCENES SOURCE_DIR "/server/scenes/"
+#define KIDNEY SCENES "kidney.yaml"
+
+static char folder[] = "/tmp/softsim-bad-XXXXXX";
+
+static const char *path_of(const char *name)
+{
+    static char path[16][256];
+    static int next;
+    next = (next + 1) % 16;
+    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
+    return path[next];
+}
+
+static void write_file(const char *name, const void *data, size_t size)
+{
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    fclose(file);
+}
+
+static void check(process *p, const char *what, const char *const *argv, const char *word)
+{
+    process_start(p, argv, NULL);
+    const int status = process_finish(p);
+    char first[160];
+    snprintf(first, sizeof first, "%.*s", (int)strcspn(p->err, "\n"), p->err);
+    print_message("%-44s exit %d  %s\n", what, status, first);
+    if (status != 2 || !strstr(p->err, word) || strstr(p->out, "ready")) {
+        fail_msg("%s: exit %d, wanted 2 with '%s' in: %s%s", what, status, word, p->out, p->err);
+    }
+}
+
+/* ---- scenes and meshes ------------------------------------------------------------------------------ */
+
+typedef struct scene_case {
+    const char *what, *mesh_name, *mesh, *body, *word;
+} scene_case;
+
+/* A tetrahedron's surface; %-cases change one thing. */
+#define GOOD_MESH                                                                                  \
+    "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+#define OBJECT(name) "softsim: 1\nobject: {mesh: " name ", units: mm, fixed: [{nodes: [0, 1, 2]}]}\n"
+#define MODEL "model: {name: cnn-energy, modulus_j: 1}\n"
+#define TOOLS "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n"
+
+static const scene_case scene_cases[] = {
+    {"scene: empty", NULL, NULL, "", "yaml"},
+    {"scene: not YAML", NULL, NULL, "softsim: [1\nobject: }{", "yaml"},
+    {"scene: a list", NULL, NULL, "- 1\n- 2\n", "yaml"},
+    {"scene: binary", NULL, NULL, "\x01\x02\xff\xfe", "yaml"},
+    {"scene: wrong version", "m.obj", GOOD_MESH, "softsim: 7\nobject: {mesh: m.obj, units: mm}\n" MODEL, "softsim"},
+    {"scene: unknown key", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "gravty_m_s2: [0, 0, 0]\n", "gravity_m_s2"},
+    {"scene: no units", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj}\n" MODEL, "units"},
+    {"scene: unknown units", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: furlong}\n" MODEL, "furlong"},
+    {"scene: no model", "m.obj", GOOD_MESH, OBJECT("m.obj"), "model"},
+    {"scene: unknown model", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: jelly}\n", "jelly"},
+    {"scene: unknown parameter", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: 1, springs: 3}\n", "springs"},
+    {"scene: negative modulus", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: -1}\n", "modulus_j"},
+    {"scene: text for a number", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: much}\n", "modulus_j"},
+    {"scene: not a number", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: .nan}\n", "modulus_j"},
+    {"scene: probe 9", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 9, shape: {sphere: {radius_mm: 5}}}]}\n", "probe"},
+    {"scene: one probe twice", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}, {probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n", "probe"},
+    {"scene: sphere of radius 0", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 0}}}]}\n", "radius_mm"},
+    {"scene: unknown shape", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {torus: {radius_mm: 5}}}]}\n", "torus"},
+    {"scene: haptic rate 0", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "haptic: {rate_hz: 0}\n", "rate_hz"},
+    {"scene: fixed node out of range", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{nodes: [0, 1, 77]}]}\n" MODEL, "77"},
+    {"scene: fixed box without nodes", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{box_m: [[5, 5, 5], [6, 6, 6]]}]}\n" MODEL, "box_m"},
+    {"scene: group that the mesh has not", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{group: base}]}\n" MODEL, "base"},
+    {"mesh: missing", NULL, NULL, OBJECT("nowhere.obj") MODEL, "nowhere.obj"},
+    {"mesh: empty", "m.obj", "", OBJECT("m.obj") MODEL, "m.obj"},
+    {"mesh: binary", "m.stl", "\x7f\x45\x4c\x46\x01\x02\x03", OBJECT("m.stl") MODEL, "m.stl"},
+    {"mesh: unknown kind", "m.xyz", "hello", OBJECT("m.xyz") MODEL, "m.xyz"},
+    {"mesh: index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", OBJECT("m.obj") MODEL, "m.obj"},
+    {"mesh: not a number", "m.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n", OBJECT("m.obj") MODEL, "m.obj"},
+    {"mesh: coincident nodes", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 10 0\n$EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 4 2\n$EndElements\n", OBJECT("m.msh") MODEL, "m.msh"},
+    {"mesh: edge with three triangles", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 0 -9 0\n$EndNodes\n$Elements\n3\n1 2 0 1 2 3\n2 2 0 2 1 4\n3 2 0 1 2 5\n$EndElements\n", OBJECT("m.msh") MODEL, "manifold"},
+    {"mesh: MSH cut short", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n400\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
+    {"mesh: MSH with a huge count", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
+};
+
+static void scenes_and_meshes_are_refused(void **state)
+{
+    (void)state;
+    static process p;
+    for (size_t i = 0; i < sizeof scene_cases / sizeof *scene_cases; ++i) {
+        const scene_case *c = &scene_cases[i];
+        if (c->mesh) {
+            write_file(c->mesh_name, c->mesh, strlen(c->mesh));
+        }
+        write_file("scene.yaml", c->body, strlen(c->body));
+        const char *const argv[] = {"softsimd", path_of("scene.yaml"), NULL};
+        check(&p, c->what, argv, c->word);
+        if (c->mesh) {
+            unlink(path_of(c->mesh_name));
+        }
+    }
+}
+
+/* ---- arguments ----------------------------------------------------------------------------------------- */
+
+static void arguments_are_refused(void **state)
+{
+    (void)state;
+    static process p;
+    const struct {
+        const char *what, *argv[8], *word;
+    } cases[] = {
+        {"softsimd: no scene", {"softsimd"}, "SCENE.yaml"},
+        {"softsimd: unknown option", {"softsimd", KIDNEY, "--fast"}, "--fast"},
+        {"softsimd: missing scene", {"softsimd", "/nowhere/x.yaml"}, "/nowhere/x.yaml"},
+        {"softsimd: a folder for a scene", {"softsimd", "/tmp"}, "/tmp"},
+        {"softsimd: two scenes", {"softsimd", KIDNEY, KIDNEY}, "too many"},
+        {"softsimd: --duration abc", {"softsimd", KIDNEY, "--duration", "abc"}, "--duration"},
+        {"softsimd: --threads 0", {"softsimd", KIDNEY, "--threads", "0"}, "--threads"},
+        {"softsimd: --realtime maybe", {"softsimd", KIDNEY, "--realtime", "maybe"}, "--realtime"},
+        {"softsimd: --set of no key", {"softsimd", KIDNEY, "--set", "haptic.maximum=3"}, "maximum"},
+        {"softsimd: --set without a value", {"softsimd", KIDNEY, "--set", "haptic.max_force_n"}, "max_force_n"},
+        {"softsimd: --set out of range", {"softsimd", KIDNEY, "--set", "haptic.max_force_n=-1"}, "max_force_n"},
+        {"softsim-run: nothing says when to end", {"softsim-run", KIDNEY}, "--duration"},
+        {"softsim-run: --dt with a log", {"softsim-run", KIDNEY, "--poses", SCENES "kidney-poke.lcmlog", "--dt", "0.001"}, "--dt"},
+        {"softsim-run: missing poses", {"softsim-run", KIDNEY, "--poses", "/nowhere/p.csv"}, "/nowhere/p.csv"},
+        {"softsim-replay: no log", {"softsim-replay"}, "LOG"},
+        {"softsim-replay: missing log", {"softsim-replay", "/nowhere/p.lcmlog"}, "/nowhere/p.lcmlog"},
+        {"softsim-replay: --speed 0", {"softsim-replay", SCENES "kidney-poke.lcmlog", "--speed", "0"}, "--speed"},
+        {"softsim-bridge: no device", {"softsim-bridge"}, "--device"},
+        {"softsim-bridge: unknown device", {"softsim-bridge", "--device", "wand"}, "wand"},
+        {"softsim-bridge: bad axes", {"softsim-bridge", "--device", "sim", "--axes", "x,x,z"}, "--axes"},
+        {"softsim-monitor: unknown option", {"softsim-monitor", "--twice"}, "--twice"},
+        {"softsim-mesh: unknown verb", {"softsim-mesh", "knead"}, "knead"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        check(&p, cases[i].what, cases[i].argv, cases[i].word);
+    }
+}
+
+/* ---- pose files ------------------------------------------------------------------------------------------- */
+
+static void poses_are_refused(void **state)
+{
+    (void)state;
+    static process p;
+    const struct {
+        const char *what, *text, *word;
+    } cases[] = {
+        {"poses: empty", "", "poses"},
+        {"poses: wrong header", "t,x,y,z\n0,1,2,3\n", "poses"},
+        {"poses: too few columns", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,1,2\n", "2"},
+        {"poses: not a number", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,nan,0,0,1,0,0,0,0\n", "2"},
+        {"poses: no unit quaternion", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0,1,1,0,0,0\n", "2"},
+        {"poses: time goes back", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n1,0,0,0,0,1,0,0,0,0\n0,0,0,0,0,1,0,0,0,0\n", "3"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        write_file("poses.csv", cases[i].text, strlen(cases[i].text));
+        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("poses.csv"), NULL};
+        check(&p, cases[i].what, argv, cases[i].word);
+    }
+}
+
+/* ---- damaged logs: read up to the damage, reported -------------------------------------------------------- */
+
+static unsigned char *read_whole(const char *path, size_t *out_size)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *out_size = (size_t)ftell(file);
+    rewind(file);
+    unsigned char *data = malloc(*out_size);
+    assert_non_null(data);
+    assert_int_equal(fread(data, 1, *out_size, file), *out_size);
+    fclose(file);
+    return data;
+}
+
+static void put_length(unsigned char *at, uint32_t value)
+{
+    for (int i = 0; i < 4; ++i) {
+        at[i] = (unsigned char)(value >> (24 - 8 * i));
+    }
+}
+
+static void damaged_logs_are_read_up_to_the_damage(void **state)
+{
+    (void)state;
+    static process p;
+    size_t size = 0;
+    unsigned char *log = read_whole(SCENES "kidney-poke.lcmlog", &size);
+    const uint32_t channel_length = (uint32_t)log[20] << 24 | (uint32_t)log[21] << 16 |
+                                    (uint32_t)log[22] << 8 | log[23];
+    const uint32_t data_length = (uint32_t)log[24] << 24 | (uint32_t)log[25] << 16 |
+                                 (uint32_t)log[26] << 8 | log[27];
+    const size_t record = 28 + channel_length + data_length;
+    unsigned char *at = log + 500 * record; /* damage record 500 */
+    unsigned char kept[28];
+    memcpy(kept, at, sizeof kept);
+    const struct {
+        const char *what;
+        int kind;
+    } cases[] = {{"log: truncated tail", 0},        {"log: bad magic", 1},
+                 {"log: data length 0x7ffffffe", 2}, {"log: data length 0x7fffffff", 3},
+                 {"log: channel length 0x7fffffff", 4}, {"log: negative length", 5}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        size_t written = 1000 * record;
+        switch (cases[i].kind) {
+        case 0: written = 999 * record + record / 2; break;
+        case 1: at[0] ^= 0xff; break;
+        case 2: put_length(at + 24, 0x7ffffffeu); break;
+        case 3: put_length(at + 24, 0x7fffffffu); break;
+        case 4: put_length(at + 20, 0x7fffffffu); break;
+        default: put_length(at + 24, 0xfffffff0u); break;
+        }
+        write_file("damaged.lcmlog", log, written);
+        memcpy(at, kept, sizeof kept);
+        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("damaged.lcmlog"), NULL};
+        assert_int_equal(process_run(&p, argv), 0);
+        char first[160];
+        snprintf(first, sizeof first, "%.*s", (int)strcspn(p.err, "\n"), p.err);
+        print_message("%-44s exit %d  %s\n", cases[i].what, p.status, first);
+        assert_non_null(strstr(p.err, "byte"));
+        assert_non_null(strstr(p.err, cases[i].kind == 0 ? " 999 ticks" : " 99")); /* the rest is read */
+    }
+    free(log);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scenes_and_meshes_are_refused),
+        cmocka_unit_test(arguments_are_refused),
+        cmocka_unit_test(poses_are_refused),
+        cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),
+    };
+    return cmocka_run_group_tests_name("bad_inputs", tests, set_up, tear_down);
+}

@@ -1,0 +1,416 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The whole chain: the real daemon, real clients, real LCM on a private loopback.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <lcm/lcm.h>
+#include <poll.h>
+#include <time.h>
+
+#include "process.h"
+#include "softsim/types.h"
+#include "softsim_command_t.h"
+#include "softsim_contact_force_t.h"
+#include "softsim_reply_t.h"
+#include "softsim_server_status_t.h"
+
+#define SCENES SOURCE_DIR "/server/scenes/"
+#define KIDNEY SCENES "kidney.yaml"
+#define POKE SCENES "kidney-poke.lcmlog"
+
+static process daemon_process, client, other;
+static char folder[256];
+
+static const char *in_folder(const char *name)
+{
+    static char path[8][320];
+    static int next;
+    next = (next + 1) % 8;
+    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
+    return path[next];
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    snprintf(folder, sizeof folder, "/tmp/softsim-test-XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    process *all[] = {&client, &other, &daemon_process};
+    for (int i = 0; i < 3; ++i) {
+        process_signal(all[i], SIGKILL);
+        process_finish(all[i]);
+    }
+    char command[320];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+static void start_daemon(const char *const *extra)
+{
+    const char *argv[24] = {"softsimd", KIDNEY};
+    int count = 2;
+    while (extra && *extra) {
+        argv[count++] = *extra++;
+    }
+    process_start(&daemon_process, argv, NULL);
+    if (!process_wait_for(&daemon_process, "softsimd: ready")) {
+        fail_msg("no ready line; stderr: %s", daemon_process.err);
+    }
+}
+
+static int stop_daemon(void)
+{
+    process_signal(&daemon_process, SIGTERM);
+    return process_finish(&daemon_process);
+}
+
+/* ---- a replay's CSV ------------------------------------------------------------------------------- */
+
+typedef struct row {
+    long pose_seq;
+    double force[3], depth;
+    int flags;
+} row;
+
+static int read_csv(const char *path, row *rows, int capacity)
+{
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    char line[1024];
+    int count = 0;
+    assert_non_null(fgets(line, sizeof line, file));
+    assert_string_equal(line, "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,stiffness_n_per_m,"
+                              "model_age_us,flags,latency_us\n");
+    while (count < capacity && fgets(line, sizeof line, file)) {
+        row *r = &rows[count++];
+        double unused[8];
+        assert_int_equal(sscanf(line, "%ld,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%d", &r->pose_seq,
+                                &unused[0], &unused[1], &r->force[0], &r->force[1], &r->force[2],
+                                &unused[2], &unused[3], &unused[4], &r->depth, &unused[5],
+                                &unused[6], &r->flags),
+                         13);
+    }
+    fclose(file);
+    return count;
+}
+
+static double magnitude(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+enum { ROWS = 20000 };
+static row rows[ROWS];
+
+static void feels_the_kidney(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("out.csv");
+    start_daemon(NULL);
+    const char *const replay[] = {"softsim-replay", POKE, "--csv", csv, NULL};
+    if (process_run(&client, replay) != 0) {
+        fail_msg("replay: %s%s", client.out, client.err);
+    }
+    assert_int_equal(stop_daemon(), 0);
+
+    const int count = read_csv(csv, rows, ROWS);
+    assert_true(count > 7000);
+    double peak = 0.0;
+    int touching = 0;
+    for (int i = 0; i < count; ++i) {
+        const double f = magnitude(rows[i].force);
+        assert_true(isfinite(f));
+        peak = fmax(peak, f);
+        touching += (rows[i].flags & SOFTSIM_FORCE_CONTACT) != 0;
+        if (!(rows[i].flags & (SOFTSIM_FORCE_CONTACT | SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_LIMITED))) {
+            assert_true(f == 0.0);
+        }
+    }
+    assert_true(peak > 0.5 && peak <= 8.0);
+    assert_true(touching > 1000 && touching < count - 500);
+    assert_true(magnitude(rows[count - 1].force) == 0.0);
+}
+
+/* ---- lockstep ----------------------------------------------------------------------------------------- */
+
+static void last_line(const char *text, char *out, size_t size)
+{
+    size_t end = strlen(text);
+    while (end > 0 && text[end - 1] == '\n') {
+        --end;
+    }
+    size_t begin = end;
+    while (begin > 0 && text[begin - 1] != '\n') {
+        --begin;
+    }
+    snprintf(out, size, "%.*s", (int)(end - begin), text + begin);
+}
+
+static void replays_bit_for_bit(void **state)
+{
+    (void)state;
+    char hash[4][64];
+    static const char *const threads[] = {"1", "1", "2"};
+    for (int i = 0; i < 3; ++i) {
+        const char *const run[] = {"softsim-run", KIDNEY,      "--poses",  POKE,
+                                   "--threads",   threads[i], "--hash", NULL};
+        if (process_run(&client, run) != 0) {
+            fail_msg("softsim-run: %s", client.err);
+        }
+        last_line(client.out, hash[i], sizeof hash[i]);
+        assert_int_equal(strlen(hash[i]), 16);
+    }
+    const char *const lockstep[] = {"--lockstep", "--hash", NULL};
+    start_daemon(lockstep);
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+    if (process_run(&client, replay) != 0) {
+        fail_msg("replay: %s%s", client.out, client.err);
+    }
+    assert_int_equal(stop_daemon(), 0);
+    last_line(daemon_process.out, hash[3], sizeof hash[3]);
+    for (int i = 1; i < 4; ++i) {
+        assert_string_equal(hash[0], hash[i]);
+    }
+}
+
+/* ---- what a test client sees -------------------------------------------------------------------------- */
+
+typedef struct watch {
+    lcm_t *lcm;
+    softsim_contact_force_t force;
+    int forces;
+    softsim_server_status_t status;
+    int statuses;
+    int reply_code, replies;
+    int32_t fresh_seq; /* seq of the last force that answered a new pose */
+    int32_t zero_seq;  /* seq of the first zero force after it */
+    char reason[256], reply[256];
+} watch;
+
+static void on_force(const lcm_recv_buf_t *buffer, const char *channel,
+                     const softsim_contact_force_t *message, void *user)
+{
+    watch *w = user;
+    (void)buffer, (void)channel;
+    if (message->pose_seq != w->force.pose_seq) {
+        w->fresh_seq = message->seq;
+        w->zero_seq = 0;
+    } else if (w->zero_seq == 0 && magnitude(message->force) == 0.0) {
+        w->zero_seq = message->seq;
+    }
+    w->force = *message;
+    ++w->forces;
+}
+
+static void on_status(const lcm_recv_buf_t *buffer, const char *channel,
+                      const softsim_server_status_t *message, void *user)
+{
+    watch *w = user;
+    (void)buffer, (void)channel;
+    w->status = *message;
+    snprintf(w->reason, sizeof w->reason, "%s", message->reason);
+    ++w->statuses;
+}
+
+static void on_reply(const lcm_recv_buf_t *buffer, const char *channel,
+                     const softsim_reply_t *message, void *user)
+{
+    watch *w = user;
+    (void)buffer, (void)channel;
+    w->reply_code = message->code;
+    snprintf(w->reply, sizeof w->reply, "%s", message->text);
+    ++w->replies;
+}
+
+static void watch_open(watch *w)
+{
+    memset(w, 0, sizeof *w);
+    w->lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(w->lcm);
+    softsim_contact_force_t_subscribe(w->lcm, "SOFTSIM_FORCE_0", on_force, w);
+    softsim_server_status_t_subscribe(w->lcm, "SOFTSIM_STATUS", on_status, w);
+    softsim_reply_t_subscribe(w->lcm, "SOFTSIM_REPLY", on_reply, w);
+}
+
+/* Handles messages until `done` says so; fails after 20 s. */
+static void watch_until(watch *w, bool (*done)(const watch *w), const char *what)
+{
+    struct timespec start, now;
+    clock_gettime(CLOCK_MONOTONIC, &start);
+    while (!done(w)) {
+        lcm_handle_timeout(w->lcm, 200);
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        if (now.tv_sec - start.tv_sec > 20) {
+            fail_msg("waited 20 s for %s; daemon: %s", what, daemon_process.err);
+        }
+    }
+}
+
+static void send_command(watch *w, int id, char *name, char *argument)
+{
+    const softsim_command_t command = {.sender = 7, .id = id, .name = name, .argument = argument};
+    softsim_command_t_publish(w->lcm, "SOFTSIM_COMMAND", &command);
+}
+
+static bool is_pressed(const watch *w)
+{
+    return w->forces > 0 && magnitude(w->force.force) > 0.3;
+}
+
+static bool is_released(const watch *w)
+{
+    return w->zero_seq != 0;
+}
+
+static bool says_silent(const watch *w)
+{
+    return strstr(w->reason, "silent") != NULL;
+}
+
+static void start_bridge(const char *script)
+{
+    char command[512] = "";
+    FILE *file = fopen(SCENES "kidney-poke.sh", "r");
+    assert_non_null(file);
+    char line[512];
+    while (fgets(line, sizeof line, file)) {
+        if (sscanf(line, "KIDNEY_BRIDGE=\"%511[^\"]\"", command) == 1) {
+            break;
+        }
+    }
+    fclose(file);
+    assert_true(*command);
+    const char *argv[32] = {"softsim-bridge", "--device", "sim", "--script", script};
+    int count = 5;
+    for (char *word = strtok(command, " "); word && count < 31; word = strtok(NULL, " ")) {
+        argv[count++] = word;
+    }
+    process_start(&client, argv, NULL);
+}
+
+static void killed_bridge_is_let_go(void **state)
+{
+    (void)state;
+    watch w;
+    start_daemon(NULL);
+    watch_open(&w);
+    start_bridge("slide");
+    watch_until(&w, is_pressed, "a force");
+    process_signal(&client, SIGKILL);
+    process_finish(&client);
+    watch_until(&w, is_released, "the release");
+    /* 50 ticks without a pose, then 20 of ramp. */
+    assert_in_range(w.zero_seq - w.fresh_seq, 60, 71);
+    assert_true(w.force.flags & SOFTSIM_FORCE_STALE);
+    watch_until(&w, says_silent, "a status that says why");
+    lcm_destroy(w.lcm);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void replay_outlives_a_killed_daemon(void **state)
+{
+    (void)state;
+    start_daemon(NULL);
+    const char *const replay[] = {"softsim-replay", POKE, NULL};
+    process_start(&client, replay, NULL);
+    watch w;
+    watch_open(&w);
+    watch_until(&w, is_pressed, "a force");
+    process_signal(&daemon_process, SIGKILL);
+    process_finish(&daemon_process);
+    start_daemon(NULL);
+    w.force.force[0] = w.force.force[1] = w.force.force[2] = 0.0;
+    watch_until(&w, is_pressed, "a force of the new daemon");
+    lcm_destroy(w.lcm);
+    if (process_finish(&client) != 0) {
+        fail_msg("replay: %s%s", client.out, client.err);
+    }
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static bool has_reply(const watch *w)
+{
+    return w->replies > 0;
+}
+
+static void expect_reply(watch *w, char *name, char *argument, int code)
+{
+    w->replies = 0;
+    send_command(w, 1, name, argument);
+    watch_until(w, has_reply, name);
+    if (w->reply_code != code) {
+        fail_msg("%s %s: code %d, text %s", name, argument, w->reply_code, w->reply);
+    }
+}
+
+static void obeys_commands(void **state)
+{
+    (void)state;
+    watch w;
+    start_daemon(NULL);
+    watch_open(&w);
+    expect_reply(&w, "pause", "", 0);
+    expect_reply(&w, "resume", "", 0);
+    expect_reply(&w, "reset", "", 0);
+    expect_reply(&w, "refresh", "", 0);
+    expect_reply(&w, "status", "", 0);
+    expect_reply(&w, "set", "haptic.max_force_n=3", 0);
+    expect_reply(&w, "set", "haptic.max_force_n=-3", 2);
+    expect_reply(&w, "set", "object.mesh=other.obj", 2);
+    expect_reply(&w, "dance", "", 2);
+    expect_reply(&w, "shutdown", "", 0);
+    assert_int_equal(process_finish(&daemon_process), 0);
+
+    const char *const closed[] = {"--no-commands", NULL};
+    start_daemon(closed);
+    expect_reply(&w, "status", "", 0);
+    expect_reply(&w, "shutdown", "", 1);
+    lcm_destroy(w.lcm);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void monitor_prints_one_status(void **state)
+{
+    (void)state;
+    start_daemon(NULL);
+    const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
+    assert_int_equal(process_run(&client, monitor), 0);
+    assert_non_null(strstr(client.out, "\"model\": \"cnn-energy\""));
+    assert_non_null(strstr(client.out, "\"verdict\""));
+    assert_int_equal(stop_daemon(), 0);
+}
+
+int main(void)
+{
+    if (!process_isolate()) {
+        fprintf(stderr, "skipped: no private network namespace allowed here\n");
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(feels_the_kidney, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(replays_bit_for_bit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(killed_bridge_is_let_go, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(obeys_commands, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(monitor_prints_one_status, set_up, tear_down),
+    };
+    return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
+}

@@ -1,0 +1,1115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The contact surface and a tool that touches it. Shapes: test_contact_shape.c. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contact/contact.h"
+#include "contact/touch.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#define assert_near(a, b, eps)                                                                     \
+    do {                                                                                           \
+        const double a_ = (a);                                                                     \
+        const double b_ = (b);                                                                     \
+        if (!(fabs(a_ - b_) <= (eps))) {                                                           \
+            fail_msg("%s = %.17g, not %.17g (within %g)", #a, a_, b_, (double)(eps));              \
+        }                                                                                          \
+    } while (0)
+
+enum { IS_DOUBLE = sizeof(ss_real) == 8, MAX_NODES = 2000, MAX_TRIANGLES = 4000 };
+
+/* ---- meshes --------------------------------------------------------------------------------- */
+
+static double positions[MAX_NODES][3];
+static int32_t triangles[MAX_TRIANGLES][3];
+static ss_mesh mesh;
+
+static uint64_t seed_state;
+
+static double random_unit(void)
+{
+    seed_state += 0x9e3779b97f4a7c15u;
+    uint64_t z = seed_state;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static void begin_mesh(void)
+{
+    mesh = (ss_mesh){.position = positions, .triangle = triangles};
+}
+
+static int32_t add_node(double x, double y, double z)
+{
+    ss_set3(positions[mesh.node_count], x, y, z);
+    return mesh.node_count++;
+}
+
+static void add_triangle(int32_t a, int32_t b, int32_t c)
+{
+    const int32_t corner[3] = {a, b, c};
+    memcpy(triangles[mesh.triangle_count++], corner, sizeof corner);
+}
+
+/* Equilateral triangles of edge h in z = 0, rows x columns nodes, about the origin. */
+static void make_plane(int rows, int columns, double h)
+{
+    begin_mesh();
+    for (int j = 0; j < rows; ++j) {
+        for (int i = 0; i < columns; ++i) {
+            add_node(h * (i + 0.5 * (j % 2) - 0.5 * columns),
+                     h * 0.5 * sqrt(3.0) * (j - 0.5 * rows), 0.0);
+        }
+    }
+    for (int32_t j = 0; j + 1 < rows; ++j) {
+        for (int32_t i = 0; i + 1 < columns; ++i) {
+            const int32_t a = j * columns + i;
+            const int32_t b = a + columns;
+            if (j % 2 == 0) {
+                add_triangle(a, a + 1, b);
+                add_triangle(a + 1, b + 1, b);
+            } else {
+                add_triangle(a, b + 1, b);
+                add_triangle(a, a + 1, b + 1);
+            }
+        }
+    }
+}
+
+static int32_t middle_node(int32_t a, int32_t b, double radius)
+{
+    double m[3];
+    ss_add3(m, positions[a], positions[b]);
+    ss_normalize3(m);
+    ss_scale3(m, m, radius);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        double r[3];
+        ss_sub3(r, positions[i], m);
+        if (ss_norm3(r) < 1e-9 * radius) {
+            return i;
+        }
+    }
+    return add_node(m[0], m[1], m[2]);
+}
+
+/* An octahedron split `levels` times, on a sphere: valences 4 and 6. */
+static void make_sphere(int levels, double radius)
+{
+    static const int32_t face[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                       {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    begin_mesh();
+    for (int k = 0; k < 6; ++k) {
+        const double s = (k % 2 == 0 ? 1.0 : -1.0) * radius;
+        add_node(k / 2 == 0 ? s : 0.0, k / 2 == 1 ? s : 0.0, k / 2 == 2 ? s : 0.0);
+    }
+    for (int f = 0; f < 8; ++f) {
+        add_triangle(face[f][0], face[f][1], face[f][2]);
+    }
+    for (int level = 0; level < levels; ++level) {
+        const int32_t count = mesh.triangle_count;
+        for (int32_t t = 0; t < count; ++t) {
+            int32_t v[3];
+            int32_t m[3];
+            memcpy(v, triangles[t], sizeof v);
+            for (int k = 0; k < 3; ++k) {
+                m[k] = middle_node(v[k], v[(k + 1) % 3], radius);
+            }
+            for (int k = 0; k < 3; ++k) {
+                add_triangle(v[k], m[k], m[(k + 2) % 3]);
+            }
+            memcpy(triangles[t], m, sizeof m);
+        }
+    }
+    mesh.is_closed = true;
+}
+
+/* ---- one tool on one surface ---------------------------------------------------------------- */
+
+static ss_surface *surface;
+static ss_touch *touch;
+static ss_real *u;     /* displacement */
+static ss_real *force; /* on nodes */
+static double tool_force[3], tool_torque[3];
+
+static void open_touch(const ss_shape *shape, int parts, double delta, double stiffness)
+{
+    softsim_error error = {0};
+    const ss_touch_options options = {delta, stiffness};
+    assert_int_equal(ss_surface_create(&mesh, 0.0, parts, &surface, &error), SOFTSIM_OK);
+    assert_int_equal(ss_touch_create(surface, shape, &options, &touch), SOFTSIM_OK);
+    u = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
+    force = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
+}
+
+static void close_touch(void)
+{
+    const int64_t before = ss_memory_in_use();
+    ss_touch_destroy(&touch);
+    ss_surface_destroy(&surface);
+    ss_memory_free(u);
+    ss_memory_free(force);
+    assert_null(touch);
+    assert_null(surface);
+    assert_true(ss_memory_in_use() < before);
+}
+
+static ss_tool_pose pose_at(double x, double y, double z)
+{
+    return (ss_tool_pose){{x, y, z}, {1.0, 0.0, 0.0, 0.0}};
+}
+
+static ss_tool_pose random_pose(double x, double y, double z)
+{
+    ss_tool_pose pose = pose_at(x, y, z);
+    double length = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        pose.orientation[k] = random_unit() - 0.5;
+        length += pose.orientation[k] * pose.orientation[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        pose.orientation[k] /= sqrt(length);
+    }
+    return pose;
+}
+
+static void shake_nodes(double size)
+{
+    for (int32_t i = 0; i < 4 * mesh.node_count; ++i) {
+        u[i] = i % 4 == 3 ? 0 : (ss_real)(size * (random_unit() - 0.5));
+    }
+}
+
+static int32_t gather(const ss_tool_pose *from, const ss_tool_pose *to)
+{
+    ss_surface_refit(surface, u);
+    return ss_touch_gather(touch, u, from, to);
+}
+
+static void clear_forces(void)
+{
+    memset(force, 0, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+    memset(tool_force, 0, sizeof tool_force);
+    memset(tool_torque, 0, sizeof tool_torque);
+}
+
+static double penalty(const ss_tool_pose *pose)
+{
+    clear_forces();
+    return ss_touch_penalty(touch, u, pose, force, tool_force, tool_torque);
+}
+
+static const ss_shape sphere_5mm = {.kind = SS_SHAPE_SPHERE, .radius = 0.005};
+
+/* Every kind but convex, some 5 to 8 mm large. */
+static const ss_shape shapes[] = {
+    {.kind = SS_SHAPE_SPHERE, .radius = 0.006},
+    {.kind = SS_SHAPE_CAPSULE, .radius = 0.005, .half_length = 0.006},
+    {.kind = SS_SHAPE_BOX, .half_extent = {0.005, 0.006, 0.008}},
+    {.kind = SS_SHAPE_CYLINDER, .radius = 0.005, .half_length = 0.007},
+    {.kind = SS_SHAPE_CONE, .radius = 0.006, .half_length = 0.008},
+};
+enum { SHAPE_COUNT = sizeof shapes / sizeof shapes[0] };
+
+/* ---- subdivision rows ----------------------------------------------------------------------- */
+
+static void check_rows(void)
+{
+    for (int32_t k = 0; k < surface->patch_count; ++k) {
+        const ss_patch *patch = &surface->patch[k];
+        const ss_real *row = surface->coefficient + (int64_t)patch->first * SS_GRID_ROW;
+        for (int p = 0; p < SS_GRID_POINTS; ++p) {
+            double sum = 0.0;
+            for (int32_t i = 0; i < patch->control_count; ++i) {
+                assert_true(row[i * SS_GRID_ROW + p] >= 0);
+                sum += (double)row[i * SS_GRID_ROW + p];
+            }
+            assert_near(sum, 1.0, IS_DOUBLE ? 1e-15 : 2e-7);
+        }
+    }
+}
+
+static void loop_rows_are_convex_combinations(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.05);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+    make_plane(7, 7, 0.01); /* with boundaries */
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+    make_sphere(0, 0.05); /* valence 4, all rings overlap */
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+}
+
+/* Bow tie: two triangles that share a node only; and single triangles. */
+static void loose_corners_keep_their_place(void **state)
+{
+    (void)state;
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    add_node(0.01, 0.0, 0.0);
+    add_node(0.0, 0.01, 0.0);
+    add_node(-0.01, 0.0, 0.0);
+    add_node(0.0, -0.01, 0.0);
+    add_triangle(0, 1, 2);
+    add_triangle(0, 3, 4);
+    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    check_rows();
+    for (int32_t t = 0; t < 2; ++t) {
+        const ss_wide zero = {0};
+        ss_wide point[SS_GRID_ROW];
+        const int32_t *corner = surface->control + surface->control_first[t];
+        static const int at[3] = {0, 4, 14};
+        ss_surface_points(surface, t, u, &zero, point);
+        for (int k = 0; k < 3; ++k) {
+            if (corner[k] == 0) {
+                for (int c = 0; c < 3; ++c) {
+                    assert_near((double)point[at[k]][c] + surface->centre[c], 0.0, 1e-9);
+                }
+            }
+        }
+    }
+    close_touch();
+}
+
+/* Loop subdivision keeps linear fields where the mesh is regular: points stay on their triangle. */
+static void regular_rows_reproduce_linear_fields(void **state)
+{
+    (void)state;
+    make_plane(9, 9, 0.01);
+    for (int32_t i = 0; i < mesh.node_count; ++i) { /* a sheared, tilted plane */
+        positions[i][2] = 0.3 * positions[i][0] - 0.7 * positions[i][1];
+        positions[i][0] += 0.2 * positions[i][1];
+    }
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    int32_t checked = 0;
+    for (int32_t t = 0; t < surface->triangle_count; ++t) {
+        const ss_wide zero = {0};
+        ss_wide point[SS_GRID_ROW];
+        const int32_t *corner = surface->control + surface->control_first[t];
+        if (surface->patch[surface->patch_of[t]].control_count != 12) {
+            continue;
+        }
+        checked++;
+        ss_surface_points(surface, t, u, &zero, point);
+        for (int p = 0; p < SS_GRID_POINTS; ++p) {
+            for (int c = 0; c < 3; ++c) {
+                double x = 0.0;
+                for (int k = 0; k < 3; ++k) {
+                    x += (double)surface->grid.bary[p][k] * positions[corner[k]][c];
+                }
+                assert_near((double)point[p][c] + surface->centre[c], x, IS_DOUBLE ? 1e-16 : 2e-8);
+            }
+        }
+    }
+    assert_true(checked > 40);
+    close_touch();
+}
+
+/* Neighbours compute a shared side from different rings: the surface must not crack. */
+static void neighbouring_triangles_share_their_side(void **state)
+{
+    (void)state;
+    make_sphere(2, 0.05);
+    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    seed_state = 7;
+    shake_nodes(0.01);
+    /* side k of a triangle runs over these points */
+    static const int side[3][5] = {{0, 1, 2, 3, 4}, {4, 8, 11, 13, 14}, {14, 12, 9, 5, 0}};
+    const ss_wide zero = {0};
+    int32_t shared = 0;
+    for (int32_t a = 0; a < surface->triangle_count; ++a) {
+        ss_wide pa[SS_GRID_ROW];
+        ss_surface_points(surface, a, u, &zero, pa);
+        for (int32_t b = 0; b < a; ++b) {
+            const int32_t *ca = surface->control + surface->control_first[a];
+            const int32_t *cb = surface->control + surface->control_first[b];
+            for (int k = 0; k < 9; ++k) {
+                const int i = k / 3;
+                const int j = k % 3;
+                if (ca[i] != cb[(j + 1) % 3] || ca[(i + 1) % 3] != cb[j]) {
+                    continue;
+                }
+                ss_wide pb[SS_GRID_ROW];
+                ss_surface_points(surface, b, u, &zero, pb);
+                for (int p = 0; p < 15; ++p) {
+                    assert_near((double)pa[side[i][p / 3]][p % 3],
+                                (double)pb[side[j][4 - p / 3]][p % 3], IS_DOUBLE ? 1e-16 : 2e-8);
+                }
+                shared++;
+            }
+        }
+    }
+    assert_int_equal(2 * shared, 3 * surface->triangle_count);
+    close_touch();
+}
+
+static void equal_topology_shares_one_matrix(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.05);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    assert_int_equal(surface->triangle_count, 512);
+    assert_int_equal(surface->patch_count, 2); /* all regular, or one corner of valence 4 */
+    close_touch();
+}
+
+static void sample_areas_sum_to_the_surface(void **state)
+{
+    (void)state;
+    make_sphere(2, 0.05);
+    open_touch(&sphere_5mm, 3, 0.005, 1.0);
+    double area = 0.0;
+    double expected = 0.0;
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) {
+        double a[3];
+        double b[3];
+        double c[3];
+        ss_sub3(a, positions[triangles[t][1]], positions[triangles[t][0]]);
+        ss_sub3(b, positions[triangles[t][2]], positions[triangles[t][0]]);
+        ss_cross3(c, a, b);
+        expected += 0.5 * ss_norm3(c);
+        area += (double)surface->area[t];
+    }
+    assert_near(area, expected, 1e-7 * expected);
+    assert_int_equal(ss_surface_sample_count(surface), 128 * 16 * 9);
+    close_touch();
+}
+
+/* ---- refusals ------------------------------------------------------------------------------- */
+
+static void expect_refusal(double radius, int parts, softsim_status status, const char *text)
+{
+    softsim_error error = {0};
+    ss_surface *none = NULL;
+    assert_int_equal(ss_surface_create(&mesh, radius, parts, &none, &error), status);
+    assert_null(none);
+    if (strstr(error.text, text) == NULL) {
+        fail_msg("'%s' is not in '%s'", text, error.text);
+    }
+}
+
+static void refuses_what_it_cannot_sample(void **state)
+{
+    (void)state;
+    make_plane(5, 5, 0.01);
+    expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "2.5 mm");
+    expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "mean edge 10 mm");
+    expect_refusal(0.005, 1, SOFTSIM_ERROR_ARGUMENT, "more parts");
+    expect_refusal(0.005, 5, SOFTSIM_ERROR_ARGUMENT, "parts");
+    positions[7][1] = NAN;
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "non-finite");
+    make_plane(5, 5, 0.01);
+    triangles[3][1] = 99;
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "triangle 3");
+    make_plane(5, 5, 0.01);
+    add_triangle(triangles[0][0], triangles[0][1], 20);
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "manifold");
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    for (int k = 0; k < 80; ++k) {
+        add_node(cos(0.078539816 * k), sin(0.078539816 * k), 0.0);
+    }
+    for (int32_t k = 0; k < 80; ++k) {
+        add_triangle(0, 1 + k, 1 + (k + 1) % 80);
+    }
+    expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "node 0");
+    begin_mesh();
+    expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
+}
+
+static void picks_parts_by_radius_over_edge(void **state)
+{
+    (void)state;
+    static const double ratio[4] = {0.4, 0.6, 2.0, 3.1};
+    static const int64_t samples[4] = {144, 64, 64, 16};
+    make_plane(5, 5, 0.01);
+    for (int k = 0; k < 4; ++k) {
+        ss_surface *picked = NULL;
+        assert_int_equal(ss_surface_create(&mesh, 0.01 * ratio[k], 0, &picked, NULL), SOFTSIM_OK);
+        assert_int_equal(ss_surface_sample_count(picked), samples[k] * mesh.triangle_count);
+        assert_near(ss_surface_mean_edge(picked), 0.01, 1e-12);
+        ss_surface_destroy(&picked);
+    }
+}
+
+/* ---- forces are gradients ------------------------------------------------------------------- */
+
+/* Turns the pose by a small vector (world), about the tool's origin. */
+static ss_tool_pose turned(const ss_tool_pose *pose, int axis, double angle)
+{
+    ss_tool_pose out = *pose;
+    double q[4] = {cos(0.5 * angle), 0.0, 0.0, 0.0};
+    q[1 + axis] = sin(0.5 * angle);
+    const double *p = pose->orientation;
+    out.orientation[0] = q[0] * p[0] - q[1] * p[1] - q[2] * p[2] - q[3] * p[3];
+    out.orientation[1] = q[0] * p[1] + q[1] * p[0] + q[2] * p[3] - q[3] * p[2];
+    out.orientation[2] = q[0] * p[2] - q[1] * p[3] + q[2] * p[0] + q[3] * p[1];
+    out.orientation[3] = q[0] * p[3] + q[1] * p[2] - q[2] * p[1] + q[3] * p[0];
+    return out;
+}
+
+static const double *test_mu; /* per mesh node */
+
+/* Either potential: the penalty's, or sum mu_i w_i. */
+static double potential(const ss_tool_pose *pose)
+{
+    if (test_mu == NULL) {
+        return ss_touch_penalty(touch, u, pose, NULL, (double[3]){0}, (double[3]){0});
+    }
+    const int32_t *node;
+    const double *weight;
+    double total;
+    double sum = 0.0;
+    const int32_t count = ss_touch_weigh(touch, u, NULL, pose, &node, &weight, &total);
+    for (int32_t i = 0; i < count; ++i) {
+        sum += test_mu[node[i]] * weight[i];
+    }
+    return sum;
+}
+
+/* Compares force, tool_force and tool_torque with differences of the potential. */
+static void check_gradient(const ss_tool_pose *pose, double step, double relative)
+{
+    double largest = 0.0;
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            largest = fmax(largest, fabs((double)force[4 * i + c]));
+        }
+    }
+    assert_true(largest > 0.0);
+    int checked = 0;
+    for (int32_t i = 0; i < mesh.node_count && checked < 12; ++i) {
+        if (force[4 * i] == 0 || (checked > 5 && random_unit() < 0.5)) {
+            continue;
+        }
+        checked++;
+        for (int c = 0; c < 3; ++c) {
+            const ss_real keep = u[4 * i + c];
+            u[4 * i + c] = (ss_real)((double)keep + step);
+            const double above = potential(pose);
+            const double top = (double)u[4 * i + c];
+            u[4 * i + c] = (ss_real)((double)keep - step);
+            const double below = potential(pose);
+            const double width = top - (double)u[4 * i + c];
+            u[4 * i + c] = keep;
+            assert_near((double)force[4 * i + c], (below - above) / width, relative * largest);
+        }
+    }
+    assert_true(checked >= 5);
+    const double whole = ss_norm3(tool_force) + largest;
+    for (int c = 0; c < 3; ++c) {
+        ss_tool_pose up = *pose;
+        ss_tool_pose down = *pose;
+        up.position[c] += step;
+        down.position[c] -= step;
+        assert_near(tool_force[c], (potential(&down) - potential(&up)) / (2.0 * step),
+                    relative * whole);
+        up = turned(pose, c, step / 0.005);
+        down = turned(pose, c, -step / 0.005);
+        assert_near(tool_torque[c], (potential(&down) - potential(&up)) / (2.0 * step / 0.005),
+                    0.01 * relative * whole);
+    }
+}
+
+/* The potential's second derivative jumps where a sample touches: a difference over `step` is off
+ * by about its area over the contact's, times step over depth. */
+static void penalty_forces_are_minus_the_gradient(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.04);
+    test_mu = NULL;
+    seed_state = 11;
+    for (int k = 0; k < SHAPE_COUNT; ++k) {
+        open_touch(&shapes[k], 2, 0.005, 5e7);
+        shake_nodes(0.001);
+        const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
+        gather(&pose, &pose);
+        assert_true(penalty(&pose) > 0.0);
+        check_gradient(&pose, IS_DOUBLE ? 1e-9 : 1e-5, IS_DOUBLE ? 1e-5 : 0.03);
+        close_touch();
+    }
+}
+
+static void weight_forces_are_minus_the_gradient(void **state)
+{
+    (void)state;
+    static double mu[MAX_NODES];
+    make_sphere(3, 0.04);
+    seed_state = 12;
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        mu[i] = random_unit() - 0.3;
+    }
+    for (int k = 0; k < SHAPE_COUNT; ++k) {
+        open_touch(&shapes[k], 1, 0.008, 1.0);
+        shake_nodes(0.001);
+        const ss_tool_pose pose = random_pose(0.024, 0.024, 0.024);
+        gather(&pose, &pose);
+        const int32_t *node;
+        const double *weight;
+        double listed[MAX_NODES];
+        double total;
+        double sum = 0.0;
+        const int32_t count = ss_touch_weigh(touch, u, NULL, &pose, &node, &weight, &total);
+        for (int32_t i = 0; i < count; ++i) {
+            assert_true(weight[i] > 0.0);
+            assert_true(i == 0 || node[i] > node[i - 1]);
+            sum += weight[i];
+            listed[i] = mu[node[i]];
+        }
+        assert_near(sum, total, 1e-15);
+        clear_forces();
+        ss_touch_weight_forces(touch, listed, force, tool_force, tool_torque);
+        test_mu = mu;
+        check_gradient(&pose, IS_DOUBLE ? 1e-9 : 1e-5, IS_DOUBLE ? 1e-5 : 0.02);
+        test_mu = NULL;
+        close_touch();
+    }
+}
+
+static void forces_of_tissue_and_tool_cancel(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.04);
+    seed_state = 13;
+    open_touch(&shapes[1], 2, 0.005, 5e7);
+    const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
+    gather(&pose, &pose);
+    penalty(&pose);
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            sum[c] += (double)force[4 * i + c];
+        }
+        assert_true(force[4 * i + 3] == 0);
+    }
+    for (int c = 0; c < 3; ++c) {
+        assert_near(sum[c], -tool_force[c], (IS_DOUBLE ? 1e-13 : 1e-5) * ss_norm3(tool_force));
+    }
+    close_touch();
+}
+
+/* ---- weights -------------------------------------------------------------------------------- */
+
+/* W = sqrt(3)/2 h^2 phi(d): one linear sample in each triangle of a hexagon, rim fixed. */
+static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
+{
+    (void)state;
+    static const double height[2] = {0.25, 0.17};
+    static const double expected[2] = {0.0245357960952869, 0.0615903130631309};
+    static const uint8_t is_source[7] = {1, 0, 0, 0, 0, 0, 0};
+    const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.25};
+    const double h = 0.3;
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    for (int k = 0; k < 6; ++k) {
+        add_node(h * cos(k * 1.0471975511965976), h * sin(k * 1.0471975511965976), 0.0);
+    }
+    for (int32_t k = 0; k < 6; ++k) {
+        add_triangle(0, 1 + k, 1 + (k + 1) % 6);
+    }
+    open_touch(&ball, SS_SURFACE_CENTROIDS, 0.2, 400.0);
+    u[2] = (ss_real)-0.12;
+    for (int k = 0; k < 2; ++k) {
+        const int32_t *node;
+        const double *weight;
+        double total;
+        const ss_tool_pose pose = pose_at(0.0, 0.0, height[k]);
+        gather(&pose, &pose);
+        assert_int_equal(ss_touch_weigh(touch, u, is_source, &pose, &node, &weight, &total), 1);
+        assert_int_equal(node[0], 0);
+        assert_near(total, expected[k], IS_DOUBLE ? 1e-15 : 1e-7);
+    }
+    /* And the penalty at X = .11: six samples with d = -.0208712152522080. */
+    const ss_tool_pose deep = pose_at(0.0, 0.0, 0.11);
+    gather(&deep, &deep);
+    assert_near(penalty(&deep), 0.0203713525955681, IS_DOUBLE ? 1e-15 : 2e-7);
+    assert_near(tool_force[2], 1.27794961556580, IS_DOUBLE ? 1e-13 : 1e-5);
+    close_touch();
+}
+
+/* ---- what the gather may not change --------------------------------------------------------- */
+
+static void gather_radius_does_not_change_a_bit(void **state)
+{
+    (void)state;
+    static ss_real kept[4 * MAX_NODES];
+    static int32_t kept_node[MAX_NODES];
+    static double kept_weight[MAX_NODES];
+    make_sphere(3, 0.04);
+    seed_state = 14;
+    for (int k = 0; k < SHAPE_COUNT; ++k) {
+        open_touch(&shapes[k], 2, 0.006, 5e7);
+        shake_nodes(0.001);
+        const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
+        const ss_tool_pose away = pose_at(-0.06, 0.05, 0.01);
+        double first_force[3];
+        double energy[2];
+        int32_t count[2];
+        int32_t reach[2];
+        for (int wide = 0; wide < 2; ++wide) {
+            const int32_t *node;
+            const double *weight;
+            double total;
+            reach[wide] = gather(wide ? &away : &pose, &pose);
+            count[wide] = ss_touch_weigh(touch, u, NULL, &pose, &node, &weight, &total);
+            energy[wide] = penalty(&pose);
+            const size_t bytes = (size_t)count[wide];
+            if (wide == 0) {
+                memcpy(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+                memcpy(first_force, tool_force, sizeof first_force);
+                memcpy(kept_node, node, bytes * sizeof(int32_t));
+                memcpy(kept_weight, weight, bytes * sizeof(double));
+            } else {
+                assert_memory_equal(kept_node, node, bytes * sizeof(int32_t));
+                assert_memory_equal(kept_weight, weight, bytes * sizeof(double));
+            }
+        }
+        assert_true(reach[1] > reach[0] + 10);
+        assert_int_equal(count[0], count[1]);
+        assert_memory_equal(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+        assert_memory_equal(first_force, tool_force, sizeof first_force);
+        assert_memory_equal(&energy[0], &energy[1], sizeof energy[0]);
+        close_touch();
+    }
+}
+
+/* A sliding tool on moving tissue keeps its gather and the tree's boxes for some steps: the same
+ * bits as when both are made anew. */
+static void kept_gathers_do_not_change_a_bit(void **state)
+{
+    (void)state;
+    static ss_real kept[4 * MAX_NODES];
+    make_sphere(3, 0.04);
+    for (int k = 0; k < SHAPE_COUNT; ++k) {
+        open_touch(&shapes[k], 2, 0.006, 5e7);
+        const ss_touch_options options = {0.006, 5e7};
+        ss_surface *other = NULL;
+        ss_touch *fresh = NULL;
+        assert_int_equal(ss_surface_create(&mesh, 0.0, 2, &other, NULL), SOFTSIM_OK);
+        assert_int_equal(ss_touch_create(other, &shapes[k], &options, &fresh), SOFTSIM_OK);
+        seed_state = 17;
+        const ss_tool_pose start = random_pose(0.0, 0.0, 0.043);
+        ss_tool_pose at = start;
+        int kept_boxes = 0;
+        int kept_gathers = 0;
+        double pressed = 0.0;
+        for (int step = 1; step <= 150; ++step) {
+            const double way = 0.0001 * step;
+            ss_tool_pose next = turned(&start, 0, 4.0 * way);
+            next.position[0] += way;
+            next.position[2] -= 0.4 * way;
+            for (int32_t i = 0; i < mesh.node_count; ++i) {
+                u[4 * i + i % 3] = (ss_real)(0.002 * sin(0.05 * step + i));
+            }
+            ss_surface_refit(surface, u);
+            kept_boxes += surface->moved > 0.0;
+            const double before = touch->sweep.start[0];
+            ss_touch_gather(touch, u, &at, &next);
+            kept_gathers += touch->sweep.start[0] == before;
+            const double energy = penalty(&next);
+            memcpy(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+            pressed += energy;
+
+            other->is_fitted = false;
+            ss_surface_refit(other, u);
+            ss_touch_gather(fresh, u, &(ss_tool_pose){{NAN}, {0.0}}, &next); /* forgets */
+            ss_touch_gather(fresh, u, &next, &next);
+            clear_forces();
+            const double again = ss_touch_penalty(fresh, u, &next, force, tool_force, tool_torque);
+            assert_memory_equal(&energy, &again, sizeof energy);
+            assert_memory_equal(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+            at = next;
+        }
+        assert_true(kept_boxes > 100 && kept_boxes < 149);
+        assert_true(kept_gathers > 75 && kept_gathers < 149);
+        assert_true(pressed > 0.0);
+        ss_touch_destroy(&fresh);
+        ss_surface_destroy(&other);
+        close_touch();
+    }
+}
+
+/* Nodes that move after the gather must not be culled. */
+static void motion_after_the_gather_is_seen(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.04);
+    open_touch(&sphere_5mm, 2, 0.006, 5e7);
+    const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0475);
+    gather(&pose, &pose);
+    assert_near(penalty(&pose), 0.0, 0.0);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        u[4 * i + 2] = (ss_real)0.004;
+    }
+    const double late = penalty(&pose);
+    assert_true(late > 0.0);
+    gather(&pose, &pose);
+    const double fresh = penalty(&pose);
+    assert_memory_equal(&late, &fresh, sizeof late);
+    close_touch();
+}
+
+static void shifting_body_and_tool_together_changes_nothing(void **state)
+{
+    (void)state;
+    double first[3] = {0.0, 0.0, 0.0};
+    for (int pass = 0; pass < 2; ++pass) {
+        make_sphere(3, 0.04);
+        ss_tool_pose pose = pose_at(0.025, 0.025, 0.025);
+        if (pass == 1) {
+            const double shift[3] = {0.5, -0.25, 0.125};
+            for (int32_t i = 0; i < mesh.node_count; ++i) {
+                ss_add3(positions[i], positions[i], shift);
+            }
+            ss_add3(pose.position, pose.position, shift);
+        }
+        open_touch(&shapes[0], 2, 0.005, 5e7);
+        gather(&pose, &pose);
+        penalty(&pose);
+        if (pass == 0) {
+            ss_copy3(first, tool_force);
+        }
+        for (int c = 0; c < 3; ++c) {
+            assert_near(tool_force[c], first[c], (IS_DOUBLE ? 1e-10 : 1e-4) * ss_norm3(first));
+        }
+        close_touch();
+    }
+}
+
+static void a_fast_tool_gathers_what_it_crosses(void **state)
+{
+    (void)state;
+    make_plane(20, 20, 0.005);
+    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    const ss_tool_pose from = pose_at(0.01, 0.005, 0.025);
+    const ss_tool_pose to = pose_at(-0.01, 0.0, -0.025);
+    assert_true(ss_tool_motion_bound(&sphere_5mm, &from, &to) > 0.05);
+    gather(&from, &to);
+    ss_tool_pose crossing;
+    ss_tool_pose_blend(&from, &to, 0.48, &crossing);
+    const double swept = penalty(&crossing);
+    assert_true(swept > 0.0);
+    gather(&crossing, &crossing);
+    const double there = penalty(&crossing);
+    assert_memory_equal(&swept, &there, sizeof swept);
+    close_touch();
+}
+
+/* ---- smoothness ----------------------------------------------------------------------------- */
+
+/* A sphere of R = h slides over a rigid plane of triangles, 0.24 R deep: 210 samples touch. The
+ * mean is the closed form kc int (R - |x|) dA over the cap, times the height over |x|. */
+static void force_on_a_plane_does_not_ripple(void **state)
+{
+    (void)state;
+    enum { STEPS = 400 };
+    const double r = 0.005;
+    const double height = r - 0.0012;
+    make_plane(16, 16, r);
+    open_touch(&sphere_5mm, 2, r, 5e7);
+    double sum = 0.0;
+    double squares = 0.0;
+    double side = 0.0;
+    double least = INFINITY;
+    double most = 0.0;
+    for (int k = 0; k < STEPS; ++k) {
+        const ss_tool_pose pose = pose_at(2.7e-5 * k - 0.005, 1.1e-5 * k, height);
+        gather(&pose, &pose);
+        penalty(&pose);
+        sum += tool_force[2];
+        squares += tool_force[2] * tool_force[2];
+        side = fmax(side, hypot(tool_force[0], tool_force[1]));
+        least = fmin(least, tool_force[2]);
+        most = fmax(most, tool_force[2]);
+    }
+    const double mean = sum / STEPS;
+    /* int 2 pi rho (R/s - 1) height d rho, s^2 = rho^2 + height^2 */
+    const double exact = 5e7 * 3.14159265358979 * height * (r - height) * (r - height);
+    assert_near(mean, exact, 1e-3 * exact);
+    assert_true(sqrt(fmax(0.0, squares / STEPS - mean * mean)) < 1e-3 * mean);
+    assert_true(most - least < 3e-3 * mean);
+    assert_true(side < 2e-3 * mean);
+    close_touch();
+}
+
+/* ---- linearisation -------------------------------------------------------------------------- */
+
+/* A box's face over the whole plane has one normal, so that the tangent is exact. */
+static void tangent_and_diagonal_match_differences(void **state)
+{
+    (void)state;
+    const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {0.2, 0.2, 0.004}};
+    make_plane(14, 14, 0.005);
+    open_touch(&box, 2, 0.005, 5e7);
+    seed_state = 15;
+    ss_real *du = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
+    ss_real *dforce = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
+    double *diagonal = ss_memory_get((size_t)mesh.node_count, sizeof(double));
+    static ss_real before[4 * MAX_NODES];
+    const ss_tool_pose pose = pose_at(0.0003, 0.0001, 0.003);
+    const double dx[3] = {0.0, 0.0, 2e-4};
+    ss_tool_pose moved = pose;
+    ss_add3(moved.position, moved.position, dx);
+    gather(&pose, &pose);
+    penalty(&pose);
+    memcpy(before, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+    const double tool_before = tool_force[2];
+    double dtool[3] = {0.0, 0.0, 0.0};
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        du[4 * i + 2] = (ss_real)(1e-4 * (random_unit() - 0.5));
+    }
+    ss_touch_tangent(touch, du, dx, dforce, dtool);
+    ss_touch_diagonal(touch, diagonal);
+
+    for (int32_t i = 0; i < 4 * mesh.node_count; ++i) {
+        u[i] += du[i];
+    }
+    penalty(&moved);
+    const double scale = fabs(tool_force[2] - tool_before);
+    assert_true(scale > 0.01 * tool_before);
+    assert_near(dtool[2], tool_force[2] - tool_before, (IS_DOUBLE ? 1e-12 : 1e-3) * scale);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        assert_near((double)dforce[4 * i + 2], (double)(force[4 * i + 2] - before[4 * i + 2]),
+                    (IS_DOUBLE ? 1e-12 : 1e-4) * scale);
+    }
+    /* diagonal_i = -d f_i for all nodes moving along n together. */
+    memset(dforce, 0, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        u[4 * i + 2] = 0;
+        du[4 * i + 2] = 1;
+    }
+    penalty(&pose);
+    ss_touch_tangent(touch, du, (double[3]){0.0, 0.0, 0.0}, dforce, dtool);
+    double whole = 0.0;
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        whole += diagonal[i];
+        assert_near(diagonal[i], -(double)dforce[4 * i + 2], 1e-5 * 5e7 * 2.5e-5);
+    }
+    assert_near(whole, 5e7 * 338.0 * 0.25 * sqrt(3.0) * 2.5e-5, 1e-6 * whole);
+    ss_memory_free(du);
+    ss_memory_free(dforce);
+    ss_memory_free(diagonal);
+    close_touch();
+}
+
+/* ---- contacts ------------------------------------------------------------------------------- */
+
+static void a_sphere_has_one_contact_through_its_centre(void **state)
+{
+    (void)state;
+    make_plane(16, 16, 0.005);
+    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    const ss_tool_pose pose = pose_at(0.0011, 0.0007, 0.004);
+    ss_contact_set set;
+    gather(&pose, &pose);
+    penalty(&pose);
+    ss_touch_contacts(touch, u, &pose, 0.005, &set);
+    assert_int_equal(set.count, 1);
+    assert_near(set.depth, 0.001, 2e-5);
+    assert_near(set.contact[0].normal[2], 1.0, 1e-5);
+    assert_near(set.contact[0].force, ss_norm3(tool_force), 1e-5 * tool_force[2]);
+    assert_near(set.contact[0].gap, 0.0, 0.0);
+    assert_near(set.contact[0].point[0], 0.0011, 2e-5);
+    assert_near(set.contact[0].point[2], 0.0, 5e-4); /* mean depth, 2/3 of the deepest */
+    assert_near(ss_norm3(set.torque), 0.0, 1e-9);
+    close_touch();
+}
+
+static void a_long_tool_spreads_its_contacts(void **state)
+{
+    (void)state;
+    const ss_shape rod = {.kind = SS_SHAPE_CAPSULE, .radius = 0.005, .half_length = 0.012};
+    make_plane(20, 20, 0.005);
+    open_touch(&rod, 2, 0.005, 5e7);
+    ss_tool_pose pose = pose_at(0.001, 0.0, 0.004);
+    pose.orientation[0] = sqrt(0.5); /* z to x */
+    pose.orientation[2] = sqrt(0.5);
+    pose = turned(&pose, 1, 0.02); /* a little tilted, so that there is a torque */
+    ss_contact_set set;
+    gather(&pose, &pose);
+    penalty(&pose);
+    ss_touch_contacts(touch, u, &pose, 0.005, &set);
+    assert_int_equal(set.count, 4);
+    double sum[3] = {0.0, 0.0, 0.0};
+    double torque[3] = {0.0, 0.0, 0.0};
+    for (int k = 0; k < set.count; ++k) {
+        assert_near(ss_norm3(set.contact[k].normal), 1.0, 1e-9);
+        double r[3];
+        double turn[3];
+        ss_madd3(sum, sum, set.contact[k].force, set.contact[k].normal);
+        ss_sub3(r, set.contact[k].point, pose.position);
+        ss_cross3(turn, r, set.contact[k].normal);
+        ss_madd3(torque, torque, set.contact[k].force, turn);
+        assert_near(set.contact[k].point[2], 0.0, 1e-3);
+    }
+    assert_true(fabs(tool_torque[1]) > 1e-4 * tool_force[2]);
+    for (int c = 0; c < 3; ++c) {
+        assert_near(sum[c], tool_force[c], 1e-5 * tool_force[2]);
+        assert_near(set.force[c], tool_force[c], 1e-5 * tool_force[2]);
+        assert_near(set.torque[c], tool_torque[c], 1e-7 * tool_force[2]);
+        assert_near(torque[c], tool_torque[c], 1e-6 * tool_force[2]);
+    }
+    close_touch();
+}
+
+static void the_nearest_patch_is_told_before_touching(void **state)
+{
+    (void)state;
+    ss_contact_set set;
+    make_sphere(3, 0.04);
+    seed_state = 16;
+    for (int k = 0; k < SHAPE_COUNT; ++k) {
+        open_touch(&shapes[k], 2, 0.005, 5e7);
+        double way[3] = {random_unit() - 0.5, random_unit() - 0.5, random_unit() - 0.5};
+        ss_normalize3(way);
+        const double height = 0.042 + ss_shape_bounding_radius(&shapes[k]);
+        const ss_tool_pose pose = random_pose(height * way[0], height * way[1], height * way[2]);
+        gather(&pose, &pose);
+        penalty(&pose);
+        ss_touch_contacts(touch, u, &pose, 0.02, &set);
+        assert_int_equal(set.count, 1);
+        const ss_contact *contact = &set.contact[0];
+        assert_near(contact->force, 0.0, 0.0);
+        assert_near(set.depth, -contact->gap, 0.0);
+        /* Brute force over all samples. */
+        double least = INFINITY;
+        for (int32_t t = 0; t < surface->triangle_count; ++t) {
+            ss_wide point[SS_GRID_ROW];
+            const ss_wide zero = {0};
+            ss_surface_points(surface, t, u, &zero, point);
+            for (int32_t i = 0; i < 64; ++i) {
+                const uint8_t *p = surface->grid.facet[i / 4];
+                const ss_real *c = surface->grid.part[i % 4];
+                const ss_wide x = c[0] * point[p[0]] + c[1] * point[p[1]] + c[2] * point[p[2]];
+                double r[3];
+                double local[3];
+                double normal[3];
+                for (int a = 0; a < 3; ++a) {
+                    r[a] = (double)x[a] + surface->centre[a] - pose.position[a];
+                }
+                ss_rotate_back(local, pose.orientation, r);
+                least = fmin(least, ss_shape_distance(&shapes[k], local, normal));
+            }
+        }
+        assert_near(contact->gap, least, 1e-7);
+        double out[3];
+        ss_copy3(out, contact->point);
+        ss_normalize3(out);
+        assert_true(ss_dot3(out, contact->normal) > 0.98);
+        ss_touch_contacts(touch, u, &pose, 0.9 * least, &set);
+        assert_int_equal(set.count, 0);
+        assert_near(set.depth, -0.9 * least, 1e-15);
+        close_touch();
+    }
+}
+
+static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
+{
+    (void)state;
+    ss_contact_set set;
+    make_sphere(3, 0.04);
+    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    const double way[3] = {0.48, 0.6, 0.64};
+    const ss_tool_pose pose = pose_at(0.044 * way[0], 0.044 * way[1], 0.044 * way[2]);
+    gather(&pose, &pose);
+    penalty(&pose);
+    ss_touch_contacts(touch, u, &pose, 0.01, &set);
+    assert_int_equal(set.count, 1);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const double expected = -25.0 * ((i == j ? 1.0 : 0.0) - way[i] * way[j]);
+            assert_near(set.contact[0].curvature[i][j], expected, 2.0);
+        }
+    }
+    close_touch();
+}
+
+/* ---- hostile input -------------------------------------------------------------------------- */
+
+static void non_finite_input_touches_nothing(void **state)
+{
+    (void)state;
+    ss_contact_set set;
+    make_sphere(3, 0.04);
+    open_touch(&shapes[2], 2, 0.005, 5e7);
+    const ss_tool_pose good = pose_at(0.0, 0.0, 0.042);
+    ss_tool_pose bad = good;
+    bad.position[1] = NAN;
+    assert_int_equal(gather(&good, &bad), 0);
+    assert_near(penalty(&bad), 0.0, 0.0);
+    bad = good;
+    bad.orientation[2] = INFINITY;
+    assert_int_equal(gather(&bad, &good), 0);
+    ss_touch_contacts(touch, u, &bad, 0.01, &set);
+    assert_int_equal(set.count, 0);
+    assert_true(gather(&good, &good) > 0);
+    assert_true(penalty(&good) > 0.0);
+    assert_near(penalty(&bad), 0.0, 0.0);
+    ss_touch_contacts(touch, u, &good, NAN, &set);
+    const int32_t *node;
+    const double *weight;
+    double total;
+    for (int32_t i = 0; i < 4 * mesh.node_count; ++i) {
+        u[i] = (ss_real)(i % 7 == 0 ? INFINITY : NAN);
+    }
+    assert_near(penalty(&good), 0.0, 0.0);
+    assert_int_equal(ss_touch_weigh(touch, u, NULL, &good, &node, &weight, &total), 0);
+    gather(&good, &good);
+    ss_touch_contacts(touch, u, &good, 0.01, &set);
+    assert_int_equal(set.count, 0);
+    ss_touch_options options = {0.0, 1.0};
+    ss_touch *none = NULL;
+    assert_int_equal(ss_touch_create(surface, &sphere_5mm, &options, &none),
+                     SOFTSIM_ERROR_ARGUMENT);
+    options = (ss_touch_options){NAN, 1.0};
+    assert_int_equal(ss_touch_create(surface, &sphere_5mm, &options, &none),
+                     SOFTSIM_ERROR_ARGUMENT);
+    close_touch();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loop_rows_are_convex_combinations),
+        cmocka_unit_test(loose_corners_keep_their_place),
+        cmocka_unit_test(regular_rows_reproduce_linear_fields),
+        cmocka_unit_test(neighbouring_triangles_share_their_side),
+        cmocka_unit_test(equal_topology_shares_one_matrix),
+        cmocka_unit_test(sample_areas_sum_to_the_surface),
+        cmocka_unit_test(refuses_what_it_cannot_sample),
+        cmocka_unit_test(picks_parts_by_radius_over_edge),
+        cmocka_unit_test(penalty_forces_are_minus_the_gradient),
+        cmocka_unit_test(weight_forces_are_minus_the_gradient),
+        cmocka_unit_test(forces_of_tissue_and_tool_cancel),
+        cmocka_unit_test(hexagon_fan_has_the_weight_of_the_closed_form),
+        cmocka_unit_test(gather_radius_does_not_change_a_bit),
+        cmocka_unit_test(kept_gathers_do_not_change_a_bit),
+        cmocka_unit_test(motion_after_the_gather_is_seen),
+        cmocka_unit_test(shifting_body_and_tool_together_changes_nothing),
+        cmocka_unit_test(a_fast_tool_gathers_what_it_crosses),
+        cmocka_unit_test(force_on_a_plane_does_not_ripple),
+        cmocka_unit_test(tangent_and_diagonal_match_differences),
+        cmocka_unit_test(a_sphere_has_one_contact_through_its_centre),
+        cmocka_unit_test(a_long_tool_spreads_its_contacts),
+        cmocka_unit_test(the_nearest_patch_is_told_before_touching),
+        cmocka_unit_test(curvature_of_a_ball_is_minus_one_over_its_radius),
+        cmocka_unit_test(non_finite_input_touches_nothing),
+    };
+    return cmocka_run_group_tests_name("contact", tests, NULL, NULL);
+}

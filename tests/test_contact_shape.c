@@ -1,0 +1,473 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Signed distances of the tools' shapes, convex meshes, overlaps through libccd. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "contact/contact.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#define assert_near(a, b, eps)                                                                     \
+    do {                                                                                           \
+        const double a_ = (a);                                                                     \
+        const double b_ = (b);                                                                     \
+        if (!(fabs(a_ - b_) <= (eps))) {                                                           \
+            fail_msg("%s = %.17g, not %.17g (within %g)", #a, a_, b_, (double)(eps));              \
+        }                                                                                          \
+    } while (0)
+
+static uint64_t seed_state;
+
+static double random_unit(void)
+{
+    seed_state += 0x9e3779b97f4a7c15u;
+    uint64_t z = seed_state;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static void random_point(double out[3], double size)
+{
+    for (int k = 0; k < 3; ++k) {
+        out[k] = size * (2.0 * random_unit() - 1.0);
+    }
+}
+
+static ss_tool_pose random_pose(double size)
+{
+    ss_tool_pose pose;
+    double length = 0.0;
+    random_point(pose.position, size);
+    for (int k = 0; k < 4; ++k) {
+        pose.orientation[k] = random_unit() - 0.5;
+        length += pose.orientation[k] * pose.orientation[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        pose.orientation[k] /= sqrt(length);
+    }
+    return pose;
+}
+
+/* ---- a box and a prism as meshes ------------------------------------------------------------ */
+
+static double positions[512][3];
+static int32_t triangles[1024][3];
+static ss_mesh mesh;
+
+static void add_triangle(int32_t a, int32_t b, int32_t c)
+{
+    const int32_t corner[3] = {a, b, c};
+    memcpy(triangles[mesh.triangle_count++], corner, sizeof corner);
+}
+
+static void make_box(double x, double y, double z)
+{
+    static const int32_t face[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                        {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                        {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    mesh = (ss_mesh){.position = positions, .triangle = triangles, .is_closed = true};
+    for (int k = 0; k < 8; ++k) {
+        ss_set3(positions[mesh.node_count++], k & 1 ? x : -x, k & 2 ? y : -y, k & 4 ? z : -z);
+    }
+    for (int f = 0; f < 12; ++f) {
+        add_triangle(face[f][0], face[f][1], face[f][2]);
+    }
+}
+
+/* A prism of n sides about z: nearly a cylinder. */
+static void make_prism(int32_t n, double radius, double half_length)
+{
+    mesh = (ss_mesh){.position = positions, .triangle = triangles, .is_closed = true};
+    for (int32_t k = 0; k < 2 * n; ++k) {
+        const double angle = 6.283185307179586 * (k % n) / n;
+        ss_set3(positions[k], radius * cos(angle), radius * sin(angle),
+                k < n ? -half_length : half_length);
+    }
+    mesh.node_count = 2 * n;
+    for (int32_t k = 0; k < n; ++k) {
+        const int32_t next = (k + 1) % n;
+        add_triangle(k, next, k + n);
+        add_triangle(next, next + n, k + n);
+        if (k > 0 && k + 1 < n) {
+            add_triangle(0, next, k);
+            add_triangle(n, n + k, n + next);
+        }
+    }
+}
+
+/* ---- closed forms --------------------------------------------------------------------------- */
+
+static const ss_shape sphere = {.kind = SS_SHAPE_SPHERE, .radius = 2.0};
+static const ss_shape capsule = {.kind = SS_SHAPE_CAPSULE, .radius = 1.0, .half_length = 2.0};
+static const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {1.0, 2.0, 3.0}};
+static const ss_shape cylinder = {.kind = SS_SHAPE_CYLINDER, .radius = 1.0, .half_length = 2.0};
+static const ss_shape cone = {.kind = SS_SHAPE_CONE, .radius = 3.0, .half_length = 2.0};
+
+static void distances_match_the_closed_forms(void **state)
+{
+    (void)state;
+    const struct {
+        const ss_shape *shape;
+        double x[3], distance, normal[3];
+    } cases[] = {
+        {&sphere, {0.0, 0.0, 5.0}, 3.0, {0.0, 0.0, 1.0}},
+        {&sphere, {0.0, -1.0, 0.0}, -1.0, {0.0, -1.0, 0.0}},
+        {&sphere, {0.0, 0.0, 0.0}, -2.0, {0.0, 0.0, 1.0}},
+        {&capsule, {3.0, 0.0, 1.5}, 2.0, {1.0, 0.0, 0.0}},
+        {&capsule, {0.0, 3.0, -6.0}, 4.0, {0.0, 0.6, -0.8}},
+        {&capsule, {0.0, 0.0, 1.0}, -1.0, {1.0, 0.0, 0.0}},
+        {&box, {0.5, 0.0, 0.0}, -0.5, {1.0, 0.0, 0.0}},
+        {&box, {0.0, 0.0, 0.0}, -1.0, {1.0, 0.0, 0.0}},
+        {&box, {0.0, -1.9, 0.0}, -0.1, {0.0, -1.0, 0.0}},
+        {&box, {4.0, 6.0, 0.0}, 5.0, {0.6, 0.8, 0.0}},
+        {&box, {1.0, 0.0, 0.0}, 0.0, {1.0, 0.0, 0.0}},
+        {&box, {0.0, 2.0, -7.0}, 4.0, {0.0, 0.0, -1.0}},
+        {&cylinder, {4.0, 0.0, 6.0}, 5.0, {0.6, 0.0, 0.8}},
+        {&cylinder, {0.0, 0.9, 0.0}, -0.1, {0.0, 1.0, 0.0}},
+        {&cylinder, {0.0, 0.0, -1.9}, -0.1, {0.0, 0.0, -1.0}},
+        {&cylinder, {0.0, 0.0, 0.0}, -1.0, {1.0, 0.0, 0.0}},
+        {&cylinder, {1.0, 0.0, 2.0}, 0.0, {1.0, 0.0, 0.0}},
+        {&cone, {0.0, 0.0, 4.0}, 2.0, {0.0, 0.0, 1.0}},
+        {&cone, {0.0, 0.0, -5.0}, 3.0, {0.0, 0.0, -1.0}},
+        {&cone, {0.0, 7.0, -5.0}, 5.0, {0.0, 0.8, -0.6}},
+        {&cone, {0.0, 0.0, -1.9}, -0.1, {0.0, 0.0, -1.0}},
+        {&cone, {0.0, 1.5 + 0.8, 0.0 + 0.6}, 1.0, {0.0, 0.8, 0.6}},
+        {&cone, {0.0, 0.0, 2.0}, 0.0, {0.8, 0.0, 0.6}},
+        {&cone, {3.0, 0.0, -2.0}, 0.0, {0.8, 0.0, 0.6}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        double normal[3];
+        assert_near(ss_shape_distance(cases[i].shape, cases[i].x, normal), cases[i].distance,
+                    1e-12);
+        for (int k = 0; k < 3; ++k) {
+            assert_near(normal[k], cases[i].normal[k], 1e-12);
+        }
+    }
+    assert_near(ss_shape_bounding_radius(&capsule), 3.0, 0.0);
+    assert_near(ss_shape_bounding_radius(&cylinder), sqrt(5.0), 1e-15);
+    assert_near(ss_shape_bounding_radius(&box), sqrt(14.0), 1e-15);
+    assert_near(ss_shape_curvature_radius(&capsule), 1.0, 0.0);
+    assert_near(ss_shape_curvature_radius(&box), 0.0, 0.0);
+    assert_near(ss_shape_inradius(&cone), 1.5, 1e-15); /* 3-4-5 triangle twice */
+    assert_near(ss_shape_gyration(&sphere), 0.0, 0.0);
+    assert_near(ss_shape_gyration(&capsule), 6.0 / sqrt(12.0), 1e-15);
+}
+
+/* Does nothing but tell whether x is inside: independent of the distance code. */
+static bool is_inside(const ss_shape *shape, const double x[3])
+{
+    const double r = hypot(x[0], x[1]);
+    const double beyond = fmax(0.0, fabs(x[2]) - shape->half_length);
+    switch (shape->kind) {
+    case SS_SHAPE_SPHERE:
+        return ss_norm3(x) < shape->radius;
+    case SS_SHAPE_CAPSULE:
+        return hypot(r, beyond) < shape->radius;
+    case SS_SHAPE_BOX:
+        return fabs(x[0]) < shape->half_extent[0] && fabs(x[1]) < shape->half_extent[1] &&
+               fabs(x[2]) < shape->half_extent[2];
+    case SS_SHAPE_CYLINDER:
+        return r < shape->radius && fabs(x[2]) < shape->half_length;
+    case SS_SHAPE_CONE:
+        return fabs(x[2]) < shape->half_length &&
+               r < shape->radius * (shape->half_length - x[2]) / (2.0 * shape->half_length);
+    case SS_SHAPE_CONVEX:
+        break;
+    }
+    return false;
+}
+
+/* Sign by membership; the surface is met exactly after |d| along the gradient, never before in any
+ * other direction; the gradient is a unit one and matches differences. */
+static void distances_survive_random_points(void **state)
+{
+    (void)state;
+    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    seed_state = 21;
+    for (int i = 0; i < 20000; ++i) {
+        const ss_shape *shape = shapes[i % 5];
+        double x[3];
+        double normal[3];
+        double other[3];
+        random_point(x, 5.0);
+        const double d = ss_shape_distance(shape, x, normal);
+        assert_true((d < 0.0) == is_inside(shape, x));
+        assert_near(ss_norm3(normal), 1.0, 1e-12);
+        double foot[3];
+        ss_madd3(foot, x, -d, normal);
+        assert_near(ss_shape_distance(shape, foot, other), 0.0, 1e-9);
+        double way[3];
+        double short_of[3];
+        random_point(way, 1.0);
+        ss_normalize3(way);
+        ss_madd3(short_of, x, 0.999 * fabs(d), way);
+        assert_true(is_inside(shape, short_of) == (d < 0.0));
+        /* 1-Lipschitz */
+        const double near = ss_shape_distance(shape, short_of, other);
+        assert_true(fabs(near - d) <= 0.999 * fabs(d) + 1e-12);
+        double ahead[3];
+        double behind[3];
+        ss_madd3(ahead, x, 1e-6, normal);
+        ss_madd3(behind, x, -1e-6, normal);
+        const double slope =
+            (ss_shape_distance(shape, ahead, other) - ss_shape_distance(shape, behind, other)) /
+            2e-6;
+        assert_true(slope > 1.0 - 1e-6 || d < 0.0); /* inside, differences may cross a ridge */
+    }
+}
+
+static void distances_are_never_not_a_number(void **state)
+{
+    (void)state;
+    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    static const double odd[] = {0.0,    -0.0, 1.0,   -1.0,     2.0, 3.0,
+                                 1e-320, 1e40, 1e300, INFINITY, NAN};
+    enum { COUNT = sizeof odd / sizeof odd[0] };
+    for (int i = 0; i < 5 * COUNT * COUNT * COUNT; ++i) {
+        const double x[3] = {odd[i / 5 % COUNT], odd[i / 5 / COUNT % COUNT],
+                             odd[i / 5 / COUNT / COUNT]};
+        double normal[3];
+        const double d = ss_shape_distance(shapes[i % 5], x, normal);
+        assert_true(d == d);
+        assert_near(ss_norm3(normal), 1.0, 1e-9);
+        if (!ss_is_finite(x, 3)) {
+            assert_true(d > 1e300);
+        }
+    }
+}
+
+/* ---- convex meshes -------------------------------------------------------------------------- */
+
+static void a_box_mesh_is_a_box(void **state)
+{
+    (void)state;
+    ss_shape hull;
+    make_box(1.0, 2.0, 3.0);
+    const int64_t before = ss_memory_in_use();
+    assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
+    seed_state = 22;
+    for (int i = 0; i < 20000; ++i) {
+        double x[3];
+        double normal[3];
+        double expected_normal[3];
+        random_point(x, 5.0);
+        const double expected = ss_shape_distance(&box, x, expected_normal);
+        assert_near(ss_shape_distance(&hull, x, normal), expected, 1e-12);
+        assert_near(ss_dot3(normal, expected_normal), 1.0, 1e-9);
+    }
+    assert_near(ss_shape_bounding_radius(&hull), sqrt(14.0), 1e-12);
+    assert_near(ss_shape_inradius(&hull), 1.0, 1e-12);
+    assert_near(ss_shape_gyration(&hull), 6.0 / sqrt(12.0), 1e-12);
+    ss_shape_fini(&hull);
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void a_prism_with_many_sides_is_nearly_a_cylinder(void **state)
+{
+    (void)state;
+    ss_shape hull;
+    make_prism(128, 1.0, 2.0);
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) { /* inside out is turned */
+        const int32_t swap = triangles[t][0];
+        triangles[t][0] = triangles[t][1];
+        triangles[t][1] = swap;
+    }
+    assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
+    seed_state = 23;
+    for (int i = 0; i < 5000; ++i) {
+        double x[3];
+        double normal[3];
+        random_point(x, 4.0);
+        assert_near(ss_shape_distance(&hull, x, normal), ss_shape_distance(&cylinder, x, normal),
+                    4e-4);
+        assert_near(ss_norm3(normal), 1.0, 1e-12);
+    }
+    ss_shape_fini(&hull);
+}
+
+static void expect_refusal(const char *text)
+{
+    ss_shape hull;
+    softsim_error error = {0};
+    const int64_t before = ss_memory_in_use();
+    assert_int_equal(ss_shape_init_convex(&hull, &mesh, &error), SOFTSIM_ERROR_MESH);
+    if (strstr(error.text, text) == NULL) {
+        fail_msg("'%s' is not in '%s'", text, error.text);
+    }
+    assert_int_equal(ss_memory_in_use(), before);
+    ss_shape_fini(&hull);
+}
+
+static void refuses_meshes_that_are_not_convex(void **state)
+{
+    (void)state;
+    make_box(1.0, 1.0, 1.0);
+    ss_set3(positions[7], 0.2, 0.2, 0.2); /* a dented corner */
+    expect_refusal("not convex");
+    make_box(1.0, 1.0, 1.0);
+    mesh.is_closed = false;
+    expect_refusal("not closed");
+    make_box(1.0, 1.0, 0.0);
+    expect_refusal("no volume");
+    make_box(1.0, NAN, 1.0);
+    expect_refusal("no volume");
+    make_prism(255, 1.0, 1.0);
+    expect_refusal("256 faces");
+    make_box(1.0, 1.0, 1.0);
+    mesh.triangle_count = 3;
+    expect_refusal("4 to 2048");
+    /* Slightly dented, within the tolerance: distance stays 1-Lipschitz and meets the planes. */
+    make_box(1.0, 1.0, 1.0);
+    positions[7][0] = 1.001;
+    ss_shape hull;
+    assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
+    double last = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+        const double x[3] = {0.99 + 1e-5 * i, 0.3, 0.9};
+        double normal[3];
+        const double d = ss_shape_distance(&hull, x, normal);
+        assert_true(i == 0 || fabs(d - last) <= 1.001e-5);
+        last = d;
+    }
+    ss_shape_fini(&hull);
+}
+
+/* ---- poses ---------------------------------------------------------------------------------- */
+
+static void blending_stays_within_the_motion_bound(void **state)
+{
+    (void)state;
+    seed_state = 24;
+    for (int i = 0; i < 2000; ++i) {
+        const ss_tool_pose from = random_pose(1.0);
+        const ss_tool_pose to = random_pose(1.0);
+        ss_tool_pose at;
+        double x[3];
+        double a[3];
+        double b[3];
+        random_point(x, 1.0);
+        ss_normalize3(x);
+        ss_scale3(x, x, ss_shape_bounding_radius(&capsule));
+        const double s = random_unit();
+        ss_tool_pose_blend(&from, &to, s, &at);
+        ss_rotate(a, from.orientation, x);
+        ss_rotate(b, at.orientation, x);
+        ss_add3(a, a, from.position);
+        ss_add3(b, b, at.position);
+        ss_sub3(a, a, b);
+        assert_true(ss_norm3(a) <= ss_tool_motion_bound(&capsule, &from, &to) + 1e-12);
+        double length = 0.0;
+        for (int k = 0; k < 4; ++k) {
+            length += at.orientation[k] * at.orientation[k];
+        }
+        assert_near(length, 1.0, 1e-12);
+        ss_tool_pose_blend(&from, &to, 1.0, &at);
+        assert_near(ss_tool_motion_bound(&capsule, &to, &at), 0.0, 1e-6);
+    }
+}
+
+/* ---- libccd --------------------------------------------------------------------------------- */
+
+/* Spheres against every shape: the overlap is known from the distance of the centre. Millimetres.
+ */
+static void overlaps_agree_with_distances(void **state)
+{
+    (void)state;
+    const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.002};
+    ss_shape shapes[] = {
+        {.kind = SS_SHAPE_SPHERE, .radius = 0.003},
+        {.kind = SS_SHAPE_CAPSULE, .radius = 0.002, .half_length = 0.004},
+        {.kind = SS_SHAPE_BOX, .half_extent = {0.002, 0.003, 0.004}},
+        {.kind = SS_SHAPE_CYLINDER, .radius = 0.002, .half_length = 0.004},
+        {.kind = SS_SHAPE_CONE, .radius = 0.003, .half_length = 0.004},
+        {.kind = SS_SHAPE_CONVEX},
+    };
+    make_box(0.002, 0.003, 0.004);
+    assert_int_equal(ss_shape_init_convex(&shapes[5], &mesh, NULL), SOFTSIM_OK);
+    seed_state = 25;
+    int64_t failures = 0;
+    int overlaps = 0;
+    for (int i = 0; i < 30000; ++i) {
+        const ss_shape *shape = &shapes[i % 6];
+        const ss_tool_pose a = random_pose(0.005);
+        const ss_tool_pose b = random_pose(0.005);
+        double r[3];
+        double local[3];
+        double normal[3];
+        double depth;
+        double direction[3];
+        ss_sub3(r, b.position, a.position);
+        ss_rotate_back(local, a.orientation, r);
+        const double gap = ss_shape_distance(shape, local, normal) - ball.radius;
+        const bool is_hit =
+            ss_shape_penetration(shape, &a, &ball, &b, &depth, direction, &failures);
+        if (fabs(gap) > 2e-6) {
+            assert_true(is_hit == (gap < 0.0));
+        }
+        if (is_hit) {
+            /* Along its direction the depth is exact: never less than the least. */
+            overlaps++;
+            assert_near(ss_norm3(direction), 1.0, 1e-9);
+            assert_true(depth >= -gap - 1e-12);
+            double moved[3];
+            ss_madd3(moved, r, depth * 1.0000001 + 1e-12, direction);
+            ss_rotate_back(local, a.orientation, moved);
+            assert_true(ss_shape_distance(shape, local, normal) >= ball.radius - 1e-12);
+            if (shape->kind == SS_SHAPE_SPHERE) {
+                assert_near(depth, -gap, 1e-12);
+            }
+        }
+    }
+    assert_true(overlaps > 5000);
+    assert_int_equal(failures, 0);
+    ss_shape_fini(&shapes[5]);
+}
+
+static void coinciding_and_distant_shapes_are_safe(void **state)
+{
+    (void)state;
+    const ss_tool_pose here = {{0.1, 0.2, 0.3}, {1.0, 0.0, 0.0, 0.0}};
+    ss_tool_pose there = here;
+    double depth;
+    double direction[3];
+    int64_t failures = 0;
+    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    for (int k = 0; k < 5; ++k) {
+        if (ss_shape_penetration(shapes[k], &here, shapes[k], &here, &depth, direction,
+                                 &failures)) {
+            assert_true(depth >= 2.0 * ss_shape_inradius(shapes[k]) - 1e-9);
+            assert_near(ss_norm3(direction), 1.0, 1e-9);
+        } else {
+            assert_true(failures > 0);
+        }
+    }
+    there.position[0] = 100.0;
+    assert_false(ss_shape_penetration(&box, &here, &cone, &there, &depth, direction, NULL));
+    there.position[0] = NAN;
+    assert_false(ss_shape_penetration(&box, &here, &cone, &there, &depth, direction, NULL));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(distances_match_the_closed_forms),
+        cmocka_unit_test(distances_survive_random_points),
+        cmocka_unit_test(distances_are_never_not_a_number),
+        cmocka_unit_test(a_box_mesh_is_a_box),
+        cmocka_unit_test(a_prism_with_many_sides_is_nearly_a_cylinder),
+        cmocka_unit_test(refuses_meshes_that_are_not_convex),
+        cmocka_unit_test(blending_stays_within_the_motion_bound),
+        cmocka_unit_test(overlaps_agree_with_distances),
+        cmocka_unit_test(coinciding_and_distant_shapes_are_safe),
+    };
+    return cmocka_run_group_tests_name("contact_shape", tests, NULL, NULL);
+}

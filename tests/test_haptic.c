@@ -1,0 +1,914 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The parts of the haptic tick against analytic answers; the closed loop is test_haptic_loop.c. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "haptic/haptic.h"
+#include "haptic/internal.h"
+#include "rt/vec.h"
+
+#define T 1e-3
+#define PI 3.14159265358979323846
+
+static void check_near(double value, double expected, double tolerance, int line)
+{
+    if (!(fabs(value - expected) <= tolerance)) {
+        print_error("line %d: %.17g is not %.17g +- %g\n", line, value, expected, tolerance);
+        fail();
+    }
+}
+#define assert_near(value, expected, tolerance) check_near(value, expected, tolerance, __LINE__)
+
+/* ---- a rig: one tick after the other against a hand-made tissue --------------------------------- */
+
+typedef struct rig {
+    ss_haptic *haptic;
+    int64_t tick;
+    softsim_pose pose;
+    ss_local_model result;
+    bool has_result, is_new;
+    bool is_paused, is_reset, is_stopping, has_pose;
+    uint32_t epoch;
+    ss_haptic_output out;
+} rig;
+
+static ss_haptic_config default_config(void)
+{
+    return (ss_haptic_config){.period = T,
+                              .between_steps = SS_BETWEEN_LOCAL,
+                              .max_force = 8.0,
+                              .max_slew = 2000.0,
+                              .stiffness = 1e5,
+                              .damping = 0.0,
+                              .is_lockstep = true};
+}
+
+static void rig_start(rig *r, const ss_haptic_config *config)
+{
+    *r = (rig){.haptic = ss_haptic_create(config), .epoch = 1, .has_pose = true};
+    assert_non_null(r->haptic);
+    r->pose = (softsim_pose){.sender = 7,
+                             .force_seq = -1,
+                             /* lifts the limit, so that the coupling is stiff */
+                             .flags = SOFTSIM_POSE_CORRECTS,
+                             .orientation = {1, 0, 0, 0},
+                             .velocity = {0, 0, 0},
+                             .applied_force = {NAN, NAN, NAN}};
+}
+
+static void rig_end(rig *r)
+{
+    ss_haptic_destroy(&r->haptic);
+    assert_null(r->haptic);
+}
+
+static double rig_tick(rig *r, double z)
+{
+    ++r->tick;
+    r->pose.position[2] = z;
+    if (r->has_pose) {
+        ++r->pose.seq;
+        r->pose.utime_us = 1000 * r->tick;
+    }
+    const ss_haptic_input input = {.tick = r->tick,
+                                   .pose = &r->pose,
+                                   .pose_count = r->has_pose ? 1 : 0,
+                                   .sender_epoch = r->epoch,
+                                   .result = r->has_result ? &r->result : NULL,
+                                   .is_result_new = r->is_new,
+                                   .is_paused = r->is_paused,
+                                   .is_reset = r->is_reset,
+                                   .is_stopping = r->is_stopping};
+    ss_haptic_tick(r->haptic, &input, &r->out);
+    r->is_new = false;
+    r->is_reset = false;
+    return r->out.force.force[2];
+}
+
+/* A result of flat tissue with its surface at z = 0, stepped to depth `depth`, of age `age` ticks
+ * at the next tick. */
+static void rig_result(rig *r, double k, double depth, int64_t age)
+{
+    r->result = (ss_local_model){.tick = r->tick + 1 - age,
+                                 .step = r->result.step + 1,
+                                 .period = T,
+                                 .orientation = {1, 0, 0, 0},
+                                 .proxy = {0, 0, -depth}};
+    ss_contact_set *set = &r->result.set;
+    set->count = 1;
+    set->normal[2] = 1.0;
+    set->contact[0].normal[2] = 1.0;
+    set->contact[0].stiffness = k;
+    set->contact[0].force = fmax(0.0, k * depth);
+    set->contact[0].gap = fmax(0.0, -depth);
+    set->force[2] = set->contact[0].force;
+    set->depth = depth > 0.0 ? 0.0 : depth;
+    r->has_result = true;
+    r->is_new = true;
+}
+
+/* In contact at `depth` with the law settled: from outside, one result a tick. */
+static double rig_press(rig *r, double k, double depth)
+{
+    double f = 0.0;
+    for (int i = 0; i <= 400; ++i) {
+        const double z = 1e-3 - (1e-3 + depth) * fmin(1.0, i / 200.0);
+        if (r->tick > 0) {
+            rig_result(r, k, -z, 1);
+        }
+        f = rig_tick(r, z);
+    }
+    return f;
+}
+
+/* ---- balance ------------------------------------------------------------------------------------ */
+
+static uint64_t random_state;
+
+static double uniform(double low, double high)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return low + (high - low) * (double)(random_state >> 11) * 0x1p-53;
+}
+
+static void random_balance(ss_balance *b)
+{
+    memset(b, 0, sizeof *b);
+    b->spring = exp(uniform(log(50.0), log(22000.0)));
+    b->count = 1 + (int32_t)uniform(0.0, 7.999);
+    for (int i = 0; i < 3; ++i) {
+        b->p_free[i] = uniform(-0.05, 0.05);
+    }
+    for (int32_t i = 0; i < b->count; ++i) {
+        ss_balance_row *row = &b->row[i];
+        do {
+            ss_set3(row->normal, uniform(-1, 1), uniform(-1, 1), uniform(-0.3, 1));
+        } while (ss_norm3(row->normal) < 0.1);
+        ss_normalize3(row->normal);
+        row->slope = exp(uniform(0.0, log(1e5)));
+        row->free_force = uniform(-2.0, 5.0);
+    }
+}
+
+/* Every subset of contacts: the one whose solution has exactly its own forces positive. */
+static bool brute_force(const ss_balance *b, double out_d[3])
+{
+    for (uint32_t set = 0; set < 1U << b->count; ++set) {
+        double a[3][3] = {{b->spring, 0, 0}, {0, b->spring, 0}, {0, 0, b->spring}};
+        double rhs[3] = {0};
+        for (int32_t i = 0; i < b->count; ++i) {
+            const ss_balance_row *row = &b->row[i];
+            for (int r = 0; set & (1U << i) && r < 3; ++r) {
+                rhs[r] += row->free_force * row->normal[r];
+                for (int c = 0; c < 3; ++c) {
+                    a[r][c] += row->slope * row->normal[r] * row->normal[c];
+                }
+            }
+        }
+        /* Cramer's rule */
+        double u[3], v[3], w[3];
+        ss_cross3(u, a[1], a[2]);
+        ss_cross3(v, a[2], a[0]);
+        ss_cross3(w, a[0], a[1]);
+        const double det = ss_dot3(a[0], u);
+        for (int r = 0; r < 3; ++r) {
+            out_d[r] = (rhs[0] * u[r] + rhs[1] * v[r] + rhs[2] * w[r]) / det;
+        }
+        bool is_consistent = true;
+        for (int32_t i = 0; i < b->count; ++i) {
+            const double f = b->row[i].free_force - b->row[i].slope * ss_dot3(b->row[i].normal, out_d);
+            is_consistent = is_consistent && (f > 0.0) == ((set & (1U << i)) != 0);
+        }
+        if (is_consistent) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void balance_is_the_brute_force_one(void **state)
+{
+    (void)state;
+    random_state = 1;
+    int most_passes = 0;
+    double worst = 0.0;
+    for (int n = 0; n < 100000; ++n) {
+        ss_balance b;
+        double p[3], d[3], force[SS_MAX_CONTACTS], held[3];
+        random_balance(&b);
+        const int passes = ss_coupling_balance(&b, p, force, held);
+        most_passes = passes > most_passes ? passes : most_passes;
+        double left[3];
+        ss_sub3(d, p, b.p_free);
+        ss_scale3(left, d, b.spring);
+        for (int32_t i = 0; i < b.count; ++i) {
+            assert_true(force[i] >= 0.0);
+            ss_madd3(left, left, -force[i], b.row[i].normal);
+        }
+        worst = fmax(worst, ss_norm3(left));
+        if (n % 10 == 0) {
+            double expected[3];
+            assert_true(brute_force(&b, expected));
+            for (int i = 0; i < 3; ++i) {
+                assert_near(d[i], expected[i], 1e-12);
+            }
+        }
+    }
+    assert_true(most_passes > 2);
+    print_message("balance: at most %d passes, residual %.1e N\n", most_passes, worst);
+    assert_true(most_passes <= SS_BALANCE_PASSES);
+    assert_true(worst <= 1e-12);
+}
+
+static void largest_eigenvalue_bounds_every_direction(void **state)
+{
+    (void)state;
+    random_state = 2;
+    for (int n = 0; n < 1000; ++n) {
+        double m[3][3] = {{0}};
+        for (int i = 0; i < 4; ++i) {
+            double v[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            for (int r = 0; r < 3; ++r) {
+                for (int c = 0; c < 3; ++c) {
+                    m[r][c] += 1000.0 * v[r] * v[c];
+                }
+            }
+        }
+        /* Power iteration. */
+        double v[3] = {0.6, 0.5, 0.4};
+        double size = 0.0;
+        for (int i = 0; i < 3000; ++i) {
+            const double w[3] = {ss_dot3(m[0], v), ss_dot3(m[1], v), ss_dot3(m[2], v)};
+            size = ss_norm3(w);
+            ss_scale3(v, w, 1.0 / size);
+        }
+        assert_near(ss_coupling_largest(m), size, 1e-6 * size);
+    }
+    double diagonal[3][3] = {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+    assert_near(ss_coupling_largest(diagonal), 2.0, 1e-15);
+}
+
+/* ---- law ---------------------------------------------------------------------------------------- */
+
+static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
+{
+    (void)state;
+    assert_near(ss_coupling_spring(800.0, 300.0), 20000.0, 1e-9);
+    const double spring = ss_coupling_spring(800.0, 3000.0);
+    assert_near(spring * 3000.0 / (spring + 3000.0), 800.0, 1e-9);
+    assert_near(ss_coupling_spring(800.0, 0.0), 800.0, 1e-9);
+}
+
+static void touch_and_leaving_are_continuous(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_tick(&r, 1e-3);
+    rig_result(&r, 1000.0, -1e-3, 1);
+    rig_tick(&r, 1e-3);
+    double last = 0.0;
+    for (int i = 1; i <= 4000; ++i) {
+        const double z = 1e-3 * cos(2.0 * PI * i / 2000.0);
+        rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
+        r.is_new = i == 1;
+        const double f = rig_tick(&r, z);
+        /* One micrometre changes the force by k dx, no more. */
+        assert_true(fabs(f - last) <= 1150.0 * 3.2e-6);
+        assert_true(f >= 0.0 && (f > 0.0) == ((r.out.force.flags & SOFTSIM_FORCE_CONTACT) != 0));
+        last = f;
+    }
+    rig_end(&r);
+}
+
+/* Between results the law is stiffer than the tissue by 15 %, and exact when results are slow. */
+static void law_errs_high(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    for (int is_slow = 0; is_slow < 2; ++is_slow) {
+        rig r;
+        rig_start(&r, &config);
+        const double before = rig_press(&r, 300.0, 2e-3);
+        if (is_slow) {
+            rig_result(&r, 300.0, 2e-3, 1);
+            r.result.period = 0.08;
+            for (int i = 0; i < 200; ++i) {
+                rig_tick(&r, -2e-3);
+            }
+        }
+        const double rest = rig_tick(&r, -2e-3);
+        assert_near(rest, before, 3e-3);
+        const double f = rig_tick(&r, -3e-3);
+        const double k = is_slow ? 300.0 : 1.15 * 300.0;
+        const double spring = ss_coupling_spring(r.out.stiffness_limit, 345.0);
+        assert_near(f - rest, 1e-3 * k * spring / (k + spring), 2e-3 * 1e-3 * k);
+        if (!is_slow) {
+            assert_near(r.out.force.stiffness, k * spring / (k + spring), 1.0);
+        }
+        rig_end(&r);
+    }
+}
+
+/* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = h/4. */
+static void updates_are_continuous_and_decay(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double before = rig_press(&r, 300.0, 4e-3);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.period = 0.016;
+    r.result.set.contact[0].force += 0.5;
+    double f = rig_tick(&r, -4e-3);
+    assert_near(f, before, 1e-9);
+    const double share = r.out.force.stiffness / (1.15 * 300.0);
+    for (int i = 1; i <= 40; ++i) {
+        f = rig_tick(&r, -4e-3);
+        assert_near(f - before, share * 0.5 * (1.0 - exp(-i * T / 0.004)), 5e-3);
+    }
+    assert_near(f - before, share * 0.5, 1e-3);
+    /* A normal that turns, and a contact that vanishes, do not jump either. */
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.contact[0].force += 0.5;
+    ss_set3(r.result.set.contact[0].normal, sin(0.2), 0.0, cos(0.2));
+    const double last[3] = {r.out.force.force[0], r.out.force.force[1], r.out.force.force[2]};
+    rig_tick(&r, -4e-3);
+    double change[3];
+    ss_sub3(change, r.out.force.force, last);
+    assert_true(ss_norm3(change) < 0.02);
+    for (int i = 0; i < 60; ++i) {
+        rig_tick(&r, -4e-3);
+    }
+    assert_near(r.out.force.force[0], tan(0.2) * r.out.force.force[2], 1e-6);
+    ss_copy3(change, r.out.force.force);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.count = 0;
+    rig_tick(&r, -4e-3);
+    ss_sub3(change, change, r.out.force.force);
+    assert_true(ss_norm3(change) < 0.02);
+    for (int i = 0; i < 60; ++i) {
+        rig_tick(&r, -4e-3);
+    }
+    assert_true(ss_norm3(r.out.force.force) < 1e-6);
+    rig_end(&r);
+}
+
+static void curved_patch_bends_height_and_normal(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 300.0, 2e-3);
+    for (int i = 0; i < 100; ++i) {
+        rig_result(&r, 300.0, 2e-3, 1);
+        r.result.set.contact[0].curvature[0][0] = 20.0;
+        rig_tick(&r, -2e-3);
+    }
+    const double flat = r.out.force.force[2];
+    r.pose.position[0] = 2e-3;
+    rig_tick(&r, -2e-3);
+    /* 40 um higher, slope 0.04. */
+    const double rise = 0.5 * 20.0 * 4e-6;
+    assert_near(ss_norm3(r.out.force.force) - flat, rise * 1.15 * 300.0, 2e-3);
+    assert_near(r.out.force.normal[0], -0.04 / sqrt(1.0 + 0.0016), 1e-9);
+    rig_end(&r);
+}
+
+/* ---- limits, watchdog, ramps -------------------------------------------------------------------- */
+
+static void force_is_limited_and_the_proxy_slips(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.max_force = 3.0;
+    config.damping = 2.0;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 1000.0, 2e-3);
+    assert_near(r.out.force.force[2], 2.0, 0.2);
+    double f = 0.0;
+    for (int i = 1; i <= 300; ++i) {
+        const double z = -2e-3 - 8e-3 * fmin(1.0, i / 100.0);
+        rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
+        f = rig_tick(&r, z);
+        assert_true(f <= 3.0 + 1e-12);
+    }
+    assert_near(f, 3.0, 1e-9);
+    assert_true(r.out.force.flags & SOFTSIM_FORCE_LIMITED);
+    assert_near(r.out.force.stiffness, 0.0, 0.0);
+    /* The tissue is pushed no further than the limit: 3 mm of 1 kN/m. */
+    assert_near(r.out.target.proxy[2], -3e-3, 0.05e-3);
+    rig_end(&r);
+}
+
+static void slew_is_limited_as_a_vector(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.max_slew = 100.0;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 1000.0, 2e-3);
+    double last[3];
+    for (int i = 0; i < 50; ++i) {
+        ss_copy3(last, r.out.force.force);
+        r.pose.position[0] = i * 1e-4;
+        rig_tick(&r, i % 20 < 10 ? -8e-3 : 1e-3);
+        ss_sub3(last, r.out.force.force, last);
+        assert_true(ss_norm3(last) <= 0.1 + 1e-12);
+    }
+    rig_end(&r);
+}
+
+static void watchdog_ramps_after_50_ticks_in_20(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    const int32_t gone = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_STALE;
+    r.has_pose = false;
+    for (int i = 1; i <= 100; ++i) {
+        const double now = rig_tick(&r, -4e-3);
+        const double share = i < 50 ? 1.0 : fmax(0.0, 1.0 - (i - 49) / 20.0);
+        assert_near(now, share * f, 1e-6);
+        assert_int_equal(r.out.force.flags & gone, i < 50 ? 0 : gone);
+        assert_int_equal(r.out.target.is_present, i < 70);
+        assert_int_equal(r.out.force.pose_seq, r.pose.seq);
+    }
+    assert_false(r.out.force.flags & SOFTSIM_FORCE_CONTACT);
+    /* The next pose is taken wherever it is, and lets the device in by fading its depth. */
+    const uint32_t teleports = r.out.target.teleports;
+    r.has_pose = true;
+    assert_near(rig_tick(&r, -10e-3), 0.0, 0.0);
+    assert_true(r.out.target.is_present);
+    assert_int_equal(r.out.target.teleports, teleports + 1);
+    assert_near(r.out.target.proxy[2], -10e-3, 1e-12);
+    rig_end(&r);
+}
+
+static void entry_fades_the_depth_over_500_ticks(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_tick(&r, -5e-3);
+    double last = 0.0;
+    for (int i = 0; i <= 600; ++i) {
+        rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+        const double f = rig_tick(&r, -5e-3);
+        const double share = fmin(1.0, i / 500.0);
+        assert_near(f, share * 300.0 * 5e-3, 0.06);
+        assert_true(fabs(f - last) < 0.01);
+        assert_int_equal((r.out.force.flags & SOFTSIM_FORCE_RAMPING) != 0, i < 500);
+        last = f;
+    }
+    /* reset: down in 20 ticks, then in again. */
+    r.is_reset = true;
+    rig_tick(&r, -5e-3);
+    assert_near(r.out.force.force[2], 0.95 * last, 1e-2);
+    for (int i = 1; i < 20; ++i) {
+        rig_tick(&r, -5e-3);
+    }
+    assert_near(r.out.force.force[2], 0.0, 1e-12);
+    rig_tick(&r, -5e-3);
+    for (int i = 0; i <= 500; ++i) {
+        rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+        rig_tick(&r, -5e-3);
+        assert_int_equal((r.out.force.flags & SOFTSIM_FORCE_RAMPING) != 0, i < 500);
+    }
+    rig_end(&r);
+}
+
+static void late_results_ramp_with_the_fault_flag(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    const int32_t fault = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_MODEL_FAULT;
+    /* The last result was for the tick before the last. */
+    for (int i = 1; i <= 600; ++i) {
+        const double now = rig_tick(&r, -4e-3);
+        const int over = i + 1 - 500;
+        assert_near(now, over <= 0 ? f : fmax(0.0, 1.0 - over / 20.0) * f, 1e-6);
+        assert_int_equal(r.out.force.flags & fault, over <= 0 ? 0 : fault);
+        assert_true(r.out.force.flags & SOFTSIM_FORCE_PREDICTED);
+        assert_int_equal(r.out.force.model_age_us, 1000 * (i + 1));
+    }
+    assert_true(r.out.target.is_present);
+    /* It answers again: entry. */
+    rig_result(&r, 300.0, 4e-3, 1);
+    rig_tick(&r, -4e-3);
+    rig_result(&r, 300.0, 0.0, 1);
+    rig_tick(&r, -4e-3);
+    assert_int_equal(r.out.force.flags & fault, SOFTSIM_FORCE_RAMPING);
+    rig_end(&r);
+}
+
+static void fault_of_the_model_ramps(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.is_fault = true;
+    r.result.set.contact[0].force = NAN;
+    rig_tick(&r, -4e-3);
+    for (int i = 1; i <= 25; ++i) {
+        assert_near(rig_tick(&r, -4e-3), fmax(0.0, 1.0 - i / 20.0) * f, 1e-6);
+        assert_true(r.out.force.flags & SOFTSIM_FORCE_MODEL_FAULT);
+    }
+    rig_end(&r);
+}
+
+static void pause_and_stop_ramp_without_the_fault_flag(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    for (int is_stop = 0; is_stop < 2; ++is_stop) {
+        rig r;
+        rig_start(&r, &config);
+        const double f = rig_press(&r, 300.0, 4e-3);
+        r.is_paused = !is_stop;
+        r.is_stopping = is_stop;
+        for (int i = 1; i <= 700; ++i) {
+            assert_near(rig_tick(&r, -4e-3), fmax(0.0, 1.0 - i / 20.0) * f, 1e-6);
+            assert_int_equal(r.out.force.flags &
+                                 (SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_MODEL_FAULT),
+                             SOFTSIM_FORCE_RAMPING);
+        }
+        /* Resume enters anew; a stop is for good. */
+        r.is_paused = false;
+        r.is_stopping = false;
+        r.is_reset = true;
+        rig_tick(&r, -4e-3);
+        for (int i = 0; i < 502; ++i) {
+            rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+            rig_tick(&r, -4e-3);
+        }
+        assert_near(r.out.force.force[2], is_stop ? 0.0 : f, 0.02);
+        rig_end(&r);
+    }
+}
+
+static void new_holder_starts_without_force(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    assert_true(rig_press(&r, 300.0, 4e-3) > 1.0);
+    ++r.epoch;
+    r.pose.sender = 8;
+    assert_near(rig_tick(&r, -8e-3), 0.0, 0.0);
+    assert_int_equal(r.out.force.sender, 8);
+    assert_near(r.out.force.proxy[2], -8e-3, 1e-12);
+    rig_end(&r);
+}
+
+/* ---- grasp -------------------------------------------------------------------------------------- */
+
+static void grasp_starts_without_jump_and_holds_all_ways(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.contact[0].tangential = 200.0;
+    rig_tick(&r, -4e-3);
+    r.pose.buttons = SOFTSIM_BUTTON_GRASP;
+    assert_near(rig_tick(&r, -4e-3), f, 1e-4);
+    assert_true(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+    assert_true(r.out.target.is_grasping);
+    assert_int_equal(r.out.target.grasp_edges, 1);
+    /* The model holds too: its reaction at the grasp is the same. */
+    rig_result(&r, 300.0, 4e-3, 0);
+    r.result.set.contact[0].tangential = 200.0;
+    r.result.set.is_held = true;
+    assert_near(rig_tick(&r, -4e-3), f, 1e-3);
+    for (int i = 0; i < 30; ++i) {
+        rig_tick(&r, -4e-3);
+    }
+    /* Sideways it pulls back by k_t, and outwards it pulls in. */
+    r.pose.position[0] = 1e-3;
+    rig_tick(&r, -4e-3);
+    const double spring = ss_coupling_spring(r.out.stiffness_limit, 345.0);
+    assert_near(r.out.force.force[0], -1e-3 * 200.0 * spring / (200.0 + spring), 1e-2);
+    rig_tick(&r, 2e-3);
+    assert_true(r.out.force.force[2] < -0.3);
+    /* Release: the pull decays in 10 ms. */
+    const double pull = r.out.force.force[2];
+    r.pose.buttons = 0;
+    assert_near(rig_tick(&r, 2e-3), pull, 0.05);
+    assert_false(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+    for (int i = 1; i <= 10; ++i) {
+        rig_tick(&r, 2e-3);
+    }
+    assert_near(r.out.force.force[2], pull * exp(-1.0), 0.05);
+    rig_end(&r);
+}
+
+static void grasp_ends_when_the_model_does_not_hold(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 300.0, 4e-3);
+    r.pose.buttons = SOFTSIM_BUTTON_GRASP;
+    rig_tick(&r, -4e-3);
+    assert_true(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+    rig_result(&r, 300.0, 4e-3, 0);
+    rig_tick(&r, -4e-3);
+    assert_false(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+    rig_end(&r);
+}
+
+/* ---- guards ------------------------------------------------------------------------------------- */
+
+static void non_finite_input_repeats_the_force(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    const int32_t seq = r.out.force.seq;
+    r.pose.position[0] = NAN;
+    assert_near(rig_tick(&r, -3e-3), f, 0.0);
+    assert_int_equal(r.out.force.seq, seq + 1);
+    assert_int_equal(r.out.bad_inputs, 1);
+    r.pose.position[0] = 0.0;
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.contact[0].stiffness = INFINITY;
+    assert_near(rig_tick(&r, -3e-3), f, 0.0);
+    assert_int_equal(r.out.bad_inputs, 2);
+    /* Finite nonsense is refused; the law stays. */
+    rig_tick(&r, -4e-3);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.contact[0].normal[2] = 2.0;
+    assert_near(rig_tick(&r, -4e-3), f, 1e-6);
+    assert_int_equal(r.out.bad_inputs, 3);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.set.count = 9;
+    assert_near(rig_tick(&r, -4e-3), f, 1e-6);
+    assert_int_equal(r.out.bad_inputs, 4);
+    /* For ever bad is a device gone. */
+    r.pose.orientation[2] = INFINITY;
+    for (int i = 0; i < 120; ++i) {
+        rig_tick(&r, -4e-3);
+        assert_true(ss_is_finite(r.out.force.force, 3));
+    }
+    assert_near(r.out.force.force[2], 0.0, 0.0);
+    assert_true(r.out.force.flags & SOFTSIM_FORCE_STALE);
+    rig_end(&r);
+}
+
+static void absurd_numbers_stay_finite(void **state)
+{
+    (void)state;
+    random_state = 3;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    for (int i = 0; i < 20000; ++i) {
+        rig_result(&r, pow(10.0, uniform(-300, 300)), uniform(-1, 1), 1);
+        ss_contact *c = &r.result.set.contact[0];
+        c->force = pow(10.0, uniform(-300, 300));
+        c->viscosity = uniform(-1e9, 1e9);
+        c->curvature[0][1] = pow(10.0, uniform(-300, 300));
+        r.result.period = pow(10.0, uniform(-9, 3));
+        r.result.set.is_held = i % 7 == 0;
+        r.pose.buttons = i % 5 == 0;
+        r.pose.position[0] = i % 100 == 0 ? pow(10.0, uniform(-300, 300)) : 0.0;
+        rig_tick(&r, uniform(-0.1, 0.1));
+        assert_true(ss_is_finite(r.out.force.force, 3));
+        assert_true(ss_norm3(r.out.force.force) <= config.max_force * (1.0 + 1e-12));
+    }
+    rig_end(&r);
+}
+
+static void nothing_is_sent_before_the_first_pose(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    r.has_pose = false;
+    rig_tick(&r, 0.0);
+    assert_false(r.out.has_force);
+    assert_false(r.out.target.is_present);
+    r.has_pose = true;
+    rig_tick(&r, -1e-3);
+    assert_true(r.out.has_force);
+    assert_int_equal(r.out.force.seq, 1);
+    assert_near(ss_norm3(r.out.force.force), 0.0, 0.0);
+    for (int i = 2; i < 10; ++i) {
+        rig_tick(&r, -1e-3 * i);
+        assert_int_equal(r.out.force.seq, i);
+        assert_near(r.out.force.proxy[2], -1e-3 * i, 1e-6);
+    }
+    rig_end(&r);
+}
+
+static void prediction_is_bounded(void **state)
+{
+    (void)state;
+    ss_proxy_target target = {.proxy = {1, 2, 3}, .velocity = {0.1, 0, 0}};
+    double p[3];
+    ss_haptic_predict(&target, 1.0, 1e-3, p);
+    assert_near(p[0], 1.0 + 0.1 * 1.5e-3, 1e-15);
+    ss_haptic_predict(&target, 1.0, 1.0 / 30.0, p);
+    assert_near(p[0], 1.0 + 0.1 * 0.025, 1e-15);
+    target.velocity[0] = 1.0;
+    ss_haptic_predict(&target, 1.0, 1.0 / 30.0, p);
+    assert_near(p[0], 1.003, 1e-15);
+}
+
+/* ---- observer ----------------------------------------------------------------------------------- */
+
+/* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over N
+ * ticks of a full period (the sum in closed form). */
+static void observer_sees_the_gift_of_delay(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.is_lockstep = false;
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    const double k = 500.0, a = 4e-3, w = 4.0 * PI;
+    enum { PERIOD = 500 };
+    for (int has_seq = 0; has_seq < 2; ++has_seq) {
+        memset(observer, 0, sizeof *observer);
+        ss_observer_restart(observer, &config, false);
+        const int delay = 5;
+        double worst_of_two = 0.0;
+        for (int n = 0; n < 2 * PERIOD + 5; ++n) {
+            const double depth = a * (1.0 - cos(w * n * T));
+            const softsim_pose pose = {.seq = n + 1,
+                                       .utime_us = 1000 * n,
+                                       .force_seq = has_seq ? (n >= delay ? n - delay + 1 : -1) : -1,
+                                       .position = {0, 0, -depth},
+                                       .applied_force = {NAN, NAN, NAN}};
+            ss_observer_pose(observer, &config, &pose, n + 1);
+            const ss_past_force force = {.seq = n + 1,
+                                         .tick = n + 1,
+                                         .pose_tick = n + 1,
+                                         .pose_utime_us = 1000 * n,
+                                         .force = {0, 0, k * depth}};
+            ss_observer_force(observer, &force);
+            ss_observer_tick(observer, &config, false, true, n + 1);
+            worst_of_two = fmin(worst_of_two, observer->worst);
+        }
+        const double tau = delay * T;
+        const double gift = k * a * a * PERIOD * sin(0.5 * w * T) * sin(w * (tau + 0.5 * T));
+        assert_near(observer->worst, -gift, 2e-3 * gift);
+        assert_near(observer->from_device - observer->to_device, -2.0 * gift, 4e-3 * gift);
+        if (has_seq) {
+            assert_near(observer->delay_p95, tau, 1e-9);
+            assert_near(observer->delay_p50, tau, 1e-9);
+        } else {
+            assert_false(observer->is_known);
+        }
+    }
+    free(observer);
+}
+
+static void applied_force_of_the_device_counts_first(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    ss_observer_restart(observer, &config, false);
+    for (int n = 0; n < 11; ++n) {
+        const softsim_pose pose = {
+            .seq = n + 1, .force_seq = -1, .position = {0, 0, 1e-3 * n}, .applied_force = {0, 0, 2}};
+        ss_observer_pose(observer, &config, &pose, n + 1);
+    }
+    assert_near(observer->worst, -0.02, 1e-12);
+    assert_near(observer->to_device, 0.02, 1e-12);
+    free(observer);
+}
+
+static void limit_follows_the_rule_and_its_rate(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.stiffness = 800.0;
+    config.damping = 2.0;
+    assert_near(ss_observer_rule(&config, 3e-3, false), 571.4285714285714, 1e-9);
+    assert_near(ss_observer_rule(&config, 5e-3, false), 363.6363636363636, 1e-9);
+    assert_near(ss_observer_rule(&config, 11e-3, false), 173.9130434782609, 1e-9);
+    assert_near(ss_observer_rule(&config, 1e-3, false), 800.0, 0.0);
+    assert_near(ss_observer_rule(&config, 10e-3, true), 800.0, 1e-9);
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    ss_observer_restart(observer, &config, false);
+    assert_near(observer->limit, 363.6363636363636, 1e-9);
+    /* Up only out of contact, both ways at 20 % a second. */
+    for (int n = 1; n <= 1000; ++n) {
+        ss_observer_tick(observer, &config, true, true, n);
+    }
+    assert_near(observer->limit, 363.6363636363636, 1e-9);
+    for (int n = 1; n <= 1000; ++n) {
+        ss_observer_tick(observer, &config, true, false, n);
+    }
+    assert_near(observer->limit, 363.6363636363636 * exp(0.2), 0.02);
+    for (int n = 1; n <= 500; ++n) {
+        ss_observer_tick(observer, &config, false, true, n);
+    }
+    assert_near(observer->limit, 363.6363636363636 * exp(0.1), 0.02);
+    free(observer);
+}
+
+/* The delay forgets what is older than a second, and hostile numbers do not enter. */
+static void delay_is_of_the_last_second(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.is_lockstep = false;
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    ss_observer_restart(observer, &config, false);
+    for (int n = 1; n <= 6000; ++n) {
+        const int delay = n < 3000 ? 2 : 9;
+        softsim_pose pose = {.seq = n,
+                             .utime_us = 1000 * n,
+                             .force_seq = n > delay ? n - delay : -1,
+                             .applied_force = {NAN, NAN, NAN}};
+        if (n % 10 == 0) {
+            pose.force_seq = n % 20 == 0 ? INT32_MAX : INT32_MIN;
+        }
+        ss_observer_pose(observer, &config, &pose, n);
+        ss_observer_force(observer, &(ss_past_force){.seq = n,
+                                                     .tick = n,
+                                                     .pose_tick = n,
+                                                     .pose_utime_us = 1000 * n});
+        ss_observer_tick(observer, &config, false, false, n);
+        if (n == 2990) {
+            assert_near(observer->delay_p95, 2e-3, 1e-9);
+        }
+        if (n == 3200) {
+            assert_near(observer->delay_p95, 9e-3, 1e-9);
+            assert_near(observer->delay_p50, 2e-3, 1e-9);
+        }
+        if (n == 4100) {
+            assert_near(observer->delay_p50, 9e-3, 1e-9);
+        }
+    }
+    free(observer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(balance_is_the_brute_force_one),
+        cmocka_unit_test(largest_eigenvalue_bounds_every_direction),
+        cmocka_unit_test(felt_stiffness_is_the_softer_of_tissue_and_limit),
+        cmocka_unit_test(touch_and_leaving_are_continuous),
+        cmocka_unit_test(law_errs_high),
+        cmocka_unit_test(updates_are_continuous_and_decay),
+        cmocka_unit_test(curved_patch_bends_height_and_normal),
+        cmocka_unit_test(force_is_limited_and_the_proxy_slips),
+        cmocka_unit_test(slew_is_limited_as_a_vector),
+        cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),
+        cmocka_unit_test(entry_fades_the_depth_over_500_ticks),
+        cmocka_unit_test(late_results_ramp_with_the_fault_flag),
+        cmocka_unit_test(fault_of_the_model_ramps),
+        cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
+        cmocka_unit_test(new_holder_starts_without_force),
+        cmocka_unit_test(grasp_starts_without_jump_and_holds_all_ways),
+        cmocka_unit_test(grasp_ends_when_the_model_does_not_hold),
+        cmocka_unit_test(non_finite_input_repeats_the_force),
+        cmocka_unit_test(absurd_numbers_stay_finite),
+        cmocka_unit_test(nothing_is_sent_before_the_first_pose),
+        cmocka_unit_test(prediction_is_bounded),
+        cmocka_unit_test(observer_sees_the_gift_of_delay),
+        cmocka_unit_test(applied_force_of_the_device_counts_first),
+        cmocka_unit_test(limit_follows_the_rule_and_its_rate),
+        cmocka_unit_test(delay_is_of_the_last_second),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,500 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * rt/: what crosses between two threads is never torn and keeps its order; percentiles agree with
+ * sorting; memory is counted; errors say how many more there were.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "rt/clock.h"
+#include "rt/histogram.h"
+#include "rt/mailbox.h"
+#include "rt/memory.h"
+#include "rt/ring.h"
+#include "rt/thread.h"
+
+static softsim_status start(void *(*body)(void *), void *argument, ss_thread **out_thread)
+{
+    bool fifo_refused = false;
+    return ss_thread_start("test", 0, SS_REALTIME_OFF, body, argument, out_thread, &fifo_refused);
+}
+
+/* splitmix64 (Steele, Lea, Flood 2014). */
+static uint64_t random_next(uint64_t *state)
+{
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static double random_unit(uint64_t *state)
+{
+    return (double)(random_next(state) >> 11) * 0x1p-53;
+}
+
+/* ---- mailbox ------------------------------------------------------------------------------ */
+
+enum { WORDS = 96, POSTS = 200000 };
+
+typedef struct big_value {
+    uint64_t word[WORDS];
+} big_value;
+
+static void mailbox_gives_nothing_before_the_first_post(void **state)
+{
+    (void)state;
+    ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
+    assert_non_null(mailbox);
+    bool is_new = true;
+    assert_null(ss_mailbox_take(mailbox, &is_new));
+    assert_false(is_new);
+    *(int *)ss_mailbox_draft(mailbox) = 1; /* not posted yet */
+    assert_null(ss_mailbox_take(mailbox, NULL));
+    ss_mailbox_destroy(&mailbox);
+    assert_null(mailbox);
+    ss_mailbox_destroy(&mailbox);
+}
+
+static void mailbox_gives_the_newest_and_says_whether_it_is_new(void **state)
+{
+    (void)state;
+    ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
+    for (int i = 1; i <= 5; ++i) {
+        *(int *)ss_mailbox_draft(mailbox) = i;
+        ss_mailbox_post(mailbox);
+    }
+    bool is_new = false;
+    const int *taken = ss_mailbox_take(mailbox, &is_new);
+    assert_int_equal(*taken, 5);
+    assert_true(is_new);
+    taken = ss_mailbox_take(mailbox, &is_new);
+    assert_int_equal(*taken, 5);
+    assert_false(is_new);
+    /* The taken value stays the reader's while the writer goes on. */
+    for (int i = 6; i <= 9; ++i) {
+        *(int *)ss_mailbox_draft(mailbox) = i;
+        ss_mailbox_post(mailbox);
+        assert_int_equal(*taken, 5);
+    }
+    assert_int_equal(*(const int *)ss_mailbox_take(mailbox, &is_new), 9);
+    assert_true(is_new);
+    ss_mailbox_destroy(&mailbox);
+}
+
+static void *post_many(void *argument)
+{
+    ss_mailbox *mailbox = argument;
+    for (uint64_t i = 1; i <= POSTS; ++i) {
+        big_value *draft = ss_mailbox_draft(mailbox);
+        for (int w = 0; w < WORDS; ++w) {
+            draft->word[w] = i;
+        }
+        ss_mailbox_post(mailbox);
+    }
+    return NULL;
+}
+
+static void mailbox_between_two_threads_is_never_torn_and_never_goes_back(void **state)
+{
+    (void)state;
+    ss_mailbox *mailbox = ss_mailbox_create(sizeof(big_value));
+    ss_thread *writer = NULL;
+    assert_int_equal(start(post_many, mailbox, &writer), SOFTSIM_OK);
+    uint64_t last = 0;
+    int64_t torn = 0;
+    int64_t backwards = 0;
+    int64_t lied = 0;
+    while (last != POSTS) {
+        bool is_new = false;
+        const big_value *value = ss_mailbox_take(mailbox, &is_new);
+        if (value == NULL) {
+            sched_yield();
+            continue;
+        }
+        const uint64_t number = value->word[0];
+        for (int w = 1; w < WORDS; ++w) {
+            torn += value->word[w] != number;
+        }
+        backwards += number < last;
+        lied += is_new != (number > last);
+        last = number;
+        if (!is_new) {
+            sched_yield();
+        }
+    }
+    ss_thread_join(&writer);
+    assert_null(writer);
+    assert_int_equal(torn, 0);
+    assert_int_equal(backwards, 0);
+    assert_int_equal(lied, 0);
+    ss_mailbox_destroy(&mailbox);
+}
+
+/* ---- ring --------------------------------------------------------------------------------- */
+
+typedef struct record {
+    uint64_t number, copy[4];
+} record;
+
+static record record_make(uint64_t number)
+{
+    return (record){number, {number, ~number, number * 3, number ^ 0x5555}};
+}
+
+static bool record_is_whole(const record *r)
+{
+    const record expected = record_make(r->number);
+    return memcmp(&expected, r, sizeof expected) == 0;
+}
+
+static void ring_keeps_order_and_refuses_what_does_not_fit(void **state)
+{
+    (void)state;
+    ss_ring *ring = ss_ring_create(sizeof(int), 5); /* rounded up to 8 */
+    assert_non_null(ring);
+    int value = 0;
+    assert_false(ss_ring_pop(ring, &value));
+    int pushed = 0;
+    int popped = 0;
+    for (int round = 0; round < 50; ++round) {
+        for (int fill = 0; fill < 8; ++fill) {
+            assert_true(ss_ring_push(ring, &pushed));
+            ++pushed;
+        }
+        const int extra = -1;
+        assert_false(ss_ring_push(ring, &extra));
+        const int take = 1 + round % 8;
+        for (int i = 0; i < take; ++i) {
+            assert_true(ss_ring_pop(ring, &value));
+            assert_int_equal(value, popped++);
+        }
+        while (ss_ring_pop(ring, &value)) {
+            assert_int_equal(value, popped++);
+        }
+    }
+    assert_int_equal(popped, pushed);
+    assert_int_equal(ss_ring_refused(ring), 50);
+    ss_ring_destroy(&ring);
+    assert_null(ring);
+    assert_null(ss_ring_create(8, 0));
+    assert_null(ss_ring_create(8, UINT32_MAX));
+}
+
+typedef struct push_job {
+    ss_ring *ring;
+    uint64_t refused;
+} push_job;
+
+static void *push_many(void *argument)
+{
+    push_job *job = argument;
+    for (uint64_t i = 1; i <= POSTS; ++i) {
+        const record r = record_make(i);
+        while (!ss_ring_push(job->ring, &r)) {
+            job->refused += 1;
+            sched_yield();
+        }
+    }
+    return NULL;
+}
+
+static void ring_between_two_threads_loses_and_tears_nothing(void **state)
+{
+    (void)state;
+    push_job job = {ss_ring_create(sizeof(record), 64), 0};
+    ss_thread *writer = NULL;
+    assert_int_equal(start(push_many, &job, &writer), SOFTSIM_OK);
+    uint64_t expected = 1;
+    int64_t wrong = 0;
+    while (expected <= POSTS) {
+        record r;
+        if (!ss_ring_pop(job.ring, &r)) {
+            sched_yield();
+            continue;
+        }
+        wrong += r.number != expected || !record_is_whole(&r);
+        expected += 1;
+    }
+    ss_thread_join(&writer);
+    record left;
+    assert_false(ss_ring_pop(job.ring, &left));
+    assert_int_equal(wrong, 0);
+    assert_int_equal(ss_ring_refused(job.ring), job.refused);
+    ss_ring_destroy(&job.ring);
+}
+
+/* ---- histogram ---------------------------------------------------------------------------- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void histogram_agrees_with_sorting(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 20000 };
+    static ss_histogram histogram;
+    static double sample[SAMPLES];
+    uint64_t seed = 7;
+    ss_histogram_init(&histogram, 0);
+    for (int i = 0; i < SAMPLES; ++i) {
+        sample[i] = 0.02 * pow(1e7, random_unit(&seed)); /* 0.02 us .. 0.2 s */
+        ss_histogram_add(&histogram, (int64_t)i * 400000, sample[i]);
+    }
+    qsort(sample, SAMPLES, sizeof sample[0], compare_doubles);
+    const double quantile[] = {0.001, 0.1, 0.5, 0.9, 0.99, 0.999};
+    for (size_t q = 0; q < sizeof quantile / sizeof quantile[0]; ++q) {
+        const double exact = sample[(int)ceil(quantile[q] * SAMPLES) - 1];
+        const double found = ss_histogram_quantile(&histogram, quantile[q]);
+        assert_true(fabs(found - exact) <= 0.0101 * exact);
+    }
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == sample[SAMPLES - 1]);
+}
+
+static void histogram_forgets_after_ten_seconds(void **state)
+{
+    (void)state;
+    static ss_histogram histogram;
+    const int64_t second = 1000000000;
+    ss_histogram_init(&histogram, 5 * second);
+    assert_true(ss_histogram_quantile(&histogram, 0.5) == 0.0);
+    ss_histogram_add(&histogram, 5 * second, 1000.0);
+    ss_histogram_add(&histogram, 14 * second, 10.0);
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == 1000.0);
+    ss_histogram_add(&histogram, 15 * second, 10.0);
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == 10.0);
+    ss_histogram_add(&histogram, 1000 * second, 3.0);
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == 3.0);
+    assert_true(ss_histogram_quantile(&histogram, 0.0) <= 3.0);
+}
+
+static void histogram_takes_odd_values(void **state)
+{
+    (void)state;
+    static ss_histogram histogram;
+    ss_histogram_init(&histogram, 0);
+    ss_histogram_add(&histogram, 0, -1.0);
+    ss_histogram_add(&histogram, 0, (double)NAN);
+    ss_histogram_add(&histogram, 0, 0.0);
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == 0.0);
+    ss_histogram_add(&histogram, 0, 1e12);
+    assert_true(ss_histogram_quantile(&histogram, 1.0) == 1e12);
+}
+
+/* ---- memory, clock, threads --------------------------------------------------------------- */
+
+static void memory_is_aligned_zeroed_and_counted(void **state)
+{
+    (void)state;
+    const int64_t before = ss_memory_in_use();
+    unsigned char *a = ss_memory_get(1001, 3);
+    void *b = ss_memory_get(0, 8);
+    assert_non_null(a);
+    assert_non_null(b);
+    assert_int_equal((uintptr_t)a % 64, 0);
+    for (int i = 0; i < 3003; ++i) {
+        assert_int_equal(a[i], 0);
+    }
+    assert_int_equal(ss_memory_in_use() - before, 3003);
+    assert_null(ss_memory_get(SIZE_MAX / 2, 3));
+    assert_null(ss_memory_get(SIZE_MAX, 1));
+    ss_memory_free(a);
+    ss_memory_free(b);
+    ss_memory_free(NULL);
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void clock_sleeps_until_the_deadline_and_not_before(void **state)
+{
+    (void)state;
+    const int64_t deadline = ss_clock_now_ns() + 2000000;
+    ss_clock_sleep_until(deadline);
+    assert_true(ss_clock_now_ns() >= deadline);
+    ss_clock_sleep_until(-5); /* long past: returns at once */
+    const int64_t cpu = ss_clock_thread_cpu_ns();
+    assert_true(cpu > 0 && ss_clock_thread_cpu_ns() >= cpu);
+}
+
+typedef struct thread_seen {
+    char name[16];
+    float smallest;
+    int policy;
+} thread_seen;
+
+static void *look_around(void *argument)
+{
+    thread_seen *seen = argument;
+    pthread_getname_np(pthread_self(), seen->name, sizeof seen->name);
+    volatile float smallest = FLT_MIN;
+    smallest = smallest * 0.5f;
+    seen->smallest = smallest;
+    struct sched_param param;
+    pthread_getschedparam(pthread_self(), &seen->policy, &param);
+    return NULL;
+}
+
+static void threads_carry_their_name_and_flush_denormals(void **state)
+{
+    (void)state;
+    thread_seen seen = {"", 1.0f, -1};
+    ss_thread *thread = NULL;
+    bool fifo_refused = true;
+    assert_int_equal(ss_thread_start("a name that is too long", 50, SS_REALTIME_OFF, look_around,
+                                     &seen, &thread, &fifo_refused),
+                     SOFTSIM_OK);
+    ss_thread_join(&thread);
+    assert_null(thread);
+    ss_thread_join(&thread);
+    assert_string_equal(seen.name, "a name that is ");
+    assert_false(fifo_refused);
+    assert_int_equal(seen.policy, SCHED_OTHER);
+#if defined(__SSE__) || defined(__aarch64__)
+    assert_true(seen.smallest == 0.0f);
+#endif
+}
+
+static void fifo_is_had_or_its_refusal_is_said(void **state)
+{
+    (void)state;
+    thread_seen seen = {"", 1.0f, -1};
+    ss_thread *thread = NULL;
+    bool fifo_refused = false;
+    assert_int_equal(
+        ss_thread_start("auto", 10, SS_REALTIME_AUTO, look_around, &seen, &thread, &fifo_refused),
+        SOFTSIM_OK);
+    ss_thread_join(&thread);
+    assert_int_equal(seen.policy, fifo_refused ? SCHED_OTHER : SCHED_FIFO);
+    /* A priority that no system grants: automatic falls back, demanded fails. */
+    assert_int_equal(
+        ss_thread_start("auto", 1000, SS_REALTIME_AUTO, look_around, &seen, &thread, &fifo_refused),
+        SOFTSIM_OK);
+    ss_thread_join(&thread);
+    assert_true(fifo_refused);
+    assert_int_equal(seen.policy, SCHED_OTHER);
+    assert_int_equal(
+        ss_thread_start("fifo", 1000, SS_REALTIME_FIFO, look_around, &seen, &thread, &fifo_refused),
+        SOFTSIM_ERROR_SYSTEM);
+    assert_null(thread);
+}
+
+static void wake_is_seen_by_poll_until_drained(void **state)
+{
+    (void)state;
+    const int fd = ss_wake_open();
+    assert_true(fd >= 0);
+    struct pollfd waiting = {.fd = fd, .events = POLLIN};
+    assert_int_equal(poll(&waiting, 1, 0), 0);
+    ss_wake_signal(fd);
+    ss_wake_signal(fd);
+    assert_int_equal(poll(&waiting, 1, 0), 1);
+    ss_wake_drain(fd);
+    assert_int_equal(poll(&waiting, 1, 0), 0);
+    ss_wake_drain(fd); /* nothing there: does not block */
+    close(fd);
+}
+
+/* ---- errors ------------------------------------------------------------------------------- */
+
+static void status_has_a_name_and_a_text(void **state)
+{
+    (void)state;
+    assert_string_equal(softsim_status_name(SOFTSIM_OK), "OK");
+    assert_string_equal(softsim_status_name(SOFTSIM_ERROR_MESH), "ERROR_MESH");
+    assert_string_equal(softsim_status_text(SOFTSIM_ERROR_NETWORK), "no network");
+    assert_non_null(softsim_status_name((softsim_status)77));
+    assert_non_null(softsim_status_text((softsim_status)77));
+}
+
+static void errors_keep_every_line_and_the_first_status(void **state)
+{
+    (void)state;
+    static softsim_error error;
+    memset(&error, 0, sizeof error);
+    softsim_error_add(NULL, SOFTSIM_ERROR_MESH, "ignored");
+    softsim_error_add(&error, SOFTSIM_ERROR_SCENE, "a.yaml:%d: bad", 3);
+    softsim_error_add(&error, SOFTSIM_ERROR_MESH, "b.mesh: worse");
+    assert_int_equal(error.status, SOFTSIM_ERROR_SCENE);
+    assert_int_equal(error.fault_count, 2);
+    assert_string_equal(error.text, "a.yaml:3: bad\nb.mesh: worse");
+}
+
+static void a_full_error_says_how_many_more(void **state)
+{
+    (void)state;
+    static softsim_error error;
+    for (int length = 1; length < 400; length += 7) {
+        memset(&error, 0, sizeof error);
+        enum { FAULTS = 9000 };
+        for (int i = 0; i < FAULTS; ++i) {
+            softsim_error_add(&error, SOFTSIM_ERROR_SCENE, "%0*d", length, 7);
+        }
+        assert_int_equal(error.fault_count, FAULTS);
+        /* Lines shown and lines said to be hidden make all. */
+        int shown = 0;
+        const char *line = error.text;
+        for (const char *end = strchr(line, '\n'); end != NULL; end = strchr(line, '\n')) {
+            assert_int_equal(end - line, length);
+            shown += 1;
+            line = end + 1;
+        }
+        int hidden = 0;
+        assert_int_equal(sscanf(line, "(and %d more faults)", &hidden), 1);
+        assert_int_equal(shown + hidden, FAULTS);
+        assert_true(strlen(error.text) > SOFTSIM_ERROR_TEXT_SIZE - 64 - (size_t)length);
+    }
+}
+
+static void an_endless_first_fault_is_cut(void **state)
+{
+    (void)state;
+    static softsim_error error;
+    memset(&error, 0, sizeof error);
+    softsim_error_add(&error, SOFTSIM_ERROR_FILE, "%020000d", 1);
+    assert_true(strlen(error.text) > 8000);
+    softsim_error_add(&error, SOFTSIM_ERROR_FILE, "second");
+    softsim_error_add(&error, SOFTSIM_ERROR_FILE, "third");
+    assert_non_null(strstr(error.text, "\n(and 2 more faults)"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mailbox_gives_nothing_before_the_first_post),
+        cmocka_unit_test(mailbox_gives_the_newest_and_says_whether_it_is_new),
+        cmocka_unit_test(mailbox_between_two_threads_is_never_torn_and_never_goes_back),
+        cmocka_unit_test(ring_keeps_order_and_refuses_what_does_not_fit),
+        cmocka_unit_test(ring_between_two_threads_loses_and_tears_nothing),
+        cmocka_unit_test(histogram_agrees_with_sorting),
+        cmocka_unit_test(histogram_forgets_after_ten_seconds),
+        cmocka_unit_test(histogram_takes_odd_values),
+        cmocka_unit_test(memory_is_aligned_zeroed_and_counted),
+        cmocka_unit_test(clock_sleeps_until_the_deadline_and_not_before),
+        cmocka_unit_test(threads_carry_their_name_and_flush_denormals),
+        cmocka_unit_test(fifo_is_had_or_its_refusal_is_said),
+        cmocka_unit_test(wake_is_seen_by_poll_until_drained),
+        cmocka_unit_test(status_has_a_name_and_a_text),
+        cmocka_unit_test(errors_keep_every_line_and_the_first_status),
+        cmocka_unit_test(a_full_error_says_how_many_more),
+        cmocka_unit_test(an_endless_first_fault_is_cut),
+    };
+    return cmocka_run_group_tests_name("softsim.rt", tests, NULL, NULL);
+}

@@ -1,0 +1,547 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Scenes: what a good one gives, overrides, printing, live keys. */
+#include "scene_fixture.h"
+
+static ss_scene *load_good(const char *text, const char *const *overrides, int count)
+{
+    ss_scene *scene = load_with(text, overrides, count);
+    if (scene == NULL) {
+        fail_msg("refused:\n%s\n%s", text, error.text);
+    }
+    return scene;
+}
+
+/* ---- good scenes ----------------------------------------------------------------------------- */
+
+static const char full[] =
+    "softsim: 1\n"
+    "object:\n"
+    "  mesh: cube.msh\n"
+    "  units: mm\n"
+    "  transform: {scale: 2, rotate_deg: [0, 0, 90], translate_m: [0.1, 0, 0]}\n"
+    "  fixed:\n"
+    "    - {box_m: [[-1, -1, -1], [1, 1, 0]]}\n"
+    "    - {nodes: seven.txt, axes: xz}\n"
+    "model:\n"
+    "  name: jelly\n"
+    "  modulus_j: 5\n"
+    "  rho: [{where: {group: top}, value: 2}, {value: 0.5}]\n"
+    "  per_area: false\n"
+    "  solver: relaxation\n"
+    "contact:\n"
+    "  tools:\n"
+    "    - {probe: 0, shape: {sphere: {radius_mm: 5}}}\n"
+    "    - {probe: 3, shape: {capsule: {radius_mm: 2, length_mm: 30}}}\n"
+    "    - {probe: 4, shape: {box: {size_mm: [2, 4, 6]}}}\n"
+    "    - {probe: 5, shape: {cylinder: {radius_mm: 3, length_mm: 8}}}\n"
+    "    - {probe: 6, shape: {cone: {radius_mm: 4, length_mm: 10}}}\n"
+    "  working_force_n: 1.5\n"
+    "simulation: {rate_hz: 250, max_substeps: 16}\n"
+    "gravity_m_s2: [0, 0, -9.81]\n"
+    "haptic: {between_steps: hold, rate_hz: 2000, max_force_n: 4, max_slew_n_per_s: 900,\n"
+    "  max_jump_m: 0.1, coupling: {stiffness_n_per_m: 500, damping_n_s_per_m: 1}}\n"
+    "publish: {mesh_rate_hz: 0, max_bytes_per_s: 1e6}\n"
+    "loads:\n"
+    "  - {nodes: [4, 5], force_n: [0.1, -0.8, 0.05], from_s: 1, to_s: 10, ramp_s: 2}\n"
+    "  - {group: top, pressure_pa: 1000}\n"
+    "prescribed:\n"
+    "  - {nodes: [5], displacement_m: [0, 0, 0.001], ramp_s: 0.5, axes: z}\n";
+
+static void gives_every_value_of_a_scene(void **state)
+{
+    (void)state;
+    ss_scene *s = load_good(full, NULL, 0);
+    assert_string_equal(s->model_name, "jelly");
+    assert_int_equal(s->model_index, 0);
+    assert_int_equal(s->mesh->node_count, 8);
+    /* Node 1 at (20, 0, 0) mm: twice, turned about z, shifted. */
+    assert_near(s->mesh->position[1][0], 0.1, 1e-15);
+    assert_near(s->mesh->position[1][1], 0.04, 1e-15);
+    static const uint8_t fixed[8] = {7, 7, 7, 7, 0, 0, 0, 5};
+    assert_memory_equal(s->fixed, fixed, 8);
+
+    assert_near(s->param[MODULUS].number, 5, 0);
+    assert_true(s->param[MODULUS].is_given);
+    assert_near(s->param[RHO].per_node[0], 0.5, 0);
+    assert_near(s->param[RHO].per_node[7], 2, 0);
+    assert_near(s->param[CELLS].number, 7, 0);
+    assert_false(s->param[CELLS].is_given);
+    assert_near(s->param[PER_AREA].number, 0, 0);
+    assert_near(s->param[SOLVER].number, 1, 0);
+    assert_true(isnan(s->param[SATURATION].number));
+    assert_near(s->param[DAMPING].number, 1725, 0);
+
+    assert_true(s->tool[0].is_used && !s->tool[1].is_used && s->tool[3].is_used);
+    assert_int_equal(s->tool[0].shape.kind, SS_SHAPE_SPHERE);
+    assert_near(s->tool[0].shape.radius, 5e-3, 1e-18);
+    assert_int_equal(s->tool[3].shape.kind, SS_SHAPE_CAPSULE);
+    assert_near(s->tool[3].shape.half_length, 15e-3, 1e-17);
+    assert_int_equal(s->tool[4].shape.kind, SS_SHAPE_BOX);
+    assert_near(s->tool[4].shape.half_extent[2], 3e-3, 1e-18);
+    assert_int_equal(s->tool[5].shape.kind, SS_SHAPE_CYLINDER);
+    assert_int_equal(s->tool[6].shape.kind, SS_SHAPE_CONE);
+    assert_near(s->tool[6].shape.half_length, 5e-3, 1e-18);
+
+    assert_near(s->working_force_n, 1.5, 0);
+    assert_near(s->contact_stiffness_n_per_m3, 0, 0);
+    assert_near(s->simulation_rate_hz, 250, 0);
+    assert_int_equal(s->max_substeps, 16);
+    assert_near(s->gravity[2], -9.81, 0);
+    assert_int_equal(s->between_steps, SS_SCENE_HOLD);
+    assert_near(s->haptic_rate_hz, 2000, 0);
+    assert_near(s->max_force_n, 4, 0);
+    assert_near(s->max_slew_n_per_s, 900, 0);
+    assert_near(s->max_jump_m, 0.1, 0);
+    assert_near(s->coupling_stiffness_n_per_m, 500, 0);
+    assert_near(s->coupling_damping_n_s_per_m, 1, 0);
+    assert_near(s->mesh_rate_hz, 0, 0);
+    assert_near(s->max_bytes_per_s, 1e6, 0);
+
+    assert_int_equal(s->load_count, 2);
+    assert_int_equal(s->load[0].node_count, 2);
+    assert_int_equal(s->load[0].node[1], 5);
+    assert_near(s->load[0].force[1], -0.8, 0);
+    assert_near(s->load[0].from, 1, 0);
+    assert_near(s->load[0].to, 10, 0);
+    assert_near(s->load[0].ramp, 2, 0);
+    assert_true(s->load[1].is_pressure);
+    assert_near(s->load[1].pressure, 1000, 0);
+    assert_true(isinf(s->load[1].to));
+    assert_int_equal(s->load[1].node_count, 4);
+
+    assert_int_equal(s->prescribed_count, 1);
+    assert_false(s->prescribed[0].axis[0]);
+    assert_true(s->prescribed[0].axis[2]);
+    assert_near(s->prescribed[0].displacement[0][2], 0.001, 0);
+    assert_near(s->prescribed[0].ramp, 0.5, 0);
+    assert_string_equal(s->prescribed[0].name, "prescribed.0");
+    ss_scene_destroy(&s);
+    assert_null(s);
+}
+
+static void has_the_documented_defaults(void **state)
+{
+    (void)state;
+    ss_scene *s = load_good(replace_line(12, "  rate_hz: 1000"), NULL, 0);
+    assert_near(s->max_force_n, 8, 0);
+    assert_near(s->max_slew_n_per_s, 2000, 0);
+    assert_near(s->coupling_stiffness_n_per_m, 800, 0);
+    assert_near(s->coupling_damping_n_s_per_m, 2, 0);
+    assert_near(s->max_jump_m, 0.05, 0);
+    assert_int_equal(s->between_steps, SS_SCENE_LOCAL);
+    assert_near(s->simulation_rate_hz, 0, 0);
+    assert_int_equal(s->max_substeps, 64);
+    assert_near(s->working_force_n, 2, 0);
+    assert_near(s->mesh_rate_hz, 60, 0);
+    assert_near(s->max_bytes_per_s, 8e6, 0);
+    assert_near(s->gravity[2], 0, 0);
+    ss_scene_destroy(&s);
+}
+
+static void millimetres_and_metres_give_the_same_body(void **state)
+{
+    (void)state;
+    ss_scene *mm = load_good(small, NULL, 0);
+    const char *const overrides[] = {"object.mesh=cube_m.msh", "object.units=m"};
+    ss_scene *m = load_good(small, overrides, 2);
+    for (int i = 0; i < 8; i++) {
+        for (int k = 0; k < 3; k++) {
+            assert_near(mm->mesh->position[i][k], m->mesh->position[i][k], 1e-17);
+        }
+    }
+    assert_memory_equal(mm->fixed, m->fixed, 8);
+    ss_scene_destroy(&mm);
+    ss_scene_destroy(&m);
+}
+
+/* Regions with the border through nodes, in a body of awkward size. */
+static void regions_take_the_nodes_on_their_border(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *region;
+        int count;
+    } row[] = {
+        {"{box_m: [[0, 0, 0.006], [0.006, 0.006, 0.006]]}", 4},
+        {"{sphere: {center_m: [0, 0, 0], radius_m: 0.006}}", 4},
+        {"{plane: {point_m: [0, 0, 0.006], normal: [0, 0, -5]}}", 4},
+        {"{plane: {point_m: [0.003, 0, 0], normal: [1, 0, 0]}}", 4},
+        {"{group: top}", 4},
+        {"{nodes: [3]}", 1},
+        {"{nodes: seven.txt}", 1},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char line[160];
+        snprintf(line, sizeof line, "  transform: {scale: 0.3}\n  fixed: [%s]", row[i].region);
+        ss_scene *s = load_good(replace_line(5, line), NULL, 0);
+        int count = 0;
+        for (int k = 0; k < 8; k++) {
+            count += s->fixed[k] == 7;
+        }
+        assert_int_equal(count, row[i].count);
+        ss_scene_destroy(&s);
+    }
+}
+
+static void the_first_matching_region_gives_the_value(void **state)
+{
+    (void)state;
+    ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho:\n"
+                                            "    - {where: {nodes: [7]}, value: 3}\n"
+                                            "    - {where: {group: top}, value: 2}\n"
+                                            "    - {value: 1}"),
+                            NULL, 0);
+    static const double rho[8] = {1, 1, 1, 1, 2, 2, 2, 3};
+    assert_memory_equal(s->param[RHO].per_node, rho, sizeof rho);
+    ss_scene_destroy(&s);
+    s = load_good(replace_line(8, "  modulus_j: 5\n  rho: {file: rho.csv}"), NULL, 0);
+    for (int k = 0; k < 8; k++) {
+        assert_near(s->param[RHO].per_node[k], k + 1, 0);
+    }
+    ss_scene_destroy(&s);
+}
+
+static void an_empty_cell_leaves_its_axis_free(void **state)
+{
+    (void)state;
+    ss_scene *s =
+        load_good(replace_line(13, "prescribed: [{displacement_file: lift.csv, group: top}]\n"
+                                   "loads:"),
+                  NULL, 0);
+    assert_int_equal(s->prescribed_count, 2);
+    const ss_scene_prescribed *partial = &s->prescribed[0]; /* bits in increasing order */
+    const ss_scene_prescribed *whole = &s->prescribed[1];
+    assert_int_equal(whole->node_count, 2);
+    assert_true(whole->axis[0] && whole->axis[1] && whole->axis[2]);
+    assert_near(whole->displacement[1][2], 0.002, 0);
+    assert_int_equal(partial->node_count, 1);
+    assert_int_equal(partial->node[0], 6);
+    assert_true(!partial->axis[0] && !partial->axis[1] && partial->axis[2]);
+    assert_near(partial->displacement[0][2], 0.003, 0);
+    assert_int_equal(partial->entry, whole->entry);
+    assert_string_equal(partial->name, "top");
+    ss_scene_destroy(&s);
+}
+
+/* ---- the bundled scenes ---------------------------------------------------------------------- */
+
+/* The keys of the model that the bundled scenes use; their values are the model's own business. */
+#define KEY(key, fallback_value)                                                                   \
+    {                                                                                              \
+        .name = (key), .kind = SS_PARAM_FIELD, .max = 1e9, .fallback = (fallback_value),           \
+        .help = "see the model"                                                                    \
+    }
+static const ss_param_row energy_row[] = {
+    KEY("modulus_j", NAN),
+    KEY("modulus_n_per_m", NAN),
+    KEY("pretension_j", 0),
+    KEY("enclosed_bulk_pa", 0),
+    KEY("rho", 1),
+    {.name = "per_area", .kind = SS_PARAM_BOOL, .max = 1, .fallback = 1, .help = "per area"},
+    KEY("area_density_kg_m2", NAN),
+    KEY("damping_n_s_per_m3", NAN),
+    KEY("rest_stiffness_n_per_m3", NAN),
+    KEY("mass_kg", NAN),
+    KEY("damping_n_s_per_m", NAN),
+    KEY("rest_stiffness_n_per_m", NAN),
+};
+static const ss_scene_model energy = {
+    .name = "cnn-energy", .row = energy_row, .row_count = sizeof energy_row / sizeof *energy_row};
+
+static ss_scene *load_bundled(const char *name)
+{
+    char path[1024];
+    ss_scene *scene = NULL;
+    snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", name);
+    error = (softsim_error){0};
+    ss_scene_load(path, NULL, 0, &energy, 1, BIN_DIR "/softsim-import", &scene, &error);
+    if (scene == NULL) {
+        fail_msg("%s", error.text);
+    }
+    return scene;
+}
+
+static void the_bundled_scenes_hold_what_they_should(void **state)
+{
+    (void)state;
+    if (access(BIN_DIR "/softsim-import", X_OK) != 0) {
+        skip(); /* its meshes are read through that program */
+    }
+    ss_scene *s = load_bundled("kidney.yaml");
+    int count = 0;
+    for (int32_t i = 0; i < s->mesh->node_count; i++) {
+        /* The hilum: the middle of the side towards -y. */
+        const double *x = s->mesh->position[i];
+        count += s->fixed[i] != 0;
+        assert_true(s->fixed[i] == 0 || (x[1] < -0.014 && fabs(x[0]) < 0.016));
+    }
+    assert_in_range(count, s->mesh->node_count / 25, s->mesh->node_count / 12);
+    assert_true(s->mesh->is_closed);
+    assert_true(s->tool[0].is_used && s->tool[1].is_used && !s->tool[2].is_used);
+    assert_near(s->tool[1].shape.radius, 0.006, 1e-17);
+    ss_scene_destroy(&s);
+
+    s = load_bundled("liver.yaml");
+    count = 0;
+    for (int32_t i = 0; i < s->mesh->node_count; i++) {
+        count += s->fixed[i] != 0;
+        assert_true(s->fixed[i] == 0 || s->mesh->position[i][1] > 0.03);
+    }
+    assert_in_range(count, s->mesh->node_count / 25, s->mesh->node_count / 12);
+    assert_true(s->mesh->is_closed);
+    ss_scene_destroy(&s);
+
+    s = load_bundled("cylinder.yaml");
+    assert_int_equal(s->mesh->node_count, 360);
+    for (int32_t i = 0; i < 360; i++) {
+        assert_int_equal(s->fixed[i], fabs(s->mesh->position[i][2]) > 1.99 ? 7 : 0);
+    }
+    assert_int_equal(s->load_count, 1);
+    const double *top = s->mesh->position[s->load[0].node[0]];
+    assert_near(top[0], 0, 1e-6);
+    assert_near(top[1], 1, 1e-6);
+    assert_near(top[2], 0, 1e-6);
+    ss_scene_destroy(&s);
+}
+
+/* ---- overrides ------------------------------------------------------------------------------- */
+
+static void overrides_reach_every_scalar(void **state)
+{
+    (void)state;
+    static const char *const overrides[] = {
+        "haptic.max_force_n=6",
+        "haptic.coupling.damping_n_s_per_m=0.5",
+        "model.rho=0.25",
+        "model.solver=relaxation",
+        "simulation.rate_hz=500",
+        "publish.mesh_rate_hz=30",
+        "contact.tools.0.shape.sphere.radius_mm=6",
+        "contact.tools[0].probe=2",
+        "loads.0.force_n.2=-4",
+        "loads.0.nodes=[5, 6]",
+        "gravity_m_s2=[0, -1, 0]",
+        "object.fixed.0.box_m.1.2=1",
+        "object.transform.scale=3",
+    };
+    ss_scene *s = load_good(small, overrides, sizeof overrides / sizeof *overrides);
+    assert_near(s->max_force_n, 6, 0);
+    assert_near(s->coupling_damping_n_s_per_m, 0.5, 0);
+    assert_near(s->param[RHO].number, 0.25, 0);
+    assert_null(s->param[RHO].per_node);
+    assert_near(s->param[SOLVER].number, 1, 0);
+    assert_near(s->simulation_rate_hz, 500, 0);
+    assert_near(s->mesh_rate_hz, 30, 0);
+    assert_near(s->tool[2].shape.radius, 6e-3, 1e-18);
+    assert_false(s->tool[0].is_used);
+    assert_near(s->load[0].force[2], -4, 0);
+    assert_int_equal(s->load[0].node_count, 2);
+    assert_near(s->gravity[1], -1, 0);
+    assert_int_equal(s->fixed[7], 7);
+    assert_near(s->mesh->position[7][0], 0.06, 1e-15);
+    ss_scene_destroy(&s);
+    /* The last one counts. */
+    s = load_good(small, (const char *const[]){"haptic.max_force_n=6", "haptic.max_force_n=5"}, 2);
+    assert_near(s->max_force_n, 5, 0);
+    ss_scene_destroy(&s);
+}
+
+static void a_bad_override_names_the_option(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *option;
+        const char *word;
+    } row[] = {
+        {"haptic.max_force_n", "PATH=VALUE"},
+        {"=3", "PATH=VALUE"},
+        {"haptic.max_force_n=", "PATH=VALUE"},
+        {"haptic..max_force_n=3", "not a path"},
+        {"haptic.max_force_n.=3", "not a path"},
+        {"haptic.max_force=3", "did you mean 'max_force_n'?"},
+        {"haptic.max_force_n=much", "not a number"},
+        {"haptic.max_force_n=-1", "out of range"},
+        {"haptic.max_force_n.x=1", "is a value"},
+        {"contact.tools.1.probe=1", "has no entry '1'; it has 1"},
+        {"contact.tools.0.shape.cone.radius_mm=1", "length_mm is missing"},
+        {"model.name=none", "not built in"},
+        {"gravity_m_s2=[0, 0", "YAML"},
+        {"colour=red", "unknown key 'colour'"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char start[120];
+        assert_null(load_with(small, &row[i].option, 1));
+        snprintf(start, sizeof start, "--set %s: error: ", row[i].option);
+        if (strstr(error.text, start) == NULL || strstr(error.text, row[i].word) == NULL) {
+            fail_msg("%s: no '%s' in:\n%s", row[i].option, row[i].word, error.text);
+        }
+    }
+}
+
+/* ---- printing -------------------------------------------------------------------------------- */
+
+static void collect(void *sink, const char *text)
+{
+    char *all = sink;
+    assert_null(strchr(text, '\n'));
+    strcat(all, text);
+    strcat(all, "\n");
+}
+
+static void assert_same_scene(const ss_scene *a, const ss_scene *b)
+{
+    const int32_t n = a->mesh->node_count;
+    assert_int_equal(b->mesh->node_count, n);
+    assert_memory_equal(a->mesh->position, b->mesh->position, (size_t)n * sizeof(double[3]));
+    assert_memory_equal(a->fixed, b->fixed, (size_t)n);
+    for (int i = 0; i < model[a->model_index].row_count; i++) {
+        const ss_param_value *p = &a->param[i];
+        const ss_param_value *q = &b->param[i];
+        assert_memory_equal(&p->number, &q->number, sizeof p->number);
+        assert_int_equal(p->per_node != NULL, q->per_node != NULL);
+        if (p->per_node != NULL) {
+            assert_memory_equal(p->per_node, q->per_node, (size_t)n * sizeof(double));
+        }
+    }
+    assert_memory_equal(a->tool, b->tool, sizeof a->tool);
+    assert_int_equal(a->load_count, b->load_count);
+    for (int i = 0; i < a->load_count; i++) {
+        assert_memory_equal(a->load[i].force, b->load[i].force, sizeof a->load[i].force);
+        assert_memory_equal(&a->load[i].to, &b->load[i].to, sizeof(double));
+        assert_int_equal(a->load[i].node_count, b->load[i].node_count);
+    }
+    assert_int_equal(a->prescribed_count, b->prescribed_count);
+    /* All plain values stand together from working_force_n to max_bytes_per_s. */
+    const size_t first = offsetof(ss_scene, working_force_n);
+    const size_t last = offsetof(ss_scene, turned_triangles);
+    assert_memory_equal((const char *)a + first, (const char *)b + first, last - first);
+}
+
+static void what_is_printed_loads_again(void **state)
+{
+    (void)state;
+    static char text[65536];
+    static char again[65536];
+    const char *const scene_text[] = {full, small,
+                                      replace_line(10, "  stiffness_n_per_m3: 123456789.125")};
+    for (size_t i = 0; i < sizeof scene_text / sizeof *scene_text; i++) {
+        ss_scene *a =
+            load_good(scene_text[i], (const char *const[]){"haptic.max_slew_n_per_s=0.1"}, 1);
+        text[0] = '\0';
+        ss_scene_print(a, &model[0], collect, text);
+        /* From another folder: file names are absolute. */
+        ss_scene *b = NULL;
+        error = (softsim_error){0};
+        ss_scene_load_text("/elsewhere/s.yaml", text, strlen(text), NULL, 0, model, MODEL_COUNT,
+                           NULL, &b, &error);
+        if (b == NULL) {
+            fail_msg("refused:\n%s\n%s", text, error.text);
+        }
+        assert_same_scene(a, b);
+        again[0] = '\0';
+        ss_scene_print(b, &model[0], collect, again);
+        assert_string_equal(text, again);
+        ss_scene_destroy(&a);
+        ss_scene_destroy(&b);
+    }
+}
+
+static void each_printed_value_has_its_meaning_beside_it(void **state)
+{
+    (void)state;
+    static char text[65536];
+    ss_scene *s = load_good(small, NULL, 0);
+    text[0] = '\0';
+    ss_scene_print(s, &model[0], collect, text);
+    assert_non_null(strstr(text, "  max_force_n: 3 "));
+    assert_non_null(strstr(text, "a number above 0 and at most 100 (N); default 8; live\n"));
+    assert_non_null(strstr(text, "  # saturation: "));
+    assert_non_null(strstr(text, "absent unless given; restart\n"));
+    assert_non_null(strstr(text, "  damping_n_s_per_m3: 1725 "));
+    assert_non_null(strstr(text, "default 1725; live\n"));
+    assert_non_null(strstr(text, "  rate_hz: auto "));
+    ss_scene_destroy(&s);
+}
+
+/* ---- live keys ------------------------------------------------------------------------------- */
+
+static void live_keys_are_parsed_and_the_rest_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *assignment;
+        ss_scene_live_key key;
+        double value;
+    } good[] = {
+        {"haptic.max_force_n=3", SS_LIVE_MAX_FORCE, 3},
+        {"haptic.max_slew_n_per_s=1e3", SS_LIVE_MAX_SLEW, 1000},
+        {"haptic.coupling.stiffness_n_per_m=700", SS_LIVE_COUPLING_STIFFNESS, 700},
+        {"haptic.coupling.damping_n_s_per_m=0", SS_LIVE_COUPLING_DAMPING, 0},
+        {"haptic.between_steps=linear", SS_LIVE_BETWEEN_STEPS, SS_SCENE_LINEAR},
+        {"haptic.max_jump_m=0.5", SS_LIVE_MAX_JUMP, 0.5},
+        {"publish.mesh_rate_hz=0", SS_LIVE_MESH_RATE, 0},
+        {"publish.max_bytes_per_s=20000", SS_LIVE_MAX_BYTES, 20000},
+        {"model.damping_n_s_per_m3=12", SS_LIVE_MODEL_ROW, 12},
+    };
+    ss_scene_live_key key;
+    int32_t row;
+    double value;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_int_equal(
+            ss_scene_parse_live(good[i].assignment, &model[0], &key, &row, &value, &error),
+            SOFTSIM_OK);
+        assert_int_equal(key, good[i].key);
+        assert_near(value, good[i].value, 0);
+        assert_int_equal(row, key == SS_LIVE_MODEL_ROW ? DAMPING : -1);
+    }
+    static const struct {
+        const char *assignment;
+        const char *word;
+    } refused[] = {
+        {"haptic.rate_hz=500", "restart"},
+        {"model.modulus_j=1", "restart"},
+        {"model.name=block", "restart"},
+        {"contact.tools.0.probe=1", "restart"},
+        {"haptic=1", "restart"},
+        {"haptic.max_force_n=0", "out of range"},
+        {"haptic.max_force_n=nan", "not finite"},
+        {"haptic.max_force_n=", "has no value"},
+        {"haptic.max_force_n.x=1", "no key 'x'"},
+        {"haptic.max_forc=1", "no key"},
+        {"model.magic=1", "no key 'magic'"},
+        {"haptic.between_steps=guess", "one of"},
+        {"nothing", "PATH=VALUE"},
+        {"=", "PATH=VALUE"},
+        {"", "PATH=VALUE"},
+        {".=1", "no key"},
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        error = (softsim_error){0};
+        assert_int_equal(
+            ss_scene_parse_live(refused[i].assignment, &model[0], &key, &row, &value, &error),
+            SOFTSIM_ERROR_ARGUMENT);
+        if (strstr(error.text, refused[i].word) == NULL) {
+            fail_msg("%s: %s", refused[i].assignment, error.text);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(gives_every_value_of_a_scene),
+        cmocka_unit_test(has_the_documented_defaults),
+        cmocka_unit_test(millimetres_and_metres_give_the_same_body),
+        cmocka_unit_test(regions_take_the_nodes_on_their_border),
+        cmocka_unit_test(the_first_matching_region_gives_the_value),
+        cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
+        cmocka_unit_test(the_bundled_scenes_hold_what_they_should),
+        cmocka_unit_test(overrides_reach_every_scalar),
+        cmocka_unit_test(a_bad_override_names_the_option),
+        cmocka_unit_test(what_is_printed_loads_again),
+        cmocka_unit_test(each_printed_value_has_its_meaning_beside_it),
+        cmocka_unit_test(live_keys_are_parsed_and_the_rest_refused),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

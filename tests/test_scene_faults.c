@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Bad scenes: what is said, and where. */
+#include "scene_fixture.h"
+
+typedef struct bad {
+    int line;          /* of `small` that is replaced */
+    const char *with;  /* by this */
+    const char *place; /* line:column of the fault */
+    const char *word;  /* of its message */
+} bad;
+
+static const bad bad_row[] = {
+    {1, "softsim: 2", "1:10", "out of range"},
+    {1, "", "2:1", "softsim is missing"},
+    {1, "softsim: one", "1:10", "not a number"},
+    {1, "softsim: 1\ncolour: red", "2:1", "unknown key 'colour'"},
+    {1, "softsim: 1\nhapticc: {}", "2:1", "did you mean 'haptic'?"},
+    {1, "softsim: 1\nsimulation:", "2:1", "has no value"},
+    {1, "softsim: 1\ngravity_m_s2: [0, 0]", "2:15", "has 2 values"},
+    {1, "softsim: 1\ngravity_m_s2: [0, 0, down]", "2:22", "not a number"},
+    {1, "softsim: 1\nsimulation: {rate_hz: fast}", "2:23", "auto"},
+    {1, "softsim: 1\nsimulation: {max_substeps: 1.5}", "2:28", "whole number"},
+    {1, "softsim: 1\nsoftsim: 1", "2:1", "given twice, first in line 1"},
+    {1, "softsim: &a 1", "1:13", "anchors"},
+    {1, "softsim: !!int 1", "1:16", "tag"},
+    {3, "  mesh: *a", "3:10", "aliases"},
+    {3, "  mesh: none.obj", "3:9", "No such file"},
+    {3, "  mesh: .", "3:9", "not a file"},
+    {3, "  mesh: [cube.msh]", "3:9", "is a list"},
+    {3, "", "2:1", "object.mesh is missing"},
+    {4, "", "2:1", "object.units is missing"},
+    {4, "  units: miles", "4:10", "one of mm cm m in um dm"},
+    {4, "  units: mm\n  grid: {}", "5:3", "unknown key 'grid'"},
+    {4, "  units: mm\n  transform: {scale: 0}", "5:22", "above 0"},
+    {5, "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.001]]}]", "5:12", "takes no node"},
+    {5, "  fixed: [{box_m: [[1, -1, -1], [-1, 1, 0]]}]", "5:19", "wrong way round"},
+    {5, "  fixed: [{box_m: [[0, 0, 0]]}]", "5:19", "two corners"},
+    {5, "  fixed: [{axes: xy}]", "5:11", "needs one of: box_m"},
+    {5, "  fixed: [{group: top, nodes: [1]}]", "5:24", "remove 'group' or 'nodes'"},
+    {5, "  fixed: [{group: bottom}]", "5:19", "it has: top, rest"},
+    {5, "  fixed: [{nodes: [8]}]", "5:20", "nodes 0 to 7"},
+    {5, "  fixed: [{nodes: [1, 1]}]", "5:23", "twice"},
+    {5, "  fixed: [{nodes: []}]", "5:19", "empty list"},
+    {5, "  fixed: [{nodes: none.txt}]", "5:12", "the file names none"},
+    {5, "  fixed: [{nodes: lost.txt}]", "5:19", "cannot open 'lost.txt'"},
+    {5, "  fixed: [{nodes: [1], axes: xw}]", "5:30", "xyz"},
+    {5, "  fixed: [{plane: {point_m: [0, 0, 0], normal: [0, 0, 0]}}]", "5:48", "no length"},
+    {5, "  fixed: {nodes: [1]}", "5:10", "is a mapping; give a list"},
+    {5, "  fixed: [7]", "5:11", "is a single value"},
+    {2, "obiect:", "2:1", "did you mean 'object'?"},
+    {7, "", "6:1", "model.name is missing; built in: jelly, block"},
+    {7, "  name: jely", "7:9", "did you mean 'jelly'?"},
+    {8, "", "6:1", "model.modulus_j is missing"},
+    {8, "  modulus_j: 0", "8:14", "above 0"},
+    {8, "  modulus_j: .nan", "8:14", "not finite"},
+    {8, "  modulus_j: 1e999", "8:14", "not finite"},
+    {8, "  modulus_j: 0x10", "8:14", "not a number"},
+    {8, "  modulus_j: 5 N", "8:14", "not a number"},
+    {8, "  modulus_j: '5'", "8:15", "in quotes"},
+    {8, "  modulus: 5\n  modulus_j: 1", "8:3", "did you mean 'modulus_j'?"},
+    {8, "  modulus_j: 5\n  per_area: yes", "9:13", "true or false"},
+    {8, "  modulus_j: 5\n  solver: magic", "9:11", "equilibrium"},
+    {8, "  modulus_j: 5\n  rho: {file: short.csv}", "9:15", "no value to 6 nodes"},
+    {8, "  modulus_j: 5\n  rho: [{where: {group: top}, value: 2}]", "9:8", "{value: ...}"},
+    {8, "  modulus_j: 5\n  rho: [{value: 2}, {where: {group: top}, value: 1}]", "9:9", "last"},
+    {8, "  modulus_j: 5\n  rho: [{value: 20}]", "9:17", "out of range"},
+    {10, "  tools: [{probe: 8, shape: {sphere: {radius_mm: 5}}}]", "10:19", "from 0 to 7"},
+    {10, "  tools: [{probe: 1, shape: {sphere: {radius_m: 5}}}]", "10:39", "radius_mm"},
+    {10, "  tools: [{probe: 1, shape: {ball: {}}}]", "10:30", "known here: sphere, capsule"},
+    {10, "  tools: [{probe: 1, shape: {box: {size_mm: [1, 0, 1]}}}]", "10:49", "above 0"},
+    {10, "  tools: [{probe: 1, shape: {cone: {radius_mm: 1}}}]", "10:30", "length_mm is missing"},
+    {10, "  tools: [{probe: 1, shape: {convex: {file: no.obj}}}]", "10:45", "cannot open"},
+    {10,
+     "  tools:\n    - {probe: 1, shape: {sphere: {radius_mm: 5}}}\n"
+     "    - {probe: 1, shape: {sphere: {radius_mm: 5}}}",
+     "12:15", "has a tool already"},
+    {10, "  working_force_n: 1\n  stiffness_n_per_m3: 1e9", "11:3", "takes one of"},
+    {12, "  max_force_n: 300", "12:16", "above 0 and at most 100 (N)"},
+    {12, "  max_forc_n: 3", "12:3", "did you mean 'max_force_n'?"},
+    {12, "  max_force_n: [3]", "12:16", "is a list"},
+    {12, "  between_steps: guess", "12:18", "hold linear local"},
+    {12, "  coupling: 800", "12:13", "is a single value"},
+    {14, "  - {nodes: [7]}", "14:5", "needs one of: force_n, pressure_pa"},
+    {14, "  - {nodes: [7], force_n: [0, 0, 1], from_s: 2, to_s: 1}", "14:55", "before it begins"},
+    {14, "  - {nodes: [7], pressure_pa: 10}", "14:18", "acts on nothing"},
+    {13, "prescribed: [{displacement_m: [0, 0, 1]}]\nloads:", "13:14", "needs nodes"},
+    {13, "prescribed: [{nodes: [0], displacement_m: [0, 0, 1]}]\nloads:", "13:14", "fixed already"},
+    {13,
+     "prescribed: [{displacement_file: lift.csv, nodes: [4]}]\n"
+     "loads:",
+     "13:34", "not in the region"},
+    {2, "object: [1, 2", "4:8", "YAML"},
+    {2, "object:\n\tmesh: a", "3:1", "YAML"},
+    {14, "--- \nsecond: 1", "14:1", "second document"},
+    {14, "%YAML 1.2", "14:1", "directives"},
+    {14, "# \xff", "14:3", "byte 0xff is no text"},
+    {14, "# \x1b[31m", "14:3", "byte 0x1b is no text"},
+};
+
+static void names_every_fault_with_its_place(void **state)
+{
+    (void)state;
+    int wrong = 0;
+    for (size_t i = 0; i < sizeof bad_row / sizeof *bad_row; i++) {
+        const bad *row = &bad_row[i];
+        char place[300];
+        ss_scene *scene = load_with(replace_line(row->line, row->with), NULL, 0);
+        assert_null(scene);
+        snprintf(place, sizeof place, "%s/s.yaml:%s: error: ", folder, row->place);
+        if (strstr(error.text, place) == NULL || strstr(error.text, row->word) == NULL ||
+            error.fault_count != 1) {
+            print_error("'%s': expected one fault at %s with '%s', got %d:\n%s\n", row->with,
+                        row->place, row->word, (int)error.fault_count, error.text);
+            wrong++;
+        }
+    }
+    assert_int_equal(wrong, 0);
+}
+
+static void a_model_that_is_missing_or_needs_a_volume_is_named(void **state)
+{
+    (void)state;
+    assert_null(load_with("softsim: 1\nobject: {mesh: cube.msh, units: mm}\n", NULL, 0));
+    assert_int_equal(error.fault_count, 1);
+    assert_non_null(strstr(error.text, ":1:1: error: model is missing"));
+    assert_null(load_with("softsim: 1\nobject: {mesh: cube.msh, units: mm}\nmodel: {name: block}\n",
+                          NULL, 0));
+    assert_int_equal(error.fault_count, 1);
+    assert_non_null(strstr(error.text, ":2:16: error: block needs a volume"));
+}
+
+static void shows_the_line_and_a_caret(void **state)
+{
+    (void)state;
+    assert_null(load_with(replace_line(12, "  max_force_n: 300"), NULL, 0));
+    assert_non_null(strstr(error.text, "\n  max_force_n: 300\n               ^~~"));
+    /* Columns count characters, not bytes. */
+    assert_null(load_with(replace_line(12, "  \xc3\xa4\xc3\xb6: 1"), NULL, 0));
+    assert_non_null(strstr(error.text, "\n  \xc3\xa4\xc3\xb6: 1\n  ^~"));
+}
+
+static void faults_of_data_files_name_the_file_and_line(void **state)
+{
+    (void)state;
+    assert_null(load_with(replace_line(5, "  fixed: [{nodes: bad_nodes.txt}]"), NULL, 0));
+    assert_int_equal(error.fault_count, 3);
+    assert_non_null(strstr(error.text, "bad_nodes.txt:2: error: 'two' is not a node number"));
+    assert_non_null(strstr(error.text, "bad_nodes.txt:3: error: there is no node 8"));
+    assert_non_null(strstr(error.text, "bad_nodes.txt:4: error: node 1 is given twice"));
+    assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: header.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "header.csv:1: error: the first line is 'element,value'"));
+    assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: range.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "range.csv:3: error: the value is 11, out of range"));
+    assert_non_null(strstr(error.text, "range.csv:4: error: the value is 'nan'"));
+    assert_null(load_with(
+        replace_line(13, "prescribed: [{displacement_file: lift_bad.csv}]\nloads:"), NULL, 0));
+    assert_non_null(strstr(error.text, "lift_bad.csv:2: error: not four cells"));
+    assert_non_null(strstr(error.text, "lift_bad.csv:3: error: 'x' is not a displacement"));
+}
+
+static void reports_all_faults_in_one_go_and_in_order(void **state)
+{
+    (void)state;
+    assert_null(load_with("softsim: 1\n"
+                          "object:\n"
+                          "  mesh: cube.msh\n"
+                          "  units: mm\n"
+                          "  fixed: [{group: bottom}]\n"
+                          "model: {name: jelly, modulus_j: -1, rho: {file: lost.csv}}\n"
+                          "haptic: {max_force_n: 1000, between_steps: hold, max_slew: 1}\n"
+                          "loads: [{nodes: [99], force_n: [0, 0, 1]}]\n"
+                          "color: red\n",
+                          (const char *const[]){"publish.mesh_rate_hz=-1"}, 1));
+    static const char *const expected[] = {
+        ":5:19: ", ":6:33: ", ":6:49: ", ":7:23: ",
+        ":7:50: ", ":8:18: ", ":9:1: ",  "--set publish.mesh_rate_hz=-1: "};
+    enum { COUNT = sizeof expected / sizeof *expected };
+    assert_int_equal(error.fault_count, COUNT);
+    const char *at = error.text;
+    for (int i = 0; i < COUNT; i++) {
+        const char *found = strstr(at, expected[i]);
+        if (found == NULL) {
+            fail_msg("no %s in its place:\n%s", expected[i], error.text);
+        }
+        at = found;
+    }
+}
+
+static void counts_faults_beyond_what_can_be_shown(void **state)
+{
+    (void)state;
+    char text[16384] = "softsim: 1\nobject:\n";
+    for (int i = 0; i < 200; i++) {
+        char line[40];
+        snprintf(line, sizeof line, "  unknown_key_%03d: 1\n", i);
+        strcat(text, line);
+    }
+    assert_null(load_with(text, NULL, 0));
+    assert_int_equal(error.fault_count, 200 + 3); /* mesh, units and model are missing too */
+    assert_non_null(strstr(error.text, "more faults)"));
+}
+
+static void hostile_text_is_refused_and_cleaned(void **state)
+{
+    (void)state;
+    ss_scene *scene = NULL;
+    static const char *const text[] = {
+        "",
+        "# nothing\n",
+        "just words",
+        "[1, 2]",
+        "softsim: \"\\x1b[31mred\"\nobject: {}\nmodel: {}\n",
+        "a: [[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]",
+        "? [a]\n: b\n",
+        "\xff\xfe\x01",
+        "softsim: 1\nmodel: {name: jelly, \"modulus_j\\0\": 1}\n",
+    };
+    for (size_t i = 0; i < sizeof text / sizeof *text; i++) {
+        assert_null(load_with(text[i], NULL, 0));
+        assert_true(error.fault_count > 0);
+        assert_null(strchr(error.text, '\x1b'));
+    }
+    assert_int_equal(
+        ss_scene_load_text("s.yaml", "a\0b", 3, NULL, 0, model, MODEL_COUNT, NULL, &scene, &error),
+        SOFTSIM_ERROR_FORMAT);
+    const size_t size = 17u << 20;
+    char *large = malloc(size);
+    assert_non_null(large);
+    memset(large, ' ', size);
+    assert_int_equal(ss_scene_load_text("s.yaml", large, size, NULL, 0, model, MODEL_COUNT, NULL,
+                                        &scene, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    free(large);
+    error = (softsim_error){0};
+    assert_int_equal(
+        ss_scene_load("/nowhere/s.yaml", NULL, 0, model, MODEL_COUNT, NULL, &scene, &error),
+        SOFTSIM_ERROR_FILE);
+    assert_non_null(strstr(error.text, "/nowhere/s.yaml: error: cannot open"));
+    assert_int_equal(ss_scene_load("/tmp", NULL, 0, model, MODEL_COUNT, NULL, &scene, &error),
+                     SOFTSIM_ERROR_FILE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_every_fault_with_its_place),
+        cmocka_unit_test(a_model_that_is_missing_or_needs_a_volume_is_named),
+        cmocka_unit_test(shows_the_line_and_a_caret),
+        cmocka_unit_test(faults_of_data_files_name_the_file_and_line),
+        cmocka_unit_test(reports_all_faults_in_one_go_and_in_order),
+        cmocka_unit_test(counts_faults_beyond_what_can_be_shown),
+        cmocka_unit_test(hostile_text_is_refused_and_cleaned),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

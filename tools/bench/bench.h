@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The reports of softsim-bench. argv[0] is "softsim-bench REPORT"; each returns the program's exit
+ * status. Thread: main.
+ */
+
+/* The whole chain against a bare timer loop and a bare LCM echo in the same run; or, with --log,
+ * how a session felt. */
+int ss_bench_latency(int argc, char **argv);
+/* Step time, smoothness and energy against the number of nodes. */
+int ss_bench_scaling(int argc, char **argv);

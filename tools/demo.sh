@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# The demo: the daemon on the bundled kidney, a simulated haptic device pressing it, live figures.
+#   tools/demo.sh [--seconds N]     default: until Ctrl-C
+# Sets everything up on a fresh Debian 12. Exit 0 when forces flowed and nothing failed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=0
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --seconds) seconds="${2:-}"; shift 2 || true ;;
+    --seconds=*) seconds="${1#*=}"; shift ;;
+    --help) sed -n '2,5p' "$0" | sed 's/^# //'; exit 0 ;;
+    *) echo "demo.sh: unknown argument '$1'; use --seconds N" >&2; exit 2 ;;
+  esac
+done
+[[ "$seconds" =~ ^[0-9]+$ ]] || { echo "demo.sh: --seconds needs a whole number" >&2; exit 2; }
+
+tools/setup.sh build
+if [ ! -f build/release/build.ninja ]; then
+  cmake --preset release -DSOFTSIM_WERROR=OFF >/dev/null
+fi
+cmake --build --preset release -- --quiet 2>/dev/null || cmake --build --preset release
+
+# Local multicast: with no route for it, run inside a private network namespace.
+if [ -z "${SOFTSIM_DEMO_INSIDE:-}" ] && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
+  echo "demo.sh: no multicast route here; running in a private network namespace" >&2
+  echo "demo.sh: (to use the machine's own: ip route add 224.0.0.0/4 dev lo)" >&2
+  flags=-n; [ "$(id -u)" = 0 ] || flags=-rn
+  SOFTSIM_DEMO_INSIDE=1 exec unshare $flags bash -c \
+    'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' demo tools/demo.sh --seconds "$seconds"
+fi
+
+bin=build/release/bin
+prefix="DEMO_$$"
+work=$(mktemp -d)
+pids=()
+finish() {
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  rm -rf "$work"
+}
+trap finish EXIT
+trap 'stopped=1' INT TERM
+stopped=""
+
+$bin/softsimd server/scenes/kidney.yaml --prefix "$prefix" >"$work/out" 2>"$work/err" &
+daemon=$!
+pids+=("$daemon")
+for _ in $(seq 600); do
+  grep -q '^softsimd: ready' "$work/out" && break
+  kill -0 "$daemon" 2>/dev/null || { cat "$work/err" >&2; echo "demo.sh: softsimd did not start" >&2; exit 1; }
+  read -rt 0.05 _ < <(:) || true
+done
+source server/scenes/kidney-poke.sh
+bridge=()
+[ "$seconds" = 0 ] || bridge=(--duration "$seconds")
+$bin/softsim-bridge --device sim --script press --prefix "$prefix" $KIDNEY_BRIDGE "${bridge[@]}" >"$work/bridge" 2>&1 &
+client=$!
+pids+=("$client")
+$bin/softsim-monitor --prefix "$prefix" "${bridge[@]}" &
+monitor=$!
+pids+=("$monitor")
+
+status=0
+wait "$client" || status=$?
+kill "$monitor" 2>/dev/null || true
+wait "$monitor" 2>/dev/null || true
+kill -TERM "$daemon" 2>/dev/null || true
+wait "$daemon" || status=$?
+echo
+cat "$work/bridge" "$work/err"
+[ -z "$stopped" ] || exit 0
+if [ "$status" != 0 ]; then
+  echo "demo.sh: failed (status $status)" >&2
+  exit 1
+fi

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-import FILE: reads a surface with assimp and writes its triangles to stdout as
+ * mesh/import.h says. A program of its own because assimp ends the process or runs for ever on
+ * some damaged files: it sets itself limits on memory and CPU time before it opens anything.
+ *
+ * Vertices are joined where their positions are equal, across all the file's meshes. (assimp's own
+ * joining stays within one mesh, so that a body of two materials would fall apart, and takes a NaN
+ * for equal to anything.) Those of an OBJ file keep
+ * the file's order and digits (obj.h), the others assimp's: that in which triangles first use
+ * them. Vertices without a triangle are left out. Normals, texture coordinates and the like are
+ * removed first, or they would keep vertices apart.
+ */
+#include "mesh/import.h"
+#include "obj.h"
+
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define IS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) ||                        \
+    __has_feature(memory_sanitizer)
+#define IS_SANITIZED 1
+#endif
+#endif
+#ifndef IS_SANITIZED
+#define IS_SANITIZED 0
+#endif
+
+/* Before joining: `position` as read, triangles of numbers into it. */
+typedef struct surface {
+    double (*position)[3];
+    int32_t (*triangle)[3];
+    int64_t node_count, triangle_count;
+} surface;
+
+static void set_limits(void)
+{
+    const struct rlimit bytes = {SS_IMPORT_MAX_BYTES, SS_IMPORT_MAX_BYTES};
+    const struct rlimit seconds = {SS_IMPORT_MAX_CPU_S, SS_IMPORT_MAX_CPU_S};
+    const struct rlimit none = {0, 0};
+    /* The sanitizers reserve terabytes of address space. */
+    if (!IS_SANITIZED) {
+        (void)setrlimit(RLIMIT_AS, &bytes);
+    }
+    (void)setrlimit(RLIMIT_CPU, &seconds);
+    (void)setrlimit(RLIMIT_CORE, &none);
+}
+
+/* ---- reading ---------------------------------------------------------------------------------- */
+
+static bool is_obj(const char *path)
+{
+    const size_t length = strlen(path);
+    return length >= 4 && strcasecmp(path + length - 4, ".obj") == 0;
+}
+
+/* `obj`: the prepared text, whose colours are numbers; NULL: the file itself. */
+static const struct aiScene *read_scene(const char *path, const obj_text *obj)
+{
+    const unsigned flags = aiProcess_RemoveComponent | aiProcess_Triangulate |
+                           aiProcess_SortByPType | aiProcess_PreTransformVertices |
+                           aiProcess_ValidateDataStructure;
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    aiSetImportPropertyInteger(
+        properties, AI_CONFIG_PP_RVC_FLAGS,
+        aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_TEXCOORDS |
+            aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES |
+            aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS |
+            (obj == NULL ? aiComponent_COLORS : 0));
+    aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE,
+                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    const struct aiScene *scene =
+        obj != NULL ? aiImportFileFromMemoryWithProperties(obj->text, (unsigned)obj->size, flags,
+                                                           "obj", properties)
+                    : aiImportFileExWithProperties(path, flags, NULL, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
+static bool allocate(surface *s, const struct aiScene *scene, const obj_text *obj)
+{
+    int64_t nodes = 0;
+    int64_t triangles = 0;
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+        nodes += scene->mMeshes[m]->mNumVertices;
+        triangles += scene->mMeshes[m]->mNumFaces;
+    }
+    if (nodes > INT32_MAX / 4 || triangles > INT32_MAX / 4) {
+        return false;
+    }
+    s->position = obj != NULL ? obj->position : calloc((size_t)nodes + 1, sizeof *s->position);
+    s->node_count = obj != NULL ? obj->count : 0;
+    s->triangle = calloc((size_t)triangles + 1, sizeof *s->triangle);
+    return s->position != NULL && s->triangle != NULL;
+}
+
+/* Did assimp read vertex `number` where we read it? Both count vertex lines, and must agree. */
+static bool is_same(const surface *s, int64_t number, const struct aiVector3D *v)
+{
+    const float x[3] = {v->x, v->y, v->z};
+    for (int k = 0; k < 3; ++k) {
+        const double expected = s->position[number][k];
+        if (!(fabs((double)x[k] - expected) <= 1e-5 * fabs(expected) + 1e-30)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* False when a face has vertices that do not exist. */
+static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
+{
+    const int64_t base = s->node_count;
+    if (obj != NULL && mesh->mNumFaces > 0 && mesh->mColors[0] == NULL) {
+        return false;
+    }
+    for (unsigned v = 0; v < mesh->mNumVertices && obj == NULL; ++v) {
+        const struct aiVector3D *x = &mesh->mVertices[v];
+        double *out = s->position[s->node_count++];
+        out[0] = (double)x->x;
+        out[1] = (double)x->y;
+        out[2] = (double)x->z;
+    }
+    for (unsigned f = 0; f < mesh->mNumFaces; ++f) {
+        const struct aiFace *face = &mesh->mFaces[f];
+        int32_t *triangle = s->triangle[s->triangle_count++];
+        for (unsigned k = 0; k < 3; ++k) {
+            if (face->mNumIndices != 3 || face->mIndices[k] >= mesh->mNumVertices) {
+                return false;
+            }
+            int64_t number = base + face->mIndices[k];
+            if (obj != NULL) {
+                const struct aiColor4D *color = &mesh->mColors[0][face->mIndices[k]];
+                number = obj_number(color->r, color->g, color->b);
+            }
+            if (number < 0 || number >= s->node_count ||
+                (obj != NULL && !is_same(s, number, &mesh->mVertices[face->mIndices[k]]))) {
+                return false;
+            }
+            triangle[k] = (int32_t)number;
+        }
+    }
+    return true;
+}
+
+/* ---- joining ---------------------------------------------------------------------------------- */
+
+static uint64_t hash_position(const double x[3])
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int k = 0; k < 3; ++k) {
+        uint64_t bits;
+        memcpy(&bits, &x[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+/* Numbers the positions that triangles use, in order, equal ones (by their bits: NaN too) alike,
+ * and packs them. False when out of memory. */
+static bool join_nodes(surface *s)
+{
+    uint64_t slots = 16;
+    while (slots < 2 * (uint64_t)s->node_count) {
+        slots *= 2;
+    }
+    int32_t *slot = malloc(slots * sizeof *slot); /* packed numbers by position, -1: free */
+    int32_t *number = calloc((size_t)s->node_count + 1, sizeof *number);
+    if (slot == NULL || number == NULL) {
+        return false;
+    }
+    memset(slot, 0xff, slots * sizeof *slot);
+    for (int64_t t = 0; t < s->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            number[s->triangle[t][k]] = 1;
+        }
+    }
+    int32_t count = 0;
+    for (int64_t i = 0; i < s->node_count; ++i) {
+        if (number[i] == 0) {
+            continue;
+        }
+        const double *p = s->position[i];
+        const double x[3] = {p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}; /* -0 and 0 are one */
+        uint64_t at = hash_position(x) & (slots - 1);
+        while (slot[at] >= 0 && memcmp(s->position[slot[at]], x, sizeof x) != 0) {
+            at = (at + 1) & (slots - 1);
+        }
+        if (slot[at] < 0) {
+            memcpy(s->position[count], x, sizeof x);
+            slot[at] = count++;
+        }
+        number[i] = slot[at];
+    }
+    for (int64_t t = 0; t < s->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            s->triangle[t][k] = number[s->triangle[t][k]];
+        }
+    }
+    s->node_count = count;
+    free(slot);
+    free(number);
+    return true;
+}
+
+/* ---- writing ---------------------------------------------------------------------------------- */
+
+static bool write_surface(const surface *s, FILE *out)
+{
+    ss_import_header header = {.node_count = s->node_count, .triangle_count = s->triangle_count};
+    memcpy(header.magic, SS_IMPORT_MAGIC, sizeof header.magic);
+    return fwrite(&header, sizeof header, 1, out) == 1 &&
+           fwrite(s->position, sizeof *s->position, (size_t)s->node_count, out) ==
+               (size_t)s->node_count &&
+           fwrite(s->triangle, sizeof *s->triangle, (size_t)s->triangle_count, out) ==
+               (size_t)s->triangle_count &&
+           fflush(out) == 0;
+}
+
+static int fail(const char *what)
+{
+    (void)fprintf(stderr, "%s\n", what);
+    return 2;
+}
+
+/* NULL when good, else what is wrong and what to do. */
+static const char *read_surface(const char *path, surface *s)
+{
+    static char text[600];
+    obj_text prepared;
+    const obj_text *obj = is_obj(path) ? &prepared : NULL;
+    const char *problem = obj != NULL ? obj_prepare(path, &prepared) : NULL;
+    if (problem != NULL) {
+        return problem;
+    }
+    const struct aiScene *scene = read_scene(path, obj);
+    if (scene == NULL) {
+        (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ",
+                       aiGetErrorString());
+        return text;
+    }
+    if (!allocate(s, scene, obj)) {
+        return "too large for 1 GiB of memory: simplify the mesh first";
+    }
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+        if (!add_mesh(s, scene->mMeshes[m], obj)) {
+            return "a face has vertices that do not exist: write the mesh again as OBJ";
+        }
+    }
+    if (s->triangle_count == 0) {
+        return "no triangles in it: give a surface mesh";
+    }
+    return join_nodes(s) ? NULL : "too large for 1 GiB of memory: simplify the mesh first";
+}
+
+static int convert(const char *path)
+{
+    if (isatty(STDOUT_FILENO)) {
+        return fail("softsim-import writes binary data: use softsim-mesh info FILE");
+    }
+    set_limits();
+
+    /* assimp must not print into the answer. */
+    const int fd = dup(STDOUT_FILENO);
+    FILE *out = fd >= 0 && dup2(STDERR_FILENO, STDOUT_FILENO) >= 0 ? fdopen(fd, "wb") : NULL;
+    surface s = {0};
+    const char *problem = out != NULL ? read_surface(path, &s) : "cannot write to stdout";
+    if (problem == NULL && !write_surface(&s, out)) {
+        problem = "cannot write to stdout";
+    }
+    return problem != NULL ? fail(problem) : 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 2 && strcmp(argv[1], "--version") == 0) {
+        return printf("softsim-import %s\n", SOFTSIM_VERSION) < 0;
+    }
+    if (argc != 2 || strcmp(argv[1], "--help") == 0) {
+        const bool is_asked = argc == 2;
+        (void)fprintf(is_asked ? stdout : stderr,
+                      "usage: softsim-import FILE\n"
+                      "Reads the surface in an OBJ, STL, PLY, GLB or glTF file and writes it in a "
+                      "binary form to stdout, for the other programs of softsim.\n");
+        return is_asked ? 0 : 2;
+    }
+    /* At once: what is left of the scene, and assimp's own exit code, are of no use to anyone. */
+    _exit(convert(argv[1]));
+}

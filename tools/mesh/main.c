@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    char title[32]; /* becomes argv[0], in a copy */
+    const char *about;
+} commands[] = {
+    {"generate", command_generate, "softsim-mesh generate", "writes a kidney, liver, cylinder ..."},
+    {"info", command_info, "softsim-mesh info", "prints what is in a mesh file"},
+    {"check", command_check, "softsim-mesh check", "tells whether a mesh can be simulated"},
+};
+enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
+
+static void print_usage(FILE *out)
+{
+    (void)fprintf(out, "usage: softsim-mesh COMMAND ...\n"
+                       "Makes and examines meshes before they reach a scene.\n\n");
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        (void)fprintf(out, "  %-10s %s; softsim-mesh %s --help\n", commands[i].name,
+                      commands[i].about, commands[i].name);
+    }
+    (void)fprintf(out, "  %-10s prints this\n  %-10s prints the version\n", "--help", "--version");
+}
+
+int main(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    if (strcmp(name, "--help") == 0) {
+        print_usage(stdout);
+        return 0;
+    }
+    if (strcmp(name, "--version") == 0) {
+        (void)printf("softsim-mesh %s\n", SOFTSIM_VERSION);
+        return 0;
+    }
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        if (strcmp(name, commands[i].name) == 0) {
+            char title[sizeof commands[i].title];
+            memcpy(title, commands[i].title, sizeof title);
+            argv[1] = title;
+            return commands[i].run(argc - 1, argv + 1);
+        }
+    }
+    (void)fprintf(stderr, "softsim-mesh: '%s' is none of generate, info, check; softsim-mesh --help "
+                          "says more\n",
+                  name);
+    return 2;
+}

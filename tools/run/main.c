@@ -1,0 +1,449 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-run: the daemon's world without LCM, as fast as possible.
+ *
+ * Poses come from an event log (one tick per well-formed pose, as in the daemon's lockstep, and
+ * with the same bits), from a CSV (interpolated at each tick), or not at all (loads only). Row k
+ * of the CSV is the state after tick k. Output files appear complete or not at all.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "output.h"
+#include "rt/args.h"
+#include "rt/real.h"
+#include "softsim/log.h"
+#include "softsim/softsim.h"
+
+typedef struct run_options {
+    const char *scene, *poses, *csv, *reactions, *nodes, *vtk;
+    ss_arg_list set;
+    double step_s, duration_s;
+    int64_t threads, every;
+    bool hash;
+} run_options;
+
+typedef struct run {
+    run_options options;
+    softsim_world *world;
+    softsim_state state;
+    softsim_poses *log;    /* event log; NULL without */
+    softsim_path *path;    /* pose CSV; NULL without */
+    double path_begin, path_end;
+    int64_t sender;
+    int32_t seq[SOFTSIM_MAX_PROBES];
+    ss_output csv, reactions;
+    double (*position)[3], (*displacement)[3];
+    double peak_force;
+    softsim_verdict worst;
+    char reason[128];
+} run;
+
+static int print_real(FILE *file, double value)
+{
+    return fprintf(file, ",%.*g", SS_REAL_DIGITS, value);
+}
+
+static ss_args_result parse(int argc, char **argv, run_options *out, softsim_error *error)
+{
+    run_options o = {.threads = 1};
+    const ss_arg rows[] = {
+        {"--poses", SS_ARG_STRING, &o.poses, 0, 0, "LOG|CSV",
+         "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
+        {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
+         "outer step and tick (default: the scene's haptic period); not with an event log"},
+        {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
+         "simulated seconds (default: to the end of the poses)"},
+        {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
+        {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE", "overrides one scene value"},
+        {"--csv", SS_ARG_STRING, &o.csv, 0, 0, "OUT",
+         "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict"},
+        {"--reactions", SS_ARG_STRING, &o.reactions, 0, 0, "OUT",
+         "step,time_s,set,fx,fy,fz: the support's force on the body"},
+        {"--nodes", SS_ARG_STRING, &o.nodes, 0, 0, "OUT", "final state: node,x,y,z,ux,uy,uz"},
+        {"--vtk", SS_ARG_STRING, &o.vtk, 0, 0, "DIR", "the surface as legacy VTK, every --every"},
+        {"--every", SS_ARG_INTEGER, &o.every, 1, 1e9, "N", "ticks between VTK files"},
+        {"--hash", SS_ARG_FLAG, &o.hash, 0, 0, "", "prints the final state hash"},
+    };
+    int32_t count = 0;
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options] SCENE.yaml", "Runs a scene without LCM, as fast as possible.", rows,
+        (int32_t)(sizeof rows / sizeof *rows), &o.scene, 1, 1, &count, error);
+    *out = o;
+    if (result != SS_ARGS_RUN) {
+        return result;
+    }
+    if (!o.poses && o.duration_s <= 0.0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "nothing says when to end; give --poses FILE or --duration S");
+    }
+    if ((o.vtk != NULL) != (o.every > 0)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--vtk and --every go together");
+    }
+    return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
+}
+
+/* An event log starts with its sync word; everything else is read as a CSV, whose faults say what
+ * is wrong. */
+static bool is_event_log(const char *path)
+{
+    static const unsigned char sync[4] = {0xed, 0xa1, 0xda, 0x01};
+    unsigned char head[4] = {0};
+    FILE *file = fopen(path, "rb");
+    const bool is_log = file && fread(head, 1, 4, file) == 4 && memcmp(head, sync, 4) == 0;
+    if (file) {
+        fclose(file);
+    }
+    return is_log;
+}
+
+static softsim_status open_poses(run *r, softsim_error *error)
+{
+    const char *path = r->options.poses;
+    if (!path) {
+        return SOFTSIM_OK;
+    }
+    if (is_event_log(path)) {
+        if (r->options.step_s > 0.0) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--dt: an event log gives one tick of the scene's haptic period per "
+                              "pose; leave --dt out");
+            return SOFTSIM_ERROR_ARGUMENT;
+        }
+        return softsim_poses_open(path, 1000.0, &r->log, error);
+    }
+    const softsim_status status = softsim_path_load(path, &r->path, error);
+    if (status == SOFTSIM_OK) {
+        softsim_path_range(r->path, -1, &r->path_begin, &r->path_end);
+    }
+    return status;
+}
+
+/* ---- output ----------------------------------------------------------------------------------- */
+
+static void write_row(run *r, const softsim_force force[SOFTSIM_MAX_PROBES])
+{
+    const softsim_state *s = &r->state;
+    FILE *file = r->csv.file;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (s->probes & (1u << p)) {
+            const bool is_contact = force[p].flags & SOFTSIM_FORCE_CONTACT;
+            fprintf(file, "%lld,%.17g,%d", (long long)s->tick, s->time_s, p);
+            for (int axis = 0; axis < 3; ++axis) {
+                print_real(file, force[p].force[axis]);
+            }
+            print_real(file, is_contact ? force[p].depth : 0.0);
+            print_real(file, s->kinetic_j + s->elastic_j);
+            fprintf(file, ",%d\n", (int)s->verdict);
+        }
+    }
+    if (s->probes == 0) {
+        fprintf(file, "%lld,%.17g,-1,0,0,0,0", (long long)s->tick, s->time_s);
+        print_real(file, s->kinetic_j + s->elastic_j);
+        fprintf(file, ",%d\n", (int)s->verdict);
+    }
+}
+
+static void write_reactions(run *r)
+{
+    for (int32_t set = -1; set < softsim_prescribed_count(r->world); ++set) {
+        double force[3];
+        softsim_read_reaction(r->world, set, force);
+        fprintf(r->reactions.file, "%lld,%.17g,%s", (long long)r->state.tick, r->state.time_s,
+                softsim_prescribed_name(r->world, set));
+        for (int axis = 0; axis < 3; ++axis) {
+            print_real(r->reactions.file, force[axis]);
+        }
+        fputc('\n', r->reactions.file);
+    }
+}
+
+static softsim_status write_nodes(run *r, softsim_error *error)
+{
+    ss_output output = {0};
+    const softsim_status status = ss_output_open(&output, r->options.nodes, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    softsim_read_nodes(r->world, r->position, r->displacement, NULL);
+    fprintf(output.file, "node,x,y,z,ux,uy,uz\n");
+    for (int32_t i = 0; i < r->state.node_count; ++i) {
+        fprintf(output.file, "%d", i);
+        for (int axis = 0; axis < 3; ++axis) {
+            print_real(output.file, r->position[i][axis]);
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            print_real(output.file, r->displacement[i][axis]);
+        }
+        fputc('\n', output.file);
+    }
+    return ss_output_commit(&output, error);
+}
+
+/* Legacy VTK, ASCII POLYDATA: the deformed surface with its displacement. */
+static softsim_status write_vtk(run *r, softsim_error *error)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/surface_%08lld.vtk", r->options.vtk,
+             (long long)r->state.tick);
+    ss_output output = {0};
+    const softsim_status status = ss_output_open(&output, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    softsim_read_nodes(r->world, r->position, r->displacement, NULL);
+    const int32_t nodes = r->state.node_count;
+    const int32_t triangles = softsim_triangle_count(r->world);
+    const int32_t(*triangle)[3] = softsim_triangles(r->world);
+    FILE *file = output.file;
+    fprintf(file, "# vtk DataFile Version 3.0\nsoftsim t = %.9g s\nASCII\nDATASET POLYDATA\n",
+            r->state.time_s);
+    fprintf(file, "POINTS %d double\n", nodes);
+    for (int32_t i = 0; i < nodes; ++i) {
+        fprintf(file, "%.9g %.9g %.9g\n", r->position[i][0], r->position[i][1], r->position[i][2]);
+    }
+    fprintf(file, "POLYGONS %d %d\n", triangles, 4 * triangles);
+    for (int32_t t = 0; t < triangles; ++t) {
+        fprintf(file, "3 %d %d %d\n", triangle[t][0], triangle[t][1], triangle[t][2]);
+    }
+    fprintf(file, "POINT_DATA %d\nVECTORS displacement double\n", nodes);
+    for (int32_t i = 0; i < nodes; ++i) {
+        fprintf(file, "%.9g %.9g %.9g\n", r->displacement[i][0], r->displacement[i][1],
+                r->displacement[i][2]);
+    }
+    return ss_output_commit(&output, error);
+}
+
+static softsim_status open_outputs(run *r, softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    if (r->options.csv) {
+        status = ss_output_open(&r->csv, r->options.csv, error);
+        if (status == SOFTSIM_OK) {
+            fprintf(r->csv.file, "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict\n");
+        }
+    }
+    if (status == SOFTSIM_OK && r->options.reactions) {
+        status = ss_output_open(&r->reactions, r->options.reactions, error);
+        if (status == SOFTSIM_OK) {
+            fprintf(r->reactions.file, "step,time_s,set,fx,fy,fz\n");
+        }
+    }
+    if (status == SOFTSIM_OK && r->options.vtk && mkdir(r->options.vtk, 0777) != 0 &&
+        errno != EEXIST) {
+        status = SOFTSIM_ERROR_FILE;
+        softsim_error_add(error, status, "--vtk: cannot make the folder %s: %s", r->options.vtk,
+                          strerror(errno));
+    }
+    return status;
+}
+
+/* ---- the run -------------------------------------------------------------------------------------- */
+
+/* The poses of the coming tick: one of the log, or the CSV's at that time. -1 when the poses end.
+ * Notes about damage go to stderr. */
+static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
+                          int32_t channel[SOFTSIM_MAX_PROBES])
+{
+    int32_t count = 0;
+    if (r->log) {
+        for (;;) {
+            softsim_pose_event event;
+            char note[256];
+            switch (softsim_poses_next(r->log, &event, note, sizeof note)) {
+            case SOFTSIM_POSES_END:
+                return -1;
+            case SOFTSIM_POSES_NOTE:
+                fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
+                continue;
+            case SOFTSIM_POSES_POSE:
+                if (event.channel_probe < 0 || event.channel_probe >= SOFTSIM_MAX_PROBES) {
+                    continue;
+                }
+                pose[0] = event.pose;
+                channel[0] = event.channel_probe;
+                softsim_poses_restamp(&pose[0], r->sender, ++r->seq[channel[0]]);
+                return 1;
+            }
+        }
+    }
+    if (r->path) {
+        const double time = (double)(r->state.tick + 1) * r->state.period_s + r->path_begin;
+        if (r->options.duration_s <= 0.0 && time > r->path_end + 0.5 * r->state.period_s) {
+            return -1;
+        }
+        for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+            if (softsim_path_sample(r->path, p, time, &pose[count])) {
+                softsim_poses_restamp(&pose[count], r->sender, ++r->seq[p]);
+                channel[count++] = p;
+            }
+        }
+    }
+    return count;
+}
+
+static softsim_status run_ticks(run *r, softsim_error *error)
+{
+    softsim_pose pose[SOFTSIM_MAX_PROBES];
+    int32_t channel[SOFTSIM_MAX_PROBES];
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_read(r->world, &r->state);
+    const bool shows_progress = isatty(STDERR_FILENO);
+    const bool reads_each = r->csv.file || r->reactions.file || r->options.vtk || shows_progress;
+    while (r->options.duration_s <= 0.0 ||
+           (double)(r->state.tick + 1) * r->state.period_s <=
+               r->options.duration_s + 0.5 * r->state.period_s) {
+        const int32_t count = next_poses(r, pose, channel);
+        if (count < 0) {
+            break;
+        }
+        softsim_tick(r->world, pose, channel, count, force);
+        ++r->state.tick;
+        for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+            const double *f = force[p].force;
+            r->peak_force =
+                fmax(r->peak_force, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+        }
+        if (!reads_each && r->state.tick % 256 != 0) {
+            continue;
+        }
+        softsim_read(r->world, &r->state);
+        if (r->state.verdict > r->worst) {
+            r->worst = r->state.verdict;
+            snprintf(r->reason, sizeof r->reason, "%s", r->state.reason);
+        }
+        if (r->csv.file) {
+            write_row(r, force);
+        }
+        if (r->reactions.file) {
+            write_reactions(r);
+        }
+        if (r->options.vtk && r->state.tick % r->options.every == 0 &&
+            write_vtk(r, error) != SOFTSIM_OK) {
+            return error->status;
+        }
+        if (shows_progress && r->state.tick % 500 == 0) {
+            fprintf(stderr, "\r%.2f s, %.3f N peak ", r->state.time_s, r->peak_force);
+        }
+    }
+    softsim_read(r->world, &r->state);
+    if (shows_progress) {
+        fputc('\r', stderr);
+    }
+    return SOFTSIM_OK;
+}
+
+static void print_summary(const run *r)
+{
+    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
+    const softsim_state *s = &r->state;
+    const softsim_verdict worst = s->verdict > r->worst ? s->verdict : r->worst;
+    int64_t refused = 0;
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        refused += s->poses_refused[i];
+    }
+    fprintf(stderr,
+            "softsim-run: %lld ticks, %lld steps of %.6g ms, %.6g s simulated; %lld poses, %lld "
+            "refused; peak force %.4g N; step us p50 %.1f p99 %.1f; worst verdict %s%s%s\n",
+            (long long)s->tick, (long long)s->step, 1e3 * s->simulation_period_s, s->time_s,
+            (long long)s->poses_received, (long long)refused, r->peak_force, s->step_us[0],
+            s->step_us[1], verdicts[worst], *r->reason ? ": " : "", r->reason);
+    fprintf(stderr, "softsim-run: energy J kinetic %.4g elastic %.4g dissipated %.4g work %.4g\n",
+            s->kinetic_j, s->elastic_j, s->dissipated_j, s->work_j);
+}
+
+static softsim_status execute(run *r, softsim_error *error)
+{
+    softsim_config config = softsim_default_config();
+    config.set = r->options.set.value;
+    config.set_count = r->options.set.count;
+    config.threads = (int32_t)r->options.threads;
+    config.step_s = r->options.step_s;
+    if (config.step_s == 0.0 && !r->options.poses) {
+        /* Loads only: step and tick are one, the haptic period. */
+        softsim_world *world = softsim_create(r->options.scene, &config, error);
+        if (!world) {
+            return error->status;
+        }
+        softsim_read(world, &r->state);
+        if (r->state.simulation_period_s == r->state.period_s) {
+            r->world = world;
+        } else {
+            config.step_s = r->state.period_s;
+            softsim_destroy(&world);
+        }
+    }
+    if (!r->world) {
+        r->world = softsim_create(r->options.scene, &config, error);
+    }
+    if (!r->world) {
+        return error->status;
+    }
+    softsim_read(r->world, &r->state);
+    r->position = calloc((size_t)r->state.node_count, sizeof *r->position);
+    r->displacement = calloc((size_t)r->state.node_count, sizeof *r->displacement);
+    softsim_status status = r->position && r->displacement ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    if (status == SOFTSIM_OK) {
+        status = open_outputs(r, error);
+    }
+    return status;
+}
+
+static softsim_status finish(run *r, softsim_error *error)
+{
+    softsim_status status = ss_output_commit(&r->csv, error);
+    if (status == SOFTSIM_OK) {
+        status = ss_output_commit(&r->reactions, error);
+    }
+    if (status == SOFTSIM_OK && r->options.nodes) {
+        status = write_nodes(r, error);
+    }
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static softsim_error error;
+    static run r;
+    switch (parse(argc, argv, &r.options, &error)) {
+    case SS_ARGS_DONE:
+        return 0;
+    case SS_ARGS_BAD:
+        ss_args_print_error(argv[0], &error);
+        return 2;
+    case SS_ARGS_RUN:
+        break;
+    }
+    r.sender = 1;
+    int exit_code = 0;
+    if (open_poses(&r, &error) != SOFTSIM_OK || execute(&r, &error) != SOFTSIM_OK) {
+        exit_code = 2;
+    } else if (run_ticks(&r, &error) != SOFTSIM_OK || finish(&r, &error) != SOFTSIM_OK) {
+        exit_code = 1;
+    } else {
+        print_summary(&r);
+        if (r.options.hash) {
+            printf("%016llx\n", (unsigned long long)softsim_hash(r.world));
+        }
+    }
+    if (exit_code != 0) {
+        ss_args_print_error(argv[0], &error);
+    }
+    ss_output_abandon(&r.csv);
+    ss_output_abandon(&r.reactions);
+    softsim_poses_close(&r.log);
+    softsim_path_free(&r.path);
+    softsim_destroy(&r.world);
+    free(r.position);
+    free(r.displacement);
+    if (fflush(stdout) != 0) {
+        exit_code = 1;
+    }
+    return exit_code;
+}

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# The tests, all of them: sets up a fresh Debian 12, builds and runs the suite in release, with
+# address and undefined-behaviour sanitizers, with the thread sanitizer, and in double precision;
+# compiles with clang; runs each fuzzer for a few seconds; checks the layers.
+#   tools/test.sh [--quick]     --quick: release only
+set -euo pipefail
+cd "$(dirname "$0")/.."
+quick=""
+case "${1:-}" in
+  "") ;;
+  --quick) quick=1 ;;
+  *) echo "test.sh: unknown argument '$1'; use --quick" >&2; exit 2 ;;
+esac
+tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
+started=$SECONDS
+say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
+
+build_and_test() { # preset, ctest arguments
+  local preset=$1; shift
+  say "$preset: build"
+  cmake --preset "$preset" >/dev/null
+  cmake --build --preset "$preset"
+  say "$preset: test"
+  ctest --preset "$preset" -j 2 --timeout 300 "$@"
+}
+
+tools/check_layers
+build_and_test release
+[ -z "$quick" ] || exit 0
+build_and_test dev
+build_and_test tsan
+build_and_test scalar -LE process
+
+say "clang: build"
+cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON >/dev/null
+cmake --build build/clang
+
+say "fuzz"
+tests/fuzz/run.sh 10
+say "all done"
