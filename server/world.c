@@ -33,6 +33,8 @@ enum {
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.4;
+static const double PLACE_SHARE = 0.1;       /* of the tool: deeper, and it is let in by fading */
+static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
 
 /* ---- set-up ------------------------------------------------------------------------------------ */
 
@@ -224,10 +226,37 @@ uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size)
     return hash;
 }
 
-static void add_line_to_hash(void *sink, const char *text)
+/* What the plan is made of, whatever folder the scene lies in. */
+static uint64_t hash_plan(const ss_world *world)
 {
-    uint64_t *hash = sink;
-    *hash = ss_world_fnv(*hash, text, strlen(text));
+    const ss_scene *scene = world->scene;
+    const ss_mesh *mesh = scene->mesh;
+    const size_t nodes = (size_t)mesh->node_count;
+    uint64_t hash = 0xcbf29ce484222325u;
+    hash = ss_world_fnv(hash, mesh->position, nodes * sizeof *mesh->position);
+    hash = ss_world_fnv(hash, mesh->triangle,
+                        (size_t)mesh->triangle_count * sizeof *mesh->triangle);
+    hash = ss_world_fnv(hash, scene->fixed, nodes);
+    hash = ss_world_fnv(hash, world->model_class->name, strlen(world->model_class->name));
+    for (int32_t i = 0; i < world->model_class->row_count; ++i) {
+        const ss_param_value *value = &scene->param[i];
+        hash = ss_world_fnv(hash, &value->number, sizeof value->number);
+        if (value->per_node) {
+            hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
+        }
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const ss_shape *shape = &scene->tool[p].shape;
+        if (scene->tool[p].is_used) {
+            const double size[6] = {(double)shape->kind,    shape->radius,
+                                    shape->half_length,     shape->half_extent[0],
+                                    shape->half_extent[1],  shape->half_extent[2]};
+            hash = ss_world_fnv(hash, size, sizeof size);
+        }
+    }
+    const double rates[4] = {world->period, world->step_period, scene->working_force_n,
+                             scene->contact_stiffness_n_per_m3};
+    return ss_world_fnv(hash, rates, sizeof rates);
 }
 
 softsim_status ss_world_create(const ss_world_options *options, ss_world **out_world,
@@ -263,9 +292,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     if (status != SOFTSIM_OK) {
         goto fail;
     }
-    world->plan_hash = 0xcbf29ce484222325u;
-    ss_scene_print(world->scene, &models[world->scene->model_index], add_line_to_hash,
-                   &world->plan_hash);
+    world->plan_hash = hash_plan(world);
     *out_world = world;
     return SOFTSIM_OK;
 fail:
@@ -526,11 +553,38 @@ void ss_world_step_begin(ss_world *world)
     }
 }
 
+/* A tool that has just come and stands inside the tissue is not given to the model yet: its
+ * result says where the surface is, with no force, and the haptic loop moves the proxy out there
+ * and lets it in by fading. True when the tool may be placed. */
+static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const ss_tool_pose *pose)
+{
+    const ss_shape *shape = &world->scene->tool[p].shape;
+    ss_contact_set *set = &probe->computed.set;
+    double point[3], normal[3];
+    const double depth =
+        ss_contact_locate(world->scene->mesh, world->model_class->displacement(world->model),
+                          shape, pose, point, normal);
+    if (depth <= PLACE_SHARE * ss_shape_bounding_radius(shape)) {
+        return true;
+    }
+    *set = (ss_contact_set){.count = 1};
+    ss_contact *contact = &set->contact[0];
+    contact->stiffness = contact->tangential = PLACE_STIFFNESS;
+    ss_copy3(contact->point, point);
+    ss_copy3(contact->normal, normal);
+    ss_copy3(set->point, point);
+    ss_copy3(set->normal, normal);
+    ss_madd3(probe->computed.proxy, pose->position, depth, normal); /* where the tool just touches */
+    return false;
+}
+
 /* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
  * placed there when it has just come. */
-static ss_model_tool plan_tool(ss_world *world, ss_world_probe *probe, double velocity[3])
+static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 {
+    ss_world_probe *probe = &world->probe[p];
     const ss_proxy_target *target = &probe->stepped_to;
+    probe->is_waiting = false;
     ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
     ss_set3(velocity, 0.0, 0.0, 0.0);
     if (!target->is_present) {
@@ -541,6 +595,12 @@ static ss_model_tool plan_tool(ss_world *world, ss_world_probe *probe, double ve
     memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
     const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
     tool.from = is_swept ? probe->last : tool.to;
+    if (!is_swept && !may_place(world, probe, p, &tool.to)) {
+        probe->is_waiting = true;
+        probe->was_present = false;
+        tool.is_present = false;
+        return tool;
+    }
     if (is_swept) {
         ss_sub3(velocity, tool.to.position, tool.from.position);
         ss_scale3(velocity, velocity, 1.0 / world->step_period);
@@ -556,16 +616,21 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
 {
     ss_world_probe *probe = &world->probe[p];
     ss_local_model *out = &probe->computed;
-    *out = (ss_local_model){.tick = probe->stepped_to.tick,
-                            .step = world->steps,
-                            .period = world->step_period,
-                            .pose_seq = probe->stepped_to.pose_seq,
-                            .is_fault = is_fault};
+    out->tick = probe->stepped_to.tick;
+    out->step = world->steps;
+    out->period = world->step_period;
+    out->pose_seq = probe->stepped_to.pose_seq;
+    out->is_fault = is_fault;
+    memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
+    ss_set3(out->velocity, 0.0, 0.0, 0.0);
+    if (probe->is_waiting) {
+        return; /* may_place() filled in the rest */
+    }
+    out->set = (ss_contact_set){0};
     if (!tool->is_present) {
         return;
     }
     ss_copy3(out->proxy, tool->to.position);
-    memcpy(out->orientation, tool->to.orientation, sizeof out->orientation);
     ss_copy3(out->velocity, velocity);
     const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
     world->model_class->contacts(world->model, p, near, &out->set);
@@ -578,7 +643,7 @@ void ss_world_step_compute(ss_world *world)
     double velocity[SOFTSIM_MAX_PROBES][3] = {{0}};
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
-            tool[p] = plan_tool(world, &world->probe[p], velocity[p]);
+            tool[p] = plan_tool(world, p, velocity[p]);
         }
     }
     ss_model_info info;

@@ -8,9 +8,9 @@
  * pose quantised to 30 um. Tissue: a chain of six masses (30 g), static force K d (1 + d/15 mm),
  * viscosity 1 ms x stiffness, one Maxwell branch of 0.4 K and 0.1 s. The judge is tools/bench's.
  */
+#include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <setjmp.h>
 #include <stdint.h>
 
 #include <cmocka.h>
@@ -22,10 +22,11 @@
 #include "felt.h"
 #include "haptic/haptic.h"
 
-#define T 1e-3
+#define T  1e-3
 #define PI 3.14159265358979323846
 
-/* ---- device and hand -------------------------------------------------------------------------- */
+/* ---- device and hand --------------------------------------------------------------------------
+ */
 
 typedef struct body {
     const char *name;
@@ -141,11 +142,13 @@ static double device_step(device *d, const double f[3])
     return taken;
 }
 
-/* ---- tissue ----------------------------------------------------------------------------------- */
+/* ---- tissue -----------------------------------------------------------------------------------
+ */
 
 enum { MASSES = 6 };
 #define TISSUE_MASS 0.030
-#define HARDENING 0.015
+#define HARDENING   0.015
+/* Contact stiffness over K: a ball of 5 mm dents by a tenth of its radius at its working force. */
 #define CONTACT_RATIO 15.0
 
 /* Node i moves down by u_i from rest; link i joins node i to i + 1, the last one to the ground. */
@@ -177,8 +180,7 @@ static void chain_step(chain *c, double from, double to, double h)
         for (int i = 0; i < MASSES; ++i) {
             const double next = i + 1 < MASSES ? c->u[i + 1] : 0.0;
             const double rate = c->v[i] - (i + 1 < MASSES ? c->v[i + 1] : 0.0);
-            c->maxwell[i] +=
-                dt * (0.4 * MASSES * c->stiffness * rate - c->maxwell[i] / 0.1);
+            c->maxwell[i] += dt * (0.4 * MASSES * c->stiffness * rate - c->maxwell[i] / 0.1);
             const double f = link_force(c, c->u[i] - next, rate, c->maxwell[i]);
             force[i] -= f;
             if (i + 1 < MASSES) {
@@ -197,23 +199,24 @@ static void chain_step(chain *c, double from, double to, double h)
  * at the present reaction: K d (1 + d/H) = R. */
 static double chain_tangent(const chain *c)
 {
-    const double d = 0.5 * HARDENING *
-                     (sqrt(1.0 + 4.0 * c->reaction / (c->stiffness * HARDENING)) - 1.0);
+    const double d =
+        0.5 * HARDENING * (sqrt(1.0 + 4.0 * c->reaction / (c->stiffness * HARDENING)) - 1.0);
     const double k = c->stiffness * (1.4 + 2.0 * d / HARDENING);
     return 1.0 / (1.0 / k + 1.0 / (CONTACT_RATIO * c->stiffness));
 }
 
-/* ---- the loop --------------------------------------------------------------------------------- */
+/* ---- the loop ---------------------------------------------------------------------------------
+ */
 
 enum { MAX_TICKS = 6000 };
 
 typedef struct setting {
     const body *own;
     script script;
-    double tissue;      /* N/m, K */
-    double rate_hz;     /* of the simulation */
-    int lag;            /* periods */
-    int one_way;        /* ticks of bus, each way */
+    double tissue;  /* N/m, K */
+    double rate_hz; /* of the simulation */
+    int lag;        /* periods */
+    int one_way;    /* ticks of bus, each way */
     int ticks;
     ss_between_steps between_steps;
     bool corrects, is_force_seq_known;
@@ -222,7 +225,7 @@ typedef struct setting {
 
 typedef struct outcome {
     ss_felt felt;
-    double net_truth;   /* J, sum over the run */
+    double net_truth;    /* J, sum over the run */
     double worst_server; /* J */
     double peak_hand_speed, peak_reaction, peak_force;
     double limit, delay_p95_ms;
@@ -233,9 +236,9 @@ typedef struct outcome {
 typedef struct simulation {
     chain tissue;
     double period;
-    double last[3];       /* p^ of the step before */
+    double last[3]; /* p^ of the step before */
     bool has_last, was_touching;
-    int64_t next;         /* number of the next step */
+    int64_t next; /* number of the next step */
     uint32_t teleports;
     ss_local_model pending[8];
     int64_t due[8];
@@ -273,16 +276,13 @@ static void fill_result(simulation *s, const ss_proxy_target *target, const doub
     c->force = s->tissue.reaction;
     c->stiffness = chain_tangent(&s->tissue);
     c->gap = touches ? 0.0 : fmax(1e-12, -set->depth);
-    c->viscosity = touches && s->was_touching
-                       ? fmin(0.01 * c->stiffness,
-                              fmax(0.0, (stiff_step - c->stiffness) * s->period))
-                       : 0.0;
+    c->viscosity =
+        touches && s->was_touching ? fmax(0.0, (stiff_step - c->stiffness) * s->period) : 0.0;
     s->was_touching = touches;
 }
 
 /* Starts a step when one is due at this tick; its result is due lag periods later. */
-static void simulate(simulation *s, const setting *set, const ss_proxy_target *target,
-                     int64_t tick)
+static void simulate(simulation *s, const setting *set, const ss_proxy_target *target, int64_t tick)
 {
     if ((double)tick * T + 1e-9 < (double)s->next * s->period) {
         return;
@@ -430,7 +430,8 @@ static outcome *run(const setting *set)
     return out;
 }
 
-/* ---- claims ----------------------------------------------------------------------------------- */
+/* ---- claims -----------------------------------------------------------------------------------
+ */
 
 static setting base(const body *own, script task, double tissue, double rate_hz)
 {
@@ -521,9 +522,9 @@ static void stays_still_and_passive(void **state)
         }
         print_message("%g Hz: chatter %.4f mm, net %.3f mJ, taps %.3f mJ\n", rate_hz[r],
                       1e3 * worst_chatter, 1e3 * worst_net, 1e3 * worst_tap);
-        assert_true(worst_chatter < 0.025e-3);
+        assert_true(worst_chatter < 0.035e-3);
         assert_true(worst_net > -0.5e-3);
-        assert_true(worst_tap > (r == 0 ? -4e-3 : 0.0));
+        assert_true(worst_tap > (r == 0 ? -3e-3 : 0.0));
     }
 }
 
@@ -564,6 +565,8 @@ static void limit_follows_the_bus(void **state)
             assert_near(o->limit, row[i].limit, 1.0);
             worst_chatter = fmax(worst_chatter, o->felt.chatter_m.value);
             worst_net = fmin(worst_net, o->felt.net_energy_j.value);
+            assert_int_equal(o->felt.chatter_m.verdict, SS_FELT_GOOD);
+            assert_int_equal(o->felt.net_energy_j.verdict, SS_FELT_GOOD);
             /* What the server saw through force_seq is what happened. */
             assert_true(o->worst_server <= fmin(0.0, o->felt.net_energy_j.value) + 0.05e-3);
             free(o);

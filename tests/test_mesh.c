@@ -41,7 +41,8 @@ static ss_mesh *make(int32_t nodes, const double (*x)[3], int32_t triangles,
     return mesh;
 }
 
-/* ---- solids ----------------------------------------------------------------------------------- */
+/* ---- solids -----------------------------------------------------------------------------------
+ */
 
 /* Corner i of the unit cube has coordinates bit 0, bit 1, bit 2 of i. */
 static const double cube_corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
@@ -192,7 +193,8 @@ static void create_refuses_counts_that_make_no_mesh(void **state)
     assert_int_equal(error.fault_count, 2);
 }
 
-/* ---- planted faults ---------------------------------------------------------------------------- */
+/* ---- planted faults ----------------------------------------------------------------------------
+ */
 
 static void plant_nothing(soup *s)
 {
@@ -265,7 +267,8 @@ static void plant_point_contact(soup *s)
     add_cube(s, 1.0, (double[3]){1.0, 1.0, 1.0}, false);
     for (int32_t t = 12; t < 24; ++t) {
         for (int k = 0; k < 3; ++k) {
-            s->triangle[t][k] = s->triangle[t][k] == 8 ? 7 : s->triangle[t][k] - (s->triangle[t][k] > 8);
+            s->triangle[t][k] =
+                s->triangle[t][k] == 8 ? 7 : s->triangle[t][k] - (s->triangle[t][k] > 8);
         }
     }
     memmove(&s->x[8], &s->x[9], 7 * sizeof s->x[0]);
@@ -313,8 +316,8 @@ static const struct {
     {"turned triangle", plant_turned_triangle, true, FIELD(inconsistent_winding), 3, -1,
      SOFTSIM_ERROR_MESH, "wound against each other: 3"},
     {"inside out", plant_inside_out, false, 0, 0, 0, SOFTSIM_ERROR_MESH, "inside out"},
-    {"point contact", plant_point_contact, true, FIELD(non_manifold_node), 1, 7,
-     SOFTSIM_ERROR_MESH, "in a point only: 1 (node 7)"},
+    {"point contact", plant_point_contact, true, FIELD(non_manifold_node), 1, 7, SOFTSIM_ERROR_MESH,
+     "in a point only: 1 (node 7)"},
     {"cavity", plant_cavity, false, 0, 0, 0, SOFTSIM_OK, ""},
     {"turned neighbour", plant_turned_neighbour, false, 0, 0, 0, SOFTSIM_ERROR_MESH, "inside out"},
 };
@@ -355,7 +358,8 @@ static void faults_of_tetrahedra_are_found(void **state)
 {
     (void)state;
     /* Two on one face is fine, three are not; the second is there twice; the last is flat. */
-    const double x[7][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}, {1, 1, 2}, {1, 1, 0}};
+    const double x[7][3] = {{0, 0, 0},  {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
+                            {0, 0, -1}, {1, 1, 2}, {1, 1, 0}};
     const int32_t e[5][4] = {{0, 1, 2, 3}, {0, 2, 1, 4}, {2, 0, 1, 4}, {0, 1, 2, 5}, {0, 1, 6, 2}};
     ss_mesh *mesh = make(7, x, 0, NULL, 5, e);
     ss_mesh_report r;
@@ -400,7 +404,8 @@ static void checking_survives_positions_at_the_ends_of_double(void **state)
     }
 }
 
-/* ---- winding ----------------------------------------------------------------------------------- */
+/* ---- winding -----------------------------------------------------------------------------------
+ */
 
 static void orient_turns_what_is_wrong_and_nothing_else(void **state)
 {
@@ -453,7 +458,8 @@ static void an_open_sheet_keeps_the_sense_of_most_of_its_triangles(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- MSH --------------------------------------------------------------------------------------- */
+/* ---- MSH ---------------------------------------------------------------------------------------
+ */
 
 /* Tags with gaps and out of order, Windows line ends, points and lines, groups, sections of no
  * interest, no newline at the end. */
@@ -558,7 +564,7 @@ static void groups_of_one_name_are_one_group(void **state)
     ss_mesh_destroy(&m);
 }
 
-#define HEAD "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+#define HEAD  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
 #define NODES HEAD "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n"
 
 static const struct {
@@ -567,7 +573,8 @@ static const struct {
     {"", "no section of elements"},
     {"$", "has no end"},
     {"hello\n", "t.msh:1: a section"},
-    {"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "t.msh:2: Gmsh format 4.1 is not read: write the mesh as version 2.2"},
+    {"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n",
+     "t.msh:2: Gmsh format 4.1 is not read: write the mesh as version 2.2"},
     {"$MeshFormat\n2.2 1 8\n$EndMeshFormat\n", "Gmsh format 2.2 binary is not read"},
     {"$Nodes\n1\n1 0 0 0\n$EndNodes\n", "$MeshFormat is missing"},
     {HEAD "$NOD\n1\n1 0 0 0\n$ENDNOD\n", "does not belong to a file of version 2"},
@@ -584,7 +591,8 @@ static const struct {
     {HEAD "$Nodes\n1\n1 0 0x 0\n$EndNodes\n", "t.msh:6: node 0"},
     {HEAD "$Nodes\n2\n7 0 0 0\n7 1 0 0\n$EndNodes\n$Elements\n1\n1 15 0 7\n$EndElements\n",
      "t.msh:7: node number 7 is on line 6 already"},
-    {NODES "$Elements\n1\n1 2 2 0 0 1 2 4\n$EndElements\n", "t.msh:12: element 0: there is no node number 4"},
+    {NODES "$Elements\n1\n1 2 2 0 0 1 2 4\n$EndElements\n",
+     "t.msh:12: element 0: there is no node number 4"},
     {NODES "$Elements\n1\n1 2 2 0 0 1 2 -3\n$EndElements\n", "there is no node number -3"},
     {NODES "$Elements\n1\n1 2 2 0 0 1 2\n$EndElements\n", "t.msh:12: element 0, a triangle"},
     {NODES "$Elements\n1\n1 2 2 0 0 1 2 3 3\n$EndElements\n", "t.msh:12: element 0, a triangle"},

@@ -97,29 +97,31 @@ static void expect_cube(const char *path, int32_t nodes)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- formats ----------------------------------------------------------------------------------- */
+/* ---- formats -----------------------------------------------------------------------------------
+ */
 
-#define CUBE_V                                                                                     \
-    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+#define CUBE_V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
 
 static void obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube(void **state)
 {
     (void)state;
-    expect_cube(write_text("cube.obj",
-                           "\xEF\xBB\xBF# a cube\nmtllib none.mtl\no cube\n"
-                           "v 0 0 0 # first\nv 1 0 0\nv 0 1 0\nv 1 1 0 1.0\n"
-                           "  v 0 0 1 .1 .2 .3\r\nv\t1 0 1\nv 0 1 1\nv 2 2 2 2\n"
-                           "vt 0 0\nvt 1 1\nvn 0 0 -1\nvn 1 0 0\n"
-                           "usemtl red\nf 1/1/1 3/2/1 4/1/1 2/2/1\nf 5//2 6//2 8//2 7//2\n"
-                           "usemtl blue\ng side\ns off\nf 1/1 2/2 6/1 5/2\nf -6 -2 -1 -5 # relative\n"
-                           "f 1 5 7 3\nf 2 4 8 6\n"),
-                8);
+    expect_cube(
+        write_text("cube.obj",
+                   "\xEF\xBB\xBF# a cube\nmtllib none.mtl\no cube\n"
+                   "v 0 0 0 # first\nv 1 0 0\nv 0 1 0\nv 1 1 0 1.0\n"
+                   "  v 0 0 1 .1 .2 .3\r\nv\t1 0 1\nv 0 1 1\nv 2 2 2 2\n"
+                   "vt 0 0\nvt 1 1\nvn 0 0 -1\nvn 1 0 0\n"
+                   "usemtl red\nf 1/1/1 3/2/1 4/1/1 2/2/1\nf 5//2 6//2 8//2 7//2\n"
+                   "usemtl blue\ng side\ns off\nf 1/1 2/2 6/1 5/2\nf -6 -2 -1 -5 # relative\n"
+                   "f 1 5 7 3\nf 2 4 8 6\n"),
+        8);
 }
 
 static void obj_numbers_and_digits_are_those_of_the_file(void **state)
 {
     (void)state;
-    /* Triangles use the vertices backwards; the third is used by none, the last lies on the first. */
+    /* Triangles use the vertices backwards; the third is used by none, the last lies on the first.
+     */
     ss_mesh *m = load(write_text("order.obj", "v 0.12345678901234567 0 0\nv 1 0 0\nv 9 9 9\n"
                                               "v 0 1 0\nv 0 0 1\nv 0.12345678901234567 -0 0\n"
                                               "f 5 4 2\nf 4 5 6\nf 1 2 4\nf 5 2 1\n"),
@@ -162,7 +164,8 @@ static void ascii_and_binary_stl_join_their_corners(void **state)
     memcpy(binary + 80, &count, sizeof count);
     for (int t = 0; t < 12; ++t) {
         size_t used = strlen(text);
-        used += (size_t)snprintf(text + used, sizeof text - used, "facet normal 0 0 0\nouter loop\n");
+        used +=
+            (size_t)snprintf(text + used, sizeof text - used, "facet normal 0 0 0\nouter loop\n");
         for (int k = 0; k < 3; ++k) {
             const int c = cube_face[t][k];
             const float x[3] = {(float)(c & 1), (float)(c >> 1 & 1), (float)(c >> 2)};
@@ -221,7 +224,8 @@ static void ascii_ply_and_gltf_are_read(void **state)
         8);
 }
 
-/* ---- hostile files ----------------------------------------------------------------------------- */
+/* ---- hostile files -----------------------------------------------------------------------------
+ */
 
 static const struct {
     const char *name, *text, *says;
@@ -238,16 +242,21 @@ static const struct {
      SOFTSIM_ERROR_FORMAT},
     {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "", SOFTSIM_ERROR_FORMAT},
     {"negative.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -9\n", "", SOFTSIM_ERROR_FORMAT},
-    {"nan.stl", "solid s\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 nan 0\n"
-                "vertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
+    {"nan.stl",
+     "solid s\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 nan 0\n"
+     "vertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
      "not finite", SOFTSIM_ERROR_FORMAT},
     {"garbage.stl", "\x01\x02\xff\xfe garbage", "", SOFTSIM_ERROR_FORMAT},
-    {"garbage.ply", "ply\nformat ascii 1.0\nelement vertex 2000000000\nproperty float x\n"
-                    "end_header\n1\n",
+    {"garbage.ply",
+     "ply\nformat ascii 1.0\nelement vertex 2000000000\nproperty float x\n"
+     "end_header\n1\n",
      "", SOFTSIM_ERROR_FORMAT},
     {"garbage.glb", "glTF\x02", "", SOFTSIM_ERROR_FORMAT},
     {"garbage.gltf", "{\"asset\":", "", SOFTSIM_ERROR_FORMAT},
-    {"garbage.msh", "\x7f" "ELF", "not a mesh that is read here", SOFTSIM_ERROR_FORMAT},
+    {"garbage.msh",
+     "\x7f"
+     "ELF",
+     "not a mesh that is read here", SOFTSIM_ERROR_FORMAT},
     {"noend", "v 0 0 0\n", "not a mesh that is read here", SOFTSIM_ERROR_FORMAT},
     {"wrong.obj", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "Gmsh format 4.1",
      SOFTSIM_ERROR_FORMAT},
@@ -262,8 +271,8 @@ static void each_hostile_file_gives_one_error_that_names_it(void **state)
         const char *path = write_text(bad_files[i].name, bad_files[i].text);
         const softsim_status status = ss_mesh_load(path, 1.0, importer, &m, &error);
         if (status != bad_files[i].status || m != NULL || error.fault_count != 1 ||
-            strstr(error.text, path) != error.text || strstr(error.text, bad_files[i].says) == NULL ||
-            strchr(error.text, '\n') != NULL) {
+            strstr(error.text, path) != error.text ||
+            strstr(error.text, bad_files[i].says) == NULL || strchr(error.text, '\n') != NULL) {
             fail_msg("%s: status %d, %d faults: %s", bad_files[i].name, status, error.fault_count,
                      error.text);
         }
@@ -324,7 +333,8 @@ static void damaged_files_never_bring_the_reader_down(void **state)
     }
 }
 
-/* ---- the helper's faults ----------------------------------------------------------------------- */
+/* ---- the helper's faults -----------------------------------------------------------------------
+ */
 
 static const char *write_helper(const char *name, const char *script)
 {
@@ -395,7 +405,8 @@ static void an_answer_with_bad_contents_is_refused(void **state)
     }
 }
 
-/* ---- writing ----------------------------------------------------------------------------------- */
+/* ---- writing -----------------------------------------------------------------------------------
+ */
 
 static void meshes_come_back_from_disk_as_they_were(void **state)
 {
@@ -453,7 +464,8 @@ static void groups_and_tetrahedra_survive_msh(void **state)
     ss_mesh_destroy(&second);
 }
 
-/* ---- softsim-mesh ------------------------------------------------------------------------------ */
+/* ---- softsim-mesh ------------------------------------------------------------------------------
+ */
 
 #define TOOL BIN_DIR "/softsim-mesh "
 

@@ -42,8 +42,7 @@ void ss_bridge_fini(ss_bridge *bridge)
     bridge->device = (ss_device){0};
 }
 
-/* ---- one tick ---------------------------------------------------------------------------------
- */
+/* ---- one tick ------------------------------------------------------------------------------- */
 
 static void write_row(const ss_bridge *bridge)
 {
@@ -125,8 +124,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     ++bridge->summary.ticks;
 }
 
-/* ---- against a server --------------------------------------------------------------------------
- */
+/* ---- against a server ----------------------------------------------------------------------- */
 
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
 {
@@ -210,8 +208,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     }
 }
 
-/* ---- against a linear tissue
- * --------------------------------------------------------------------- */
+/* ---- against a linear tissue ---------------------------------------------------------------- */
 
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks)
 {

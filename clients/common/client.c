@@ -47,7 +47,7 @@ int64_t softsim_client_now_us(void)
     return ss_clock_now_ns() / 1000;
 }
 
-/* ---- receiving ---------------------------------------------------------------------------- */
+/* ---- receiving ------------------------------------------------------------------------------ */
 
 static bool is_finite_force(const softsim_force *force)
 {
@@ -220,8 +220,7 @@ void softsim_client_close(softsim_client **client)
     }
 }
 
-/* ---- using ------------------------------------------------------------------------------------
- */
+/* ---- using ---------------------------------------------------------------------------------- */
 
 int64_t softsim_client_sender(const softsim_client *client)
 {

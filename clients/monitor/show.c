@@ -17,8 +17,7 @@ static const char *verdict_name(int32_t verdict)
     return verdict >= 0 && verdict < 4 ? verdicts[verdict] : "unknown";
 }
 
-/* ---- JSON ---------------------------------------------------------------------------------------
- */
+/* ---- JSON ----------------------------------------------------------------------------------- */
 
 static void json_text(FILE *out, const char *name, const char *text)
 {
@@ -129,8 +128,7 @@ void ss_show_json(FILE *out, const softsim_server_status_t *s)
 #undef TEXT
 }
 
-/* ---- for people
- * ---------------------------------------------------------------------------------- */
+/* ---- for people ----------------------------------------------------------------------------- */
 
 /* The text with a dot for every control character: a message must not drive the terminal. */
 static void put_text(FILE *out, const char *text)

@@ -166,6 +166,13 @@ void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
 /* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
 int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
 
+/* How far a placed tool reaches into the deformed surface (m; negative: its distance; -INFINITY:
+ * nowhere near a surface), with the nearest surface point and the outward normal there. For tools
+ * that appear: a tool that stands deep inside is on no sample's right side. Looks at every
+ * triangle. RT-safe. */
+double ss_contact_locate(const ss_mesh *mesh, const ss_real *u, const ss_shape *shape,
+                         const ss_tool_pose *pose, double out_point[3], double out_normal[3]);
+
 /* ---- what the haptic loop gets ----------------------------------------------------------------
  */
 

@@ -416,7 +416,7 @@ void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_po
         return;
     }
     ss_frame frame;
-    ss_frame_set(&frame, touch, pose);
+    ss_touch_frame(touch, pose, &frame);
     tally station[MAX_STATIONS];
     tally whole = {.weight = 0.0};
     memset(station, 0, sizeof station);

@@ -30,7 +30,7 @@ static double sign_of(double x)
 }
 
 /* The point of the shape furthest along `direction`, in its own frame. */
-static void support(const ss_shape *shape, const double direction[3], double out[3])
+void ss_shape_support(const ss_shape *shape, const double direction[3], double out[3])
 {
     double n[3];
     ss_copy3(n, direction);
@@ -72,7 +72,7 @@ static void world_support(const placed *object, const double direction[3], doubl
     double local_direction[3];
     double local[3];
     ss_rotate_back(local_direction, object->orientation, direction);
-    support(object->shape, local_direction, local);
+    ss_shape_support(object->shape, local_direction, local);
     ss_rotate(out, object->orientation, local);
     ss_scale3(out, out, object->scale);
     ss_add3(out, out, object->position);

@@ -11,6 +11,8 @@ double ss_convex_inradius(const ss_convex *convex);
 void ss_convex_extent(const ss_convex *convex, double *out_z_low, double *out_z_high,
                       double *out_length);
 void ss_convex_support(const ss_convex *convex, const double direction[3], double out[3]);
+/* The point of any shape that lies furthest along `direction`, in the tool's frame. */
+void ss_shape_support(const ss_shape *shape, const double direction[3], double out[3]);
 void ss_convex_centre(const ss_convex *convex, double out[3]);
 
 /* The shape's extent along its axis z: where its contacts are spread. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * One tool on the surface: who is in reach, source weights, penalty.
+ * One tool on the surface: source weights, penalty, linearisation.
  *
  *   weights  w_i = sum_s A_s b_si phi(d_s),  phi = (1 - d/delta)+^2,
  *            f_s = -A_s phi'(d_s) (sum_i b_si mu_i) n_s,  phi' = -2 (1 - d/delta)+ / delta
@@ -13,11 +13,7 @@
  * bits do not depend on the gather's radius nor on what is culled. Two culls, both rigorous: the
  * distance is 1-Lipschitz, and since rows are convex no sample moves further than M, the largest
  * motion of a node in reach since the gather. So a triangle whose ball at the gather (centre c,
- * radius r) has d(c) > r + M holds no active sample; a facet the same with its radius + 2 M. A
- * gather is made with some room and serves the following steps until the tool or a node in reach
- * has left that room (measured, 1212 nodes, R = h: 13 us a gather, 0.2 us where it is kept).
- *
- * Sphere and capsule are computed in ss_real here, the others in double by ss_shape_distance.
+ * radius r) has d(c) > r + M holds no active sample; a facet the same with its radius + 2 M.
  */
 #include "contact/touch.h"
 
@@ -26,161 +22,6 @@
 
 #include "contact/shape.h"
 #include "rt/memory.h"
-#include "rt/vec.h"
-
-/* ---- the tool's frame ----------------------------------------------------------------------- */
-
-void ss_frame_set(ss_frame *frame, const ss_touch *touch, const ss_tool_pose *pose)
-{
-    static const double z[3] = {0.0, 0.0, 1.0};
-    double axis[3];
-    *frame = (ss_frame){.shape = &touch->shape};
-    memcpy(frame->orientation, pose->orientation, sizeof frame->orientation);
-    ss_rotate(axis, pose->orientation, z);
-    for (int k = 0; k < 3; ++k) {
-        frame->origin[k] = (ss_real)(pose->position[k] - touch->surface->centre[k]);
-        frame->axis[k] = (ss_real)axis[k];
-    }
-    frame->is_round = touch->shape.kind == SS_SHAPE_SPHERE || touch->shape.kind == SS_SHAPE_CAPSULE;
-    frame->core = touch->shape.kind == SS_SHAPE_CAPSULE ? (ss_real)touch->shape.half_length : 0;
-    frame->radius = (ss_real)touch->shape.radius;
-}
-
-/* Vector from the nearest point of a round tool's core. */
-static inline void from_core(const ss_frame *frame, const ss_wide *r, ss_wide *out)
-{
-    *out = *r;
-    if (frame->core > 0) {
-        const ss_real *a = frame->axis;
-        ss_real t = (*r)[0] * a[0] + (*r)[1] * a[1] + (*r)[2] * a[2];
-        t = t > frame->core ? frame->core : t < -frame->core ? -frame->core : t;
-        *out -= (ss_wide){t * a[0], t * a[1], t * a[2], 0};
-    }
-}
-
-static inline ss_real square_of(const ss_wide *a)
-{
-    return (*a)[0] * (*a)[0] + (*a)[1] * (*a)[1] + (*a)[2] * (*a)[2];
-}
-
-static inline ss_real root(ss_real x)
-{
-#ifdef SOFTSIM_DOUBLE
-    return sqrt(x);
-#else
-    return sqrtf(x);
-#endif
-}
-
-/* Unit vector along `r` of length `length`; a fixed one on the core. */
-static inline void set_normal(const ss_frame *frame, const ss_wide *r, ss_real length,
-                              ss_real out[3])
-{
-    if (length > (ss_real)1e-15) { /* shorter ones have squares that underflow */
-        const ss_real scale = 1 / length;
-        out[0] = scale * (*r)[0];
-        out[1] = scale * (*r)[1];
-        out[2] = scale * (*r)[2];
-    } else {
-        double normal[3];
-        double world[3];
-        const double centre[3] = {0.0, 0.0, 0.0};
-        ss_shape_distance(frame->shape, centre, normal);
-        ss_rotate(world, frame->orientation, normal);
-        for (int k = 0; k < 3; ++k) {
-            out[k] = (ss_real)world[k];
-        }
-    }
-}
-
-/* The distance to a round tool's core, less its radius. */
-static double round_distance(const ss_frame *frame, const double r[3], double out_normal[3])
-{
-    const double axis[3] = {(double)frame->axis[0], (double)frame->axis[1], (double)frame->axis[2]};
-    const double core = (double)frame->core;
-    const double along = ss_dot3(r, axis);
-    const double t = along > core ? core : along < -core ? -core : along;
-    double q[3];
-    ss_madd3(q, r, -t, axis);
-    const double length = ss_norm3(q);
-    if (out_normal != NULL) {
-        ss_real normal[3];
-        const ss_wide from = {(ss_real)q[0], (ss_real)q[1], (ss_real)q[2], 0};
-        set_normal(frame, &from, (ss_real)length, normal);
-        ss_set3(out_normal, (double)normal[0], (double)normal[1], (double)normal[2]);
-    }
-    return length - (double)frame->radius;
-}
-
-double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_normal[3])
-{
-    const double world[3] = {(double)r[0], (double)r[1], (double)r[2]};
-    double local[3];
-    double normal[3];
-    if (frame->is_round) {
-        return round_distance(frame, world, out_normal);
-    }
-    ss_rotate_back(local, frame->orientation, world);
-    const double d = ss_shape_distance(frame->shape, local, normal);
-    if (out_normal != NULL) {
-        ss_rotate(out_normal, frame->orientation, normal);
-    }
-    return d;
-}
-
-/* Is the point at `r` further from the tool than `distance`? False when not a number. */
-static inline bool is_beyond(const ss_frame *frame, const ss_wide *r, ss_real distance)
-{
-    if (frame->is_round) {
-        ss_wide q;
-        from_core(frame, r, &q);
-        const ss_real reach = frame->radius + distance;
-        return square_of(&q) > reach * reach;
-    }
-    const ss_real at[3] = {(*r)[0], (*r)[1], (*r)[2]};
-    return ss_frame_distance(frame, at, NULL) > (double)distance;
-}
-
-/* The distance where it is less than `limit`, with its gradient; else false. */
-static inline bool find_distance(const ss_frame *frame, const ss_wide *r, ss_real limit,
-                                 ss_real *out_d, ss_real out_normal[3])
-{
-    if (frame->is_round) {
-        ss_wide q;
-        from_core(frame, r, &q);
-        const ss_real reach = frame->radius + limit;
-        const ss_real square = square_of(&q);
-        if (!(square < reach * reach)) {
-            return false;
-        }
-        const ss_real length = root(square);
-        *out_d = length - frame->radius;
-        set_normal(frame, &q, length, out_normal);
-        return *out_d < limit;
-    }
-    const double world[3] = {(double)(*r)[0], (double)(*r)[1], (double)(*r)[2]};
-    double local[3];
-    double normal[3];
-    ss_rotate_back(local, frame->orientation, world);
-    *out_d = (ss_real)ss_shape_distance(frame->shape, local, normal);
-    if (!(*out_d < limit)) {
-        return false;
-    }
-    ss_rotate(local, frame->orientation, normal);
-    for (int k = 0; k < 3; ++k) {
-        out_normal[k] = (ss_real)local[k];
-    }
-    return true;
-}
-
-/* Is the ball about the candidate's triangle further than `distance` from the tool? */
-static inline bool is_candidate_beyond(const ss_frame *frame, const ss_candidate *c,
-                                       ss_real distance)
-{
-    const ss_wide r = {c->centre[0] - frame->origin[0], c->centre[1] - frame->origin[1],
-                       c->centre[2] - frame->origin[2], 0};
-    return is_beyond(frame, &r, c->radius + distance);
-}
 
 /* ---- create --------------------------------------------------------------------------------- */
 
@@ -282,217 +123,6 @@ void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3)
     touch->stiffness = stiffness_n_per_m3;
 }
 
-/* ---- sets of nodes -------------------------------------------------------------------------- */
-
-/* A range of words of the mark bits that may hold set bits. */
-typedef struct mark_range {
-    int32_t low, high;
-} mark_range;
-
-static inline void mark_node(ss_touch *touch, mark_range *range, int32_t node)
-{
-    const int32_t word = node / 64;
-    touch->mark[word] |= (uint64_t)1 << (node % 64);
-    range->low = word < range->low ? word : range->low;
-    range->high = word > range->high ? word : range->high;
-}
-
-/* Writes the marked nodes in increasing order and clears the marks. */
-static int32_t take_marked(ss_touch *touch, const mark_range *range, int32_t *out_node)
-{
-    int32_t count = 0;
-    for (int32_t word = range->low; word <= range->high; ++word) {
-        for (uint64_t bits = touch->mark[word]; bits != 0; bits &= bits - 1) {
-            out_node[count++] = 64 * word + __builtin_ctzll(bits);
-        }
-        touch->mark[word] = 0;
-    }
-    return count;
-}
-
-/* ---- gather --------------------------------------------------------------------------------- */
-
-static double distance_to_path(const ss_sweep *s, const double x[3])
-{
-    double r[3];
-    ss_sub3(r, x, s->start);
-    const double along = s->square > 0.0 ? ss_dot3(r, s->along) / s->square : 0.0;
-    const double t = along < 0.0 ? 0.0 : along > 1.0 ? 1.0 : along;
-    ss_madd3(r, r, -t, s->along);
-    return ss_norm3(r);
-}
-
-/* Rejects a box further than `radius` from the path's own box or, as a ball, from the path. */
-static bool is_clear(const ss_sweep *s, double radius, const ss_box *box)
-{
-    double middle[3];
-    double half[3];
-    for (int k = 0; k < 3; ++k) {
-        const double low = (double)box->low[k];
-        const double high = (double)box->high[k];
-        const double path_end = s->start[k] + s->along[k];
-        const double path_low = path_end < s->start[k] ? path_end : s->start[k];
-        const double path_high = path_end < s->start[k] ? s->start[k] : path_end;
-        if (low > path_high + radius || high < path_low - radius) {
-            return true;
-        }
-        middle[k] = 0.5 * (low + high);
-        half[k] = 0.5 * (high - low);
-    }
-    return distance_to_path(s, middle) > radius + ss_norm3(half);
-}
-
-/* The ball of a triangle in its present shape: about the centroid of its corners. */
-static void set_candidate(const ss_surface *surface, int32_t t, const ss_real *u, ss_candidate *out)
-{
-    const int32_t *corner = surface->control + surface->control_first[t];
-    ss_wide at[3];
-    for (int k = 0; k < 3; ++k) {
-        at[k] = *(const ss_wide_loose *)(surface->rest + 4 * (int64_t)corner[k]) +
-                *(const ss_wide_loose *)(u + 4 * (int64_t)corner[k]);
-    }
-    const ss_wide centre = (at[0] + at[1] + at[2]) / 3;
-    ss_wide point[SS_GRID_ROW];
-    ss_real square = 0;
-    ss_surface_points(surface, t, u, &centre, point);
-    for (int p = 0; p < SS_GRID_POINTS; ++p) {
-        const ss_real r = square_of(&point[p]);
-        square = r > square ? r : square;
-    }
-    for (int k = 0; k < 3; ++k) {
-        const ss_wide from_centre = at[k] - centre;
-        const ss_real r = square_of(&from_centre);
-        square = r > square ? r : square;
-    }
-    *out = (ss_candidate){.centre = {centre[0], centre[1], centre[2]},
-                          .radius = root(square),
-                          .facet_radius = -1,
-                          .triangle = t};
-}
-
-/* Appends the triangles of a leaf that the tool may reach. */
-static void gather_leaf(ss_touch *touch, const ss_real *u, double reach, const ss_frame *middle,
-                        int32_t leaf, mark_range *range)
-{
-    const ss_surface *surface = touch->surface;
-    const int32_t end = ss_leaf_first_triangle(surface, leaf + 1);
-    const double path_reach = touch->bounding_radius + reach;
-    const ss_real middle_reach = (ss_real)(touch->half_motion + reach);
-    for (int32_t t = ss_leaf_first_triangle(surface, leaf); t < end; ++t) {
-        ss_candidate *candidate = &touch->candidate[touch->candidate_count];
-        set_candidate(surface, t, u, candidate);
-        const double centre[3] = {(double)candidate->centre[0], (double)candidate->centre[1],
-                                  (double)candidate->centre[2]};
-        if (distance_to_path(&touch->sweep, centre) > path_reach + (double)candidate->radius ||
-            is_candidate_beyond(middle, candidate, middle_reach)) {
-            continue;
-        }
-        touch->candidate_count++;
-        for (int32_t c = surface->control_first[t]; c < surface->control_first[t + 1]; ++c) {
-            mark_node(touch, range, surface->control[c]);
-        }
-    }
-}
-
-static void gather_tree(ss_touch *touch, const ss_real *u)
-{
-    const ss_surface *surface = touch->surface;
-    const double reach = touch->delta + touch->slack + touch->spare + touch->margin;
-    const double tree_reach = touch->bounding_radius + reach + surface->moved;
-    mark_range range = {INT32_MAX, -1};
-    ss_frame middle;
-    int32_t stack[SS_TREE_STACK];
-    int depth = 0;
-    ss_frame_set(&middle, touch, &touch->middle);
-    touch->candidate_count = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-        const int32_t at = stack[--depth];
-        if (is_clear(&touch->sweep, tree_reach, &surface->box[at])) {
-            continue;
-        }
-        if (at >= surface->leaf_count - 1) {
-            gather_leaf(touch, u, reach, &middle, at - (surface->leaf_count - 1), &range);
-        } else {
-            stack[depth++] = 2 * at + 2;
-            stack[depth++] = 2 * at + 1;
-        }
-    }
-    touch->reach_count = take_marked(touch, &range, touch->reach);
-    for (int32_t i = 0; i < touch->reach_count; ++i) {
-        memcpy(touch->reach_u + 4 * (int64_t)i, u + 4 * (int64_t)touch->reach[i],
-               4 * sizeof(ss_real));
-    }
-}
-
-/* How far a node in reach has moved since the gather; NaN when one is not finite. */
-static ss_real moved_since_gather(const ss_touch *touch, const ss_real *u)
-{
-    ss_real largest = 0;
-    for (int32_t i = 0; i < touch->reach_count; ++i) {
-        const ss_wide move = *(const ss_wide_loose *)(u + 4 * (int64_t)touch->reach[i]) -
-                             *(const ss_wide_loose *)(touch->reach_u + 4 * (int64_t)i);
-        const ss_real square = square_of(&move);
-        largest = square > largest || isnan(square) ? square : largest;
-    }
-    return root(largest);
-}
-
-/* Does the last gather cover this path too? Distance to a path and angle from an orientation are
- * convex along the new path, so its ends decide. */
-static bool is_covered(const ss_touch *touch, const ss_tool_pose *pose)
-{
-    double x[3];
-    ss_sub3(x, pose->position, touch->surface->centre);
-    return distance_to_path(&touch->sweep, x) <= touch->spare &&
-           ss_tool_motion_bound(&touch->shape, &touch->middle, pose) <=
-               touch->half_motion + touch->spare;
-}
-
-static bool is_finite_pose(const ss_tool_pose *pose)
-{
-    return ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4);
-}
-
-static void forget(ss_touch *touch)
-{
-    touch->is_gathered = false;
-    touch->candidate_count = 0;
-    touch->reach_count = 0;
-}
-
-int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
-                        const ss_tool_pose *to)
-{
-    touch->weight_count = 0;
-    touch->source_count = 0;
-    touch->sample_count = 0;
-    touch->group_count = 0;
-    touch->dropped_from = 0;
-    if (!is_finite_pose(from) || !is_finite_pose(to)) {
-        forget(touch);
-        return 0;
-    }
-    if (!touch->is_gathered || !is_covered(touch, from) || !is_covered(touch, to) ||
-        !((double)moved_since_gather(touch, u) <= 0.5 * touch->slack)) {
-        ss_sub3(touch->sweep.start, from->position, touch->surface->centre);
-        ss_sub3(touch->sweep.along, to->position, from->position);
-        touch->sweep.square = ss_dot3(touch->sweep.along, touch->sweep.along);
-        ss_tool_pose_blend(from, to, 0.5, &touch->middle);
-        touch->half_motion = 0.5 * ss_tool_motion_bound(&touch->shape, from, to);
-        gather_tree(touch, u);
-        touch->is_gathered = true;
-    }
-    touch->dropped_from = touch->candidate_count;
-    return touch->candidate_count;
-}
-
-int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node)
-{
-    *out_node = touch->reach;
-    return touch->reach_count;
-}
-
 /* ---- source weights ------------------------------------------------------------------------- */
 
 /* Weights of the corners at weight sample s: corner samples 0..2 at (2/3, 1/6, 1/6), the middle. */
@@ -505,7 +135,7 @@ static inline void weight_row(int s, ss_real out[3])
 
 /* Adds the weights of one triangle; keeps it when it has any. */
 static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real *u, int32_t t,
-                           mark_range *range)
+                           ss_mark_range *range)
 {
     const ss_surface *surface = touch->surface;
     const int32_t *corner = surface->control + surface->control_first[t];
@@ -524,7 +154,7 @@ static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real
         weight_row(count == 1 ? 3 : s, row);
         const ss_wide r = row[0] * at[0] + row[1] * at[1] + row[2] * at[2];
         source->slope[s] = 0;
-        if (!find_distance(frame, &r, (ss_real)touch->delta, &d, source->n[s])) {
+        if (!ss_frame_find(frame, &r, (ss_real)touch->delta, &d, source->n[s])) {
             continue;
         }
         const double g = 1.0 - (double)d / touch->delta;
@@ -539,7 +169,7 @@ static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real
         touch->source_count++;
         for (int k = 0; k < 3; ++k) {
             touch->node_weight[corner[k]] += share[k];
-            mark_node(touch, range, corner[k]);
+            ss_touch_mark(touch, range, corner[k]);
         }
     }
 }
@@ -549,22 +179,22 @@ int32_t ss_touch_weigh(ss_touch *touch, const ss_real *u, const uint8_t *is_sour
                        const double **out_weight, double *out_total)
 {
     const ss_surface *surface = touch->surface;
-    mark_range range = {INT32_MAX, -1};
+    ss_mark_range range = {INT32_MAX, -1};
     ss_frame frame;
-    ss_frame_set(&frame, touch, pose);
-    const ss_real extra = (ss_real)(touch->delta + touch->margin) + moved_since_gather(touch, u);
+    ss_touch_frame(touch, pose, &frame);
+    const ss_real extra = (ss_real)(touch->delta + touch->margin) + ss_touch_moved(touch, u);
     touch->source_count = 0;
     for (int32_t i = 0; i < touch->candidate_count; ++i) {
         const ss_candidate *c = &touch->candidate[i];
         if (touch->source_count < touch->source_capacity &&
-            !is_candidate_beyond(&frame, c, extra)) {
+            !ss_candidate_is_beyond(&frame, c, extra)) {
             weigh_triangle(touch, &frame, u, c->triangle, &range);
         }
     }
 
     /* The list of nodes, and where it holds the corners of each triangle. */
     int32_t *node = touch->weight_node;
-    const int32_t marked = take_marked(touch, &range, node);
+    const int32_t marked = ss_touch_take_marked(touch, &range, node);
     int32_t count = 0;
     double total = 0.0;
     for (int32_t i = 0; i < marked; ++i) {
@@ -662,11 +292,11 @@ static ss_real facet_radius(const ss_grid *grid, const ss_wide point[SS_GRID_ROW
         const ss_wide middle = (point[p[0]] + point[p[1]] + point[p[2]]) / 3;
         for (int k = 0; k < 3; ++k) {
             const ss_wide r = point[p[k]] - middle;
-            const ss_real s = square_of(&r);
+            const ss_real s = ss_wide_square(&r);
             square = s > square || isnan(s) ? s : square;
         }
     }
-    return root(square);
+    return ss_real_root(square);
 }
 
 /* Finds the samples of a triangle inside the tool. */
@@ -679,7 +309,7 @@ static int32_t find_samples(const ss_surface *surface, const ss_frame *frame,
     for (int32_t f = 0; f < grid->facet_count; ++f) {
         const uint8_t *p = grid->facet[f];
         const ss_wide middle = third * (point[p[0]] + point[p[1]] + point[p[2]]);
-        if (is_beyond(frame, &middle, radius)) {
+        if (ss_frame_is_beyond(frame, &middle, radius)) {
             continue;
         }
         for (int32_t part = 0; part < grid->part_count; ++part) {
@@ -687,7 +317,7 @@ static int32_t find_samples(const ss_surface *surface, const ss_frame *frame,
             ss_grid_sample(grid, f, part, point, &r);
             ss_sample *sample = &out[count];
             ss_real d;
-            if (find_distance(frame, &r, 0, &d, sample->n)) {
+            if (ss_frame_find(frame, &r, 0, &d, sample->n)) {
                 sample->r[0] = r[0];
                 sample->r[1] = r[1];
                 sample->r[2] = r[2];
@@ -745,8 +375,8 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
     const ss_surface *surface = touch->surface;
     penalty_sum sum = {{0.0}, {0.0}, 0.0};
     ss_frame frame;
-    ss_frame_set(&frame, touch, pose);
-    const ss_real moved = moved_since_gather(touch, u) + (ss_real)touch->margin;
+    ss_touch_frame(touch, pose, &frame);
+    const ss_real moved = ss_touch_moved(touch, u) + (ss_real)touch->margin;
     const int32_t most = surface->grid.facet_count * surface->grid.part_count;
     ss_sample spare[SS_GRID_FACETS * SS_MAX_PARTS * SS_MAX_PARTS];
     touch->sample_count = 0;
@@ -755,7 +385,7 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
     for (int32_t i = 0; i < touch->candidate_count; ++i) {
         ss_candidate *candidate = &touch->candidate[i];
         const int32_t t = candidate->triangle;
-        if (is_candidate_beyond(&frame, candidate, moved)) {
+        if (ss_candidate_is_beyond(&frame, candidate, moved)) {
             continue;
         }
         ss_wide point[SS_GRID_ROW];

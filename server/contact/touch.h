@@ -1,18 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Private to contact/: what a touch keeps between its calls (touch.c, contacts.c). */
+/* Private to contact/: what a touch keeps between its calls (gather.c, touch.c, contacts.c). */
+#include "contact/frame.h"
 #include "contact/surface.h"
-
-/* A tool pose in the surface's frame (world axes, origin at the surface's centre). */
-typedef struct ss_frame {
-    const ss_shape *shape;
-    double orientation[4];
-    ss_wide origin; /* m, the tool's, relative to the surface's centre */
-    /* Sphere and capsule: distance to the segment of half-length `core` along `axis`. */
-    bool is_round;
-    ss_real axis[3], core, radius;
-} ss_frame;
 
 /* A triangle in reach, with balls that held its parts at the gather. */
 typedef struct ss_candidate {
@@ -90,11 +81,33 @@ struct ss_touch {
     int32_t dropped_from; /* candidate from which samples were no longer kept, or the count */
 };
 
-void ss_frame_set(ss_frame *frame, const ss_touch *touch, const ss_tool_pose *pose);
-/* Wide values go by pointer: passed by value they would need one ABI for all processors. */
+/* ---- gather.c ------------------------------------------------------------------------------- */
 
-/* Signed distance of the point at `r` from the tool's origin, and its gradient (may be NULL). */
-double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_normal[3]);
+/* A range of words of the mark bits that may hold set bits. */
+typedef struct ss_mark_range {
+    int32_t low, high;
+} ss_mark_range;
+
+void ss_touch_mark(ss_touch *touch, ss_mark_range *range, int32_t node);
+/* Writes the marked nodes in increasing order and clears the marks. */
+int32_t ss_touch_take_marked(ss_touch *touch, const ss_mark_range *range, int32_t *out_node);
+/* How far a node in reach has moved since the gather; NaN when one is not finite. */
+ss_real ss_touch_moved(const ss_touch *touch, const ss_real *u);
+
+static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pose, ss_frame *out)
+{
+    ss_frame_set(out, &touch->shape, touch->surface->centre, pose);
+}
+
+/* Is the ball about the candidate's triangle further than `distance` from the tool? */
+static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candidate *c,
+                                          ss_real distance)
+{
+    const ss_wide r = {c->centre[0] - frame->origin[0], c->centre[1] - frame->origin[1],
+                       c->centre[2] - frame->origin[2], 0};
+    return ss_frame_is_beyond(frame, &r, c->radius + distance);
+}
+
 /* Position of sample `code` among a triangle's points. */
 static inline void ss_grid_sample(const ss_grid *grid, int32_t facet, int32_t part,
                                   const ss_wide point[SS_GRID_ROW], ss_wide *out)

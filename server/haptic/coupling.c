@@ -48,7 +48,8 @@ void ss_coupling_solve(double a[3][3], const double b[3], double out[3])
 
 double ss_coupling_largest(double m[3][3])
 {
-    /* Characteristic polynomial by angle (Smith 1961): m = q I + s B with tr B = 0, |B| = sqrt 6. */
+    /* Characteristic polynomial by angle (Smith 1961): m = q I + s B with tr B = 0, |B| = sqrt 6.
+     */
     const double off = m[0][1] * m[0][1] + m[0][2] * m[0][2] + m[1][2] * m[1][2];
     const double q = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
     const double d0 = m[0][0] - q;

@@ -19,10 +19,10 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define TWO_PI 6.283185307179586
-#define VELOCITY_CORNER 50.0   /* Hz: one position count a millisecond is 30 mm/s */
-#define SPEED_MAX 10.0         /* m/s: no hand is faster; bounds what a bad clock can do */
-#define SPRING_RATE 5.0        /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
+#define TWO_PI           6.283185307179586
+#define VELOCITY_CORNER  50.0  /* Hz: one position count a millisecond is 30 mm/s */
+#define SPEED_MAX        10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
+#define SPRING_RATE      5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
 #define PREDICT_TIME_MAX 0.025 /* s */
 #define PREDICT_MOVE_MAX 0.003 /* m */
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
@@ -55,7 +55,8 @@ struct ss_haptic {
     ss_observer observer;
 };
 
-/* ---- guards ----------------------------------------------------------------------------------- */
+/* ---- guards -----------------------------------------------------------------------------------
+ */
 
 static bool is_pose_finite(const softsim_pose *pose)
 {
@@ -105,7 +106,8 @@ static bool are_inputs_finite(const ss_haptic_input *input)
            is_result_finite(input->result);
 }
 
-/* ---- poses ------------------------------------------------------------------------------------ */
+/* ---- poses ------------------------------------------------------------------------------------
+ */
 
 /* Seconds since the last pose: the device's own clock, or ticks in lockstep. */
 static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
@@ -171,8 +173,7 @@ static bool take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
 
 static bool take_poses(ss_haptic *haptic, const ss_haptic_input *input, bool is_bad)
 {
-    const int32_t first =
-        input->pose_count > POSES_A_TICK ? input->pose_count - POSES_A_TICK : 0;
+    const int32_t first = input->pose_count > POSES_A_TICK ? input->pose_count - POSES_A_TICK : 0;
     bool is_new_holder = false;
     for (int32_t i = first; i < input->pose_count; ++i) {
         if (is_bad && !is_pose_finite(&input->pose[i])) {
@@ -184,7 +185,8 @@ static bool take_poses(ss_haptic *haptic, const ss_haptic_input *input, bool is_
     return is_new_holder;
 }
 
-/* ---- gate, result, grasp ---------------------------------------------------------------------- */
+/* ---- gate, result, grasp ----------------------------------------------------------------------
+ */
 
 static void place_proxy(ss_haptic *haptic)
 {
@@ -286,8 +288,8 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
                          const double x[3])
 {
     ss_law *law = &haptic->law;
-    const bool is_refused = is_fresh && !input->result->set.is_held &&
-                            input->result->tick >= haptic->press_tick;
+    const bool is_refused =
+        is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
     if (!haptic->is_pressed || is_refused) {
         ss_law_release(law, &haptic->config, x, haptic->p, haptic->pdot);
     } else if (!law->held.is_held && input->tick == haptic->press_tick &&
@@ -296,7 +298,8 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     }
 }
 
-/* ---- coupling, balance, limits ---------------------------------------------------------------- */
+/* ---- coupling, balance, limits ----------------------------------------------------------------
+ */
 
 static void update_spring(ss_haptic *haptic)
 {
@@ -327,8 +330,8 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_balance balance;
     balance.spring = haptic->spring + damper;
     for (int i = 0; i < 3; ++i) {
-        const double pull = haptic->spring * x[i] + config->damping * v[i] +
-                            damper * haptic->p[i] + law->residual[i] + law->released[i];
+        const double pull = haptic->spring * x[i] + config->damping * v[i] + damper * haptic->p[i] +
+                            law->residual[i] + law->released[i];
         balance.p_free[i] = pull / balance.spring;
     }
     ss_law_rows(law, config, tick, x, haptic->p, &balance);
@@ -354,7 +357,8 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     return is_limited;
 }
 
-/* ---- output ----------------------------------------------------------------------------------- */
+/* ---- output -----------------------------------------------------------------------------------
+ */
 
 static int32_t age_us(const ss_haptic *haptic, int64_t tick)
 {
@@ -380,8 +384,7 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_f
     if (is_in_contact) {
         double inward[3];
         ss_sub3(inward, haptic->surface_proxy, haptic->pose.position);
-        force->depth =
-            fmax(0.0, haptic->surface_depth + ss_dot3(haptic->surface_normal, inward));
+        force->depth = fmax(0.0, haptic->surface_depth + ss_dot3(haptic->surface_normal, inward));
     }
 }
 
@@ -469,10 +472,10 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
 {
     const softsim_force *force = &haptic->output.force;
     const ss_past_force record = {.seq = force->seq,
-                                    .tick = tick,
-                                    .pose_tick = haptic->pose_tick,
-                                    .pose_utime_us = haptic->pose.utime_us,
-                                    .force = {force->force[0], force->force[1], force->force[2]}};
+                                  .tick = tick,
+                                  .pose_tick = haptic->pose_tick,
+                                  .pose_utime_us = haptic->pose.utime_us,
+                                  .force = {force->force[0], force->force[1], force->force[2]}};
     ss_observer_force(&haptic->observer, &record);
     ss_copy3(haptic->last_force, force->force);
     haptic->digest = hash_bytes(haptic->digest, force->force, sizeof force->force);
@@ -490,7 +493,8 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     write_sums(haptic);
 }
 
-/* ---- public ----------------------------------------------------------------------------------- */
+/* ---- public -----------------------------------------------------------------------------------
+ */
 
 void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
 {
@@ -536,12 +540,13 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
-    const double state[] = {haptic->p[0],   haptic->p[1],     haptic->p[2],        haptic->v[0],
-                            haptic->v[1],   haptic->v[2],     haptic->spring,      observer->limit,
+    const double state[] = {haptic->p[0],    haptic->p[1],     haptic->p[2],       haptic->v[0],
+                            haptic->v[1],    haptic->v[2],     haptic->spring,     observer->limit,
                             observer->worst, observer->energy, observer->delay_p95};
-    const int64_t number[] = {haptic->output.force.seq, (int64_t)haptic->gate.phase,
-                              haptic->gate.since, haptic->law.tick, haptic->bad_inputs,
-                              (int64_t)haptic->grasp_edges, (int64_t)haptic->teleports};
+    const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
+                              haptic->gate.since,        haptic->law.tick,
+                              haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
+                              (int64_t)haptic->teleports};
     uint64_t hash = hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
     hash = hash_bytes(hash, state, sizeof state);
     hash = hash_bytes(hash, number, sizeof number);
@@ -558,9 +563,8 @@ static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const 
 {
     const ss_haptic_config *config = &haptic->config;
     ss_scale3(out_sent, whole, ss_gate_gain(&haptic->gate, input->tick));
-    is_limited =
-        ss_limit_slew(out_sent, haptic->last_force, config->max_slew * config->period) ||
-        is_limited;
+    is_limited = ss_limit_slew(out_sent, haptic->last_force, config->max_slew * config->period) ||
+                 is_limited;
     *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
 }
 

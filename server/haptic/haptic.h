@@ -19,40 +19,44 @@
 #include "contact/contact.h"
 #include "softsim/types.h"
 
-typedef enum ss_between_steps { SS_BETWEEN_HOLD, SS_BETWEEN_LINEAR, SS_BETWEEN_LOCAL } ss_between_steps;
+typedef enum ss_between_steps {
+    SS_BETWEEN_HOLD,
+    SS_BETWEEN_LINEAR,
+    SS_BETWEEN_LOCAL
+} ss_between_steps;
 
 typedef struct ss_haptic_config {
-    double period;            /* s, T */
+    double period; /* s, T */
     ss_between_steps between_steps;
-    double max_force;         /* N */
-    double max_slew;          /* N/s */
-    double stiffness;         /* N/m, the stiffest the hand may feel */
-    double damping;           /* N s/m, B_c */
-    double tool_gyration;     /* m, l of the rotational coupling; 0: no torque */
-    bool is_lockstep;         /* velocities and delays from ticks, not from the device's clock */
+    double max_force;     /* N */
+    double max_slew;      /* N/s */
+    double stiffness;     /* N/m, the stiffest the hand may feel */
+    double damping;       /* N s/m, B_c */
+    double tool_gyration; /* m, l of the rotational coupling; 0: no torque */
+    bool is_lockstep;     /* velocities and delays from ticks, not from the device's clock */
 } ss_haptic_config;
 
 typedef struct ss_haptic_input {
-    int64_t tick;                  /* number of this haptic period, from 1 */
-    const softsim_pose *pose;      /* accepted poses since the last tick, oldest first */
+    int64_t tick;             /* number of this haptic period, from 1 */
+    const softsim_pose *pose; /* accepted poses since the last tick, oldest first */
     int32_t pose_count;
-    uint32_t sender_epoch;         /* grows when the probe's holder changes or returns */
-    const ss_local_model *result;  /* newest result, NULL before the first */
-    bool is_result_new;            /* it arrived since the last tick */
+    uint32_t sender_epoch;        /* grows when the probe's holder changes or returns */
+    const ss_local_model *result; /* newest result, NULL before the first */
+    bool is_result_new;           /* it arrived since the last tick */
     bool is_paused;
-    bool is_reset;                 /* reset or resume: enter anew */
-    bool is_stopping;              /* ramp to zero and stay */
+    bool is_reset;    /* reset or resume: enter anew */
+    bool is_stopping; /* ramp to zero and stay */
 } ss_haptic_input;
 
 typedef struct ss_haptic_output {
-    bool has_force;                /* false before the probe's first accepted pose */
-    softsim_force force;           /* utime_us left 0 for the sender */
+    bool has_force;      /* false before the probe's first accepted pose */
+    softsim_force force; /* utime_us left 0 for the sender */
     ss_proxy_target target;
-    double worst_contact_j;        /* least energy balance of a contact since start */
+    double worst_contact_j; /* least energy balance of a contact since start */
     double energy_to_device_j, energy_from_device_j;
-    double stiffness_limit;        /* N/m */
-    double loop_delay_ms[2];       /* p50, p95 over 1 s; 5 until known */
-    int64_t bad_inputs;            /* ticks or results refused: not finite, normal not a unit one */
+    double stiffness_limit;  /* N/m */
+    double loop_delay_ms[2]; /* p50, p95 over 1 s; 5 until known */
+    int64_t bad_inputs;      /* ticks or results refused: not finite, normal not a unit one */
 } ss_haptic_output;
 
 typedef struct ss_haptic ss_haptic;

@@ -19,13 +19,13 @@
 #include "haptic/haptic.h"
 
 enum {
-    SS_FORCE_HISTORY = 4096,  /* past forces; 4 s at 1 kHz, beyond any live loop delay */
-    SS_DELAY_SAMPLES = 4096,  /* delay samples of the last second */
-    SS_DELAY_BUCKETS = 1024,  /* of 50 us: delays up to 51 ms are told apart */
-    SS_BALANCE_PASSES = 12,   /* over the active set; 10^6 random sets of 1 to 8 took at most 9 */
-    SS_WATCHDOG_TICKS = 50,   /* without a good pose */
-    SS_RAMP_TICKS = 20,       /* to zero force */
-    SS_ENTRY_TICKS = 500,     /* the depth fades in */
+    SS_FORCE_HISTORY = 4096, /* past forces; 4 s at 1 kHz, beyond any live loop delay */
+    SS_DELAY_SAMPLES = 4096, /* delay samples of the last second */
+    SS_DELAY_BUCKETS = 1024, /* of 50 us: delays up to 51 ms are told apart */
+    SS_BALANCE_PASSES = 12,  /* over the active set; 10^6 random sets of 1 to 8 took at most 9 */
+    SS_WATCHDOG_TICKS = 50,  /* without a good pose */
+    SS_RAMP_TICKS = 20,      /* to zero force */
+    SS_ENTRY_TICKS = 500,    /* the depth fades in */
 };
 
 /* ---- law.c ---------------------------------------------------------------------------------- */
@@ -45,7 +45,8 @@ typedef struct ss_law_contact {
     double value;           /* N, F(p) >= 0 of the last tick */
 } ss_law_contact;
 
-/* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity), all directions. */
+/* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity), all directions.
+ */
 typedef struct ss_law_held {
     bool is_held;
     double force[3], position[3], velocity[3];
@@ -76,8 +77,8 @@ typedef struct ss_balance_row {
 
 /* What the proxy is balanced against in one tick. */
 typedef struct ss_balance {
-    double spring;       /* N/m, K_c + B_c/T */
-    double p_free[3];    /* proxy without contact */
+    double spring;    /* N/m, K_c + B_c/T */
+    double p_free[3]; /* proxy without contact */
     int32_t count;
     ss_balance_row row[SS_MAX_CONTACTS];
     bool is_held;
@@ -102,8 +103,8 @@ void ss_law_rows(ss_law *law, const ss_haptic_config *config, int64_t tick, cons
                  const double p[3], ss_balance *balance);
 /* Where the law puts the tissue's surface: *out_depth > 0 when `x` is inside the plane of vanishing
  * force, with its normal and a point of it. False when no contact is known. */
-bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3],
-                    double out_point[3], double *out_depth);
+bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], double out_point[3],
+                    double *out_depth);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
 void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3]);
 /* The whole force of the last tick's values. */
@@ -181,17 +182,17 @@ typedef enum ss_phase {
     SS_PHASE_WAITING,  /* placed anew: no result for this place yet, no force */
     SS_PHASE_ENTERING, /* found in tissue: the depth fades in */
     SS_PHASE_IN,
-    SS_PHASE_RAMPING   /* down to zero, then silent or waiting */
+    SS_PHASE_RAMPING /* down to zero, then silent or waiting */
 } ss_phase;
 
 typedef struct ss_gate {
     ss_phase phase;
-    bool is_stopped;      /* for good */
-    bool is_model_late;   /* or at fault */
+    bool is_stopped;    /* for good */
+    bool is_model_late; /* or at fault */
     bool is_stale;
     bool is_paused;
-    int64_t since;        /* tick at which the phase began */
-    int64_t placed;       /* tick at which the proxy was placed: older results do not count */
+    int64_t since;  /* tick at which the phase began */
+    int64_t placed; /* tick at which the proxy was placed: older results do not count */
     double placed_at[3];
     double entry_point[3]; /* of the surface, smoothed */
     double entry_normal[3];
@@ -202,11 +203,11 @@ typedef struct ss_gate_input {
     int64_t tick;
     double period;
     bool is_stale, is_paused, is_reset, is_stopping;
-    bool is_new_holder;   /* the first pose of a sender, or after the watchdog */
-    bool is_fault;        /* the model says so */
-    bool has_result;      /* a result since the proxy was placed */
+    bool is_new_holder; /* the first pose of a sender, or after the watchdog */
+    bool is_fault;      /* the model says so */
+    bool has_result;    /* a result since the proxy was placed */
     int64_t result_tick;
-    bool has_force;       /* something to ramp down from */
+    bool has_force; /* something to ramp down from */
 } ss_gate_input;
 
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */

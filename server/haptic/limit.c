@@ -61,8 +61,8 @@ bool ss_gate_step(ss_gate *gate, const ss_gate_input *input)
     /* Once late, late until it answers for where the proxy is now. */
     const bool is_overdue = (double)(tick - answered) * input->period > MODEL_TIMEOUT ||
                             (gate->is_model_late && !input->has_result);
-    gate->is_model_late = !input->is_paused && gate->phase != SS_PHASE_SILENT &&
-                          (input->is_fault || is_overdue);
+    gate->is_model_late =
+        !input->is_paused && gate->phase != SS_PHASE_SILENT && (input->is_fault || is_overdue);
     /* The end of a ramp or of the fade. */
     if (gate->phase == SS_PHASE_RAMPING && tick - gate->since >= SS_RAMP_TICKS) {
         if (gate->is_stopped || gate->is_stale) {

@@ -18,8 +18,9 @@
  * (Colgate's bound with delay). With 2 N s/m for the softest grip and a factor 1/2,
  *   K_max = min(stiffness, 0.5 (2 + B_c)/(T/2 + tau)),
  * tau/5 for a client that corrects forces between messages. Once known it moves by at most 20 % a
- * second, so that the hand does not feel it move, and upwards only out of contact: a loaded spring F that
- * stiffens from K to K + dK hands out F^2 dK / (2 K^2), a millijoule a second in a firm hold.
+ * second, so that the hand does not feel it move, and upwards only out of contact: a loaded spring
+ * F that stiffens from K to K + dK hands out F^2 dK / (2 K^2), a millijoule a second in a firm
+ * hold.
  */
 #include "haptic/internal.h"
 
@@ -27,15 +28,15 @@
 
 #include "rt/vec.h"
 
-#define UNKNOWN_DELAY 0.005    /* s */
-#define DELAY_WINDOW 1.0       /* s */
-#define BUCKET_WIDTH 50e-6     /* s */
-#define SOFTEST_GRIP 2.0       /* N s/m */
-#define SAFETY 0.5             /* covers the 2 to 22 % between bound and simulated wall */
-#define CORRECTION_GAIN 5.0    /* a correcting client's loop acts as if this much shorter */
-#define LIMIT_RATE 0.2         /* 1/s */
-#define LIMIT_FLOOR 1.0        /* N/m */
-#define CONTACT_FORCE 0.02     /* N: less is no contact */
+#define UNKNOWN_DELAY   0.005 /* s */
+#define DELAY_WINDOW    1.0   /* s */
+#define BUCKET_WIDTH    50e-6 /* s */
+#define SOFTEST_GRIP    2.0   /* N s/m */
+#define SAFETY          0.5   /* covers the 2 to 22 % between bound and simulated wall */
+#define CORRECTION_GAIN 5.0   /* a correcting client's loop acts as if this much shorter */
+#define LIMIT_RATE      0.2   /* 1/s */
+#define LIMIT_FLOOR     1.0   /* N/m */
+#define CONTACT_FORCE   0.02  /* N: less is no contact */
 enum { KNOWN_SAMPLES = 100, QUANTILE_TICKS = 16 };
 
 static const ss_past_force *find_force(const ss_observer *observer, int32_t seq)

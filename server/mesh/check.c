@@ -170,7 +170,8 @@ static void measure_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_m
     }
 }
 
-/* Corners of edge `id` (3 t + c) in triangle t: the one at its lower node, the one at its higher. */
+/* Corners of edge `id` (3 t + c) in triangle t: the one at its lower node, the one at its higher.
+ */
 static void edge_corners(const ss_mesh *mesh, int32_t id, int32_t out[2])
 {
     const int32_t start = id;
@@ -338,7 +339,8 @@ static bool check_shared_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
     return true;
 }
 
-/* ---- all of it -------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------
+ */
 
 static bool check_parts(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mesh_report *report)
 {
@@ -358,8 +360,7 @@ static bool check_parts(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mes
         parts = shells >= 0 ? ss_memory_get((size_t)shells, sizeof *parts) : NULL;
         is_done = parts != NULL;
         if (is_done) {
-            report->is_inside_out =
-                ss_mesh_measure_parts(mesh, part, shells, edges, parts, NULL);
+            report->is_inside_out = ss_mesh_measure_parts(mesh, part, shells, edges, parts, NULL);
             for (int32_t p = 0; p < shells; ++p) {
                 report->volume += parts[p].volume;
             }

@@ -47,7 +47,8 @@ typedef struct import {
     size_t text_size;
 } import;
 
-/* ---- the helper program ----------------------------------------------------------------------- */
+/* ---- the helper program -----------------------------------------------------------------------
+ */
 
 static bool find_program(const char *given, char out[PATH_MAX])
 {
@@ -107,8 +108,7 @@ static int start_program(const char *program, const char *path, pid_t *out_pid, 
     (void)snprintf(safe_path, sizeof safe_path, "%s%s", path[0] == '-' ? "./" : "", path);
     char program_name[] = "softsim-import";
     char *const arguments[] = {program_name, safe_path, NULL};
-    const int reason =
-        posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
+    const int reason = posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
     (void)posix_spawn_file_actions_destroy(&actions);
     (void)posix_spawnattr_destroy(&attributes);
     (void)close(output[1]);
@@ -123,7 +123,8 @@ static int start_program(const char *program, const char *path, pid_t *out_pid, 
     return 0;
 }
 
-/* ---- what it writes --------------------------------------------------------------------------- */
+/* ---- what it writes ---------------------------------------------------------------------------
+ */
 
 static bool grow(buffer *b)
 {
@@ -218,7 +219,8 @@ static bool run_program(import *im, const char *program, bool *out_is_complete, 
     return true;
 }
 
-/* ---- its answer ------------------------------------------------------------------------------- */
+/* ---- its answer -------------------------------------------------------------------------------
+ */
 
 static softsim_status refuse(import *im, const char *what)
 {
@@ -317,7 +319,7 @@ static softsim_status import_file(const char *path, double metres_per_unit,
                           path, program);
         return SOFTSIM_ERROR_SYSTEM;
     }
-    import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error};
+import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error };
     im.out.limit = SS_IMPORT_MAX_BYTES;
     bool is_complete = false;
     int exit_status = 0;
@@ -332,12 +334,13 @@ static softsim_status import_file(const char *path, double metres_per_unit,
     return status;
 }
 
-/* ---- MSH files -------------------------------------------------------------------------------- */
+/* ---- MSH files --------------------------------------------------------------------------------
+ */
 
 static softsim_status fail_file(const char *path, const char *why, softsim_error *error)
 {
-    softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot read it (%s): check its name and rights",
-                      path, why);
+    softsim_error_add(error, SOFTSIM_ERROR_FILE,
+                      "%s: cannot read it (%s): check its name and rights", path, why);
     return SOFTSIM_ERROR_FILE;
 }
 
@@ -404,7 +407,8 @@ static int open_file(const char *path, size_t *out_size, softsim_status *out_sta
     } else if (!S_ISREG(info.st_mode)) {
         (void)fail_file(path, S_ISDIR(info.st_mode) ? "a folder" : "not a file", error);
     } else if (info.st_size == 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: the file is empty: write it again", path);
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: the file is empty: write it again",
+                          path);
         *out_status = SOFTSIM_ERROR_FORMAT;
     } else if (info.st_size > MAX_FILE_BYTES) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,

@@ -29,11 +29,11 @@ typedef struct ss_mesh {
     int32_t triangle_count;    /* of the surface */
     int32_t tetrahedron_count; /* 0 for a surface mesh */
     int32_t group_count;
-    double (*position)[3];     /* m, world frame, node_count */
-    int32_t (*triangle)[3];    /* node numbers, counter-clockwise from outside */
+    double (*position)[3];  /* m, world frame, node_count */
+    int32_t (*triangle)[3]; /* node numbers, counter-clockwise from outside */
     int32_t (*tetrahedron)[4];
     ss_mesh_group *group;
-    bool is_closed;            /* every edge has two triangles */
+    bool is_closed; /* every edge has two triangles */
 } ss_mesh;
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
@@ -68,14 +68,13 @@ typedef struct ss_mesh_fault {
 } ss_mesh_fault;
 
 typedef struct ss_mesh_report {
-    ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node,
-        coincident_node, short_edge, non_manifold_edge, open_edge, inconsistent_winding,
-        inverted_tetrahedron;
+    ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node, coincident_node,
+        short_edge, non_manifold_edge, open_edge, inconsistent_winding, inverted_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
     int32_t component_count; /* connected parts, loose nodes not counted */
-    bool is_inside_out; /* a closed part encloses a negative volume and is no cavity */
-    double volume; /* enclosed by the surface; means nothing when it is open */
+    bool is_inside_out;      /* a closed part encloses a negative volume and is no cavity */
+    double volume;           /* enclosed by the surface; means nothing when it is open */
     double area, edge_min, edge_mean, edge_max;
     double angle_min; /* degrees, smallest angle of a triangle */
     double box_min[3], box_max[3];
@@ -98,6 +97,7 @@ void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
 
-/* Writers: OBJ of the surface, MSH 2.2 of everything; written to a temporary file, synced, renamed. */
+/* Writers: OBJ of the surface, MSH 2.2 of everything; written to a temporary file, synced, renamed.
+ */
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);

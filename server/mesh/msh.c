@@ -80,7 +80,8 @@ typedef struct reader {
     int32_t physical_count;
 } reader;
 
-/* ---- lines, words, numbers -------------------------------------------------------------------- */
+/* ---- lines, words, numbers --------------------------------------------------------------------
+ */
 
 #define FAULT(r, status, ...)                                                                      \
     do {                                                                                           \
@@ -179,7 +180,8 @@ static bool is_at_end(text_span line)
     return !next_word(&line, &word);
 }
 
-/* ---- sections --------------------------------------------------------------------------------- */
+/* ---- sections ---------------------------------------------------------------------------------
+ */
 
 static bool expect_end(reader *r, const char *end)
 {
@@ -207,8 +209,8 @@ static bool read_count(reader *r, const char *what, int32_t *out)
     }
     const int64_t room = (r->end - r->at) / MIN_RECORD + 1;
     if (count > room || count > MAX_COUNT) {
-        FAULT_LINE(r, "%lld %s announced, but %s: the file is damaged or cut off",
-                   (long long)count, what,
+        FAULT_LINE(r, "%lld %s announced, but %s: the file is damaged or cut off", (long long)count,
+                   what,
                    count > MAX_COUNT ? "more than 67 million are not read"
                                      : "the rest of the file is too short for them");
         return false;
@@ -401,7 +403,7 @@ static const char *type_name(int64_t type)
                                         "second-order quadrangle",
                                         "second-order tetrahedron"};
     return type > 0 && type < (int64_t)(sizeof names / sizeof names[0]) ? names[type]
-                                                                         : "not a triangle";
+                                                                        : "not a triangle";
 }
 
 /* The part of an element line between its type and its nodes: leaves the physical group. */
@@ -543,7 +545,8 @@ static bool read_sections(reader *r)
     return r->fault_count == 0;
 }
 
-/* ---- groups ----------------------------------------------------------------------------------- */
+/* ---- groups -----------------------------------------------------------------------------------
+ */
 
 static int32_t dimension_of(const element *e)
 {
@@ -690,7 +693,8 @@ static bool build_groups(reader *r, ss_mesh *mesh)
     return is_done ? true : out_of_memory(r);
 }
 
-/* ---- the mesh --------------------------------------------------------------------------------- */
+/* ---- the mesh ---------------------------------------------------------------------------------
+ */
 
 static softsim_status build_mesh(reader *r, ss_mesh **out_mesh)
 {

@@ -17,7 +17,7 @@ typedef struct orienter {
     ss_mesh_tuples edges;
     int32_t (*neighbour)[3]; /* across the edge of corner c: half-edge 3 t + c, or -1 */
     int32_t *queue;
-    int32_t *patch;          /* flood patch of each triangle, -1: not reached */
+    int32_t *patch; /* flood patch of each triangle, -1: not reached */
     uint8_t *is_turned;
     int32_t *part;
     ss_mesh_part *parts;

@@ -130,8 +130,8 @@ static const int8_t tetrahedron_face[4][4] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {
 
 bool ss_mesh_list_triangle_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
 {
-    return list(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, triangle_edge, 3,
-                2, true, out);
+    return list(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, triangle_edge, 3, 2,
+                true, out);
 }
 
 bool ss_mesh_list_triangles(const ss_mesh *mesh, ss_mesh_tuples *out)
@@ -333,7 +333,8 @@ bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t par
     return any;
 }
 
-/* ---- the surface of a volume ------------------------------------------------------------------ */
+/* ---- the surface of a volume ------------------------------------------------------------------
+ */
 
 static double six_volumes(const ss_mesh *mesh, const int32_t *node)
 {

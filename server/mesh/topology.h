@@ -58,7 +58,8 @@ typedef struct ss_mesh_part {
 enum { SS_MESH_MAX_PARTS = 1000 };
 
 /* Fills `parts` (numbered by `part`, from ss_mesh_find_parts) and tells of each whether it is
- * closed with a negative volume and no cavity: out_is_inside_out may be NULL; returns whether any. */
+ * closed with a negative volume and no cavity: out_is_inside_out may be NULL; returns whether any.
+ */
 bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t part_count,
                            const ss_mesh_tuples *edges, ss_mesh_part *parts,
                            bool *out_is_inside_out);

@@ -38,8 +38,8 @@ static softsim_status fail_output(output *out)
 static softsim_status open_output(output *out, const char *path, softsim_error *error)
 {
     *out = (output){.path = path, .error = error};
-    const int length = snprintf(out->temporary, sizeof out->temporary, "%s.%ld.tmp", path,
-                                (long)getpid());
+    const int length =
+        snprintf(out->temporary, sizeof out->temporary, "%s.%ld.tmp", path, (long)getpid());
     if (length < 0 || (size_t)length >= sizeof out->temporary) {
         out->temporary[0] = '\0';
         errno = ENAMETOOLONG;

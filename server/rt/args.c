@@ -167,13 +167,24 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
+/* Does the line hold nothing but a caret under a place? */
+static bool is_caret(const char *line, size_t length)
+{
+    const size_t blank = strspn(line, " \t");
+    return blank < length && blank + strspn(line + blank, "^~") == length;
+}
+
 void ss_args_print_error(const char *program, const softsim_error *error)
 {
     program = program_name(program);
     const char *at = error->text;
     while (*at) {
-        const size_t span = strcspn(at, "\n");
-        fprintf(stderr, "%s: %.*s\n", program, (int)span, at);
-        at += span + (at[span] == '\n');
+        const size_t length = strcspn(at, "\n");
+        const char *next = at + length + (at[length] == '\n');
+        /* A quoted line of a file and the caret under it stand as they are. */
+        const bool is_quote = is_caret(at, length) || is_caret(next, strcspn(next, "\n"));
+        fprintf(stderr, "%s%s%.*s\n", is_quote ? "" : program, is_quote ? "" : ": ", (int)length,
+                at);
+        at = next;
     }
 }

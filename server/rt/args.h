@@ -45,5 +45,6 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
                              int32_t positional_min, int32_t positional_max,
                              int32_t *out_positional_count, softsim_error *error);
 
-/* Prints `error` to stderr, one line per fault, each with the program's name before it. */
+/* Prints `error` to stderr, one line per fault with the program's name before it; a quoted line of
+ * a file and its caret follow as they are. */
 void ss_args_print_error(const char *program, const softsim_error *error);

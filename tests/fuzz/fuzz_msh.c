@@ -62,7 +62,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     require(exact != NULL);
     const softsim_status status =
         ss_mesh_read_msh(exact, size + extra, "fuzz", 0.001, &mesh, &error);
-    require((status == SOFTSIM_OK) == (mesh != NULL) && (status == SOFTSIM_OK) == (error.fault_count == 0));
+    require((status == SOFTSIM_OK) == (mesh != NULL) &&
+            (status == SOFTSIM_OK) == (error.fault_count == 0));
     if (mesh != NULL) {
         examine(mesh);
     }

@@ -11,13 +11,11 @@
  *
  *   net energy   least over contacts of sum -F_j . (x_{j+1} - x_j): negative, the hand was driven
  *   chatter      amplitude of x above 15 Hz while held still: windows of 0.5 s in contact in which
- *                x smoothed at 3 Hz stays within 0.5 mm, x along the window's mean force (a tool may
- *                slide at a steady depth); the worst window
- *   buzz         force above 30 Hz over the mean force, same windows
- *   continuity   99th percentile of |dF - running median of 11| over the 99.5th of |F|, five rows
- *                inside contacts
- *   bounces      most contacts ended within any second
- * Thread: any. Memory: scratch of about 120 bytes a row during the call.
+ *                x smoothed at 3 Hz stays within 0.5 mm, x along the window's mean force (a tool
+ * may slide at a steady depth); the worst window buzz         force above 30 Hz over the mean
+ * force, same windows continuity   99th percentile of |dF - running median of 11| over the 99.5th
+ * of |F|, five rows inside contacts bounces      most contacts ended within any second Thread: any.
+ * Memory: scratch of about 120 bytes a row during the call.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,7 +35,12 @@ typedef struct ss_felt_options {
     double age_limit_us;       /* (lag + 1) simulation periods; 0: age gets no verdict */
 } ss_felt_options;
 
-typedef enum ss_felt_verdict { SS_FELT_NONE, SS_FELT_GOOD, SS_FELT_FAIR, SS_FELT_BAD } ss_felt_verdict;
+typedef enum ss_felt_verdict {
+    SS_FELT_NONE,
+    SS_FELT_GOOD,
+    SS_FELT_FAIR,
+    SS_FELT_BAD
+} ss_felt_verdict;
 
 typedef struct ss_felt_metric {
     double value;

@@ -37,7 +37,8 @@ typedef struct request {
     int32_t units;
 } request;
 
-/* ---- grids ------------------------------------------------------------------------------------- */
+/* ---- grids -------------------------------------------------------------------------------------
+ */
 
 typedef struct grid {
     int32_t rows, columns;
@@ -116,9 +117,9 @@ static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *
             place_plane(&g, q->width_m, q->height_m);
         }
         grid_triangulate(&g);
-        status = ss_mesh_create(g.rows * g.columns, (const double(*)[3])g.position,
-                                g.triangle_count, (const int32_t(*)[3])g.triangle, 0, NULL, out,
-                                error);
+        status =
+            ss_mesh_create(g.rows * g.columns, (const double(*)[3])g.position, g.triangle_count,
+                           (const int32_t(*)[3])g.triangle, 0, NULL, out, error);
     } else {
         softsim_error_add(error, status, "out of memory for %lld points",
                           (long long)(q->rows * q->columns));
@@ -127,13 +128,13 @@ static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *
     return status;
 }
 
-/* ---- organs ------------------------------------------------------------------------------------ */
+/* ---- organs ------------------------------------------------------------------------------------
+ */
 
 static softsim_status make_organ(const request *q, ss_mesh **out, softsim_error *error)
 {
     static const organ_kind kinds[] = {ORGAN_KIDNEY, ORGAN_LIVER, ORGAN_ELLIPSOID};
-    const double half[3] = {0.5e-3 * q->size_mm[0], 0.5e-3 * q->size_mm[1],
-                            0.5e-3 * q->size_mm[2]};
+    const double half[3] = {0.5e-3 * q->size_mm[0], 0.5e-3 * q->size_mm[1], 0.5e-3 * q->size_mm[2]};
     organ o;
     spread s;
     organ_init(&o, kinds[q->shape], half);
@@ -157,7 +158,8 @@ static softsim_status make_organ(const request *q, ss_mesh **out, softsim_error 
     return status;
 }
 
-/* ---- the command -------------------------------------------------------------------------------- */
+/* ---- the command --------------------------------------------------------------------------------
+ */
 
 static void need(bool is_given, bool is_used, const char *option, const char *shape,
                  softsim_error *error)
@@ -212,8 +214,7 @@ static void complete(request *q, const char *size, softsim_error *error)
     q->units = q->units >= 0 ? q->units : is_grid ? 3 : 0;
     if (is_cylinder && q->columns < 3) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "--columns: a cylinder has at least 3, not %lld",
-                          (long long)q->columns);
+                          "--columns: a cylinder has at least 3, not %lld", (long long)q->columns);
     }
     if (q->rows * q->columns > 1000000) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -244,10 +245,10 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
          "of the file (organs: mm; cylinder, plane: m)"},
         {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE", ".obj or .msh (SHAPE.obj)"},
     };
-    const ss_args_result result = ss_args_parse(
-        argc, argv, "kidney|liver|ellipsoid|cylinder|plane [options]",
-        "Writes a surface of well-shaped triangles.", rows, (int32_t)(sizeof rows / sizeof rows[0]),
-        &shape, 1, 1, &count, error);
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "kidney|liver|ellipsoid|cylinder|plane [options]",
+                      "Writes a surface of well-shaped triangles.", rows,
+                      (int32_t)(sizeof rows / sizeof rows[0]), &shape, 1, 1, &count, error);
     if (result == SS_ARGS_DONE || count < 1) {
         return result;
     }
@@ -303,8 +304,7 @@ int command_generate(int argc, char **argv)
 
     ss_mesh *mesh = NULL;
     const bool is_grid = q.shape == SHAPE_CYLINDER || q.shape == SHAPE_PLANE;
-    softsim_status status =
-        is_grid ? make_grid(&q, &mesh, &error) : make_organ(&q, &mesh, &error);
+    softsim_status status = is_grid ? make_grid(&q, &mesh, &error) : make_organ(&q, &mesh, &error);
     if (status == SOFTSIM_OK && ss_mesh_accept(mesh, path, NULL) != SOFTSIM_OK) {
         status = SOFTSIM_ERROR_MESH;
         softsim_error_add(&error, status, "%s: too few points for this shape: give more", path);

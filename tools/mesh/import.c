@@ -31,7 +31,7 @@
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define IS_SANITIZED 1
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) ||                        \
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) ||                         \
     __has_feature(memory_sanitizer)
 #define IS_SANITIZED 1
 #endif
@@ -60,7 +60,8 @@ static void set_limits(void)
     (void)setrlimit(RLIMIT_CORE, &none);
 }
 
-/* ---- reading ---------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------
+ */
 
 static bool is_obj(const char *path)
 {
@@ -75,12 +76,12 @@ static const struct aiScene *read_scene(const char *path, const obj_text *obj)
                            aiProcess_SortByPType | aiProcess_PreTransformVertices |
                            aiProcess_ValidateDataStructure;
     struct aiPropertyStore *properties = aiCreatePropertyStore();
-    aiSetImportPropertyInteger(
-        properties, AI_CONFIG_PP_RVC_FLAGS,
-        aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_TEXCOORDS |
-            aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES |
-            aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS |
-            (obj == NULL ? aiComponent_COLORS : 0));
+    aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
+                               aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
+                                   aiComponent_ANIMATIONS | aiComponent_TEXTURES |
+                                   aiComponent_LIGHTS | aiComponent_CAMERAS |
+                                   aiComponent_MATERIALS | (obj == NULL ? aiComponent_COLORS : 0));
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const struct aiScene *scene =
@@ -157,7 +158,8 @@ static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
     return true;
 }
 
-/* ---- joining ---------------------------------------------------------------------------------- */
+/* ---- joining ----------------------------------------------------------------------------------
+ */
 
 static uint64_t hash_position(const double x[3])
 {
@@ -218,7 +220,8 @@ static bool join_nodes(surface *s)
     return true;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------
+ */
 
 static bool write_surface(const surface *s, FILE *out)
 {

@@ -41,16 +41,15 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
          "lists every node: number, x, y, z in metres"},
     };
     int32_t count = 0;
-    const ss_args_result result = ss_args_parse(argc, argv, "FILE [options]", about, rows,
-                                                can_list ? 2 : 1, &in->path, 1, 1, &count,
-                                                &in->error);
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "FILE [options]", about, rows, can_list ? 2 : 1, &in->path, 1, 1,
+                      &count, &in->error);
     if (result == SS_ARGS_DONE) {
         return 0;
     }
     in->units = in->units >= 0 ? in->units : 0;
-    if (result == SS_ARGS_BAD ||
-        ss_mesh_load(in->path, metres_per_unit(in->units), NULL, &in->mesh, &in->error) !=
-            SOFTSIM_OK) {
+    if (result == SS_ARGS_BAD || ss_mesh_load(in->path, metres_per_unit(in->units), NULL, &in->mesh,
+                                              &in->error) != SOFTSIM_OK) {
         ss_args_print_error("softsim-mesh", &in->error);
         return 2;
     }
@@ -87,9 +86,8 @@ static void print_summary(const inspection *in)
 int command_info(int argc, char **argv)
 {
     inspection in;
-    const int status =
-        begin(argc, argv, "Prints what is in a mesh file, numbered as a scene numbers it.", true,
-              &in);
+    const int status = begin(
+        argc, argv, "Prints what is in a mesh file, numbered as a scene numbers it.", true, &in);
     if (status >= 0) {
         return status;
     }

@@ -47,8 +47,9 @@ int main(int argc, char **argv)
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    (void)fprintf(stderr, "softsim-mesh: '%s' is none of generate, info, check; softsim-mesh --help "
-                          "says more\n",
+    (void)fprintf(stderr,
+                  "softsim-mesh: '%s' is none of generate, info, check; softsim-mesh --help "
+                  "says more\n",
                   name);
     return 2;
 }

@@ -26,8 +26,8 @@ static double kidney_level(const double x[3])
     const double bend = 0.0062;
     const double upper = 1.0 + 0.0013 * x[0]; /* one pole is a little stouter */
     const double y = x[1] - 3.0 + bend * x[0] * x[0];
-    const double hollow = 0.62 * exp(-square(x[0] / 15.0) - square(x[2] / 16.0) -
-                                     square((x[1] + 24.0) / 15.0));
+    const double hollow =
+        0.62 * exp(-square(x[0] / 15.0) - square(x[2] / 16.0) - square((x[1] + 24.0) / 15.0));
     return pow(square(x[0] / 54.9), 1.2) + square(y / (27.5 * upper)) +
            square(x[2] / (22.5 * upper)) - 1.0 + hollow;
 }
@@ -50,8 +50,9 @@ static double liver_level(const double x[3])
     const double left = lobe(x, left_centre, left_half);
     const double both = -log(exp(-sharpness * right) + exp(-sharpness * left)) / sharpness;
     const double fissure = 0.30 * exp(-square((x[0] - 18.0) / 11.0) - square((x[1] + 46.0) / 20.0));
-    const double underside = 0.30 * exp(-square((x[0] + 5.0) / 50.0) -
-                                        square((x[1] + 12.0) / 38.0) - square((x[2] + 40.0) / 18.0));
+    const double underside =
+        0.30 * exp(-square((x[0] + 5.0) / 50.0) - square((x[1] + 12.0) / 38.0) -
+                   square((x[2] + 40.0) / 18.0));
     return both + fissure + underside;
 }
 

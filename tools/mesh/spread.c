@@ -27,18 +27,19 @@ enum { AREA_ROWS = 128, AREA_COLUMNS = 192, RELAXATIONS = 240, HINT_ROWS = 32, H
 
 typedef struct net {
     int32_t node_count, triangle_count;
-    double (*x)[3];           /* directions, then positions */
+    double (*x)[3]; /* directions, then positions */
     int32_t (*triangle)[3];
-    int32_t (*beside)[3];     /* the triangle across the edge opposite corner c */
+    int32_t (*beside)[3];                  /* the triangle across the edge opposite corner c */
     int32_t hint[HINT_ROWS][HINT_COLUMNS]; /* a triangle near that direction */
-    int32_t *stack;           /* of triangles whose edges to test */
+    int32_t *stack;                        /* of triangles whose edges to test */
 } net;
 
-/* ---- 1. even directions ------------------------------------------------------------------------ */
+/* ---- 1. even directions ------------------------------------------------------------------------
+ */
 
 typedef struct area_map {
-    double row[AREA_ROWS + 1];                    /* cumulative, 0..1 */
-    double column[AREA_ROWS][AREA_COLUMNS + 1];   /* cumulative in each row, 0..1 */
+    double row[AREA_ROWS + 1];                  /* cumulative, 0..1 */
+    double column[AREA_ROWS][AREA_COLUMNS + 1]; /* cumulative in each row, 0..1 */
 } area_map;
 
 static void direction(double z, double phi, double out[3])
@@ -127,7 +128,8 @@ static void spread_directions(net *t, const area_map *map)
     }
 }
 
-/* ---- 2. triangulation -------------------------------------------------------------------------- */
+/* ---- 2. triangulation --------------------------------------------------------------------------
+ */
 
 static double determinant(const double a[3], const double b[3], const double c[3])
 {
@@ -241,7 +243,9 @@ static void insert(net *t, int32_t n)
     t->stack[depth++] = r;
     while (depth > 0) {
         const int32_t triangle = t->stack[--depth];
-        const int corner = t->triangle[triangle][0] == n ? 0 : t->triangle[triangle][1] == n ? 1 : 2;
+        const int corner = t->triangle[triangle][0] == n   ? 0
+                           : t->triangle[triangle][1] == n ? 1
+                                                           : 2;
         if (circle_holds_opposite(t, triangle, corner)) {
             const int32_t other = t->beside[triangle][corner];
             flip(t, triangle, corner);
@@ -299,7 +303,8 @@ static void triangulate(net *t)
     }
 }
 
-/* ---- 3. relaxation ----------------------------------------------------------------------------- */
+/* ---- 3. relaxation -----------------------------------------------------------------------------
+ */
 
 /* Do three or fewer triangles meet at corner c of triangle p? Flipping there would fold. */
 static bool is_lonely(const net *t, int32_t p, int corner)
@@ -427,7 +432,8 @@ static bool relax(net *t, const organ *o)
     return true;
 }
 
-/* ---- 4. numbering ------------------------------------------------------------------------------ */
+/* ---- 4. numbering ------------------------------------------------------------------------------
+ */
 
 typedef struct place_on_curve {
     uint64_t key;
@@ -534,7 +540,8 @@ static bool number_nodes(const net *t, spread *s)
     return is_done;
 }
 
-/* ---- all of it --------------------------------------------------------------------------------- */
+/* ---- all of it ---------------------------------------------------------------------------------
+ */
 
 static bool net_init(net *t, int32_t count)
 {

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The contact surface: subdivision rows, sample areas, what is refused. */
+#include "contact_fixture.h"
+
+/* ---- subdivision rows ----------------------------------------------------------------------- */
+
+static void check_rows(void)
+{
+    for (int32_t k = 0; k < surface->patch_count; ++k) {
+        const ss_patch *patch = &surface->patch[k];
+        const ss_real *row = surface->coefficient + (int64_t)patch->first * SS_GRID_ROW;
+        for (int p = 0; p < SS_GRID_POINTS; ++p) {
+            double sum = 0.0;
+            for (int32_t i = 0; i < patch->control_count; ++i) {
+                assert_true(row[i * SS_GRID_ROW + p] >= 0);
+                sum += (double)row[i * SS_GRID_ROW + p];
+            }
+            assert_near(sum, 1.0, IS_DOUBLE ? 1e-15 : 2e-7);
+        }
+    }
+}
+
+static void loop_rows_are_convex_combinations(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.05);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+    make_plane(7, 7, 0.01); /* with boundaries */
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+    make_sphere(0, 0.05); /* valence 4, all rings overlap */
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    check_rows();
+    close_touch();
+}
+
+/* Bow tie: two triangles that share a node only; and single triangles. */
+static void loose_corners_keep_their_place(void **state)
+{
+    (void)state;
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    add_node(0.01, 0.0, 0.0);
+    add_node(0.0, 0.01, 0.0);
+    add_node(-0.01, 0.0, 0.0);
+    add_node(0.0, -0.01, 0.0);
+    add_triangle(0, 1, 2);
+    add_triangle(0, 3, 4);
+    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    check_rows();
+    for (int32_t t = 0; t < 2; ++t) {
+        const ss_wide zero = {0};
+        ss_wide point[SS_GRID_ROW];
+        const int32_t *corner = surface->control + surface->control_first[t];
+        static const int at[3] = {0, 4, 14};
+        ss_surface_points(surface, t, u, &zero, point);
+        for (int k = 0; k < 3; ++k) {
+            if (corner[k] == 0) {
+                for (int c = 0; c < 3; ++c) {
+                    assert_near((double)point[at[k]][c] + surface->centre[c], 0.0, 1e-9);
+                }
+            }
+        }
+    }
+    close_touch();
+}
+
+/* Loop subdivision keeps linear fields where the mesh is regular: points stay on their triangle. */
+static void regular_rows_reproduce_linear_fields(void **state)
+{
+    (void)state;
+    make_plane(9, 9, 0.01);
+    for (int32_t i = 0; i < mesh.node_count; ++i) { /* a sheared, tilted plane */
+        positions[i][2] = 0.3 * positions[i][0] - 0.7 * positions[i][1];
+        positions[i][0] += 0.2 * positions[i][1];
+    }
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    int32_t checked = 0;
+    for (int32_t t = 0; t < surface->triangle_count; ++t) {
+        const ss_wide zero = {0};
+        ss_wide point[SS_GRID_ROW];
+        const int32_t *corner = surface->control + surface->control_first[t];
+        if (surface->patch[surface->patch_of[t]].control_count != 12) {
+            continue;
+        }
+        checked++;
+        ss_surface_points(surface, t, u, &zero, point);
+        for (int p = 0; p < SS_GRID_POINTS; ++p) {
+            for (int c = 0; c < 3; ++c) {
+                double x = 0.0;
+                for (int k = 0; k < 3; ++k) {
+                    x += (double)surface->grid.bary[p][k] * positions[corner[k]][c];
+                }
+                assert_near((double)point[p][c] + surface->centre[c], x, IS_DOUBLE ? 1e-16 : 2e-8);
+            }
+        }
+    }
+    assert_true(checked > 40);
+    close_touch();
+}
+
+/* Neighbours compute a shared side from different rings: the surface must not crack. */
+static void neighbouring_triangles_share_their_side(void **state)
+{
+    (void)state;
+    make_sphere(2, 0.05);
+    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    seed_state = 7;
+    shake_nodes(0.01);
+    /* side k of a triangle runs over these points */
+    static const int side[3][5] = {{0, 1, 2, 3, 4}, {4, 8, 11, 13, 14}, {14, 12, 9, 5, 0}};
+    const ss_wide zero = {0};
+    int32_t shared = 0;
+    for (int32_t a = 0; a < surface->triangle_count; ++a) {
+        ss_wide pa[SS_GRID_ROW];
+        ss_surface_points(surface, a, u, &zero, pa);
+        for (int32_t b = 0; b < a; ++b) {
+            const int32_t *ca = surface->control + surface->control_first[a];
+            const int32_t *cb = surface->control + surface->control_first[b];
+            for (int k = 0; k < 9; ++k) {
+                const int i = k / 3;
+                const int j = k % 3;
+                if (ca[i] != cb[(j + 1) % 3] || ca[(i + 1) % 3] != cb[j]) {
+                    continue;
+                }
+                ss_wide pb[SS_GRID_ROW];
+                ss_surface_points(surface, b, u, &zero, pb);
+                for (int p = 0; p < 15; ++p) {
+                    assert_near((double)pa[side[i][p / 3]][p % 3],
+                                (double)pb[side[j][4 - p / 3]][p % 3], IS_DOUBLE ? 1e-16 : 2e-8);
+                }
+                shared++;
+            }
+        }
+    }
+    assert_int_equal(2 * shared, 3 * surface->triangle_count);
+    close_touch();
+}
+
+static void equal_topology_shares_one_matrix(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.05);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    assert_int_equal(surface->triangle_count, 512);
+    assert_int_equal(surface->patch_count, 2); /* all regular, or one corner of valence 4 */
+    close_touch();
+}
+
+static void sample_areas_sum_to_the_surface(void **state)
+{
+    (void)state;
+    make_sphere(2, 0.05);
+    open_touch(&sphere_5mm, 3, 0.005, 1.0);
+    double area = 0.0;
+    double expected = 0.0;
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) {
+        double a[3];
+        double b[3];
+        double c[3];
+        ss_sub3(a, positions[triangles[t][1]], positions[triangles[t][0]]);
+        ss_sub3(b, positions[triangles[t][2]], positions[triangles[t][0]]);
+        ss_cross3(c, a, b);
+        expected += 0.5 * ss_norm3(c);
+        area += (double)surface->area[t];
+    }
+    assert_near(area, expected, 1e-7 * expected);
+    assert_int_equal(ss_surface_sample_count(surface), 128 * 16 * 9);
+    close_touch();
+}
+
+/* ---- refusals ------------------------------------------------------------------------------- */
+
+static void expect_refusal(double radius, int parts, softsim_status status, const char *text)
+{
+    softsim_error error = {0};
+    ss_surface *none = NULL;
+    assert_int_equal(ss_surface_create(&mesh, radius, parts, &none, &error), status);
+    assert_null(none);
+    if (strstr(error.text, text) == NULL) {
+        fail_msg("'%s' is not in '%s'", text, error.text);
+    }
+}
+
+static void refuses_what_it_cannot_sample(void **state)
+{
+    (void)state;
+    make_plane(5, 5, 0.01);
+    expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "2.5 mm");
+    expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "mean edge 10 mm");
+    expect_refusal(0.005, 1, SOFTSIM_ERROR_ARGUMENT, "more parts");
+    expect_refusal(0.005, 5, SOFTSIM_ERROR_ARGUMENT, "parts");
+    positions[7][1] = NAN;
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "non-finite");
+    make_plane(5, 5, 0.01);
+    triangles[3][1] = 99;
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "triangle 3");
+    make_plane(5, 5, 0.01);
+    add_triangle(triangles[0][0], triangles[0][1], 20);
+    expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "manifold");
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    for (int k = 0; k < 80; ++k) {
+        add_node(cos(0.078539816 * k), sin(0.078539816 * k), 0.0);
+    }
+    for (int32_t k = 0; k < 80; ++k) {
+        add_triangle(0, 1 + k, 1 + (k + 1) % 80);
+    }
+    expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "node 0");
+    begin_mesh();
+    expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
+}
+
+static void picks_parts_by_radius_over_edge(void **state)
+{
+    (void)state;
+    static const double ratio[4] = {0.4, 0.6, 2.0, 3.1};
+    static const int64_t samples[4] = {144, 64, 64, 16};
+    make_plane(5, 5, 0.01);
+    for (int k = 0; k < 4; ++k) {
+        ss_surface *picked = NULL;
+        assert_int_equal(ss_surface_create(&mesh, 0.01 * ratio[k], 0, &picked, NULL), SOFTSIM_OK);
+        assert_int_equal(ss_surface_sample_count(picked), samples[k] * mesh.triangle_count);
+        assert_near(ss_surface_mean_edge(picked), 0.01, 1e-12);
+        ss_surface_destroy(&picked);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loop_rows_are_convex_combinations),
+        cmocka_unit_test(loose_corners_keep_their_place),
+        cmocka_unit_test(regular_rows_reproduce_linear_fields),
+        cmocka_unit_test(neighbouring_triangles_share_their_side),
+        cmocka_unit_test(equal_topology_shares_one_matrix),
+        cmocka_unit_test(sample_areas_sum_to_the_surface),
+        cmocka_unit_test(refuses_what_it_cannot_sample),
+        cmocka_unit_test(picks_parts_by_radius_over_edge),
+    };
+    return cmocka_run_group_tests_name("contact_surface", tests, NULL, NULL);
+}

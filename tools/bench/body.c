@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "body.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "child.h"
+#include "output.h"
+#include "process.h"
+#include "rt/clock.h"
+#include "rt/vec.h"
+#include "softsim/log.h"
+#include "softsim/softsim.h"
+
+/* m, s: the ellipsoid's half axes along x and z, the sphere, the path. */
+static const double half_x = 0.050, half_z = 0.030;
+static const double radius = 0.005, depth = 0.006, clearance = 0.003;
+static const double slide_m = 0.030, speed = 0.050, speed_ramp_s = 0.05;
+static const double wait_s = 0.2, move_s = 0.3, rest_s = 0.5;
+static const double load_s = 1.0, load_ramp_s = 0.2;
+enum { PATH_SIZE = 256, LOOK_TICKS = 10, MAX_TICKS = 10000 };
+static const double tick_s = 1e-3;
+static const double mesh_timeout_s = 600.0;
+
+static const char model_text[] = "softsim: 1\n"
+                                 "object:\n"
+                                 "  mesh: body.msh\n"
+                                 "  units: mm\n"
+                                 "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.022]]}]\n"
+                                 "model:\n"
+                                 "  name: cnn-energy\n"
+                                 "  modulus_j: 5\n"
+                                 "  pretension_j: 0.5\n"
+                                 "  enclosed_bulk_pa: 2000\n"
+                                 "  area_density_kg_m2: 11.5\n"
+                                 "  damping_n_s_per_m3: 1725\n"
+                                 "  rest_stiffness_n_per_m3: 5.0e+4\n"
+                                 "simulation: {rate_hz: 1000}\n"
+                                 "publish: {mesh_rate_hz: 0}\n";
+
+/* ---- files --------------------------------------------------------------------------------------- */
+
+static void file_name(const ss_body *body, const char *name, char out[PATH_SIZE])
+{
+    snprintf(out, PATH_SIZE, "%s/%s", body->folder, name);
+}
+
+/* A scene: the body, and what is done to it. */
+static softsim_status write_scene(const ss_body *body, const char *name, const char *action,
+                                  softsim_error *error)
+{
+    char path[PATH_SIZE];
+    ss_output output;
+    file_name(body, name, path);
+    const softsim_status status = ss_output_open(&output, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(output.file, "%s%s", model_text, action);
+    return ss_output_commit(&output, error);
+}
+
+/* 0 to 1 with no jump of speed. */
+static double smooth(double s)
+{
+    const double t = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* Parameter t at which the slide begins: half of it before the top. */
+static double first_angle(void)
+{
+    double angle = 0.0;
+    const double step_m = slide_m / 10000.0;
+    for (int i = 0; i < 5000; ++i) {
+        angle -= step_m / hypot(half_x * cos(angle), half_z * sin(angle));
+    }
+    return angle;
+}
+
+/* Centre of the sphere whose lowest point is `gap` above the surface. */
+static void centre_at(double angle, double gap, double out[3])
+{
+    const double nx = sin(angle) / half_x;
+    const double nz = cos(angle) / half_z;
+    const double offset = (radius + gap) / hypot(nx, nz);
+    ss_set3(out, half_x * sin(angle) + offset * nx, 0.0, half_z * cos(angle) + offset * nz);
+}
+
+static softsim_status write_path(ss_body *body, softsim_error *error)
+{
+    char path[PATH_SIZE];
+    ss_output output;
+    file_name(body, "path.csv", path);
+    const softsim_status status = ss_output_open(&output, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fputs("time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n", output.file);
+    const double press_s = wait_s;
+    const double slide_s = press_s + move_s + wait_s;
+    const double slid_s = slide_s + slide_m / speed + speed_ramp_s;
+    const double leave_s = slid_s + wait_s;
+    const double end_s = leave_s + move_s + rest_s;
+    body->slide_begin_s = slide_s + speed_ramp_s;
+    body->slide_end_s = slid_s - speed_ramp_s;
+    double angle = first_angle();
+    for (int64_t k = 0; (double)k * tick_s < end_s; ++k) {
+        const double time_s = (double)k * tick_s;
+        const double down = smooth((time_s - press_s) / move_s) - smooth((time_s - leave_s) / move_s);
+        double centre[3];
+        centre_at(angle, clearance - (clearance + depth) * down, centre);
+        fprintf(output.file, "%.9g,0,%.12g,%.12g,%.12g,1,0,0,0,0\n", time_s, centre[0], centre[1],
+                centre[2]);
+        const double along = smooth((time_s - slide_s) / speed_ramp_s) -
+                             smooth((time_s - slid_s + speed_ramp_s) / speed_ramp_s);
+        angle += along * speed * tick_s / hypot(half_x * cos(angle), half_z * sin(angle));
+    }
+    return ss_output_commit(&output, error);
+}
+
+softsim_status ss_body_open(ss_body *body, softsim_error *error)
+{
+    const char *parent = getenv("TMPDIR");
+    *body = (ss_body){.top_node = -1};
+    if (parent == NULL || parent[0] != '/' || strlen(parent) > sizeof body->folder - 32) {
+        parent = "/tmp";
+    }
+    snprintf(body->folder, sizeof body->folder, "%s/softsim-bench-XXXXXX", parent);
+    if (mkdtemp(body->folder) == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s", parent,
+                          strerror(errno));
+        body->folder[0] = '\0';
+        return SOFTSIM_ERROR_FILE;
+    }
+    if (!ss_child_own_folder(body->bin, sizeof body->bin)) {
+        softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "cannot find this program's own folder");
+        return SOFTSIM_ERROR_SYSTEM;
+    }
+    softsim_status status = write_path(body, error);
+    if (status == SOFTSIM_OK) {
+        status = write_scene(body, "slide.yaml",
+                             "contact:\n"
+                             "  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n"
+                             "  working_force_n: 2\n"
+                             "haptic: {between_steps: local, rate_hz: 1000, max_force_n: 8}\n",
+                             error);
+    }
+    return status;
+}
+
+void ss_body_close(ss_body *body)
+{
+    static const char *const names[] = {"path.csv", "slide.yaml", "load.yaml", "body.msh",
+                                        "mesh.log"};
+    if (body->folder[0] == '\0') {
+        return;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char path[PATH_SIZE];
+        file_name(body, names[i], path);
+        unlink(path);
+    }
+    rmdir(body->folder);
+    body->folder[0] = '\0';
+}
+
+softsim_status ss_body_make(ss_body *body, int32_t points, softsim_error *error)
+{
+    char program[sizeof body->bin + 16], count[16], mesh[PATH_SIZE], log[PATH_SIZE];
+    body->points = points;
+    body->top_node = -1;
+    snprintf(program, sizeof program, "%s/softsim-mesh", body->bin);
+    snprintf(count, sizeof count, "%d", points);
+    file_name(body, "body.msh", mesh);
+    file_name(body, "mesh.log", log);
+    const char *const argv[] = {program,     "generate",  "ellipsoid", "--points", count,
+                                "--size-mm", "100,60,60", "--out",     mesh,       NULL};
+    const ss_child_plan plan = {.name = "softsim-mesh", .argv = argv, .err_path = log};
+    const int result = ss_child_run(&plan, mesh_timeout_s);
+    if (result == 0) {
+        return SOFTSIM_OK;
+    }
+    char line[256] = "";
+    FILE *file = fopen(log, "re");
+    if (file != NULL && fgets(line, sizeof line, file) == NULL) {
+        line[0] = '\0';
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    line[strcspn(line, "\n")] = '\0';
+    softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "softsim-mesh generate ellipsoid --points %d: %s",
+                      points,
+                      ss_process_is_stopped() ? "stopped"
+                      : result == 127         ? "it is not beside softsim-bench"
+                                              : line);
+    return SOFTSIM_ERROR_SYSTEM;
+}
+
+/* ---- runs --------------------------------------------------------------------------------------------- */
+
+typedef struct runner {
+    softsim_world *world;
+    ss_body_run *out;
+    double largest_j; /* stored */
+    double force_sum, jump_n;
+    int64_t force_count;
+    double last_force[3];
+    bool has_force;
+} runner;
+
+static void keep_first_line(char *out, size_t size, const char *text)
+{
+    snprintf(out, size, "%.*s", (int)strcspn(text, "\n"), text);
+}
+
+/* What the world says now; called now and then, since it sorts out percentiles. */
+static void look(runner *r)
+{
+    softsim_state state;
+    softsim_read(r->world, &state);
+    r->largest_j = fmax(r->largest_j, state.elastic_j + state.kinetic_j);
+    r->out->substeps = state.substeps > r->out->substeps ? state.substeps : r->out->substeps;
+    if (state.verdict > r->out->worst) {
+        r->out->worst = state.verdict;
+        keep_first_line(r->out->reason, sizeof r->out->reason, state.reason);
+    }
+}
+
+/* Creates the world; a refused scene is a result. */
+static softsim_status begin(runner *r, const ss_body *body, const char *scene, ss_body_run *out,
+                            softsim_error *error)
+{
+    char path[PATH_SIZE];
+    softsim_error refusal = {.status = SOFTSIM_OK};
+    const softsim_config config = softsim_default_config();
+    file_name(body, scene, path);
+    *r = (runner){.out = out};
+    *out = (ss_body_run){.jump = NAN, .mean_force = NAN, .ledger = NAN, .step_us = NAN};
+    if (!ss_samples_init(&out->tick_us, MAX_TICKS)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    r->world = softsim_create(path, &config, &refusal);
+    if (r->world == NULL) {
+        out->is_refused = true;
+        /* Without the temporary file's name. */
+        const char *text = strstr(refusal.text, ": ");
+        keep_first_line(out->reason, sizeof out->reason, text != NULL ? text + 2 : refusal.text);
+        return SOFTSIM_OK;
+    }
+    softsim_state state;
+    softsim_read(r->world, &state);
+    out->nodes = state.node_count;
+    return SOFTSIM_OK;
+}
+
+static void finish(runner *r)
+{
+    if (r->world == NULL) {
+        return;
+    }
+    softsim_state state;
+    look(r);
+    softsim_read(r->world, &state);
+    r->out->step_us = state.step_us[0];
+    if (r->largest_j > 0.0) {
+        r->out->ledger =
+            (state.elastic_j + state.kinetic_j + state.dissipated_j - state.work_j) / r->largest_j;
+    }
+    if (r->force_count > 0) {
+        r->out->mean_force = r->force_sum / (double)r->force_count;
+        r->out->jump = r->jump_n / r->out->mean_force;
+    }
+    softsim_destroy(&r->world);
+}
+
+/* One tick; its thread CPU time is kept while `is_measured`. */
+static void tick(runner *r, const softsim_pose *pose, int32_t count, bool is_measured,
+                 softsim_force out_force[SOFTSIM_MAX_PROBES])
+{
+    const int32_t channel = 0;
+    const int64_t start_ns = ss_clock_thread_cpu_ns();
+    softsim_tick(r->world, pose, &channel, count, out_force);
+    const int64_t end_ns = ss_clock_thread_cpu_ns();
+    if (is_measured) {
+        ss_samples_add(&r->out->tick_us, 1e-3 * (double)(end_ns - start_ns));
+    }
+}
+
+static void take_slide_force(runner *r, const double force[3])
+{
+    if (r->has_force) {
+        double change[3];
+        ss_sub3(change, force, r->last_force);
+        r->jump_n = fmax(r->jump_n, ss_norm3(change));
+    }
+    ss_copy3(r->last_force, force);
+    r->has_force = true;
+    r->force_sum += ss_norm3(force);
+    ++r->force_count;
+}
+
+/* The node at rest that is highest. */
+static softsim_status find_top(ss_body *body, softsim_world *world, int32_t nodes,
+                               softsim_error *error)
+{
+    double(*position)[3] = calloc((size_t)nodes, sizeof *position);
+    if (position == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    softsim_read_nodes(world, position, NULL, NULL);
+    body->top_node = 0;
+    for (int32_t i = 1; i < nodes; ++i) {
+        body->top_node = position[i][2] > position[body->top_node][2] ? i : body->top_node;
+    }
+    free(position);
+    return SOFTSIM_OK;
+}
+
+static softsim_status stopped(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "stopped before the end; nothing is reported");
+    return SOFTSIM_ERROR_SYSTEM;
+}
+
+static softsim_status play_path(runner *r, const ss_body *body, const softsim_path *path,
+                                softsim_error *error)
+{
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_pose pose;
+    double time_s = 0.0;
+    double end_s = 0.0;
+    softsim_path_range(path, 0, &time_s, &end_s);
+    for (int32_t k = 1; k < MAX_TICKS && softsim_path_sample(path, 0, time_s, &pose); ++k) {
+        const bool is_sliding = time_s >= body->slide_begin_s && time_s <= body->slide_end_s;
+        softsim_poses_restamp(&pose, 1, k);
+        pose.utime_us = (int64_t)k * 1000;
+        tick(r, &pose, 1, is_sliding, force);
+        if (is_sliding) {
+            take_slide_force(r, force[0].force);
+        }
+        if (k % LOOK_TICKS == 0) {
+            look(r);
+        }
+        if (ss_process_is_stopped()) {
+            return stopped(error);
+        }
+        time_s = (double)k * tick_s;
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_body_slide(ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    runner r;
+    char path_name[PATH_SIZE];
+    softsim_path *path = NULL;
+    softsim_status status = begin(&r, body, "slide.yaml", out, error);
+    if (status != SOFTSIM_OK || r.world == NULL) {
+        return status;
+    }
+    file_name(body, "path.csv", path_name);
+    status = find_top(body, r.world, out->nodes, error);
+    if (status == SOFTSIM_OK) {
+        status = softsim_path_load(path_name, &path, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = play_path(&r, body, path, error);
+    }
+    softsim_path_free(&path);
+    finish(&r);
+    return status;
+}
+
+/* From the body with nothing done to it. */
+static softsim_status find_top_alone(ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    runner r = {.world = NULL};
+    softsim_status status = write_scene(body, "load.yaml", "", error);
+    if (status == SOFTSIM_OK) {
+        status = begin(&r, body, "load.yaml", out, error);
+    }
+    if (status == SOFTSIM_OK && r.world != NULL) {
+        status = find_top(body, r.world, out->nodes, error);
+        softsim_destroy(&r.world);
+        ss_body_run_fini(out);
+    }
+    return status;
+}
+
+softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    runner r;
+    char action[160];
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_status status = SOFTSIM_OK;
+    if (body->top_node < 0) {
+        status = find_top_alone(body, out, error); /* the slide was refused */
+        if (status != SOFTSIM_OK || out->is_refused) {
+            return status;
+        }
+    }
+    snprintf(action, sizeof action,
+             "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.2], from_s: 0, ramp_s: %g}\n",
+             body->top_node, load_ramp_s);
+    status = write_scene(body, "load.yaml", action, error);
+    if (status == SOFTSIM_OK) {
+        status = begin(&r, body, "load.yaml", out, error);
+    }
+    if (status != SOFTSIM_OK || r.world == NULL) {
+        return status;
+    }
+    for (int32_t k = 1; (double)k * tick_s < load_s; ++k) {
+        tick(&r, NULL, 0, (double)k * tick_s > load_ramp_s, force);
+        if (k % LOOK_TICKS == 0) {
+            look(&r);
+        }
+        if (ss_process_is_stopped()) {
+            status = stopped(error);
+            break;
+        }
+    }
+    finish(&r);
+    return status;
+}
+
+void ss_body_run_fini(ss_body_run *run)
+{
+    ss_samples_fini(&run->tick_us);
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The body of the scaling report at a given number of points: an ellipsoid of 100 x 60 x 60 mm
+ * (made by softsim-mesh), its two scenes (a sphere that slides over it; one loaded node) and the
+ * sphere's path, as files in a temporary folder; and both runs, headless, one thread.
+ *
+ * Path, 1 kHz: the sphere stands free over the top, presses d = 6 mm along the normal, waits, slides
+ * 30 mm along the meridian at v = 50 mm/s keeping d, waits, leaves, and the body comes to rest. On
+ * the undeformed ellipsoid p(t) = (a sin t, 0, c cos t), |dp/dt| = sqrt(a^2 cos^2 t + c^2 sin^2 t),
+ * and the sphere's centre is p + (R - d) n.
+ * Thread: main.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "samples.h"
+#include "softsim/types.h"
+
+typedef struct ss_body {
+    char folder[64];  /* temporary */
+    char bin[4096];   /* where softsim-mesh is */
+    int32_t points;
+    int32_t top_node; /* at rest; -1: not yet known */
+    double slide_begin_s, slide_end_s; /* of constant speed */
+} ss_body;
+
+typedef struct ss_body_run {
+    int32_t nodes;
+    ss_samples tick_us;    /* thread CPU time of whole ticks while sliding, or loaded */
+    double step_us;        /* p50 of the model's step alone, as the server would publish it */
+    double jump;           /* largest change between two forces over the mean while sliding; NaN */
+    double mean_force;     /* N while sliding; NaN */
+    double ledger;         /* (stored + dissipated - work) over the largest stored energy */
+    int32_t substeps;      /* most in a step, of those looked at */
+    softsim_verdict worst;
+    char reason[160];      /* of the worst verdict, or why the scene was refused */
+    bool is_refused;
+} ss_body_run;
+
+/* Makes the temporary folder and the path. */
+softsim_status ss_body_open(ss_body *body, softsim_error *error);
+/* Removes it. */
+void ss_body_close(ss_body *body);
+/* Makes the mesh of `points` points. */
+softsim_status ss_body_make(ss_body *body, int32_t points, softsim_error *error);
+/* Either run; ss_body_run_fini afterwards. A scene that is refused is a result, not an error; what
+ * is one: files, memory, and being stopped. */
+softsim_status ss_body_slide(ss_body *body, ss_body_run *out_run, softsim_error *error);
+softsim_status ss_body_load(ss_body *body, ss_body_run *out_run, softsim_error *error);
+void ss_body_run_fini(ss_body_run *run);
