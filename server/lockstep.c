@@ -6,6 +6,7 @@
 
 #include "rt/memory.h"
 #include "rt/thread.h"
+#include "rt/vec.h"
 #include "world.h"
 
 /*
@@ -304,21 +305,41 @@ const int32_t (*softsim_triangles(const softsim_world *world))[3]
     return (const int32_t (*)[3])((const ss_world *)world)->scene->mesh->triangle;
 }
 
+/* The scene's entries: one with a displacement file may be several sets, one per pattern of axes. */
 int32_t softsim_prescribed_count(const softsim_world *world)
 {
-    return ((const ss_world *)world)->scene->prescribed_count;
+    const ss_scene *scene = ((const ss_world *)world)->scene;
+    return scene->prescribed_count > 0 ? scene->prescribed[scene->prescribed_count - 1].entry + 1
+                                       : 0;
 }
 
-const char *softsim_prescribed_name(const softsim_world *world, int32_t set)
+const char *softsim_prescribed_name(const softsim_world *world, int32_t entry)
 {
-    return set < 0 ? "fixed" : ((const ss_world *)world)->scene->prescribed[set].name;
+    const ss_scene *scene = ((const ss_world *)world)->scene;
+    for (int32_t set = 0; set < scene->prescribed_count; ++set) {
+        if (scene->prescribed[set].entry == entry) {
+            return scene->prescribed[set].name;
+        }
+    }
+    return "fixed";
 }
 
-void softsim_read_reaction(softsim_world *public_world, int32_t set, double out_force[3])
+void softsim_read_reaction(softsim_world *public_world, int32_t entry, double out_force[3])
 {
     ss_world *world = (ss_world *)public_world;
     ss_world_settle(world);
-    world->model_class->reaction(world->model, set, out_force);
+    if (entry < 0) {
+        world->model_class->reaction(world->model, -1, out_force);
+        return;
+    }
+    ss_set3(out_force, 0.0, 0.0, 0.0);
+    for (int32_t set = 0; set < world->scene->prescribed_count; ++set) {
+        if (world->scene->prescribed[set].entry == entry) {
+            double force[3];
+            world->model_class->reaction(world->model, set, force);
+            ss_add3(out_force, out_force, force);
+        }
+    }
 }
 
 uint64_t softsim_hash(softsim_world *world)

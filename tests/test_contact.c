@@ -301,23 +301,40 @@ static void kept_gathers_do_not_change_a_bit(void **state)
     }
 }
 
-/* Nodes that move after the gather must not be culled. */
+/* Nodes that move after the gather, up to delta, must not be culled. */
 static void motion_after_the_gather_is_seen(void **state)
 {
     (void)state;
-    make_sphere(3, 0.04);
-    open_touch(&sphere_5mm, 2, 0.006, 5e7);
-    const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0475);
+    make_plane(40, 40, 0.002);
+    open_touch(&sphere_5mm, 1, 0.006, 5e7);
+    const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0105);
     gather(&pose, &pose);
     assert_near(penalty(&pose), 0.0, 0.0);
     for (int32_t i = 0; i < mesh.node_count; ++i) {
-        u[4 * i + 2] = (ss_real)0.004;
+        u[4 * i + 2] = (ss_real)0.006;
     }
     const double late = penalty(&pose);
     assert_true(late > 0.0);
     gather(&pose, &pose);
     const double fresh = penalty(&pose);
     assert_memory_equal(&late, &fresh, sizeof late);
+    close_touch();
+}
+
+/* Beside a long path is not on it, even within half its length of its middle. */
+static void a_gather_is_not_kept_off_its_path(void **state)
+{
+    (void)state;
+    make_plane(40, 40, 0.002);
+    open_touch(&sphere_5mm, 1, 0.006, 5e7);
+    const ss_tool_pose from = pose_at(-0.025, 0.0, 0.004);
+    const ss_tool_pose to = pose_at(0.025, 0.0, 0.004);
+    const ss_tool_pose beside = pose_at(0.0, 0.02, 0.004);
+    gather(&from, &to);
+    assert_true(penalty(&from) > 0.0 && penalty(&to) > 0.0);
+    assert_near(penalty(&beside), 0.0, 0.0);
+    gather(&beside, &beside);
+    assert_true(penalty(&beside) > 0.0);
     close_touch();
 }
 
@@ -528,7 +545,7 @@ static void the_nearest_patch_is_told_before_touching(void **state)
 {
     (void)state;
     ss_contact_set set;
-    make_sphere(3, 0.04);
+    make_sphere(4, 0.04);
     seed_state = 16;
     for (int k = 0; k < SHAPE_COUNT; ++k) {
         open_touch(&shapes[k], 2, 0.005, 5e7);
@@ -649,6 +666,7 @@ int main(void)
         cmocka_unit_test(gather_radius_does_not_change_a_bit),
         cmocka_unit_test(kept_gathers_do_not_change_a_bit),
         cmocka_unit_test(motion_after_the_gather_is_seen),
+        cmocka_unit_test(a_gather_is_not_kept_off_its_path),
         cmocka_unit_test(shifting_body_and_tool_together_changes_nothing),
         cmocka_unit_test(a_fast_tool_gathers_what_it_crosses),
         cmocka_unit_test(force_on_a_plane_does_not_ripple),

@@ -16,7 +16,8 @@
 #include "haptic/internal.h"
 #include "rt/vec.h"
 
-#define T 1e-3
+#define T  1e-3
+#define PI 3.14159265358979323846
 
 static void check_near(double value, double expected, double tolerance, int line)
 {
@@ -38,12 +39,9 @@ static ss_haptic_config default_config(void)
                               .is_lockstep = true};
 }
 
-* /
-
-    /* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over
-     * N ticks of a full period (the sum in closed form). */
-    static void
-    observer_sees_the_gift_of_delay(void **state)
+/* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over N
+ * ticks of a full period (the sum in closed form). */
+static void observer_sees_the_gift_of_delay(void **state)
 {
     (void)state;
     ss_haptic_config config = default_config();

@@ -63,10 +63,10 @@ void softsim_read_nodes(softsim_world *world, double (*out_position)[3],
 int32_t softsim_triangle_count(const softsim_world *world);
 const int32_t (*softsim_triangles(const softsim_world *world))[3];
 
-/* Prescribed sets, for reactions; set -1 is the fixed nodes. */
+/* The scene's prescribed entries, for reactions; entry -1 is the fixed nodes. */
 int32_t softsim_prescribed_count(const softsim_world *world);
-const char *softsim_prescribed_name(const softsim_world *world, int32_t set);
-void softsim_read_reaction(softsim_world *world, int32_t set, double out_force[3]);
+const char *softsim_prescribed_name(const softsim_world *world, int32_t entry);
+void softsim_read_reaction(softsim_world *world, int32_t entry, double out_force[3]);
 
 /* FNV-1a 64 over positions, velocities, model state and step number, little-endian, file order. */
 uint64_t softsim_hash(softsim_world *world);

@@ -414,7 +414,9 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_utime_us = haptic->pose.utime_us;
     force->contact_count = is_in_contact ? active : 0;
     force->model_age_us = age_us(haptic, input->tick);
-    force->flags = flags | (is_in_contact ? SOFTSIM_FORCE_CONTACT : 0) |
+    /* Offsets of contacts that have just ended decay within milliseconds: still contact. */
+    const bool is_felt = is_in_contact || ss_norm3(sent) > 0.0;
+    force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
                    (haptic->law.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);
     ss_set3(force->torque, 0.0, 0.0, 0.0);

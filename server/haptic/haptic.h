@@ -11,7 +11,7 @@
  * patch). Watchdog, entry, limits, the energy observer on the device's side and the stiffness
  * limit from the measured loop delay belong to the tick. No clock is read: time is the tick
  * number, so that lockstep and real time run the same code.
- * The caller owns the memory (ss_haptic is a plain struct); ss_haptic_tick is RT-safe.
+ * All memory is allocated by ss_haptic_create; ss_haptic_tick is RT-safe.
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -21,6 +21,7 @@
  * also give the energies at that moment, and hold through the next one. Work and dissipation are
  * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
  */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -28,8 +29,11 @@
 
 /* Of the stable step. */
 #define STEP_SHARE 0.7
-/* Sub-steps taken back in one outer step before one is accepted as it is. */
-enum { MAX_REJECTED = 16 };
+/* Sub-steps taken back in one outer step, each half the one before, then a sixteenth: beyond, the
+ * state itself is at fault (a number that is not finite). */
+enum { MAX_REJECTED = 40 };
+/* A sub-step that makes more than this share of the energy from nothing was too long. */
+#define MAX_GAIN 0.25
 /* Time in which a released grasp lets go, s. */
 #define RELEASE_TIME 0.02
 /* Diagonals of the body: a displacement beyond is cut off. */
@@ -655,7 +659,8 @@ typedef struct progress {
     int32_t motion, attempts, accepted, rejected;
 } progress;
 
-/* Length and way of the next sub-step. */
+/* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
+ * else the longest stable one, and the way in equal parts of the budget. */
 static void plan_substep(ss_model *model, const progress *p, double *out_h, double *out_fraction)
 {
     const double stable = fmin(STEP_SHARE * model->bound, p->cap);
@@ -663,18 +668,9 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
     const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
     const double needed = fmax(fmax(by_time, by_way), 1.0);
     const double available = fmax(1.0, (double)(model->plan.max_substeps - p->attempts));
-    if (needed <= available) {
-        *out_h = p->left / needed;
-        *out_fraction = (1.0 - p->path) / needed;
-        return;
-    }
-    *out_h = fmin(p->left / available, stable);
-    *out_fraction = (1.0 - p->path) / available;
-    if (by_time > available) {
-        model->fault_bits |= SS_MODEL_FAULT_BUDGET;
-        model->verdict = SOFTSIM_VERDICT_DEGRADED;
-        model->reason = "needs more sub-steps than max_substeps: slower than real time";
-    }
+    const double parts = fmin(needed, available);
+    *out_h = fmin(p->left / parts, stable);
+    *out_fraction = (1.0 - p->path) / parts;
 }
 
 /* What a sub-step that is taken back must put back beside u and v. */
@@ -682,10 +678,10 @@ typedef struct ledger {
     double work, dissipated, elastic;
 } ledger;
 
-static void take_back(ss_model *model, progress *p, const ledger *before, double cap)
+static void take_back(ss_model *model, progress *p, const ledger *before, double h)
 {
     ++p->rejected;
-    p->cap = cap;
+    p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
     settle_grasps(model, false);
     gather(model, p->path, p->path);
@@ -696,36 +692,45 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     model->elastic = before->elastic;
 }
 
+static double ledger_sum(const ss_model *model)
+{
+    return model->kinetic + model->elastic - model->work + model->dissipated;
+}
+
 /* One attempt; false when the model is at fault. */
 static bool try_substep(ss_model *model, progress *p)
 {
     double h, fraction;
     plan_substep(model, p, &h, &fraction);
+    const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
     const ledger before = {model->work, model->dissipated, model->elastic};
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
     fade_grasps(model, h);
-    if (!is_finite_state(model)) {
-        take_back(model, p, &before, 0.25 * h);
-        if (p->rejected > MAX_REJECTED) {
+    bool is_good = is_finite_state(model);
+    double loads = 0.0;
+    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    if (is_good) {
+        ss_cnn_driven_place(model, next, 0.0, 0.0);
+        loads = ss_cnn_loads_work(model);
+        prepare(model, next);
+        const double gain = ledger_sum(model) - loads - balance;
+        is_good = model->bound >= h && (p->rejected >= MAX_REJECTED / 4 ||
+                                        !(gain > MAX_GAIN * (model->elastic + model->kinetic)));
+    }
+    if (!is_good) {
+        take_back(model, p, &before, h);
+        if (p->rejected >= MAX_REJECTED) {
             fault(model);
         }
-        return p->rejected <= MAX_REJECTED;
-    }
-    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
-    ss_cnn_driven_place(model, next, 0.0, 0.0);
-    const double loads = ss_cnn_loads_work(model);
-    prepare(model, next);
-    if (model->bound < h && p->rejected < MAX_REJECTED) {
-        take_back(model, p, &before, STEP_SHARE * fmin(model->bound, h));
-        return true;
+        return p->rejected < MAX_REJECTED;
     }
     settle_grasps(model, true);
     model->work += loads;
     p->left -= h;
     p->path = next;
-    p->cap = (double)INFINITY;
+    p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);
     ++p->accepted;
     return true;
 }
@@ -767,6 +772,11 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     if (model->verdict == SOFTSIM_VERDICT_GOOD && (p.rejected > 0 || p.accepted > p.motion)) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "sub-stepped for stability";
+    }
+    if (p.left > 1e-6 * dt) {
+        model->fault_bits |= SS_MODEL_FAULT_BUDGET;
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = "needs more sub-steps than max_substeps: slower than real time";
     }
     model->substeps = p.accepted;
     ++model->step;

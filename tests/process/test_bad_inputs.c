@@ -95,7 +95,7 @@ static const scene_case scene_cases[] = {
     {"mesh: index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", OBJECT("m.obj") MODEL, "m.obj"},
     {"mesh: not a number", "m.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n", OBJECT("m.obj") MODEL, "m.obj"},
     {"mesh: coincident nodes", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 10 0\n$EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 4 2\n$EndElements\n", OBJECT("m.msh") MODEL, "m.msh"},
-    {"mesh: edge with three triangles", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 0 -9 0\n$EndNodes\n$Elements\n3\n1 2 0 1 2 3\n2 2 0 2 1 4\n3 2 0 1 2 5\n$EndElements\n", OBJECT("m.msh") MODEL, "manifold"},
+    {"mesh: edge with three triangles", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 0 -9 0\n$EndNodes\n$Elements\n3\n1 2 0 1 2 3\n2 2 0 2 1 4\n3 2 0 1 2 5\n$EndElements\n", OBJECT("m.msh") MODEL, "more than two triangles"},
     {"mesh: MSH cut short", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n400\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
     {"mesh: MSH with a huge count", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
 };

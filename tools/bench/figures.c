@@ -143,7 +143,8 @@ static void compute_counters(const ss_session_status *first, const ss_session_st
     out->step = (ss_figure){.p50 = last->step_us[0],
                             .p99 = last->step_us[1],
                             .p999 = NAN,
-                            .max = last->step_us[2]};
+                            .max = last->step_us[2],
+                            .count = last->step - first->step};
 }
 
 bool ss_figures_compute(const ss_session *s, ss_figures *out)

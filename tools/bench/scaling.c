@@ -71,6 +71,13 @@ static void parse_points(options *o, softsim_error *error)
     } while (*at != '\0');
 }
 
+static int compare(const void *a, const void *b)
+{
+    const int32_t x = *(const int32_t *)a;
+    const int32_t y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
 {
     *o = (options){.out = "scaling-report"};
@@ -91,6 +98,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     if (result == SS_ARGS_RUN) {
         o->points = o->points != NULL ? o->points : o->is_quick ? quick_points : standard_points;
         parse_points(o, error);
+        qsort(o->size, (size_t)o->size_count, sizeof *o->size, compare);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }

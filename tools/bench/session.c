@@ -47,6 +47,7 @@ static void take_status(void *context, const struct _softsim_server_status_t *fr
     *to = (ss_session_status){.receive_ns = receive_ns,
                               .seq = from->seq,
                               .verdict = from->verdict,
+                              .step = from->step,
                               .poses_received = from->poses_received,
                               .poses_superseded = from->poses_superseded,
                               .simulation_rate_hz = from->simulation_rate_hz};

@@ -30,6 +30,7 @@ typedef struct ss_session_status {
     int64_t receive_ns;
     int32_t seq;
     int32_t verdict;
+    int64_t step;
     int64_t poses_received, poses_superseded, poses_refused;
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     double lateness_us[4]; /* p50, p99, p99.9, max of the last 10 s */
