@@ -13,9 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "message.h"
 #include "output.h"
 #include "softsim/log.h"
+#include "wire.h"
 
 #define assert_near(a, b, tolerance)                                                               \
     do {                                                                                           \
@@ -68,7 +68,7 @@ static size_t read_file(const char *path, unsigned char *data, size_t capacity)
 
 /* ---- event logs ----------------------------------------------------------------------------- */
 
-enum { POSES = 40, RECORD = 28 + 15 + SS_MESSAGE_POSE_SIZE, LOG_SIZE = POSES * RECORD };
+enum { POSES = 40, RECORD = 28 + 15 + SS_WIRE_POSE_SIZE, LOG_SIZE = POSES * RECORD };
 
 static softsim_pose make_pose(int32_t seq)
 {
@@ -152,15 +152,15 @@ static void log_gives_back_what_was_written(void **state)
     for (int32_t i = 0; i < POSES; ++i) {
         softsim_pose pose;
         const softsim_pose expected = make_pose(i + 1);
-        uint8_t bytes[2][SS_MESSAGE_POSE_SIZE];
+        uint8_t bytes[2][SS_WIRE_POSE_SIZE];
         assert_int_equal(softsim_log_next(log, &event), SOFTSIM_LOG_EVENT);
         assert_int_equal(event.number, i);
         assert_int_equal(event.utime_us, 1000000 + 1000 * i);
         assert_string_equal(event.channel, "SOFTSIM_PROBE_0");
         assert_true(softsim_log_decode_pose(event.data, event.data_size, &pose));
-        ss_message_encode_pose(&pose, bytes[0]);
-        ss_message_encode_pose(&expected, bytes[1]);
-        assert_memory_equal(bytes[0], bytes[1], SS_MESSAGE_POSE_SIZE);
+        ss_wire_encode_pose(&pose, bytes[0]);
+        ss_wire_encode_pose(&expected, bytes[1]);
+        assert_memory_equal(bytes[0], bytes[1], SS_WIRE_POSE_SIZE);
         assert_int_equal(pose.seq, expected.seq);
         assert_true(isnan(pose.velocity[0]) && pose.position[2] == 1.0 / 3.0);
     }
@@ -175,7 +175,7 @@ static void log_format_is_lcms(void **state)
     make_log(in_folder("good.lcmlog"), data);
     static const unsigned char head[28] = {
         0xED, 0xA1, 0xDA, 0x01, 0,    0,    0, 0, 0, 0,  0, 0, 0, 0,
-        0,    0,    0,    0x0F, 0x42, 0x40, 0, 0, 0, 15, 0, 0, 0, SS_MESSAGE_POSE_SIZE};
+        0,    0,    0,    0x0F, 0x42, 0x40, 0, 0, 0, 15, 0, 0, 0, SS_WIRE_POSE_SIZE};
     assert_memory_equal(data, head, sizeof head);
 }
 
@@ -212,8 +212,8 @@ static void damage_costs_one_record(void **state)
         {"data length 0x7fffffff", 24, 0x7FFFFFFFu},
         {"data length negative", 24, 0x80000000u},
         {"data length -1", 24, 0xFFFFFFFFu},
-        {"data length a bit too long", 24, SS_MESSAGE_POSE_SIZE + 5},
-        {"data length a record and a bit too long", 24, SS_MESSAGE_POSE_SIZE + RECORD + 5},
+        {"data length a bit too long", 24, SS_WIRE_POSE_SIZE + 5},
+        {"data length a record and a bit too long", 24, SS_WIRE_POSE_SIZE + RECORD + 5},
         {"data length beyond the file", 24, LOG_SIZE},
         {"channel with a NUL", 28, 0x00464653u},
     };
@@ -245,7 +245,7 @@ static void a_length_too_short_keeps_the_others(void **state)
     write_file(path, data, LOG_SIZE);
     const tally found = read_log(path);
     assert_int_equal(found.events, POSES); /* one of them too short to be a pose */
-    assert_int_equal(found.skipped, SS_MESSAGE_POSE_SIZE - 100);
+    assert_int_equal(found.skipped, SS_WIRE_POSE_SIZE - 100);
 }
 
 /* Marsaglia's xorshift64. */
@@ -316,7 +316,7 @@ static void large_payloads_are_passed_over(void **state)
     assert_null(event.data);
     assert_int_equal(event.data_size, LARGE);
     assert_int_equal(softsim_log_next(log, &event), SOFTSIM_LOG_EVENT);
-    assert_int_equal(event.data_size, SS_MESSAGE_POSE_SIZE);
+    assert_int_equal(event.data_size, SS_WIRE_POSE_SIZE);
     softsim_log_close(&log);
 }
 
@@ -337,28 +337,28 @@ static void probe_channels_have_any_prefix(void **state)
 static void only_exact_messages_are_decoded(void **state)
 {
     (void)state;
-    uint8_t bytes[SS_MESSAGE_FORCE_SIZE + 1] = {0};
+    uint8_t bytes[SS_WIRE_FORCE_SIZE + 1] = {0};
     const softsim_pose pose = make_pose(3);
     softsim_pose out_pose;
-    ss_message_encode_pose(&pose, bytes);
-    assert_true(softsim_log_decode_pose(bytes, SS_MESSAGE_POSE_SIZE, &out_pose));
-    for (int32_t size = -1; size <= SS_MESSAGE_FORCE_SIZE; ++size) {
+    ss_wire_encode_pose(&pose, bytes);
+    assert_true(softsim_log_decode_pose(bytes, SS_WIRE_POSE_SIZE, &out_pose));
+    for (int32_t size = -1; size <= SS_WIRE_FORCE_SIZE; ++size) {
         assert_int_equal(softsim_log_decode_pose(bytes, size, &out_pose),
-                         size == SS_MESSAGE_POSE_SIZE);
+                         size == SS_WIRE_POSE_SIZE);
     }
-    assert_false(softsim_log_decode_pose(NULL, SS_MESSAGE_POSE_SIZE, &out_pose));
+    assert_false(softsim_log_decode_pose(NULL, SS_WIRE_POSE_SIZE, &out_pose));
     for (int i = 0; i < 64; ++i) { /* every bit of the type hash counts */
         bytes[i / 8] ^= (uint8_t)(1u << (i % 8));
-        assert_false(softsim_log_decode_pose(bytes, SS_MESSAGE_POSE_SIZE, &out_pose));
+        assert_false(softsim_log_decode_pose(bytes, SS_WIRE_POSE_SIZE, &out_pose));
         bytes[i / 8] ^= (uint8_t)(1u << (i % 8));
     }
     const softsim_force force = {.sender = -5, .seq = 9, .stiffness = 300.0, .proxy = {1, 2, 3}};
     softsim_force out_force;
-    ss_message_encode_force(&force, bytes);
-    assert_true(softsim_log_decode_force(bytes, SS_MESSAGE_FORCE_SIZE, &out_force));
+    ss_wire_encode_force(&force, bytes);
+    assert_true(softsim_log_decode_force(bytes, SS_WIRE_FORCE_SIZE, &out_force));
     assert_memory_equal(&force, &out_force, sizeof force);
-    assert_false(softsim_log_decode_force(bytes, SS_MESSAGE_FORCE_SIZE + 1, &out_force));
-    assert_false(softsim_log_decode_pose(bytes, SS_MESSAGE_POSE_SIZE, &out_pose));
+    assert_false(softsim_log_decode_force(bytes, SS_WIRE_FORCE_SIZE + 1, &out_force));
+    assert_false(softsim_log_decode_pose(bytes, SS_WIRE_POSE_SIZE, &out_pose));
 }
 
 static void output_is_complete_or_absent(void **state)

@@ -22,10 +22,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "message.h"
 #include "process/process.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
+#include "wire.h"
 
 static const double stiffness = 400.0;
 static char folder[64];
@@ -57,18 +57,18 @@ static server stand_in;
 
 static void publish_force(server *s, const char *channel, const softsim_force *force)
 {
-    uint8_t data[SS_MESSAGE_FORCE_SIZE];
-    ss_message_encode_force(force, data);
+    uint8_t data[SS_WIRE_FORCE_SIZE];
+    ss_wire_encode_force(force, data);
     lcm_publish(s->lcm, channel, data, sizeof data);
 }
 
 static void publish_rubbish(server *s, const char *channel, const softsim_force *force)
 {
-    uint8_t data[SS_MESSAGE_FORCE_SIZE + 8] = {0};
+    uint8_t data[SS_WIRE_FORCE_SIZE + 8] = {0};
     softsim_force other = *force;
     lcm_publish(s->lcm, channel, data, sizeof data);
     lcm_publish(s->lcm, channel, data, 3);
-    lcm_publish(s->lcm, channel, data, SS_MESSAGE_FORCE_SIZE); /* wrong type hash */
+    lcm_publish(s->lcm, channel, data, SS_WIRE_FORCE_SIZE); /* wrong type hash */
     other.sender ^= 1;
     other.force[0] = 1e6;
     publish_force(s, channel, &other);
@@ -425,7 +425,7 @@ static void damaged_logs_are_played_and_named(void **state)
     make_log(log, 20, 1);
     FILE *file = fopen(log, "r+b");
     assert_non_null(file);
-    const long record = 28 + 11 + SS_MESSAGE_POSE_SIZE;
+    const long record = 28 + 11 + SS_WIRE_POSE_SIZE;
     static const unsigned char huge[4] = {0x7F, 0xFF, 0xFF, 0xFF};
     fseek(file, 4 * record + 24, SEEK_SET);
     fwrite(huge, 1, 4, file);

@@ -318,7 +318,7 @@ static slide run_slide(double dt, double x0, double speed)
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     const double high = PLATE_EDGE + 0.002, low = PLATE_EDGE - 0.006;
-    const double press_time = 0.1, slide_time = 0.03 / fabs(speed);
+    const double press_time = 0.2, slide_time = 0.03 / fabs(speed);
     slide out = {0};
     setup_plate(&s, 1, PLATE_EDGE, 0.0);
     s.plan.step = dt;
@@ -461,6 +461,7 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
         go(tool, 0.0, 0.0007, radius - 0.004 + 0.008 * n / 400.0);
         step(&s, 5e-4, tool);
     }
+    settle(&s, 5e-4, tool, 400);
     assert_true(s.model->tool[0].force[2] < -0.01);
     const double stored = info_of(&s).elastic;
     tool[0].is_grasping = false;

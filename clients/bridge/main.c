@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-bridge: options, set-up and the summary. */
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -251,9 +252,9 @@ int main(int argc, char **argv)
     }
     ss_frame_init(&frame, o.axes, o.offset, o.scale, o.force_scale, &error);
     if (error.fault_count > 0) {
-        ss_args_print_error(argv[0], &error);
+        ss_args_print_error(program_invocation_short_name, &error);
         return EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
-    return run(argv[0], &o, &frame, &error);
+    return run(program_invocation_short_name, &o, &frame, &error);
 }

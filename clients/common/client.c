@@ -16,11 +16,11 @@
 #include <string.h>
 #include <sys/random.h>
 
-#include "message.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
+#include "wire.h"
 
 enum {
     QUEUE_LENGTH = 2000, /* two seconds of forces at 1 kHz, 216 B each */
@@ -63,8 +63,8 @@ static void receive_force(const lcm_recv_buf_t *buffer, const char *channel, voi
     const int64_t now_ns = ss_clock_now_ns();
     softsim_force force;
     const int32_t probe = channel[strlen(channel) - 1] - '0'; /* as subscribed: [0-7] */
-    if (buffer->data_size != SS_MESSAGE_FORCE_SIZE ||
-        !softsim_log_decode_force(buffer->data, SS_MESSAGE_FORCE_SIZE, &force) ||
+    if (buffer->data_size != SS_WIRE_FORCE_SIZE ||
+        !softsim_log_decode_force(buffer->data, SS_WIRE_FORCE_SIZE, &force) ||
         force.probe != probe || !is_finite_force(&force)) {
         ++client->counts.malformed;
     } else if (force.sender != client->sender) {
@@ -240,8 +240,8 @@ const char *softsim_client_force_channel(const softsim_client *client, int32_t p
 bool softsim_client_send_pose(softsim_client *client, const softsim_pose *pose,
                               int32_t channel_probe)
 {
-    uint8_t data[SS_MESSAGE_POSE_SIZE];
-    ss_message_encode_pose(pose, data);
+    uint8_t data[SS_WIRE_POSE_SIZE];
+    ss_wire_encode_pose(pose, data);
     if (lcm_publish(client->lcm, client->probe_channel[channel_probe], data, sizeof data) != 0) {
         ++client->counts.unsent;
         return false;

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "message.h"
 #include "output.h"
 #include "softsim/log.h"
+#include "wire.h"
 
 struct softsim_log_writer {
     ss_output output;
@@ -58,16 +58,16 @@ void softsim_log_write(softsim_log_writer *writer, int64_t utime_us, const char 
 void softsim_log_write_pose(softsim_log_writer *writer, int64_t utime_us, const char *channel,
                             const softsim_pose *pose)
 {
-    uint8_t data[SS_MESSAGE_POSE_SIZE];
-    ss_message_encode_pose(pose, data);
+    uint8_t data[SS_WIRE_POSE_SIZE];
+    ss_wire_encode_pose(pose, data);
     softsim_log_write(writer, utime_us, channel, data, sizeof data);
 }
 
 void softsim_log_write_force(softsim_log_writer *writer, int64_t utime_us, const char *channel,
                              const softsim_force *force)
 {
-    uint8_t data[SS_MESSAGE_FORCE_SIZE];
-    ss_message_encode_force(force, data);
+    uint8_t data[SS_WIRE_FORCE_SIZE];
+    ss_wire_encode_force(force, data);
     softsim_log_write(writer, utime_us, channel, data, sizeof data);
 }
 

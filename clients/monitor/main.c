@@ -4,6 +4,7 @@
  * softsim-monitor: the server's state in a terminal, drawn anew with every status; one line a
  * second where the output is no terminal; JSON, one line a status, for programs.
  */
+#include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,10 +107,10 @@ int main(int argc, char **argv)
     softsim_client *client = NULL;
     ss_process_catch_stop();
     if (parsed == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
+        ss_args_print_error(program_invocation_short_name, &error);
         return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
     }
-    const int status = watch(argv[0], &m, client, duration_s);
+    const int status = watch(program_invocation_short_name, &m, client, duration_s);
     softsim_client_close(&client);
     return status;
 }

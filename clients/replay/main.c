@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-replay: options, the look through the log beforehand, and the report afterwards. */
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -227,6 +228,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
 
 int main(int argc, char **argv)
 {
+    const char *program = program_invocation_short_name;
     options o;
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
@@ -236,19 +238,19 @@ int main(int argc, char **argv)
     softsim_poses *poses = NULL;
     if (parsed == SS_ARGS_BAD ||
         softsim_poses_open(o.input, o.rate_hz, &poses, &error) != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
+        ss_args_print_error(program, &error);
         return EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
-    const survey found = look_through(argv[0], o.input, poses);
+    const survey found = look_through(program, o.input, poses);
     int status = EXIT_BAD_INPUT;
     if (found.poses == 0) {
-        fprintf(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n", argv[0],
+        fprintf(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n", program,
                 o.input);
     } else if (found.poses > INT32_MAX / o.repeat) {
-        fprintf(stderr, "%s: --repeat: more poses than a seq can number\n", argv[0]);
+        fprintf(stderr, "%s: --repeat: more poses than a seq can number\n", program);
     } else {
-        status = o.is_convert ? convert(argv[0], &o, poses) : play(argv[0], &o, poses, &found);
+        status = o.is_convert ? convert(program, &o, poses) : play(program, &o, poses, &found);
     }
     softsim_poses_close(&poses);
     return status;

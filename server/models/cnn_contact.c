@@ -105,7 +105,9 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
     kernels->axpy(n, -1.0, model->product, model->residual);
     double rho = kernels->scale(n, model->inverse, model->residual, model->scaled);
     memcpy(model->search, model->scaled, bytes);
-    for (int k = 0; k < iterations && rho > 0.0; ++k) {
+    /* Beyond the precision of the scalars there is nothing left to improve. */
+    const double enough = rho * (sizeof *y == sizeof(float) ? 1e-13 : 1e-26);
+    for (int k = 0; k < iterations && rho > enough; ++k) {
         apply_tangent(model, model->search, model->product);
         const double curvature = kernels->dot(n, model->search, model->product);
         if (!(curvature > 0.0)) {

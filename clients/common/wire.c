@@ -4,7 +4,7 @@
  * The generated coders do the bytes; here are the sizes and the copying of fields. Both types are
  * of fixed size, so neither direction allocates.
  */
-#include "message.h"
+#include "wire.h"
 
 #include <string.h>
 
@@ -15,7 +15,7 @@
 bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_pose)
 {
     softsim_probe_pose_t wire;
-    if (data == NULL || size != SS_MESSAGE_POSE_SIZE ||
+    if (data == NULL || size != SS_WIRE_POSE_SIZE ||
         softsim_probe_pose_t_decode(data, 0, size, &wire) != size) {
         return false;
     }
@@ -36,7 +36,7 @@ bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_p
 bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out_force)
 {
     softsim_contact_force_t wire;
-    if (data == NULL || size != SS_MESSAGE_FORCE_SIZE ||
+    if (data == NULL || size != SS_WIRE_FORCE_SIZE ||
         softsim_contact_force_t_decode(data, 0, size, &wire) != size) {
         return false;
     }
@@ -60,7 +60,7 @@ bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out
     return true;
 }
 
-void ss_message_encode_pose(const softsim_pose *pose, uint8_t out[SS_MESSAGE_POSE_SIZE])
+void ss_wire_encode_pose(const softsim_pose *pose, uint8_t out[SS_WIRE_POSE_SIZE])
 {
     softsim_probe_pose_t wire = {.utime = pose->utime_us,
                                  .sender = pose->sender,
@@ -73,10 +73,10 @@ void ss_message_encode_pose(const softsim_pose *pose, uint8_t out[SS_MESSAGE_POS
     memcpy(wire.orientation, pose->orientation, sizeof wire.orientation);
     memcpy(wire.velocity, pose->velocity, sizeof wire.velocity);
     memcpy(wire.applied_force, pose->applied_force, sizeof wire.applied_force);
-    softsim_probe_pose_t_encode(out, 0, SS_MESSAGE_POSE_SIZE, &wire);
+    softsim_probe_pose_t_encode(out, 0, SS_WIRE_POSE_SIZE, &wire);
 }
 
-void ss_message_encode_force(const softsim_force *force, uint8_t out[SS_MESSAGE_FORCE_SIZE])
+void ss_wire_encode_force(const softsim_force *force, uint8_t out[SS_WIRE_FORCE_SIZE])
 {
     softsim_contact_force_t wire = {.utime = force->utime_us,
                                     .sender = force->sender,
@@ -95,5 +95,5 @@ void ss_message_encode_force(const softsim_force *force, uint8_t out[SS_MESSAGE_
     memcpy(wire.point, force->point, sizeof wire.point);
     memcpy(wire.normal, force->normal, sizeof wire.normal);
     memcpy(wire.proxy, force->proxy, sizeof wire.proxy);
-    softsim_contact_force_t_encode(out, 0, SS_MESSAGE_FORCE_SIZE, &wire);
+    softsim_contact_force_t_encode(out, 0, SS_WIRE_FORCE_SIZE, &wire);
 }

@@ -10,8 +10,8 @@
 #include "softsim/types.h"
 
 /* Bytes of an encoded probe_pose_t and contact_force_t, the 8 of the type hash included. */
-enum { SS_MESSAGE_POSE_SIZE = 148, SS_MESSAGE_FORCE_SIZE = 216 };
+enum { SS_WIRE_POSE_SIZE = 148, SS_WIRE_FORCE_SIZE = 216 };
 
 /* Thread: any; no allocation. */
-void ss_message_encode_pose(const softsim_pose *pose, uint8_t out[SS_MESSAGE_POSE_SIZE]);
-void ss_message_encode_force(const softsim_force *force, uint8_t out[SS_MESSAGE_FORCE_SIZE]);
+void ss_wire_encode_pose(const softsim_pose *pose, uint8_t out[SS_WIRE_POSE_SIZE]);
+void ss_wire_encode_force(const softsim_force *force, uint8_t out[SS_WIRE_FORCE_SIZE]);
