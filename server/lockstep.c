@@ -223,6 +223,10 @@ softsim_world *softsim_create(const char *scene_path, const softsim_config *conf
 void softsim_destroy(softsim_world **world)
 {
     ss_world *inner = (ss_world *)*world;
+    if (!inner) {
+        return;
+    }
+    ss_lockstep_stop(inner);
     ss_world_destroy(&inner);
     *world = NULL;
 }

@@ -61,6 +61,7 @@ int main(int argc, char **argv)
             printf("%016llx\n", (unsigned long long)ss_world_hash(world));
         }
     }
+    ss_lockstep_stop(world);
     ss_world_destroy(&world);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fprintf(stderr, "softsimd: cannot write to stdout; is the disk full?\n");

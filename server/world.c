@@ -310,7 +310,6 @@ void ss_world_destroy(ss_world **world_pointer)
     if (!world) {
         return;
     }
-    ss_lockstep_stop(world);
     if (world->model) {
         world->model_class->destroy(world->model);
     }

@@ -168,7 +168,7 @@ softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose,
 /* Waits until the step under way is computed (its results may still be held back). */
 void ss_world_settle(ss_world *world);
 uint64_t ss_world_hash(ss_world *world);
-/* Ends the lockstep worker, if any. Thread: set-up only. */
+/* Ends the lockstep worker, if any; call it before ss_world_destroy. Thread: set-up only. */
 void ss_lockstep_stop(ss_world *world);
 /* FNV-1a 64, continued. Thread: any; RT-safe. */
 uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size);

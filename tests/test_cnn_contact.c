@@ -89,7 +89,8 @@ static double largest_displacement(const setup *s)
     return largest;
 }
 
-/* ---- the hexagon fan ---------------------------------------------------------------------------- */
+/* ---- the hexagon fan ----------------------------------------------------------------------------
+ */
 
 static void setup_fan(setup *s)
 {
@@ -112,10 +113,10 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
     (void)state;
     static const struct {
         double height, weight, amplitude, psi, force, penalty;
-    } row[3] = {{0.25, 0.0245357960952869, 0.452960704719945, 0.00136975317107311,
-                 0.0323966410069502, 0.0},
-                {0.17, 0.0615903130631309, 1.0, 0.003024, 0.0, 0.0},
-                {0.11, 0.0950585950533870, 1.0, 0.003024, 1.27794961556580, 0.0203713525955681}};
+    } row[3] = {
+        {0.25, 0.0245357960952869, 0.452960704719945, 0.00136975317107311, 0.0323966410069502, 0.0},
+        {0.17, 0.0615903130631309, 1.0, 0.003024, 0.0, 0.0},
+        {0.11, 0.0950585950533870, 1.0, 0.003024, 1.27794961556580, 0.0203713525955681}};
     for (int k = 0; k < 3; ++k) {
         setup s;
         setup_fan(&s);
@@ -137,7 +138,8 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
     }
 }
 
-/* ---- one potential of nodes and tool -------------------------------------------------------------- */
+/* ---- one potential of nodes and tool
+ * -------------------------------------------------------------- */
 
 static uint64_t random_state = 1;
 
@@ -184,7 +186,8 @@ static void setup_deformed(setup *s, ss_model_tool *tool, double height, double 
     random_state = 42;
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         for (int k = 0; s->fixed[i] == 0 && k < 3; ++k) {
-            s->model->u[4 * i + k] = (ss_real)(0.08 * s->mesh->position[i][k] + 6e-4 * random_unit());
+            s->model->u[4 * i + k] =
+                (ss_real)(0.08 * s->mesh->position[i][k] + 6e-4 * random_unit());
         }
     }
     go(tool, 0.003, -0.002, height);
@@ -198,9 +201,9 @@ static void check_gradient(double height, double saturation, double wanted_ampli
     potential(&s, tool);
     const ss_cnn_tool *own = &s.model->tool[0];
     assert_true(own->source.eps > 0.0);
-    assert_true(wanted_amplitude == 1.0 ? own->source.amplitude == 1.0
-                                        : own->source.amplitude > 0.0 &&
-                                              own->source.amplitude < 1.0);
+    assert_true(wanted_amplitude == 1.0
+                    ? own->source.amplitude == 1.0
+                    : own->source.amplitude > 0.0 && own->source.amplitude < 1.0);
     assert_true(saturation == 0.0 || own->source.eps > own->source.eps_limit);
     const double h = BY_TYPE(2e-5, 1e-7);
     double scale = 0.0;
@@ -263,7 +266,8 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
             if (s.fixed[i] == 0) { /* what the node feels beside its spring */
-                sum[k] += node_force(&s, i, k) + (double)s.model->rest_stiffness[i] * moved(&s, i, k);
+                sum[k] +=
+                    node_force(&s, i, k) + (double)s.model->rest_stiffness[i] * moved(&s, i, k);
             }
         }
     }
@@ -274,7 +278,8 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     setup_fini(&s);
 }
 
-/* ---- slides and loops on a plate ------------------------------------------------------------------- */
+/* ---- slides and loops on a plate
+ * ------------------------------------------------------------------- */
 
 #define PLATE_EDGE 0.0045
 
@@ -331,8 +336,9 @@ static slide run_slide(double dt, double x0, double speed)
         const double time = n * dt;
         const double down = 0.5 - 0.5 * cos(PI * fmin(1.0, time / press_time));
         const double along = fmin(1.0, fmax(0.0, (time - press_time) / slide_time));
-        const double up = 0.5 - 0.5 * cos(PI * fmin(1.0, fmax(0.0, (time - press_time - slide_time) /
-                                                                       press_time)));
+        const double up =
+            0.5 -
+            0.5 * cos(PI * fmin(1.0, fmax(0.0, (time - press_time - slide_time) / press_time)));
         go(tool, x0 + (speed > 0.0 ? 0.03 : -0.03) * along, 0.0007,
            high + (low - high) * (down - up));
         step(&s, dt, tool);
@@ -481,7 +487,8 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
     setup_fini(&s);
 }
 
-/* ---- what the hand is told ----------------------------------------------------------------------------- */
+/* ---- what the hand is told
+ * ----------------------------------------------------------------------------- */
 
 static double force_along(const setup *s, const double normal[3])
 {
@@ -598,7 +605,8 @@ static void a_tool_that_leaves_or_jumps_keeps_the_ledger(void **state)
     setup_fini(&s);
 }
 
-/* ---- columns --------------------------------------------------------------------------------------------- */
+/* ---- columns
+ * --------------------------------------------------------------------------------------------- */
 
 static void compact_columns_are_the_same_columns(void **state)
 {

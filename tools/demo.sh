@@ -19,7 +19,8 @@ tools/setup.sh build
 if [ ! -f build/release/build.ninja ]; then
   cmake --preset release -DSOFTSIM_WERROR=OFF >/dev/null
 fi
-cmake --build --preset release -- --quiet 2>/dev/null || cmake --build --preset release
+cmake --build --preset release >/tmp/softsim-demo.$$.log 2>&1 || { cat /tmp/softsim-demo.$$.log >&2; exit 1; }
+rm -f /tmp/softsim-demo.$$.log
 
 # Local multicast: with no route for it, run inside a private network namespace.
 if [ -z "${SOFTSIM_DEMO_INSIDE:-}" ] && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
@@ -54,7 +55,7 @@ done
 source server/scenes/kidney-poke.sh
 bridge=()
 [ "$seconds" = 0 ] || bridge=(--duration "$seconds")
-$bin/softsim-bridge --device sim --script press --prefix "$prefix" $KIDNEY_BRIDGE "${bridge[@]}" >"$work/bridge" 2>&1 &
+$bin/softsim-bridge --device sim --script slide --prefix "$prefix" $KIDNEY_BRIDGE "${bridge[@]}" >"$work/bridge" 2>&1 &
 client=$!
 pids+=("$client")
 $bin/softsim-monitor --prefix "$prefix" "${bridge[@]}" &

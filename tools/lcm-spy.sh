@@ -43,7 +43,10 @@ need() {
     *) command -v "$1" >/dev/null && return ;;
     esac
     echo "lcm-spy.sh: $1 is missing (package $2)" >&2
-    missing="$missing $2"
+    case "$missing " in
+    *" $2 "*) ;;
+    *) missing="$missing $2" ;;
+    esac
 }
 need lcm-gen liblcm-bin
 need javac default-jdk-headless

@@ -11,7 +11,8 @@
  *
  * A late period is counted and not made up for: the simulated device then simply stands still
  * meanwhile, which costs realism but never runs two periods on one force.
- * Thread: one, main. Nothing is allocated while it runs.
+ * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
+ * whose writing out every few thousand rows is the one thing that may cost a period.
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -231,7 +231,9 @@ uint8_t softsim_path_probes(const softsim_path *path)
 {
     uint8_t probes = 0;
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        probes |= path->track[p].count > 0 ? (uint8_t)(1u << p) : 0;
+        if (path->track[p].count > 0) {
+            probes = (uint8_t)(probes | 1u << p);
+        }
     }
     return probes;
 }

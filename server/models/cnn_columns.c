@@ -22,7 +22,8 @@
 /* Columns solved in one pass over the factor. */
 enum { WIDTH = 8 };
 
-/* ---- solving ---------------------------------------------------------------------------------- */
+/* ---- solving ----------------------------------------------------------------------------------
+ */
 
 /* x := A^-1 x for WIDTH right-hand sides side by side. */
 static void solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
@@ -265,9 +266,8 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads
     return status;
 }
 
-softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count,
-                                        const int32_t *node, const double *weight,
-                                        double *out_kap)
+softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
+                                        const double *weight, double *out_kap)
 {
     double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
     double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);

@@ -8,7 +8,8 @@
  * stiffness in series with the body. With c the force on the nodes and k_cc that on the tool for
  * a unit motion of the tool along n, and H the body's static tangent
  *
- *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N' + kc sum_q A_q B_q n_q n_q' B_q' + k
+ *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N' + kc sum_q A_q B_q n_q n_q' B_q' +
+ * k
  *
  * (weights held, L_k the Laplacian of kap_k; k: grasp springs), any motion y of the nodes gives
  *
@@ -34,7 +35,8 @@ enum { ITERATIONS = 2, FIRST_ITERATIONS = 12, REST_ITERATIONS = 300 };
 /* s: viscosity over stiffness. */
 #define MAX_VISCOUS_TIME 0.01
 
-/* ---- the static tangent ------------------------------------------------------------------------- */
+/* ---- the static tangent -------------------------------------------------------------------------
+ */
 
 /* out = H x. */
 static void apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
@@ -125,7 +127,8 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
     }
 }
 
-/* ---- in contact --------------------------------------------------------------------------------- */
+/* ---- in contact ---------------------------------------------------------------------------------
+ */
 
 /* c into model->push; returns k_cc. */
 static double push_along(ss_model *model, const ss_cnn_tool *tool, const double normal[3])
@@ -173,7 +176,8 @@ static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
     return fmin(viscosity, MAX_VISCOUS_TIME * tool->felt);
 }
 
-/* The direction in which the tissue pushes the tool: the first contact's where there is only one. */
+/* The direction in which the tissue pushes the tool: the first contact's where there is only one.
+ */
 static void push_direction(const ss_cnn_tool *tool, const ss_contact_set *set, double out[3])
 {
     ss_copy3(out, set->contact[0].normal);
@@ -238,7 +242,8 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     tool->was_touching = is_touching;
 }
 
-/* ---- at rest ------------------------------------------------------------------------------------ */
+/* ---- at rest ------------------------------------------------------------------------------------
+ */
 
 /* The cell whose Qhat is the median's nearest: neither at the rim nor a special place. */
 static int32_t usual_cell(const ss_cnn_network *network)
@@ -298,8 +303,7 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, int32_t cell)
     const ss_real *column;
     ss_cnn_source *source = &tool->source;
     ss_cnn_network_columns(model->network, 1, &cell, &column);
-    memcpy(source->kap_edge, column,
-           (size_t)model->network->edges.padded_count * sizeof *column);
+    memcpy(source->kap_edge, column, (size_t)model->network->edges.padded_count * sizeof *column);
     model->kernels->scatter(&model->network->rows, source->kap_edge, source->kap, source->b);
     source->c1 = source->c2 = model->material.pretension;
     source->rank = 0.0;
@@ -321,7 +325,8 @@ void ss_cnn_set_rest_felt(ss_model *model)
             continue;
         }
         /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
-        const double contact = 0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
+        const double contact =
+            0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
         tool->rest_felt = contact;
         if (cell >= 0 && push_cell(model, cell)) {
             const double compliance = rest_compliance(model, tool, cell);

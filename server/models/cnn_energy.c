@@ -40,7 +40,8 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up ----------------------------------------------------------------------------------- */
+/* ---- set-up -----------------------------------------------------------------------------------
+ */
 
 static bool get_quads(const ss_model *model, ss_real **out)
 {
@@ -59,12 +60,12 @@ static bool get_node_reals(const ss_model *model, const double *from, ss_real **
 
 static softsim_status allocate_state(ss_model *model)
 {
-    ss_real **const quads[] = {&model->u,      &model->v,        &model->u_low,      &model->old_u,
-                               &model->old_v,  &model->old_low,  &model->us,         &model->vs,
-                               &model->sum1,   &model->sum2,     &model->load_force, &model->base,
-                               &model->force,  &model->mobility, &model->inverse,    &model->push,
-                               &model->residual, &model->search, &model->scaled,     &model->product,
-                               &model->held_b};
+    ss_real **const quads[] = {
+        &model->u,          &model->v,        &model->u_low,  &model->old_u,    &model->old_v,
+        &model->old_low,    &model->us,       &model->vs,     &model->sum1,     &model->sum2,
+        &model->load_force, &model->base,     &model->force,  &model->mobility, &model->inverse,
+        &model->push,       &model->residual, &model->search, &model->scaled,   &model->product,
+        &model->held_b};
     bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         is_good = is_good && get_quads(model, quads[k]);
@@ -114,8 +115,7 @@ static void set_extremes(ss_model *model)
             model->damping_rate_min = fmin(model->damping_rate_min, rate);
             model->damping_rate_max = fmax(model->damping_rate_max, rate);
             if (model->network->area[i] > 0.0) {
-                model->smallest_sigma =
-                    fmin(model->smallest_sigma, mass / model->network->area[i]);
+                model->smallest_sigma = fmin(model->smallest_sigma, mass / model->network->area[i]);
             }
         }
     }
@@ -233,14 +233,15 @@ static softsim_status create_tools(ss_model *model, softsim_error *error)
     return status;
 }
 
-/* ---- the class -------------------------------------------------------------------------------- */
+/* ---- the class --------------------------------------------------------------------------------
+ */
 
 static void reset(ss_model *model)
 {
     const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
-    ss_real *const cleared[] = {model->u,     model->v,     model->u_low,      model->old_u,
-                                model->old_v, model->old_low, model->load_force, model->base,
-                                model->force};
+    ss_real *const cleared[] = {model->u,          model->v,     model->u_low,
+                                model->old_u,      model->old_v, model->old_low,
+                                model->load_force, model->base,  model->force};
     for (size_t k = 0; k < sizeof cleared / sizeof *cleared; ++k) {
         memset(cleared[k], 0, bytes);
     }
@@ -286,9 +287,9 @@ static void destroy(ss_model *model)
         ss_cnn_tool *tool = &model->tool[k];
         ss_touch_destroy(&tool->touch);
         ss_cnn_source_fini(&tool->source);
-        void *const owned[] = {tool->mu,         tool->eps,         tool->eta, tool->share,
-                               tool->grasp.node, tool->grasp.stiffness, tool->grasp.offset,
-                               tool->shape_y};
+        void *const owned[] = {tool->mu,           tool->eps,        tool->eta,
+                               tool->share,        tool->grasp.node, tool->grasp.stiffness,
+                               tool->grasp.offset, tool->shape_y};
         for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
             ss_memory_free(owned[m]);
         }
@@ -296,14 +297,15 @@ static void destroy(ss_model *model)
     ss_surface_destroy(&model->surface);
     ss_cnn_network_destroy(&model->network);
     ss_cnn_material_fini(&model->material);
-    void *const owned[] = {model->held,   model->mass,     model->damping,  model->rest_stiffness,
-                           model->mobility, model->normal, model->mobility_max, model->u, model->v,
-                           model->u_low,  model->old_u,    model->old_v,    model->old_low,
-                           model->us,     model->vs,       model->sum1,     model->sum2,
-                           model->load_force, model->base, model->force,    model->fitted,
-                           model->strain, model->stretch,  model->held_kap, model->held_b,
-                           model->inverse, model->push,    model->residual, model->search,
-                           model->scaled, model->product,  model->stiff};
+    void *const owned[] = {
+        model->held,     model->mass,       model->damping,      model->rest_stiffness,
+        model->mobility, model->normal,     model->mobility_max, model->u,
+        model->v,        model->u_low,      model->old_u,        model->old_v,
+        model->old_low,  model->us,         model->vs,           model->sum1,
+        model->sum2,     model->load_force, model->base,         model->force,
+        model->fitted,   model->strain,     model->stretch,      model->held_kap,
+        model->held_b,   model->inverse,    model->push,         model->residual,
+        model->search,   model->scaled,     model->product,      model->stiff};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -328,8 +330,8 @@ static softsim_status build(ss_model *model, softsim_error *error)
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->held[i] = (plan->fixed[i] & 7) == 7;
     }
-    status = ss_cnn_network_create(plan->mesh, model->held, model->material.rho, &model->network,
-                                   error);
+    status =
+        ss_cnn_network_create(plan->mesh, model->held, model->material.rho, &model->network, error);
     status = status == SOFTSIM_OK ? allocate_state(model) : status;
     if (status != SOFTSIM_OK) {
         return status;

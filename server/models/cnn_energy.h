@@ -41,7 +41,7 @@ extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
 typedef struct ss_cnn_material {
     double *mass, *damping, *rest_stiffness; /* kg, N s/m, N/m */
     double *rho;
-    bool is_modulus_energy; /* modulus is E^ in J, else E in N/m */
+    bool is_modulus_energy;                       /* modulus is E^ in J, else E in N/m */
     double modulus, pretension, bulk, saturation; /* saturation INFINITY: none */
 } ss_cnn_material;
 
@@ -49,34 +49,34 @@ typedef struct ss_cnn_material {
 typedef struct ss_cnn_source {
     bool is_on;
     bool is_tool;
-    double from;              /* s: a load's source is on from here */
+    double from; /* s: a load's source is on from here */
     /* constant during a sub-step */
     ss_real *kap_edge, *kap, *b; /* edges; entries; quads with the row sum in the fourth lane */
-    ss_real *b_turned;        /* free bodies: R b */
-    double amplitude;         /* a */
-    double modulus;           /* E^, J */
-    double eps_limit;         /* eps_s; INFINITY without saturation */
+    ss_real *b_turned;           /* free bodies: R b */
+    double amplitude;            /* a */
+    double modulus;              /* E^, J */
+    double eps_limit;            /* eps_s; INFINITY without saturation */
     double qhat, qhat_over_own, inverse_own; /* of loads: means by weight */
     /* at the last evaluation */
     ss_real *r;
     double eps, eta;
-    double c1, c2;            /* T + a T0, a T0 */
-    double rank;              /* a E^ where the strain term acts, else 0 */
+    double c1, c2; /* T + a T0, a T0 */
+    double rank;   /* a E^ where the strain term acts, else 0 */
 } ss_cnn_source;
 
 typedef struct ss_cnn_grasp {
     bool is_pressed;
-    double share;             /* 1 while held, then ramped to 0 */
-    double share_before;      /* at the start of the sub-step */
-    double square;            /* sum k_i |x_i|^2 / 2, J, at full share */
+    double share;        /* 1 while held, then ramped to 0 */
+    double share_before; /* at the start of the sub-step */
+    double square;       /* sum k_i |x_i|^2 / 2, J, at full share */
     int32_t count;
     int32_t *node;
-    double *stiffness;        /* N/m */
-    double (*offset)[3];      /* in the tool's frame */
+    double *stiffness;   /* N/m */
+    double (*offset)[3]; /* in the tool's frame */
 } ss_cnn_grasp;
 
 typedef struct ss_cnn_tool {
-    bool is_used;             /* has a row in the scene */
+    bool is_used; /* has a row in the scene */
     const ss_shape *shape;
     ss_touch *touch;
     double radius, reach, full_weight, stiffness; /* R, delta, W1, kc */
@@ -84,9 +84,9 @@ typedef struct ss_cnn_tool {
     ss_cnn_grasp grasp;
     /* state */
     bool is_present;
-    ss_tool_pose pose;        /* where the forces below were evaluated */
-    ss_tool_pose from, to;    /* of the outer step */
-    double turn[3];           /* rotation vector from `from` to `to` */
+    ss_tool_pose pose;     /* where the forces below were evaluated */
+    ss_tool_pose from, to; /* of the outer step */
+    double turn[3];        /* rotation vector from `from` to `to` */
     /* weights at the last preparation */
     int32_t count;
     const int32_t *node;
@@ -98,22 +98,22 @@ typedef struct ss_cnn_tool {
     double force[3], torque[3];               /* all of them */
     double penalty;                           /* J */
     /* stiffness as the tool feels it */
-    ss_real *shape_y;         /* motion of the nodes per unit motion of the tool */
+    ss_real *shape_y; /* motion of the nodes per unit motion of the tool */
     bool was_touching;
-    double felt, rest_felt;   /* N/m: last in contact, and at rest */
+    double felt, rest_felt; /* N/m: last in contact, and at rest */
 } ss_cnn_tool;
 
 typedef struct ss_cnn_load {
     const ss_load *plan;
     int32_t source;
-    int32_t triangle_count;   /* pressure */
+    int32_t triangle_count; /* pressure */
     int32_t *triangle;
-    double factor;            /* now acting */
+    double factor; /* now acting */
 } ss_cnn_load;
 
 typedef struct ss_cnn_driven {
     const ss_prescribed *plan;
-    int32_t source;           /* -1: none of its nodes can carry one */
+    int32_t source;              /* -1: none of its nodes can carry one */
     double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
 } ss_cnn_driven;
 
@@ -124,24 +124,24 @@ struct ss_model {
     ss_cnn_material material;
     ss_cnn_network *network;
     ss_surface *surface;
-    bool is_held;             /* supports stop every rigid motion: P* = P0 */
+    bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
-    double diagonal, volume;  /* m, m^3 */
-    double smallest_sigma;    /* kg/m^2 */
+    double diagonal, volume;                   /* m, m^3 */
+    double smallest_sigma;                     /* kg/m^2 */
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
-    double bulk_rate;         /* (B/V0) sum |N|^2/m, 1/s^2 */
-    uint8_t *held;            /* cells held at zero: fixed on all axes */
+    double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */
+    uint8_t *held;                             /* cells held at zero: fixed on all axes */
     /* per node, for the kernels */
     ss_real *mass, *damping, *rest_stiffness;
     ss_real *mobility, *normal; /* quads; normal NULL without B */
-    double *mobility_max;     /* 1/m, 0 where no axis is free */
+    double *mobility_max;       /* 1/m, 0 where no axis is free */
     /* tools, loads, driven nodes */
     ss_cnn_tool tool[SOFTSIM_MAX_PROBES];
     ss_cnn_load *load;
     ss_cnn_driven *driven;
-    ss_cnn_source *source;    /* of loads and driven patches */
+    ss_cnn_source *source; /* of loads and driven patches */
     int32_t source_count;
-    int32_t *loaded;          /* nodes that loads or gravity push */
+    int32_t *loaded; /* nodes that loads or gravity push */
     int32_t loaded_count;
     /* state */
     ss_real *u, *v, *u_low;
@@ -149,22 +149,22 @@ struct ss_model {
     double work, dissipated;
     /* derived from the state; valid while is_ready */
     bool is_ready, has_strain, has_totals;
-    ss_cnn_totals totals;     /* of u and v, where has_totals */
+    ss_cnn_totals totals;           /* of u and v, where has_totals */
     double kinetic, elastic, bound; /* J, J, s */
-    double pressure;          /* Pa */
-    const ss_real *d;         /* P - P* at the last evaluation: u, or fitted */
-    const ss_cnn_source *first; /* the source that `force` does not hold yet; NULL: none on */
+    double pressure;                /* Pa */
+    const ss_real *d;               /* P - P* at the last evaluation: u, or fitted */
+    const ss_cnn_source *first;     /* the source that `force` does not hold yet; NULL: none on */
     int32_t limiting_node;
     double rotation[3][3], centroid_rest[3], fit_weight; /* of a free body; fit_weight = sum ks */
     /* scratch */
-    ss_real *old_u, *old_v, *old_low;    /* at the start of the sub-step; swapped with u, v */
+    ss_real *old_u, *old_v, *old_low; /* at the start of the sub-step; swapped with u, v */
     ss_real *us, *vs, *sum1, *sum2;
-    ss_real *load_force, *base, *force;  /* loads; and f_s; and contact */
-    ss_real *fitted;          /* P - P* of a free body */
-    ss_real *strain, *stretch;           /* edges */
-    ss_real *held_kap, *held_b;          /* reactions */
+    ss_real *load_force, *base, *force; /* loads; and f_s; and contact */
+    ss_real *fitted;                    /* P - P* of a free body */
+    ss_real *strain, *stretch;          /* edges */
+    ss_real *held_kap, *held_b;         /* reactions */
     ss_real *inverse, *push, *residual, *search, *scaled, *product; /* the tangent's solve */
-    double *stiff;            /* rows of the step bound */
+    double *stiff;                                                  /* rows of the step bound */
     const ss_real **column;
     /* report */
     int32_t substeps;
@@ -173,7 +173,8 @@ struct ss_model {
     const char *reason;
 };
 
-/* ---- cnn_material.c: parameters to values a node, and everything refused about them ----------- */
+/* ---- cnn_material.c: parameters to values a node, and everything refused about them -----------
+ */
 
 /* Thread: set-up only. */
 softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
@@ -185,7 +186,8 @@ softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_materia
 /* Do the fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
 bool ss_cnn_plan_is_held(const ss_model_plan *plan);
 
-/* ---- cnn_source.c: where energy enters the network -------------------------------------------- */
+/* ---- cnn_source.c: where energy enters the network --------------------------------------------
+ */
 
 /* Allocates one source; free bodies need b_turned. Thread: set-up only. */
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source);
@@ -206,7 +208,8 @@ double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
 
-/* ---- cnn_step.c: time ------------------------------------------------------------------------- */
+/* ---- cnn_step.c: time -------------------------------------------------------------------------
+ */
 
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -219,7 +222,8 @@ double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
 /* model->stiff and model->bound from the last evaluation. */
 void ss_cnn_set_bound(ss_model *model);
 
-/* ---- cnn_load.c: what acts without a tool -------------------------------------------------------- */
+/* ---- cnn_load.c: what acts without a tool
+ * -------------------------------------------------------- */
 
 /* Sources and lists of loads and prescribed sets. Thread: set-up only. */
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error);
@@ -240,13 +244,15 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
 /* Force of the support on the body, see model.h. */
 void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 
-/* ---- cnn_contact.c: what the hand is told -------------------------------------------------------- */
+/* ---- cnn_contact.c: what the hand is told
+ * -------------------------------------------------------- */
 
 /* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
 void ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
-/* ---- cnn_explain.c ------------------------------------------------------------------------------- */
+/* ---- cnn_explain.c
+ * ------------------------------------------------------------------------------- */
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan);
 void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);

@@ -13,7 +13,7 @@
 
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2. */
 #define CONTACT_SHARE 0.3
-#define RK4_RADIUS 2.6
+#define RK4_RADIUS    2.6
 /* rho beside rho under a tool, where the contact starts to soften. */
 #define RHO_RATIO_WARNING 4.0
 
@@ -29,11 +29,11 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
 }
 
 /* Microseconds. */
-#define COST_STEP 1.0
-#define COST_NODE 0.016
+#define COST_STEP        1.0
+#define COST_NODE        0.016
 #define COST_SOURCE_NODE 0.013
-#define COST_TOOL 20.0
-#define COST_TOOL_NODE 0.045
+#define COST_TOOL        20.0
+#define COST_TOOL_NODE   0.045
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan)
 {
@@ -47,7 +47,8 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
            tools * (COST_TOOL + COST_TOOL_NODE * nodes);
 }
 
-/* ---- lines ------------------------------------------------------------------------------------- */
+/* ---- lines -------------------------------------------------------------------------------------
+ */
 
 typedef struct printer {
     void (*line)(void *sink, const char *text);
@@ -187,7 +188,8 @@ void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *
     explain_material(model, &out);
     warn_rho(model, &out);
     explain_tools(model, &out);
-    say(&out, "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
+    say(&out,
+        "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
         model->source_count, model->bound);
     if (model->plan.step > 0.7 * model->bound) {
         say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", model->plan.step,

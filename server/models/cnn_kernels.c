@@ -93,8 +93,8 @@ SS_INLINE void product_rows(const ss_cnn_rows *rows, const ss_real *kap, const s
     *out_ur = ur;
 }
 
-static void product(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b,
-                    const ss_real *u, ss_real *r, double *out_ub, double *out_ur)
+static void product(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b, const ss_real *u,
+                    ss_real *r, double *out_ub, double *out_ur)
 {
     if (b) {
         product_rows(rows, kap, b, u, r, out_ub, out_ur);
@@ -150,10 +150,9 @@ static void strain(const ss_cnn_edges *edges, const ss_real *u, ss_real *out_str
 }
 
 /* Up to four columns in one pass: each is read once for the sum, its strain and its stretch. */
-SS_INLINE void combine_some(int32_t first, int32_t end, int32_t count,
-                            const ss_real *const *column, const double *weight,
-                            const ss_real *edge_strain, const ss_real *stretch, ss_real *sum,
-                            double *eps, double *eta)
+SS_INLINE void combine_some(int32_t first, int32_t end, int32_t count, const ss_real *const *column,
+                            const double *weight, const ss_real *edge_strain,
+                            const ss_real *stretch, ss_real *sum, double *eps, double *eta)
 {
     ss_wide total_eps[4], total_eta[4], w[4];
     for (int32_t c = 0; c < count; ++c) {
@@ -288,8 +287,7 @@ static void finish(const ss_cnn_stage *s, const ss_real *low0, ss_real *u, ss_re
         const ptrdiff_t at = 4 * (ptrdiff_t)i;
         const ss_quad v0 = ss_quad_load(s->v0 + at), u0 = ss_quad_load(s->u0 + at);
         const ss_quad low = ss_quad_load(low0 + at);
-        const ss_quad du =
-            ss_quad_fma(h, v0, ss_quad_fma(hh6, ss_quad_load(s->sum1 + at), low));
+        const ss_quad du = ss_quad_fma(h, v0, ss_quad_fma(hh6, ss_quad_load(s->sum1 + at), low));
         const ss_quad sum = ss_quad_add(u0, du);
         ss_quad_store(u_low + at, ss_quad_sub(du, ss_quad_sub(sum, u0)));
         ss_quad_store(u + at, sum);
@@ -308,8 +306,7 @@ static void total(int32_t node_count, const ss_real *u, const ss_real *v,
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
             const ss_quad vi = ss_quad_load(v + at), ui = ss_quad_load(u + at);
             const ss_quad uu = ss_quad_mul(ui, ui);
-            sum_kinetic =
-                ss_quad_fma(ss_quad_mul(ss_quad_all(mass[i]), vi), vi, sum_kinetic);
+            sum_kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(mass[i]), vi), vi, sum_kinetic);
             sum_rest = ss_quad_fma(ss_quad_all(rest_stiffness[i]), uu, sum_rest);
             sum = ss_quad_add(sum, uu);
         }
@@ -381,7 +378,7 @@ static double weighted_square(int32_t node_count, const ss_real *r, const ss_rea
 /* ---- the table ------------------------------------------------------------------------------- */
 
 #ifdef SS_WIDE_AVX2
-#define PATH ss_cnn_kernels_avx2
+#define PATH      ss_cnn_kernels_avx2
 #define PATH_NAME "avx2+fma"
 #else
 #define PATH ss_cnn_kernels_baseline

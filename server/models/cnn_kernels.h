@@ -31,23 +31,23 @@ typedef struct ss_cnn_rows {
 /* Edges i < j at rest; count padded to a multiple of 8 with edges from node 0 to node 0. */
 typedef struct ss_cnn_edges {
     int32_t count, padded_count;
-    int32_t *from, *to;   /* node number x 4 */
-    ss_real *x, *y, *z;   /* P0_j - P0_i, m */
+    int32_t *from, *to; /* node number x 4 */
+    ss_real *x, *y, *z; /* P0_j - P0_i, m */
 } ss_cnn_edges;
 
 /* One RK4 stage: a = (force - c1 r + c2 b - p N - ks d - gamma v) / m, then the next stage's u and
  * v (stages 0 to 2) or the step's sums (stage 3). */
 typedef struct ss_cnn_stage {
     int32_t node_count, index;
-    double h;                          /* s */
-    double c1, c2, pressure;           /* c1 = T + a T0, c2 = a T0 in N; pressure in Pa */
+    double h;                              /* s */
+    double c1, c2, pressure;               /* c1 = T + a T0, c2 = a T0 in N; pressure in Pa */
     const ss_real *force, *r, *b, *normal; /* quads; r NULL: no source; normal NULL: no pressure */
     const ss_real *rest_stiffness, *damping; /* a node, N/m and N s/m */
-    const ss_real *mobility;           /* quad, 1/kg; 0 on fixed and driven axes */
-    const ss_real *u0, *v0;            /* the state at the step's start */
-    const ss_real *d, *v;              /* of this stage: u, or P - P* of a free body; velocity */
-    ss_real *us, *vs;                  /* the next stage; may be d and v */
-    ss_real *sum1, *sum2;              /* a1 + a2 + a3, a1 + 2 a2 + 2 a3 */
+    const ss_real *mobility;                 /* quad, 1/kg; 0 on fixed and driven axes */
+    const ss_real *u0, *v0;                  /* the state at the step's start */
+    const ss_real *d, *v; /* of this stage: u, or P - P* of a free body; velocity */
+    ss_real *us, *vs;     /* the next stage; may be d and v */
+    ss_real *sum1, *sum2; /* a1 + a2 + a3, a1 + 2 a2 + 2 a3 */
 } ss_cnn_stage;
 
 typedef struct ss_cnn_totals {
@@ -59,8 +59,8 @@ typedef struct ss_cnn_totals {
 typedef struct ss_cnn_kernels {
     const char *name;
     /* r = b + L u over `rows` (b NULL: r = L u); out_ub = u.b, out_ur = u.r. */
-    void (*product)(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b,
-                    const ss_real *u, ss_real *r, double *out_ub, double *out_ur);
+    void (*product)(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b, const ss_real *u,
+                    ss_real *r, double *out_ub, double *out_ur);
     /* From edges to rows: kap of every entry, b = L P0 and in its fourth lane the row sum. */
     void (*scatter)(const ss_cnn_rows *rows, const ss_real *kap_edge, ss_real *kap, ss_real *b);
     /* strain = P0_e.u_e + |u_e|^2/2, stretch = |u_e|^2/2 (= (|P_e|^2 - L0^2)/2). */

@@ -27,7 +27,8 @@ static bool is_driven(const ss_prescribed *set, int32_t i, int k)
     return set->axis[k] && isfinite(set->displacement[i][k]);
 }
 
-/* ---- sources ---------------------------------------------------------------------------------- */
+/* ---- sources ----------------------------------------------------------------------------------
+ */
 
 /* Cells and weights of one source while it is built. */
 typedef struct patch {
@@ -108,10 +109,11 @@ static void check_rho(const ss_model *model, const patch *cells, int32_t which,
     for (int32_t k = 0; k < cells->count; ++k) {
         const double ratio = largest / model->material.rho[cells->node[k]];
         if (ratio > RHO_RATIO_MAX) {
-            softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                              "cnn-energy: rho at node %d, where load %d acts, is %.3g times smaller "
-                              "than elsewhere (at most %g): the contact would be without stiffness",
-                              cells->node[k], which, ratio, RHO_RATIO_MAX);
+            softsim_error_add(
+                error, SOFTSIM_ERROR_SCENE,
+                "cnn-energy: rho at node %d, where load %d acts, is %.3g times smaller "
+                "than elsewhere (at most %g): the contact would be without stiffness",
+                cells->node[k], which, ratio, RHO_RATIO_MAX);
             return;
         }
     }
@@ -161,10 +163,11 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
             return status;
         }
         if (load->triangle_count == 0) {
-            softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                              "cnn-energy: load %d is a pressure, but no triangle has all its nodes "
-                              "in the group",
-                              which);
+            softsim_error_add(
+                error, SOFTSIM_ERROR_SCENE,
+                "cnn-energy: load %d is a pressure, but no triangle has all its nodes "
+                "in the group",
+                which);
             return SOFTSIM_ERROR_SCENE;
         }
     } else {
@@ -276,7 +279,8 @@ void ss_cnn_loads_fini(ss_model *model)
     ss_memory_free(model->loaded);
 }
 
-/* ---- forces ----------------------------------------------------------------------------------- */
+/* ---- forces -----------------------------------------------------------------------------------
+ */
 
 static double ramp_at(double from, double ramp, double time)
 {
@@ -372,7 +376,8 @@ double ss_cnn_loads_work(const ss_model *model)
     return work;
 }
 
-/* ---- driven nodes ----------------------------------------------------------------------------- */
+/* ---- driven nodes -----------------------------------------------------------------------------
+ */
 
 void ss_cnn_driven_update(ss_model *model, double time)
 {
@@ -453,7 +458,8 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
     return power * h * share;
 }
 
-/* ---- reactions -------------------------------------------------------------------------------- */
+/* ---- reactions --------------------------------------------------------------------------------
+ */
 
 /* Forces of the network on held cells, whose rows the stages leave out: c1 r - c2 b, summed. */
 static void add_held_network(const ss_model *model, double out_force[3])

@@ -15,7 +15,8 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- the table -------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------
+ */
 
 #define ABSENT ((double)NAN)
 
@@ -102,7 +103,8 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                                    "none"},
 };
 
-/* ---- values a node ---------------------------------------------------------------------------- */
+/* ---- values a node ----------------------------------------------------------------------------
+ */
 
 /* The first few numbers of a fault: "3, 17, 20". */
 typedef struct number_list {
@@ -289,7 +291,8 @@ void ss_cnn_material_fini(ss_cnn_material *material)
     *material = (ss_cnn_material){0};
 }
 
-/* ---- the plan --------------------------------------------------------------------------------- */
+/* ---- the plan ---------------------------------------------------------------------------------
+ */
 
 /* Is axis `k` of node `i` of a prescribed set driven? */
 static bool is_driven(const ss_prescribed *set, int32_t i, int k)
@@ -362,10 +365,11 @@ static void check_prescribed(const ss_model_plan *plan, int32_t which, uint8_t *
         }
     }
     if (clash.count > 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: prescribed set %d drives %d nodes (first %s) along axes that "
-                          "are fixed or driven already",
-                          which, clash.count, clash.text);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "cnn-energy: prescribed set %d drives %d nodes (first %s) along axes that "
+            "are fixed or driven already",
+            which, clash.count, clash.text);
     }
     if (!isfinite(set->from) || !(set->ramp >= 0.0)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,

@@ -28,7 +28,8 @@
 #include <amd.h>
 #include <ldl.h>
 
-/* ---- edges ------------------------------------------------------------------------------------ */
+/* ---- edges ------------------------------------------------------------------------------------
+ */
 
 typedef struct half_edge {
     int32_t i, j, triangle;
@@ -125,7 +126,8 @@ static softsim_status build_edges(ss_cnn_network *network, const ss_mesh *mesh, 
         double centroid[3], midpoint[3];
         for (int k = 0; k < 3; ++k) {
             centroid[k] = (mesh->position[corner[0]][k] + mesh->position[corner[1]][k] +
-                           mesh->position[corner[2]][k]) / 3.0;
+                           mesh->position[corner[2]][k]) /
+                          3.0;
             midpoint[k] = 0.5 * (a[k] + b[k]);
         }
         network->edge_weight[e] += distance(centroid, midpoint) / sqrt(network->edge_square[e]);
@@ -145,10 +147,11 @@ static bool edges_are_usable(const ss_cnn_network *network, softsim_error *error
         }
     }
     if (bad > 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                          "cnn-energy: %d edges are shorter than a thousandth of the mean edge, the "
-                          "first between nodes %d and %d: weld these nodes",
-                          bad, network->edges.from[first] / 4, network->edges.to[first] / 4);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_MESH,
+            "cnn-energy: %d edges are shorter than a thousandth of the mean edge, the "
+            "first between nodes %d and %d: weld these nodes",
+            bad, network->edges.from[first] / 4, network->edges.to[first] / 4);
     }
     return bad == 0;
 }
@@ -172,7 +175,8 @@ static void build_areas(ss_cnn_network *network, const ss_mesh *mesh)
     }
 }
 
-/* ---- rows ------------------------------------------------------------------------------------- */
+/* ---- rows -------------------------------------------------------------------------------------
+ */
 
 static int32_t *node_degrees(const ss_cnn_network *network)
 {
@@ -259,7 +263,8 @@ done:
     return status;
 }
 
-/* ---- factor ----------------------------------------------------------------------------------- */
+/* ---- factor -----------------------------------------------------------------------------------
+ */
 
 static int32_t root(int32_t *parent, int32_t i)
 {
@@ -427,7 +432,8 @@ done:
     return status;
 }
 
-/* ---- life ------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------
+ */
 
 softsim_status ss_cnn_network_create(const ss_mesh *mesh, const uint8_t *held, const double *rho,
                                      ss_cnn_network **out_network, softsim_error *error)

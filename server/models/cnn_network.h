@@ -28,38 +28,38 @@ enum { SS_CNN_CACHE_SLOTS = 512 };
 
 /* L D L' of the templates over the cells that are neither held nor pinned. */
 typedef struct ss_cnn_factor {
-    int n;                 /* unknowns */
-    int *unknown;          /* node to position in the permuted system; -1 held, pinned or loose */
-    int *column, *row;     /* of L */
+    int n;             /* unknowns */
+    int *unknown;      /* node to position in the permuted system; -1 held, pinned or loose */
+    int *column, *row; /* of L */
     double *lower, *diagonal;
-    int32_t *component;    /* of a node; -1 loose */
-    uint8_t *is_drained;   /* a component: no held cell, hence a uniform sink */
+    int32_t *component;  /* of a node; -1 loose */
+    uint8_t *is_drained; /* a component: no held cell, hence a uniform sink */
     double *component_area;
     double *rho;
 } ss_cnn_factor;
 
 typedef struct ss_cnn_network {
     int32_t node_count, component_count, triangle_nodes; /* nodes that have a triangle */
-    double mean_edge;      /* m */
-    double *area;          /* S_i, m^2 */
-    double *edge_rho;      /* rho_ij, harmonic mean */
-    double *edge_square;   /* L0_ij^2, m^2 */
-    double *edge_weight;   /* w_ij */
+    double mean_edge;                                    /* m */
+    double *area;                                        /* S_i, m^2 */
+    double *edge_rho;                                    /* rho_ij, harmonic mean */
+    double *edge_square;                                 /* L0_ij^2, m^2 */
+    double *edge_weight;                                 /* w_ij */
     ss_cnn_edges edges;
-    ss_cnn_rows rows;      /* cells that may move */
-    ss_cnn_rows held;      /* cells held at zero, for reactions */
-    uint8_t *is_source;    /* cells that can carry a source */
+    ss_cnn_rows rows;   /* cells that may move */
+    ss_cnn_rows held;   /* cells held at zero, for reactions */
+    uint8_t *is_source; /* cells that can carry a source */
     /* of the solved columns, by node; 0 where not solved */
-    double *qhat;          /* m^2 */
-    double *own;           /* ghat_i at cell i, 1 / (rho's unit) m^2 */
+    double *qhat; /* m^2 */
+    double *own;  /* ghat_i at cell i, 1 / (rho's unit) m^2 */
     double median_qhat;
     /* columns, by node number through column_of (-1: none) */
     int32_t column_count;
     int32_t *column_of;
     bool is_compact;
-    ss_real *kap;          /* whole: column_count x edges.padded_count, 1/m^2 */
-    ss_real *ghat;         /* compact: column_count x node_count */
-    ss_real *edge_scale;   /* compact: rho_ij / L0_ij^2 */
+    ss_real *kap;        /* whole: column_count x edges.padded_count, 1/m^2 */
+    ss_real *ghat;       /* compact: column_count x node_count */
+    ss_real *edge_scale; /* compact: rho_ij / L0_ij^2 */
     int32_t slot_count, slot_next;
     int32_t *slot_of, *slot_node; /* node to slot or -1 and back */
     int64_t *slot_used, slot_clock;
@@ -78,9 +78,8 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads
                                         softsim_error *error);
 /* kap = sum_k weight[k] kap_node[k] on the edges, in double; fills qhat and own of these cells.
  * Thread: set-up only. */
-softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count,
-                                        const int32_t *node, const double *weight,
-                                        double *out_kap);
+softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
+                                        const double *weight, double *out_kap);
 
 /* Readies the columns of at most SS_CNN_CACHE_SLOTS cells and returns them in `out_column`, valid
  * until the next call; a cell without a column gets NULL. RT-safe. */

@@ -25,7 +25,8 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up ----------------------------------------------------------------------------------- */
+/* ---- set-up -----------------------------------------------------------------------------------
+ */
 
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
 {
@@ -93,7 +94,8 @@ void ss_cnn_source_moduli(ss_model *model)
     }
 }
 
-/* ---- evaluation ------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------
+ */
 
 static void set_tensions(const ss_model *model, ss_cnn_source *source)
 {
@@ -154,7 +156,8 @@ ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
     return source->is_on ? source : NULL;
 }
 
-/* ---- tools ------------------------------------------------------------------------------------ */
+/* ---- tools ------------------------------------------------------------------------------------
+ */
 
 /* Strain of the edges, once for all tools; a free body's in the frame it was made in. */
 static void ready_strain(ss_model *model)
@@ -221,8 +224,8 @@ static void set_mu(const ss_model *model, ss_cnn_tool *tool)
     const double tension = source->modulus * fmin(fmax(eps, 0.0), source->eps_limit);
     const double over = eps > source->eps_limit ? source->modulus * (eps - source->eps_limit) : 0.0;
     for (int32_t k = 0; k < tool->count; ++k) {
-        double change = tension * (tool->eps[k] - eps) +
-                        model->material.pretension * (tool->eta[k] - eta);
+        double change =
+            tension * (tool->eps[k] - eps) + model->material.pretension * (tool->eta[k] - eta);
         if (over > 0.0) {
             change += over * (cell_limit(model, tool->node[k]) - source->eps_limit);
         }

@@ -39,7 +39,8 @@ enum { MAX_REJECTED = 40 };
 /* Diagonals of the body: a displacement beyond is cut off. */
 #define MAX_DISPLACEMENT 100.0
 
-/* ---- the stable step --------------------------------------------------------------------------- */
+/* ---- the stable step ---------------------------------------------------------------------------
+ */
 
 /* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
  * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
@@ -118,7 +119,8 @@ void ss_cnn_set_bound(ss_model *model)
         ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2 + largest);
 }
 
-/* ---- free bodies ------------------------------------------------------------------------------- */
+/* ---- free bodies -------------------------------------------------------------------------------
+ */
 
 /* Eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, by Jacobi rotations. */
 static void largest_eigenvector(double a[4][4], double out[4])
@@ -224,7 +226,8 @@ const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u)
     return model->fitted;
 }
 
-/* ---- forces ------------------------------------------------------------------------------------ */
+/* ---- forces ------------------------------------------------------------------------------------
+ */
 
 /* Springs between a grasping tool and the nodes it holds. */
 static void add_grasp(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
@@ -265,8 +268,8 @@ static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, do
     pose_at(tool, path, &tool->pose);
     ss_copy3(tool->force, tool->frozen_force);
     ss_copy3(tool->torque, tool->frozen_torque);
-    tool->penalty = ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force,
-                                     tool->torque);
+    tool->penalty =
+        ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force, tool->torque);
     add_grasp(model, tool, u, &tool->pose);
 }
 
@@ -332,7 +335,8 @@ static void evaluate(ss_model *model, const ss_real *u, double path)
     }
 }
 
-/* ---- between sub-steps ------------------------------------------------------------------------- */
+/* ---- between sub-steps -------------------------------------------------------------------------
+ */
 
 /* Finds what the tools may reach between two places on their paths. */
 static int32_t gather(ss_model *model, double path, double next)
@@ -358,8 +362,8 @@ static int32_t gather(ss_model *model, double path, double next)
 
 static void set_totals(ss_model *model)
 {
-    model->kernels->total(model->node_count, model->u, model->v, model->rest_stiffness,
-                          model->mass, &model->totals);
+    model->kernels->total(model->node_count, model->u, model->v, model->rest_stiffness, model->mass,
+                          &model->totals);
     model->has_totals = true;
 }
 
@@ -412,7 +416,8 @@ static void prepare(ss_model *model, double path)
     model->has_totals = false;
 }
 
-/* ---- one sub-step ------------------------------------------------------------------------------ */
+/* ---- one sub-step ------------------------------------------------------------------------------
+ */
 
 /* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
 static double tool_work(const ss_model *model, double fraction, double share)
@@ -552,7 +557,8 @@ static void clamp_displacements(ss_model *model)
     }
 }
 
-/* ---- the outer step ---------------------------------------------------------------------------- */
+/* ---- the outer step ----------------------------------------------------------------------------
+ */
 
 /* Taking over where the tools go; what changed with a jump is prepared again. */
 static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
@@ -654,8 +660,8 @@ static void fault(ss_model *model)
 
 /* Where the outer step stands. */
 typedef struct progress {
-    double left, path;        /* s still to simulate; 0..1 of the tools' way */
-    double cap;               /* s: after a sub-step was taken back */
+    double left, path; /* s still to simulate; 0..1 of the tools' way */
+    double cap;        /* s: after a sub-step was taken back */
     int32_t motion, attempts, accepted, rejected;
 } progress;
 

@@ -22,11 +22,11 @@
 typedef struct ss_load {
     int32_t *node;
     int32_t node_count;
-    double force[3];    /* N */
-    double pressure;    /* Pa; used when is_pressure */
+    double force[3]; /* N */
+    double pressure; /* Pa; used when is_pressure */
     bool is_pressure;
-    double from, to;    /* s; to may be INFINITY */
-    double ramp;        /* s, from 0 to full */
+    double from, to; /* s; to may be INFINITY */
+    double ramp;     /* s, from 0 to full */
 } ss_load;
 
 /* A prescribed displacement from rest; reactions are reported per set. */
@@ -35,33 +35,33 @@ typedef struct ss_prescribed {
     int32_t node_count;
     double (*displacement)[3]; /* m, per node of the set */
     bool axis[3];
-    double from, ramp;         /* s */
+    double from, ramp; /* s */
 } ss_prescribed;
 
 typedef struct ss_tool_plan {
     bool is_used;
-    ss_shape shape;       /* borrowed: outlives the model */
+    ss_shape shape; /* borrowed: outlives the model */
 } ss_tool_plan;
 
 /* Everything it points to is borrowed and outlives the model, but `param`. */
 typedef struct ss_model_plan {
     const ss_mesh *mesh;
-    const uint8_t *fixed;           /* node_count: bit 0 x, 1 y, 2 z */
-    const ss_param_value *param;    /* in the order of the model's table */
+    const uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
+    const ss_param_value *param; /* in the order of the model's table */
     const ss_load *load;
     int32_t load_count;
     const ss_prescribed *prescribed;
     int32_t prescribed_count;
     ss_tool_plan tool[SOFTSIM_MAX_PROBES];
-    double gravity[3];              /* m/s^2 */
-    double working_force;           /* N; the contact stiffness is chosen from it */
-    double contact_stiffness;       /* N/m^3; 0: chosen */
-    double contact_reach;           /* m, of the source weights; 0: max(mean edge, R/2) */
-    int32_t contact_parts;          /* as ss_surface_create takes it; 0: chosen */
-    double max_force;               /* N, the haptic limit: for the penetration warning */
-    double step;                    /* s, the outer step the world intends */
+    double gravity[3];        /* m/s^2 */
+    double working_force;     /* N; the contact stiffness is chosen from it */
+    double contact_stiffness; /* N/m^3; 0: chosen */
+    double contact_reach;     /* m, of the source weights; 0: max(mean edge, R/2) */
+    int32_t contact_parts;    /* as ss_surface_create takes it; 0: chosen */
+    double max_force;         /* N, the haptic limit: for the penetration warning */
+    double step;              /* s, the outer step the world intends */
     int32_t max_substeps;
-    int32_t threads;                /* for set-up work; results do not depend on it */
+    int32_t threads; /* for set-up work; results do not depend on it */
 } ss_model_plan;
 
 typedef struct ss_model ss_model;
@@ -82,13 +82,13 @@ enum {
 
 typedef struct ss_model_info {
     int64_t step;
-    int32_t substeps;        /* of the last step */
+    int32_t substeps; /* of the last step */
     int32_t active_nodes;
-    int32_t worst_element;   /* -1 none */
+    int32_t worst_element; /* -1 none */
     uint32_t fault_bits;
     softsim_verdict verdict;
-    const char *reason;      /* static text; "" when good */
-    double stable_step;      /* s, computed for the present state */
+    const char *reason;                        /* static text; "" when good */
+    double stable_step;                        /* s, computed for the present state */
     double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
 } ss_model_info;
 

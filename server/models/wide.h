@@ -200,15 +200,15 @@ SS_INLINE double ss_quad_sum(ss_quad a)
 typedef __m256 ss_wide;
 #define SS_WIDE_OP(name) _mm256_##name##_ps
 #elif defined(SS_WIDE_AVX2)
-#define SS_WIDE_LANES 4
+#define SS_WIDE_LANES    4
 typedef __m256d ss_wide;
 #define SS_WIDE_OP(name) _mm256_##name##_pd
 #elif defined(SS_WIDE_SSE2) && !defined(SOFTSIM_DOUBLE)
-#define SS_WIDE_LANES 4
+#define SS_WIDE_LANES    4
 typedef __m128 ss_wide;
 #define SS_WIDE_OP(name) _mm_##name##_ps
 #elif defined(SS_WIDE_SSE2)
-#define SS_WIDE_LANES 2
+#define SS_WIDE_LANES    2
 typedef __m128d ss_wide;
 #define SS_WIDE_OP(name) _mm_##name##_pd
 #else

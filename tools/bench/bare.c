@@ -49,7 +49,8 @@ struct ss_bare {
     int64_t echo_sent;
 };
 
-/* ---- the loop ---------------------------------------------------------------------------------- */
+/* ---- the loop ----------------------------------------------------------------------------------
+ */
 
 /* The next period that is not over; counts the ones that are. */
 static int64_t next_due(int64_t due_ns, int64_t *out_skipped)
@@ -77,7 +78,8 @@ static void *loop_body(void *argument)
     return NULL;
 }
 
-/* ---- the echo ---------------------------------------------------------------------------------- */
+/* ---- the echo ----------------------------------------------------------------------------------
+ */
 
 static void handle_sent(const lcm_recv_buf_t *received, const char *channel, void *context)
 {
@@ -104,8 +106,7 @@ static void handle_back(const lcm_recv_buf_t *received, const char *channel, voi
 static void open_end(ss_bare *bare, echo_end *end, const char *channel, lcm_msg_handler_t handler)
 {
     end->lcm = lcm_create(bare->lcm_url);
-    end->subscription =
-        end->lcm != NULL ? lcm_subscribe(end->lcm, channel, handler, bare) : NULL;
+    end->subscription = end->lcm != NULL ? lcm_subscribe(end->lcm, channel, handler, bare) : NULL;
     if (end->subscription != NULL) {
         lcm_subscription_set_queue_capacity(end->subscription, 4096);
     }
@@ -177,7 +178,8 @@ static void *send_body(void *argument)
     return NULL;
 }
 
-/* ---- main thread ------------------------------------------------------------------------------- */
+/* ---- main thread -------------------------------------------------------------------------------
+ */
 
 static void end_threads(ss_bare *bare)
 {

@@ -29,7 +29,7 @@ typedef struct ss_bare_result {
     int64_t periods, missed; /* missed: woken more than a period late, or not at all */
     ss_samples *echo_us;     /* round trips */
     int64_t echo_sent;
-    bool is_fifo;            /* SCHED_FIFO was allowed */
+    bool is_fifo; /* SCHED_FIFO was allowed */
 } ss_bare_result;
 
 /* Room for `seconds`, and both LCM ends on `prefix`_ECHO and `prefix`_ECHO_BACK, open; starts. */

@@ -43,7 +43,8 @@ static const char model_text[] = "softsim: 1\n"
                                  "simulation: {rate_hz: 1000}\n"
                                  "publish: {mesh_rate_hz: 0}\n";
 
-/* ---- files --------------------------------------------------------------------------------------- */
+/* ---- files
+ * --------------------------------------------------------------------------------------- */
 
 static void file_name(const ss_body *body, const char *name, char out[PATH_SIZE])
 {
@@ -112,7 +113,8 @@ static softsim_status write_path(ss_body *body, softsim_error *error)
     double angle = first_angle();
     for (int64_t k = 0; (double)k * tick_s < end_s; ++k) {
         const double time_s = (double)k * tick_s;
-        const double down = smooth((time_s - press_s) / move_s) - smooth((time_s - leave_s) / move_s);
+        const double down =
+            smooth((time_s - press_s) / move_s) - smooth((time_s - leave_s) / move_s);
         double centre[3];
         centre_at(angle, clearance - (clearance + depth) * down, centre);
         fprintf(output.file, "%.9g,0,%.12g,%.12g,%.12g,1,0,0,0,0\n", time_s, centre[0], centre[1],
@@ -195,15 +197,16 @@ softsim_status ss_body_make(ss_body *body, int32_t points, softsim_error *error)
         fclose(file);
     }
     line[strcspn(line, "\n")] = '\0';
-    softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "softsim-mesh generate ellipsoid --points %d: %s",
-                      points,
+    softsim_error_add(error, SOFTSIM_ERROR_SYSTEM,
+                      "softsim-mesh generate ellipsoid --points %d: %s", points,
                       ss_process_is_stopped() ? "stopped"
                       : result == 127         ? "it is not beside softsim-bench"
                                               : line);
     return SOFTSIM_ERROR_SYSTEM;
 }
 
-/* ---- runs --------------------------------------------------------------------------------------------- */
+/* ---- runs
+ * --------------------------------------------------------------------------------------------- */
 
 typedef struct runner {
     softsim_world *world;

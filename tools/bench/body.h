@@ -6,11 +6,10 @@
  * (made by softsim-mesh), its two scenes (a sphere that slides over it; one loaded node) and the
  * sphere's path, as files in a temporary folder; and both runs, headless, one thread.
  *
- * Path, 1 kHz: the sphere stands free over the top, presses d = 6 mm along the normal, waits, slides
- * 30 mm along the meridian at v = 50 mm/s keeping d, waits, leaves, and the body comes to rest. On
- * the undeformed ellipsoid p(t) = (a sin t, 0, c cos t), |dp/dt| = sqrt(a^2 cos^2 t + c^2 sin^2 t),
- * and the sphere's centre is p + (R - d) n.
- * Thread: main.
+ * Path, 1 kHz: the sphere stands free over the top, presses d = 6 mm along the normal, waits,
+ * slides 30 mm along the meridian at v = 50 mm/s keeping d, waits, leaves, and the body comes to
+ * rest. On the undeformed ellipsoid p(t) = (a sin t, 0, c cos t), |dp/dt| = sqrt(a^2 cos^2 t + c^2
+ * sin^2 t), and the sphere's centre is p + (R - d) n. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -19,23 +18,23 @@
 #include "softsim/types.h"
 
 typedef struct ss_body {
-    char folder[64];  /* temporary */
-    char bin[4096];   /* where softsim-mesh is */
+    char folder[64]; /* temporary */
+    char bin[4096];  /* where softsim-mesh is */
     int32_t points;
-    int32_t top_node; /* at rest; -1: not yet known */
+    int32_t top_node;                  /* at rest; -1: not yet known */
     double slide_begin_s, slide_end_s; /* of constant speed */
 } ss_body;
 
 typedef struct ss_body_run {
     int32_t nodes;
-    ss_samples tick_us;    /* thread CPU time of whole ticks while sliding, or loaded */
-    double step_us;        /* p50 of the model's step alone, as the server would publish it */
-    double jump;           /* largest change between two forces over the mean while sliding; NaN */
-    double mean_force;     /* N while sliding; NaN */
-    double ledger;         /* (stored + dissipated - work) over the largest stored energy */
-    int32_t substeps;      /* most in a step, of those looked at */
+    ss_samples tick_us; /* thread CPU time of whole ticks while sliding, or loaded */
+    double step_us;     /* p50 of the model's step alone, as the server would publish it */
+    double jump;        /* largest change between two forces over the mean while sliding; NaN */
+    double mean_force;  /* N while sliding; NaN */
+    double ledger;      /* (stored + dissipated - work) over the largest stored energy */
+    int32_t substeps;   /* most in a step, of those looked at */
     softsim_verdict worst;
-    char reason[160];      /* of the worst verdict, or why the scene was refused */
+    char reason[160]; /* of the worst verdict, or why the scene was refused */
     bool is_refused;
 } ss_body_run;
 

@@ -122,10 +122,10 @@ bool ss_child_is_running(ss_child *child)
         return true;
     }
     child->is_running = false;
-    child->status = ended < 0              ? -1
-                    : WIFEXITED(status)    ? WEXITSTATUS(status)
-                    : WIFSIGNALED(status)  ? 128 + WTERMSIG(status)
-                                           : -1;
+    child->status = ended < 0             ? -1
+                    : WIFEXITED(status)   ? WEXITSTATUS(status)
+                    : WIFSIGNALED(status) ? 128 + WTERMSIG(status)
+                                          : -1;
     if (child->out_fd >= 0) {
         close(child->out_fd);
         child->out_fd = -1;

@@ -11,12 +11,12 @@
 #include "softsim/types.h"
 
 typedef struct ss_child_plan {
-    const char *name;              /* in messages */
-    const char *const *argv;       /* NULL-ended; argv[0] with a slash, or searched in PATH */
-    const char *folder;            /* to run in; NULL: the present one */
-    const char *out_path;          /* stdout; NULL: nowhere, unless has_pipe */
-    const char *err_path;          /* stderr; NULL: nowhere */
-    bool has_pipe;                 /* stdout is read by ss_child_wait_text */
+    const char *name;        /* in messages */
+    const char *const *argv; /* NULL-ended; argv[0] with a slash, or searched in PATH */
+    const char *folder;      /* to run in; NULL: the present one */
+    const char *out_path;    /* stdout; NULL: nowhere, unless has_pipe */
+    const char *err_path;    /* stderr; NULL: nowhere */
+    bool has_pipe;           /* stdout is read by ss_child_wait_text */
 } ss_child_plan;
 
 typedef struct ss_child {

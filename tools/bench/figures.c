@@ -23,12 +23,12 @@ ss_figure ss_figure_of(ss_samples *samples)
 bool ss_figures_is_missed_good(int64_t periods, int64_t missed, int64_t bare_periods,
                                int64_t bare_missed)
 {
-    const double bare_share =
-        bare_periods > 0 ? (double)bare_missed / (double)bare_periods : 0.0;
+    const double bare_share = bare_periods > 0 ? (double)bare_missed / (double)bare_periods : 0.0;
     return (double)missed <= (2.0 * bare_share + 0.001) * (double)periods;
 }
 
-/* ---- windows ------------------------------------------------------------------------------------- */
+/* ---- windows
+ * ------------------------------------------------------------------------------------- */
 
 /* Statuses, newest first, that end disjoint windows within the run; the last one of the run when
  * the run is shorter than a window. */
@@ -104,7 +104,8 @@ static bool compute_lateness(const ss_session *s, int32_t last, ss_figures *out)
     return true;
 }
 
-/* ---- counters -------------------------------------------------------------------------------------- */
+/* ---- counters
+ * -------------------------------------------------------------------------------------- */
 
 static void check_statuses(const ss_session *s, ss_figures *out)
 {
@@ -134,8 +135,8 @@ static void compute_counters(const ss_session_status *first, const ss_session_st
         out->periods[p] = last->periods[p] - first->periods[p];
         out->forces[p] = last->forces[p] - first->forces[p];
         out->missed[p] = last->missed[p] - first->missed[p];
-        out->haptic.count = out->periods[p] > out->haptic.count ? out->periods[p]
-                                                                : out->haptic.count;
+        out->haptic.count =
+            out->periods[p] > out->haptic.count ? out->periods[p] : out->haptic.count;
     }
     out->received = last->poses_received - first->poses_received;
     out->superseded = last->poses_superseded - first->poses_superseded;
@@ -170,7 +171,8 @@ bool ss_figures_compute(const ss_session *s, ss_figures *out)
     return true;
 }
 
-/* ---- answers --------------------------------------------------------------------------------------- */
+/* ---- answers
+ * --------------------------------------------------------------------------------------- */
 
 softsim_status ss_figures_read_answers(const ss_session *s, ss_figures *figures,
                                        softsim_error *error)

@@ -31,7 +31,7 @@ typedef struct ss_figures {
     int64_t statuses, statuses_lost;
     int64_t wrong_sums; /* statuses in which forces + missed is not periods, for some probe */
     int32_t worst_verdict;
-    char reason[96];    /* of the worst verdict */
+    char reason[96]; /* of the worst verdict */
 } ss_figures;
 
 /* Fills all but pose_to_force. False when no two statuses came within the run. */

@@ -17,8 +17,9 @@ static bool append(ss_judge_log *log, int64_t *capacity, const ss_felt_row *row)
 {
     if (log->count == *capacity) {
         const int64_t larger = *capacity == 0 ? 4096 : 2 * *capacity;
-        ss_felt_row *rows =
-            larger <= 2 * (int64_t)MAX_ROWS ? realloc(log->row, (size_t)larger * sizeof *rows) : NULL;
+        ss_felt_row *rows = larger <= 2 * (int64_t)MAX_ROWS
+                                ? realloc(log->row, (size_t)larger * sizeof *rows)
+                                : NULL;
         if (rows == NULL) {
             return false;
         }
@@ -55,12 +56,12 @@ softsim_status ss_judge_load(const char *path, double rate_hz, ss_judge_log *log
     int got = 1;
     double value[COLUMNS];
     while (status == SOFTSIM_OK && (got = ss_csv_next(&csv, value, error)) > 0) {
-        const ss_felt_row row = {
-            .time_s = csv.place[TIME] >= 0 ? value[TIME] : value[TICK] / rate_hz,
-            .x = {value[X], value[Y], value[Z]},
-            .f = {value[FX], value[FY], value[FZ]},
-            .flags = whole(value[FLAGS]),
-            .age_us = whole(value[AGE])};
+        const ss_felt_row row = {.time_s =
+                                     csv.place[TIME] >= 0 ? value[TIME] : value[TICK] / rate_hz,
+                                 .x = {value[X], value[Y], value[Z]},
+                                 .f = {value[FX], value[FY], value[FZ]},
+                                 .flags = whole(value[FLAGS]),
+                                 .age_us = whole(value[AGE])};
         if (!append(log, &capacity, &row)) {
             status = SOFTSIM_ERROR_MEMORY;
             softsim_error_add(error, status, "%s: too many rows", path);

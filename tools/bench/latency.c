@@ -37,7 +37,8 @@ typedef struct report {
     ss_yardstick yardstick;
 } report;
 
-/* ---- options --------------------------------------------------------------------------------------- */
+/* ---- options
+ * --------------------------------------------------------------------------------------- */
 
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
 {
@@ -109,20 +110,22 @@ static const char *find_bridge(const options *o, char *store, int32_t size, soft
     }
     const char *slash = strrchr(o->poses, '/');
     const char *dot = strrchr(o->poses, '.');
-    const size_t stem = dot != NULL && (slash == NULL || dot > slash) ? (size_t)(dot - o->poses)
-                                                                     : strlen(o->poses);
+    const size_t stem =
+        dot != NULL && (slash == NULL || dot > slash) ? (size_t)(dot - o->poses) : strlen(o->poses);
     snprintf(path, sizeof path, "%.*s.sh", (int)(stem < 4000 ? stem : 4000), o->poses);
     if (ss_session_read_bridge(path, store, size)) {
         return store;
     }
-    softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                      "--bridge is missing, and %s has no plain line ..._BRIDGE=\"...\"; give where "
-                      "the simulated hand stands, as --bridge \"--offset-m x,y,z --axes x,y,z\"",
-                      path);
+    softsim_error_add(
+        error, SOFTSIM_ERROR_ARGUMENT,
+        "--bridge is missing, and %s has no plain line ..._BRIDGE=\"...\"; give where "
+        "the simulated hand stands, as --bridge \"--offset-m x,y,z --axes x,y,z\"",
+        path);
     return NULL;
 }
 
-/* ---- figures -------------------------------------------------------------------------------------- */
+/* ---- figures
+ * -------------------------------------------------------------------------------------- */
 
 enum { QUANTITIES = 5 };
 typedef struct quantity {
@@ -199,7 +202,8 @@ static softsim_status write_csv(const report *r, softsim_error *error)
     return ss_output_commit(&output, error);
 }
 
-/* ---- the terminal ----------------------------------------------------------------------------------- */
+/* ---- the terminal
+ * ----------------------------------------------------------------------------------- */
 
 static const char *fifo_note(const report *r)
 {
@@ -213,7 +217,8 @@ static void print_figures(const report *r)
     quantity quantities[QUANTITIES];
     const ss_figures *f = r->figures;
     list_quantities(f, quantities);
-    printf("%-30s %10s %10s %10s %10s %9s\n", "microseconds", "p50", "p99", "p99.9", "max", "count");
+    printf("%-30s %10s %10s %10s %10s %9s\n", "microseconds", "p50", "p99", "p99.9", "max",
+           "count");
     for (int i = 0; i < QUANTITIES; ++i) {
         const ss_figure *figure = &quantities[i].figure;
         printf("%-30s %10.1f %10.1f ", quantities[i].text, figure->p50, figure->p99);
@@ -226,14 +231,15 @@ static void print_figures(const report *r)
     }
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (f->periods[p] > 0) {
-            printf("probe %d: %lld periods, %lld forces, %lld missed (%.3f %%); criterion missed <= "
-                   "2 x the bare loop's + 0.1 %%: %s\n",
-                   p, (long long)f->periods[p], (long long)f->forces[p], (long long)f->missed[p],
-                   100.0 * (double)f->missed[p] / (double)f->periods[p],
-                   ss_figures_is_missed_good(f->periods[p], f->missed[p], f->bare_periods,
-                                             f->bare_missed)
-                       ? "met"
-                       : "not met");
+            printf(
+                "probe %d: %lld periods, %lld forces, %lld missed (%.3f %%); criterion missed <= "
+                "2 x the bare loop's + 0.1 %%: %s\n",
+                p, (long long)f->periods[p], (long long)f->forces[p], (long long)f->missed[p],
+                100.0 * (double)f->missed[p] / (double)f->periods[p],
+                ss_figures_is_missed_good(f->periods[p], f->missed[p], f->bare_periods,
+                                          f->bare_missed)
+                    ? "met"
+                    : "not met");
         }
     }
     printf("bare loop: %lld periods, %lld missed (%.3f %%), under %s\n", (long long)f->bare_periods,
@@ -248,7 +254,8 @@ static void print_figures(const report *r)
     }
 }
 
-/* ---- the page -------------------------------------------------------------------------------------- */
+/* ---- the page
+ * -------------------------------------------------------------------------------------- */
 
 /* A data block of `value share`: what share of the samples is at least as large. */
 static void put_tail(FILE *file, const char *name, ss_samples *samples)
@@ -357,8 +364,8 @@ static void put_quantities(ss_page *page, const ss_figures *f)
 
 static void put_periods(ss_page *page, const ss_figures *f)
 {
-    static const char *const head[] = {"", "periods", "forces", "missed", "share",
-                                       "missed <= 2 x bare + 0.1 %"};
+    static const char *const head[] = {"",       "periods", "forces",
+                                       "missed", "share",   "missed <= 2 x bare + 0.1 %"};
     ss_page_table_begin(page, 6, head);
     for (int p = 0; p <= SOFTSIM_MAX_PROBES; ++p) {
         ss_row row = {.count = 0};
@@ -444,7 +451,8 @@ static softsim_status write_page(const report *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run ---------------------------------------------------------------------------------------- */
+/* ---- the run
+ * ---------------------------------------------------------------------------------------- */
 
 static softsim_status run(options *o, const char *bridge, int64_t repeat, bool *out_is_good,
                           softsim_error *error)

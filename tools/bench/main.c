@@ -25,8 +25,9 @@ static void print_usage(FILE *out)
     for (int i = 0; i < REPORT_COUNT; ++i) {
         fprintf(out, "  %-10s %s\n", reports[i].name, reports[i].about);
     }
-    fprintf(out, "  %-10s prints this\n  %-10s prints the version\n\nsoftsim-bench REPORT --help "
-                 "lists a report's options.\n",
+    fprintf(out,
+            "  %-10s prints this\n  %-10s prints the version\n\nsoftsim-bench REPORT --help "
+            "lists a report's options.\n",
             "--help", "--version");
 }
 
@@ -49,8 +50,9 @@ int main(int argc, char **argv)
             return reports[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(stderr, "softsim-bench: '%s' is none of latency, scaling; softsim-bench --help says "
-                    "more\n",
+    fprintf(stderr,
+            "softsim-bench: '%s' is none of latency, scaling; softsim-bench --help says "
+            "more\n",
             name);
     return 2;
 }

@@ -41,7 +41,8 @@ softsim_status ss_report_make_folder(const char *folder, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- HTML -------------------------------------------------------------------------------------- */
+/* ---- HTML --------------------------------------------------------------------------------------
+ */
 
 static void put_escaped(FILE *file, const char *text)
 {
@@ -176,7 +177,8 @@ void ss_row_add_number(ss_row *row, double value)
     }
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------- */
+/* ---- pictures ----------------------------------------------------------------------------------
+ */
 
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error)
@@ -224,8 +226,8 @@ static void put_base64(FILE *file, const unsigned char *data, size_t size)
     }
 }
 
-softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name,
-                            const char *caption, softsim_error *error)
+softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, const char *caption,
+                            softsim_error *error)
 {
     char gp[PATH_SIZE], svg[PATH_SIZE], log[PATH_SIZE];
     const softsim_status status = ss_output_commit(script, error);
@@ -254,8 +256,10 @@ softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name,
         free(picture);
     } else if (exit_status == 127) {
         remove(log);
-        ss_page_text(page, "No picture: gnuplot is not installed. With it, `gnuplot %s` in this "
-                           "folder draws: %s", gp, caption);
+        ss_page_text(page,
+                     "No picture: gnuplot is not installed. With it, `gnuplot %s` in this "
+                     "folder draws: %s",
+                     gp, caption);
     } else {
         ss_page_text(page, "No picture: gnuplot failed on %s; %s.log says why.", gp, name);
     }
@@ -273,7 +277,8 @@ void ss_page_abandon(ss_page *page)
     ss_output_abandon(&page->output);
 }
 
-/* ---- CSV --------------------------------------------------------------------------------------- */
+/* ---- CSV ---------------------------------------------------------------------------------------
+ */
 
 void ss_csv_text(FILE *file, const char *text)
 {

@@ -52,8 +52,8 @@ void ss_row_add_number(ss_row *row, double value);
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error);
 /* Commits the script, runs it, puts the picture into the page. A missing gnuplot is no error. */
-softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name,
-                            const char *caption, softsim_error *error);
+softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, const char *caption,
+                            softsim_error *error);
 
 softsim_status ss_page_close(ss_page *page, softsim_error *error);
 /* Removes what there is of the page; does nothing when not open. */

@@ -18,8 +18,13 @@
 #include "report.h"
 #include "rt/args.h"
 
-enum { EXIT_BAD_INPUT = 2, PATH_SIZE = 4096, MAX_SIZES = 32, LEAST_POINTS = 200,
-       MOST_POINTS = 200000 };
+enum {
+    EXIT_BAD_INPUT = 2,
+    PATH_SIZE = 4096,
+    MAX_SIZES = 32,
+    LEAST_POINTS = 200,
+    MOST_POINTS = 200000
+};
 static const char standard_points[] = "300,422,602,814,1058,1192,2000,4000,8000,16000";
 static const char quick_points[] = "300,422,602,814,1058,1192";
 
@@ -50,7 +55,8 @@ typedef struct report {
     int32_t row_count;
 } report;
 
-/* ---- options ------------------------------------------------------------------------------------------ */
+/* ---- options
+ * ------------------------------------------------------------------------------------------ */
 
 static void parse_points(options *o, softsim_error *error)
 {
@@ -89,12 +95,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     };
     int32_t count = 0;
     const char *positional = NULL;
-    const ss_args_result result =
-        ss_args_parse(argc, argv, "[options]",
-                      "Measures step time, smoothness of a slide and the energy balance against "
-                      "the number of nodes.",
-                      rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count,
-                      error);
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options]",
+        "Measures step time, smoothness of a slide and the energy balance against "
+        "the number of nodes.",
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
     if (result == SS_ARGS_RUN) {
         o->points = o->points != NULL ? o->points : o->is_quick ? quick_points : standard_points;
         parse_points(o, error);
@@ -103,7 +108,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-/* ---- measuring ---------------------------------------------------------------------------------------- */
+/* ---- measuring
+ * ---------------------------------------------------------------------------------------- */
 
 static double paper_ms(int32_t points)
 {
@@ -172,7 +178,8 @@ static softsim_status measure(report *r, softsim_error *error)
     return status;
 }
 
-/* ---- files --------------------------------------------------------------------------------------------- */
+/* ---- files
+ * --------------------------------------------------------------------------------------------- */
 
 static void put_number(FILE *file, double value)
 {
@@ -212,11 +219,11 @@ static softsim_status write_csv(const report *r, softsim_error *error)
 
 static void print_rows(const report *r)
 {
-    printf("%6s %6s %-6s %10s %10s %9s %8s %10s  %s\n", "points", "case", "", "p50 us", "p99 us",
-           "paper ms", "jump %", "ledger", "verdict");
+    printf("%6s %6s %10s %10s %9s %8s %10s  %s\n", "points", "case", "p50 us", "p99 us", "paper ms",
+           "jump %", "ledger", "verdict");
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
-        printf("%6d %6s %-6s %10.1f %10.1f", at->points, at->name, "", at->p50_us, at->p99_us);
+        printf("%6d %6s %10.1f %10.1f", at->points, at->name, at->p50_us, at->p99_us);
         if (isnan(at->paper_ms)) {
             printf(" %9s", "");
         } else {
@@ -274,9 +281,10 @@ static softsim_status plot_times(const report *r, ss_page *page, softsim_error *
 
 static void put_table(ss_page *page, const report *r)
 {
-    static const char *const head[] = {"points",   "case",      "p50, us",  "p99, us",
-                                       "model step alone, us", "sub-steps", "paper, ms", "jump, %",
-                                       "mean force, N", "ledger", "verdict"};
+    static const char *const head[] = {
+        "points",    "case",      "p50, us", "p99, us",       "model step alone, us",
+        "sub-steps", "paper, ms", "jump, %", "mean force, N", "ledger",
+        "verdict"};
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
@@ -305,19 +313,21 @@ static softsim_status write_page(const report *r, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_page_text(&page, "An ellipsoid of 100 x 60 x 60 mm, held below, cnn-energy, one thread, steps "
-                        "of 1 ms (sub-steps inside where stability needs them). load: 0.2 N on one "
-                        "node, no tool. slide: a sphere of 5 mm pressed 6 mm deep, moved 30 mm at "
-                        "50 mm/s, released.");
+    ss_page_text(&page,
+                 "An ellipsoid of 100 x 60 x 60 mm, held below, cnn-energy, one thread, steps "
+                 "of 1 ms (sub-steps inside where stability needs them). load: 0.2 N on one "
+                 "node, no tool. slide: a sphere of 5 mm pressed 6 mm deep, moved 30 mm at "
+                 "50 mm/s, released.");
     status = plot_times(r, &page, error);
     put_table(&page, r);
-    ss_page_text(&page, "p50, p99: thread CPU time of whole ticks (model step, contact and haptic "
-                        "tick) while loaded or sliding; beside it the median of the model's step "
-                        "with its contact over the whole run. Jump: largest change between two "
-                        "consecutive 1 kHz forces over the mean force while sliding at constant "
-                        "speed. Ledger: (elastic + kinetic + dissipated - work) at the end over the "
-                        "largest stored energy; the slide ends free and at rest, the load still "
-                        "loaded.");
+    ss_page_text(&page,
+                 "p50, p99: thread CPU time of whole ticks (model step, contact and haptic "
+                 "tick) while loaded or sliding; beside it the median of the model's step "
+                 "with its contact over the whole run. Jump: largest change between two "
+                 "consecutive 1 kHz forces over the mean force while sliding at constant "
+                 "speed. Ledger: (elastic + kinetic + dissipated - work) at the end over the "
+                 "largest stored energy; the slide ends free and at rest, the load still "
+                 "loaded.");
     ss_page_yardstick(&page, &r->yardstick);
     if (status == SOFTSIM_OK) {
         status = ss_page_close(&page, error);
@@ -326,7 +336,8 @@ static softsim_status write_page(const report *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run --------------------------------------------------------------------------------------------- */
+/* ---- the run
+ * --------------------------------------------------------------------------------------------- */
 
 int ss_bench_scaling(int argc, char **argv)
 {

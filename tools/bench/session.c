@@ -34,7 +34,8 @@ typedef struct chain {
     char out_path[CHILDREN][PATH_SIZE], err_path[CHILDREN][PATH_SIZE];
 } chain;
 
-/* ---- statuses ---------------------------------------------------------------------------------- */
+/* ---- statuses ----------------------------------------------------------------------------------
+ */
 
 static void take_status(void *context, const struct _softsim_server_status_t *from,
                         int64_t receive_ns)
@@ -71,7 +72,8 @@ static int32_t probes_served(const ss_session *session)
     return served;
 }
 
-/* ---- programs ---------------------------------------------------------------------------------- */
+/* ---- programs ----------------------------------------------------------------------------------
+ */
 
 /* The last line of a log, without its end. */
 static void read_last_line(const char *path, char *out, size_t size)
@@ -101,7 +103,8 @@ static softsim_status blame(chain *c, int which, const char *what)
 
 static softsim_status fail_stopped(chain *c)
 {
-    softsim_error_add(c->error, SOFTSIM_ERROR_SYSTEM, "stopped before the end; nothing is reported");
+    softsim_error_add(c->error, SOFTSIM_ERROR_SYSTEM,
+                      "stopped before the end; nothing is reported");
     return SOFTSIM_ERROR_SYSTEM;
 }
 
@@ -222,8 +225,8 @@ static softsim_status measure(chain *c)
 {
     ss_session *session = c->session;
     const double seconds = c->options->seconds;
-    softsim_status status = ss_bare_start(c->options->lcm_url, c->prefix, seconds,
-                                          &session->bare_state, c->error);
+    softsim_status status =
+        ss_bare_start(c->options->lcm_url, c->prefix, seconds, &session->bare_state, c->error);
     const bool is_locked = status == SOFTSIM_OK && ss_thread_lock_memory();
     const bool is_shown = isatty(STDERR_FILENO) == 1;
     (void)is_locked; /* where it is not allowed, the server is late for the same reason */
@@ -235,8 +238,8 @@ static softsim_status measure(chain *c)
             fprintf(stderr, "\rmeasuring: %.0f of %.0f s ",
                     1e-9 * (double)(now_ns - session->begin_ns), seconds);
         }
-        status = watch(c, now_ns + slice_ns < session->end_ns ? now_ns + slice_ns
-                                                              : session->end_ns);
+        status =
+            watch(c, now_ns + slice_ns < session->end_ns ? now_ns + slice_ns : session->end_ns);
         now_ns = ss_clock_now_ns();
     }
     if (is_shown) {
@@ -320,7 +323,8 @@ void ss_session_fini(ss_session *session)
     *session = (ss_session){0};
 }
 
-/* ---- arguments for the bridge -------------------------------------------------------------------- */
+/* ---- arguments for the bridge
+ * -------------------------------------------------------------------- */
 
 int32_t ss_session_split(char *text, const char **out_word, int32_t capacity)
 {

@@ -1,0 +1,466 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The table of models and the interface of each: parameters, refusals, explanations, reset, hash,
+ * threads, and that the kernels of all SIMD paths agree.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+
+#include "model_fixture.h"
+#include "models/cnn_energy.h"
+#include "rt/memory.h"
+#include "rt/thread.h"
+
+/* A small body with one load and one sphere. */
+static void setup_whole(setup *s, int32_t *top)
+{
+    setup_init(s, "cnn-energy", make_ellipsoid(4, 0.05, 0.04, 0.03));
+    *top = 0;
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][2] < -0.024 ? 7 : 0;
+        *top = s->mesh->position[i][2] > s->mesh->position[*top][2] ? i : *top;
+    }
+    give(s, "modulus_j", 5.0);
+    give(s, "pretension_j", 0.1);
+    give(s, "area_density_kg_m2", 11.5);
+    give(s, "damping_n_s_per_m3", 1725.0);
+    give(s, "rest_stiffness_n_per_m3", 5e4);
+    s->plan.tool[0].is_used = true;
+    s->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.01};
+    push(s, top, 0.05, 0.0, 0.0);
+}
+
+static void drive(setup *s, int count)
+{
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    for (int k = 0; k < count; ++k) {
+        const double depth = 0.006 * fmin(1.0, k / 60.0);
+        ss_tool_pose to = {.position = {0.02 - 3e-5 * k, 0.0, 0.038 - depth},
+                           .orientation = {1.0, 0.0, 0.0, 0.0}};
+        tool[0].from = k == 0 ? to : tool[0].to;
+        tool[0].to = to;
+        tool[0].is_grasping = k > 120 && k < 160;
+        s->class->step(s->model, s->time, 1e-3, tool);
+        ss_contact_set set;
+        s->class->contacts(s->model, 0, 0.005, &set);
+        s->time += 1e-3;
+    }
+}
+
+static uint64_t hash_of(const setup *s)
+{
+    uint64_t hash = s->class->hash(s->model, 0xcbf29ce484222325u);
+    const unsigned char *u = (const unsigned char *)s->class->displacement(s->model);
+    const unsigned char *v = (const unsigned char *)s->class->velocity(s->model);
+    for (size_t k = 0; k < (size_t)s->mesh->node_count * 4 * sizeof(ss_real); ++k) {
+        hash = ((hash ^ u[k]) * 0x100000001b3u ^ v[k]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+/* ---- the table ----------------------------------------------------------------------------------
+ */
+
+static void models_are_found_by_name_and_only_built_ones(void **state)
+{
+    (void)state;
+    int32_t count = 0;
+    const ss_model_class *const *table = ss_model_table(&count);
+    assert_true(count >= 1);
+    assert_null(table[count]);
+    for (int32_t k = 0; k < count; ++k) {
+        assert_ptr_equal(ss_model_find(table[k]->name), table[k]);
+    }
+    assert_null(ss_model_find("no-such-model"));
+    assert_null(ss_model_find(""));
+}
+
+static void every_row_has_a_default_within_its_bounds_and_a_help(void **state)
+{
+    (void)state;
+    int32_t count = 0;
+    const ss_model_class *const *table = ss_model_table(&count);
+    for (int32_t m = 0; m < count; ++m) {
+        assert_non_null(table[m]->help);
+        for (int32_t k = 0; k < table[m]->row_count; ++k) {
+            const ss_param_row *row = &table[m]->row[k];
+            assert_non_null(row->name);
+            assert_true(row->help && strlen(row->help) > 10);
+            assert_true(row->min < row->max);
+            if (!isnan(row->fallback)) {
+                assert_true(row->fallback >= row->min && row->fallback <= row->max);
+                assert_true(!row->exclusive_min || row->fallback > row->min);
+            }
+            for (int32_t other = 0; other < k; ++other) {
+                assert_string_not_equal(row->name, table[m]->row[other].name);
+            }
+        }
+    }
+}
+
+/* ---- refusals
+ * ------------------------------------------------------------------------------------ */
+
+typedef void (*spoil)(setup *s);
+
+static void no_modulus(setup *s)
+{
+    s->param[SS_CNN_MODULUS_J].is_given = false;
+}
+static void two_moduli(setup *s)
+{
+    give(s, "modulus_n_per_m", 10.0);
+}
+static void mixed_kinds(setup *s)
+{
+    give(s, "mass_kg", 1.0);
+}
+static void missing_mass(setup *s)
+{
+    s->param[SS_CNN_AREA_DENSITY].is_given = false;
+}
+static void negative_damping(setup *s)
+{
+    give(s, "damping_n_s_per_m3", -1.0);
+}
+static void not_a_number(setup *s)
+{
+    give(s, "rest_stiffness_n_per_m3", (double)NAN);
+}
+static void free_with_pretension(setup *s)
+{
+    memset(s->fixed, 0, (size_t)s->mesh->node_count);
+}
+static void held_in_a_line(setup *s)
+{
+    memset(s->fixed, 0, (size_t)s->mesh->node_count);
+    s->fixed[0] = s->fixed[1] = 7;
+}
+static void load_on_fixed(setup *s)
+{
+    static int32_t node;
+    for (node = 0; s->fixed[node] != 7; ++node) {
+    }
+    s->load[0].node = &node;
+}
+static void load_outside(setup *s)
+{
+    static int32_t node = 100000;
+    s->load[0].node = &node;
+}
+static void pressure_without_triangles(setup *s)
+{
+    s->load[0].is_pressure = true;
+    s->load[0].pressure = 1.0;
+}
+static void soft_contact(setup *s)
+{
+    static double rho[1000];
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        rho[i] = i == s->load[0].node[0] ? 0.01 : 1.0;
+    }
+    give_field(s, "rho", rho);
+}
+static void driven_and_fixed(setup *s)
+{
+    static int32_t node;
+    static double way[1][3] = {{0.0, 0.0, 0.001}};
+    for (node = 0; s->fixed[node] != 7; ++node) {
+    }
+    s->prescribed[0] = (ss_prescribed){
+        .node = &node, .node_count = 1, .displacement = way, .axis = {false, false, true}};
+    s->plan.prescribed_count = 1;
+}
+
+static void what_cannot_be_is_refused_and_named(void **state)
+{
+    (void)state;
+    static const struct {
+        spoil how;
+        const char *says;
+    } row[] = {{no_modulus, "modulus_j or modulus_n_per_m"},
+               {two_moduli, "not both"},
+               {mixed_kinds, "mass_kg"},
+               {missing_mass, "area_density_kg_m2 is missing"},
+               {negative_damping, "damping_n_s_per_m3"},
+               {not_a_number, "rest_stiffness_n_per_m3"},
+               {free_with_pretension, "three fixed nodes"},
+               {held_in_a_line, "three fixed nodes"},
+               {load_on_fixed, "fixed nodes (first"},
+               {load_outside, "100000"},
+               {pressure_without_triangles, "no triangle"},
+               {soft_contact, "rho at node"},
+               {driven_and_fixed, "fixed or driven already"}};
+    const int64_t before = ss_memory_in_use();
+    for (size_t k = 0; k < sizeof row / sizeof *row; ++k) {
+        setup s;
+        int32_t top;
+        setup_whole(&s, &top);
+        row[k].how(&s);
+        if (setup_create(&s) == SOFTSIM_OK || !strstr(s.error.text, row[k].says)) {
+            fail_msg("case %d: \"%s\" does not say \"%s\"", (int)k, s.error.text, row[k].says);
+        }
+        assert_null(s.model);
+        setup_fini(&s);
+    }
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void all_faults_are_named_in_one_go(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    no_modulus(&s);
+    negative_damping(&s);
+    load_outside(&s);
+    assert_true(setup_create(&s) != SOFTSIM_OK);
+    assert_true(s.error.fault_count >= 3);
+    /* And without anyone to tell. */
+    ss_model *model = NULL;
+    assert_true(s.class->create(&s.plan, &model, NULL) != SOFTSIM_OK);
+    assert_null(model);
+    setup_fini(&s);
+}
+
+static void short_edges_and_loose_nodes_are_refused(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 2; ++kind) {
+        setup s;
+        draft d;
+        draft_init(&d, 6, 3);
+        draft_node(&d, 0.0, 0.0, 0.0);
+        draft_node(&d, 1.0, 0.0, 0.0);
+        draft_node(&d, 0.5, 1.0, 0.0);
+        draft_node(&d, 1.0 + (kind == 0 ? 1e-5 : 0.5), 0.3, 0.0);
+        if (kind == 0) {
+            ss_set3(d.position[3], 1.0 + 1e-5, 0.0, 0.0);
+            draft_triangle(&d, 1, 3, 2);
+        }
+        draft_triangle(&d, 0, 1, 2);
+        setup_init(&s, "cnn-energy", draft_finish(&d));
+        s.fixed[0] = s.fixed[1] = s.fixed[2] = 7;
+        give(&s, "modulus_j", 5.0);
+        give(&s, "area_density_kg_m2", 11.5);
+        give(&s, "damping_n_s_per_m3", 1725.0);
+        give(&s, "rest_stiffness_n_per_m3", 5e4);
+        assert_int_equal(setup_create(&s), kind == 0 ? SOFTSIM_ERROR_MESH : SOFTSIM_ERROR_SCENE);
+        assert_non_null(strstr(s.error.text, kind == 0 ? "between nodes 1 and 3" : "first 3"));
+        setup_fini(&s);
+    }
+}
+
+/* ---- the interface
+ * --------------------------------------------------------------------------------- */
+
+static void join_lines(void *sink, const char *text)
+{
+    char *out = sink;
+    strncat(out, text, 8000 - strlen(out));
+    strncat(out, "\n", 8000 - strlen(out));
+}
+
+static void the_explanation_names_what_is_used_and_left_out(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    char text[8192] = "";
+    setup_whole(&s, &top);
+    s.plan.max_force = 500.0; /* far beyond what the contact is made for */
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    s.class->explain(s.model, join_lines, text);
+    assert_non_null(strstr(text, "left out: saturation"));
+    assert_non_null(strstr(text, "left out: enclosed volume"));
+    assert_non_null(strstr(text, "pretension: 0.1 J"));
+    assert_non_null(strstr(text, "median Qhat"));
+    assert_non_null(strstr(text, s.model->kernels->name));
+    assert_non_null(strstr(text, "warning: tool 0 would sink in"));
+    setup_fini(&s);
+}
+
+static void the_step_cost_grows_with_nodes_and_tools(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    const double with_tool = s.class->step_cost_us(&s.plan);
+    s.plan.tool[0].is_used = false;
+    const double without = s.class->step_cost_us(&s.plan);
+    assert_true(without > 0.0 && with_tool > without);
+    setup_fini(&s);
+}
+
+static void creating_and_destroying_leaves_no_memory_behind(void **state)
+{
+    (void)state;
+    const int64_t before = ss_memory_in_use();
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    give(&s, "enclosed_bulk_pa", 100.0);
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    assert_true(ss_memory_in_use() > before);
+    setup_fini(&s);
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void steps_do_not_allocate(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    const int64_t before = ss_memory_in_use();
+    drive(&s, 50);
+    assert_int_equal(ss_memory_in_use(), before);
+    setup_fini(&s);
+}
+
+static void reset_brings_back_the_first_run_bit_for_bit(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    drive(&s, 200);
+    const uint64_t first = hash_of(&s);
+    assert_true(info_of(&s).elastic > 0.0);
+    s.class->reset(s.model);
+    s.time = 0.0;
+    const ss_model_info info = info_of(&s);
+    assert_true(info.step == 0 && info.elastic == 0.0 && info.kinetic == 0.0 && info.work == 0.0);
+    assert_true(hash_of(&s) != first);
+    drive(&s, 200);
+    assert_true(hash_of(&s) == first);
+    setup_fini(&s);
+}
+
+static void the_number_of_threads_does_not_matter(void **state)
+{
+    (void)state;
+    uint64_t hash[3];
+    static const int32_t threads[3] = {1, 2, 5};
+    for (int k = 0; k < 3; ++k) {
+        setup s;
+        int32_t top;
+        setup_whole(&s, &top);
+        s.plan.threads = threads[k];
+        assert_int_equal(setup_create(&s), SOFTSIM_OK);
+        drive(&s, 150);
+        hash[k] = hash_of(&s);
+        setup_fini(&s);
+    }
+    assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
+}
+
+static void live_values_change_the_body_and_the_ledger_knows(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    drive(&s, 100);
+    const double before = s.model->tool[0].force[2];
+    s.class->set(s.model, SS_CNN_PRETENSION_J, 0.4);
+    s.class->set(s.model, SS_CNN_MODULUS_J, -3.0); /* refused */
+    s.class->set(s.model, SS_CNN_RHO, 7.0);        /* not live */
+    assert_true(s.model->material.modulus == 5.0);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    tool[0].from = tool[0].to = s.model->tool[0].pose;
+    for (int k = 0; k < 200; ++k) {
+        s.class->step(s.model, s.time, 1e-3, tool);
+    }
+    assert_true(s.model->tool[0].force[2] > 1.3 * before);
+    const ss_model_info info = info_of(&s);
+    assert_true(fabs(info.elastic + info.kinetic - info.work + info.dissipated) <
+                0.02 * info.elastic);
+    setup_fini(&s);
+}
+
+/* ---- kernels
+ * ---------------------------------------------------------------------------------------- */
+
+static void all_simd_paths_agree(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    setup_whole(&s, &top);
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    drive(&s, 40);
+    const ss_model *m = s.model;
+    const ss_cnn_network *network = m->network;
+    const ss_cnn_source *source = &m->tool[0].source;
+    const size_t quads = (size_t)m->node_count * 4;
+    const double tolerance = sizeof(ss_real) == sizeof(float) ? 2e-6 : 1e-14;
+    ss_real *r[2] = {ss_memory_get(quads, sizeof(ss_real)), ss_memory_get(quads, sizeof(ss_real))};
+    double ub[2] = {0.0, 0.0}, ur[2] = {0.0, 0.0}, scale = 0.0;
+    int paths = 0;
+    for (; paths < 2 && ss_cnn_kernels_path(paths); ++paths) {
+        ss_cnn_kernels_path(paths)->product(&network->rows, source->kap, source->b, m->u, r[paths],
+                                            &ub[paths], &ur[paths]);
+    }
+    for (size_t k = 0; k < quads; ++k) {
+        scale = fmax(scale, fabs((double)r[0][k]));
+    }
+    for (size_t k = 0; paths == 2 && k < quads; ++k) {
+        assert_true(fabs((double)r[0][k] - (double)r[1][k]) <= tolerance * scale);
+    }
+    if (paths == 2) {
+        assert_true(fabs(ub[0] - ub[1]) <= 4.0 * tolerance * fabs(ub[0]));
+        assert_true(fabs(ur[0] - ur[1]) <= 4.0 * tolerance * fabs(ur[0]));
+    }
+    /* And with the plainest sum there is. */
+    double plain[3] = {0.0, 0.0, 0.0};
+    const int32_t node = network->rows.node[0];
+    int32_t degree = network->rows.group[0].degree;
+    for (int32_t e = 0; e < degree; ++e) {
+        const double kap = (double)source->kap_edge[network->rows.edge[e]];
+        for (int k = 0; k < 3; ++k) {
+            plain[k] += kap * ((double)network->rows.arm[4 * e + k] + (double)m->u[node + k] -
+                               (double)m->u[network->rows.neighbour[e] + k]);
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        assert_true(fabs(plain[k] - (double)r[0][node + k]) <= tolerance * scale);
+    }
+    ss_memory_free(r[0]);
+    ss_memory_free(r[1]);
+    setup_fini(&s);
+}
+
+int main(void)
+{
+    ss_thread_flush_denormals();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(models_are_found_by_name_and_only_built_ones),
+        cmocka_unit_test(every_row_has_a_default_within_its_bounds_and_a_help),
+        cmocka_unit_test(what_cannot_be_is_refused_and_named),
+        cmocka_unit_test(all_faults_are_named_in_one_go),
+        cmocka_unit_test(short_edges_and_loose_nodes_are_refused),
+        cmocka_unit_test(the_explanation_names_what_is_used_and_left_out),
+        cmocka_unit_test(the_step_cost_grows_with_nodes_and_tools),
+        cmocka_unit_test(creating_and_destroying_leaves_no_memory_behind),
+        cmocka_unit_test(steps_do_not_allocate),
+        cmocka_unit_test(reset_brings_back_the_first_run_bit_for_bit),
+        cmocka_unit_test(the_number_of_threads_does_not_matter),
+        cmocka_unit_test(live_values_change_the_body_and_the_ledger_knows),
+        cmocka_unit_test(all_simd_paths_agree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
