@@ -479,7 +479,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     stats->stiffness_limit[p] = output.stiffness_limit;
     stats->energy_to_device_j += output.energy_to_device_j;
     stats->energy_from_device_j += output.energy_from_device_j;
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2 && output.has_force; ++i) {
         stats->loop_delay_ms[i] = fmax(stats->loop_delay_ms[i], output.loop_delay_ms[i]);
     }
 }

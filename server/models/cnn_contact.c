@@ -38,14 +38,14 @@ enum { ITERATIONS = 2, FIRST_ITERATIONS = 12, REST_ITERATIONS = 300 };
 /* ---- the static tangent -------------------------------------------------------------------------
  */
 
-/* out = H x. */
-static void apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
+/* out = H x; returns x.out. */
+static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
 {
     static const double still[3] = {0.0, 0.0, 0.0};
     const ss_cnn_kernels *kernels = model->kernels;
     const int32_t n = model->node_count;
     memset(out, 0, (size_t)n * 4 * sizeof *out);
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* minus the contact's part, for now */
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* minus the contact's part */
         const ss_cnn_tool *tool = &model->tool[k];
         if (tool->is_present && tool->penalty > 0.0) {
             double unused[3] = {0.0, 0.0, 0.0};
@@ -59,28 +59,38 @@ static void apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
             }
         }
     }
-    for (int32_t i = 0; i < n; ++i) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)i;
-        for (int a = 0; a < 4; ++a) {
-            out[at + a] = model->rest_stiffness[i] * x[at + a] - out[at + a];
-        }
-    }
+    double square = 0.0;
+    const ss_cnn_source *first = NULL;
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
-        if (!source || (source->c1 == 0.0 && source->rank == 0.0)) {
+        if (!source || source->c1 == 0.0) {
             continue;
         }
-        double unused, square;
-        kernels->product(&model->network->rows, source->kap, NULL, x, model->us, &unused, &square);
-        kernels->axpy(n, source->c1, model->us, out);
-        if (source->rank > 0.0) {
-            kernels->axpy(n, source->rank * kernels->dot(n, source->r, x), source->r, out);
+        double unused, stretch;
+        ss_real *lx = first ? model->vs[0] : model->us;
+        kernels->product(&model->network->rows, source->kap, NULL, x, lx, &unused, &stretch);
+        if (first) {
+            kernels->axpy(n, -source->c1, lx, out);
+        }
+        first = first ? first : source;
+    }
+    square += kernels->tangent(n, model->rest_stiffness, x, first ? first->c1 : 0.0,
+                               first ? model->us : NULL, out);
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (source && source->rank > 0.0) {
+            const double along = kernels->dot(n, source->r, x);
+            kernels->axpy(n, source->rank * along, source->r, out);
+            square += source->rank * along * along;
         }
     }
     if (model->normal) {
+        const double rate = model->material.bulk / model->volume;
         const double change = kernels->dot(n, model->normal, x);
-        kernels->axpy(n, model->material.bulk / model->volume * change, model->normal, out);
+        kernels->axpy(n, rate * change, model->normal, out);
+        square += rate * change * change;
     }
+    return square;
 }
 
 /* Rows of the Jacobi preconditioner, from the step bound's: 0 on axes that cannot move. */
@@ -102,27 +112,25 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
     const ss_cnn_kernels *kernels = model->kernels;
     const int32_t n = model->node_count;
     const size_t bytes = (size_t)n * 4 * sizeof *y;
-    apply_tangent(model, y, model->product);
+    (void)apply_tangent(model, y, model->product);
     memcpy(model->residual, model->push, bytes);
-    kernels->axpy(n, -1.0, model->product, model->residual);
-    double rho = kernels->scale(n, model->inverse, model->residual, model->scaled);
-    memcpy(model->search, model->scaled, bytes);
+    double rho = kernels->descend(n, 1.0, model->product, model->product, model->inverse,
+                                  model->scaled, model->residual, model->search);
     /* Beyond the precision of the scalars there is nothing left to improve. */
     const double enough = rho * (sizeof *y == sizeof(float) ? 1e-13 : 1e-26);
     for (int k = 0; k < iterations && rho > enough; ++k) {
-        apply_tangent(model, model->search, model->product);
-        const double curvature = kernels->dot(n, model->search, model->product);
+        const double curvature = apply_tangent(model, model->search, model->product);
         if (!(curvature > 0.0)) {
             break;
         }
-        const double step = rho / curvature;
-        kernels->axpy(n, step, model->search, y);
-        kernels->axpy(n, -step, model->product, model->residual);
-        const double next = kernels->scale(n, model->inverse, model->residual, model->scaled);
-        kernels->axpy(n, next / rho, model->search, model->scaled);
-        ss_real *t = model->search;
-        model->search = model->scaled;
-        model->scaled = t;
+        const double next = kernels->descend(n, rho / curvature, model->search, model->product,
+                                             model->inverse, y, model->residual, model->scaled);
+        if (k + 1 < iterations) { /* the next direction */
+            kernels->axpy(n, next / rho, model->search, model->scaled);
+            ss_real *t = model->search;
+            model->search = model->scaled;
+            model->scaled = t;
+        }
         rho = next;
     }
 }
@@ -150,12 +158,9 @@ static double push_along(ss_model *model, const ss_cnn_tool *tool, const double 
 /* sum gamma |y|^2 */
 static double damping_met(const ss_model *model, const ss_real *y)
 {
-    double sum = 0.0;
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        const ss_real *yi = y + 4 * (ptrdiff_t)i;
-        sum += (double)(model->damping[i] * (yi[0] * yi[0] + yi[1] * yi[1] + yi[2] * yi[2]));
-    }
-    return sum;
+    ss_cnn_totals totals;
+    model->kernels->total(model->node_count, y, y, model->rest_stiffness, model->damping, &totals);
+    return totals.kinetic;
 }
 
 /* Fills tool->felt for a push along `normal`; returns the viscosity. */

@@ -62,7 +62,7 @@ static softsim_status allocate_state(ss_model *model)
 {
     ss_real **const quads[] = {
         &model->u,          &model->v,        &model->u_low,  &model->old_u,    &model->old_v,
-        &model->old_low,    &model->us,       &model->vs,     &model->sum1,     &model->sum2,
+        &model->old_low,    &model->us,       &model->vs[0],  &model->vs[1],    &model->vs[2],
         &model->load_force, &model->base,     &model->force,  &model->mobility, &model->inverse,
         &model->push,       &model->residual, &model->search, &model->scaled,   &model->product,
         &model->held_b};
@@ -301,8 +301,8 @@ static void destroy(ss_model *model)
         model->held,     model->mass,       model->damping,      model->rest_stiffness,
         model->mobility, model->normal,     model->mobility_max, model->u,
         model->v,        model->u_low,      model->old_u,        model->old_v,
-        model->old_low,  model->us,         model->vs,           model->sum1,
-        model->sum2,     model->load_force, model->base,         model->force,
+        model->old_low,  model->us,         model->vs[0],        model->vs[1],
+        model->vs[2],    model->load_force, model->base,         model->force,
         model->fitted,   model->strain,     model->stretch,      model->held_kap,
         model->held_b,   model->inverse,    model->push,         model->residual,
         model->search,   model->scaled,     model->product,      model->stiff};
@@ -376,13 +376,25 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
+/* The node that limits the step, where the step is the trouble; else -1. */
+static int32_t limiting_node(const ss_model *model)
+{
+    int32_t worst = -1;
+    double largest = 0.0;
+    for (int32_t i = 0; model->verdict >= SOFTSIM_VERDICT_DEGRADED && i < model->node_count; ++i) {
+        const double rate = model->stiff[i] * model->mobility_max[i];
+        worst = rate > largest ? i : worst;
+        largest = fmax(largest, rate);
+    }
+    return worst;
+}
+
 static void info(const ss_model *model, ss_model_info *out)
 {
-    const bool is_limited = model->verdict >= SOFTSIM_VERDICT_DEGRADED;
     *out = (ss_model_info){.step = model->step,
                            .substeps = model->substeps,
                            .active_nodes = model->network->triangle_nodes,
-                           .worst_element = is_limited ? model->limiting_node : -1,
+                           .worst_element = limiting_node(model),
                            .fault_bits = model->fault_bits,
                            .verdict = model->verdict,
                            .reason = model->reason,

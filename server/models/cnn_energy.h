@@ -154,11 +154,10 @@ struct ss_model {
     double pressure;                /* Pa */
     const ss_real *d;               /* P - P* at the last evaluation: u, or fitted */
     const ss_cnn_source *first;     /* the source that `force` does not hold yet; NULL: none on */
-    int32_t limiting_node;
     double rotation[3][3], centroid_rest[3], fit_weight; /* of a free body; fit_weight = sum ks */
     /* scratch */
     ss_real *old_u, *old_v, *old_low; /* at the start of the sub-step; swapped with u, v */
-    ss_real *us, *vs, *sum1, *sum2;
+    ss_real *us, *vs[3];
     ss_real *load_force, *base, *force; /* loads; and f_s; and contact */
     ss_real *fitted;                    /* P - P* of a free body */
     ss_real *strain, *stretch;          /* edges */

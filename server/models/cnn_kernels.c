@@ -198,55 +198,101 @@ static void combine(int32_t padded_count, int32_t count, const ss_real *const *c
 
 /* ---- nodes ----------------------------------------------------------------------------------- */
 
+/* Sums of a block of rows: of the damping's power, and of what the totals need. */
+typedef struct block_sums {
+    ss_quad power, kinetic, rest, square;
+} block_sums;
+
+/* a of one node. */
+SS_INLINE ss_quad acceleration(const ss_cnn_stage *s, int32_t i, ss_quad v, bool has_source,
+                               bool has_pretension, bool has_pressure, ss_quad *power)
+{
+    const ptrdiff_t at = 4 * (ptrdiff_t)i;
+    const ss_quad gamma_v = ss_quad_mul(ss_quad_all(s->damping[i]), v);
+    ss_quad f = ss_quad_sub(ss_quad_load(s->force + at), gamma_v);
+    f = ss_quad_fnma(ss_quad_all(s->rest_stiffness[i]), ss_quad_load(s->d + at), f);
+    if (has_source) {
+        f = ss_quad_fnma(ss_quad_all((ss_real)s->c1), ss_quad_load(s->r + at), f);
+    }
+    if (has_pretension) {
+        f = ss_quad_fma(ss_quad_all((ss_real)s->c2), ss_quad_load(s->b + at), f);
+    }
+    if (has_pressure) {
+        f = ss_quad_fnma(ss_quad_all((ss_real)s->pressure), ss_quad_load(s->normal + at), f);
+    }
+    *power = ss_quad_fma(gamma_v, v, *power);
+    return ss_quad_mul(ss_quad_load(s->mobility + at), f);
+}
+
+/* The step's end. With v_1 = v0, v_2 to v_4 the stages' velocities, h a_1 = 2 (v_2 - v0),
+ * h a_2 = 2 (v_3 - v0) and h a_3 = v_4 - v0:
+ *   u = u0 + h/6 (v0 + 2 v_2 + 2 v_3 + v_4),  v = (v_2 + 2 v_3 + v_4 - v0) / 3 + h/6 a_4
+ * u is summed with its rounding error kept (Kahan): a slow return moves less than the last digit
+ * of u in a step, and would stop short of rest without it. */
+SS_INLINE void finish_node(const ss_cnn_stage *s, int32_t i, ss_quad a, ss_quad v4, ss_quad h6,
+                           block_sums *sums)
+{
+    const ptrdiff_t at = 4 * (ptrdiff_t)i;
+    const ss_quad third = ss_quad_all((ss_real)(1.0 / 3.0)), two = ss_quad_all((ss_real)2);
+    const ss_quad u0 = ss_quad_load(s->u0 + at), v0 = ss_quad_load(s->v0 + at);
+    const ss_quad v2 = ss_quad_load(s->vs[0] + at), v3 = ss_quad_load(s->vs[1] + at);
+    const ss_quad middle = ss_quad_fma(two, v3, ss_quad_add(v2, v4)); /* v2 + 2 v3 + v4 */
+    const ss_quad du =
+        ss_quad_fma(h6, ss_quad_add(ss_quad_add(v0, v2), middle), ss_quad_load(s->low0 + at));
+    const ss_quad u = ss_quad_add(u0, du);
+    const ss_quad v = ss_quad_fma(third, ss_quad_sub(middle, v0), ss_quad_mul(h6, a));
+    ss_quad_store(s->low + at, ss_quad_sub(du, ss_quad_sub(u, u0)));
+    ss_quad_store(s->u + at, u);
+    ss_quad_store(s->v + at, v);
+    const ss_quad uu = ss_quad_mul(u, u);
+    sums->kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(s->mass[i]), v), v, sums->kinetic);
+    sums->rest = ss_quad_fma(ss_quad_all(s->rest_stiffness[i]), uu, sums->rest);
+    sums->square = ss_quad_add(sums->square, uu);
+}
+
+static void add_totals(const block_sums *sums, ss_cnn_totals *totals)
+{
+    const double square = ss_quad_sum(sums->square);
+    totals->kinetic += ss_quad_sum(sums->kinetic);
+    totals->rest += ss_quad_sum(sums->rest);
+    totals->largest = square > totals->largest || square != square ? square : totals->largest;
+}
+
 /* The stage loop for one combination of what this body uses. */
-SS_INLINE double stage_nodes(const ss_cnn_stage *s, bool has_source, bool has_pretension,
+SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pretension,
                              bool has_pressure, int32_t index)
 {
-    const ss_quad c1 = ss_quad_all((ss_real)s->c1), c2 = ss_quad_all((ss_real)s->c2);
-    const ss_quad pressure = ss_quad_all((ss_real)s->pressure);
-    const ss_quad two = ss_quad_all((ss_real)2);
+    const ss_real *v_now = index == 0 ? s->v0 : s->vs[index - 1];
     const ss_quad step = ss_quad_all((ss_real)(index == 2 ? s->h : 0.5 * s->h));
+    const ss_quad h6 = ss_quad_all((ss_real)(s->h / 6.0));
     double power = 0.0;
+    s->totals = (ss_cnn_totals){0};
     for (int32_t first = 0; first < s->node_count; first += BLOCK) {
         const int32_t end = least(first + BLOCK, s->node_count);
-        ss_quad sum_power = ss_quad_all(0);
+        const ss_quad zero = ss_quad_all(0);
+        block_sums sums = {zero, zero, zero, zero};
         for (int32_t i = first; i < end; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad v = ss_quad_load(s->v + at);
-            const ss_quad gamma_v = ss_quad_mul(ss_quad_all(s->damping[i]), v);
-            ss_quad f = ss_quad_sub(ss_quad_load(s->force + at), gamma_v);
-            f = ss_quad_fnma(ss_quad_all(s->rest_stiffness[i]), ss_quad_load(s->d + at), f);
-            if (has_source) {
-                f = ss_quad_fnma(c1, ss_quad_load(s->r + at), f);
-            }
-            if (has_pretension) {
-                f = ss_quad_fma(c2, ss_quad_load(s->b + at), f);
-            }
-            if (has_pressure) {
-                f = ss_quad_fnma(pressure, ss_quad_load(s->normal + at), f);
-            }
-            const ss_quad a = ss_quad_mul(ss_quad_load(s->mobility + at), f);
-            sum_power = ss_quad_fma(gamma_v, v, sum_power);
-            if (index == 0) {
-                ss_quad_store(s->sum1 + at, a);
-                ss_quad_store(s->sum2 + at, a);
-            } else if (index == 3) {
-                ss_quad_store(s->sum2 + at, ss_quad_add(ss_quad_load(s->sum2 + at), a));
+            const ss_quad v = ss_quad_load(v_now + at);
+            const ss_quad a =
+                acceleration(s, i, v, has_source, has_pretension, has_pressure, &sums.power);
+            if (index == 3) {
+                finish_node(s, i, a, v, h6, &sums);
             } else {
-                ss_quad_store(s->sum1 + at, ss_quad_add(ss_quad_load(s->sum1 + at), a));
-                ss_quad_store(s->sum2 + at, ss_quad_fma(two, a, ss_quad_load(s->sum2 + at)));
-            }
-            if (index < 3) {
                 ss_quad_store(s->us + at, ss_quad_fma(step, v, ss_quad_load(s->u0 + at)));
-                ss_quad_store(s->vs + at, ss_quad_fma(step, a, ss_quad_load(s->v0 + at)));
+                ss_quad_store(s->vs[index] + at,
+                              ss_quad_fma(step, a, index == 0 ? v : ss_quad_load(s->v0 + at)));
             }
         }
-        power += ss_quad_sum(sum_power);
+        power += ss_quad_sum(sums.power);
+        if (index == 3) {
+            add_totals(&sums, &s->totals);
+        }
     }
     return power;
 }
 
-SS_INLINE double stage_index(const ss_cnn_stage *s, int32_t index)
+SS_INLINE double stage_index(ss_cnn_stage *s, int32_t index)
 {
     if (!s->normal && s->r && s->c2 == 0.0) {
         return stage_nodes(s, true, false, false, index);
@@ -261,7 +307,7 @@ SS_INLINE double stage_index(const ss_cnn_stage *s, int32_t index)
                      : stage_nodes(s, false, false, false, index);
 }
 
-static double stage(const ss_cnn_stage *s)
+static double stage(ss_cnn_stage *s)
 {
     switch (s->index) {
     case 0:
@@ -275,47 +321,24 @@ static double stage(const ss_cnn_stage *s)
     }
 }
 
-/* u is summed with its rounding error kept (Kahan): a slow return moves less than the last digit
- * of u in a step, and would stop short of rest without it. */
-static void finish(const ss_cnn_stage *s, const ss_real *low0, ss_real *u, ss_real *u_low,
-                   ss_real *v)
-{
-    const ss_quad h = ss_quad_all((ss_real)s->h);
-    const ss_quad h6 = ss_quad_all((ss_real)(s->h / 6.0));
-    const ss_quad hh6 = ss_quad_all((ss_real)(s->h * s->h / 6.0));
-    for (int32_t i = 0; i < s->node_count; ++i) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)i;
-        const ss_quad v0 = ss_quad_load(s->v0 + at), u0 = ss_quad_load(s->u0 + at);
-        const ss_quad low = ss_quad_load(low0 + at);
-        const ss_quad du = ss_quad_fma(h, v0, ss_quad_fma(hh6, ss_quad_load(s->sum1 + at), low));
-        const ss_quad sum = ss_quad_add(u0, du);
-        ss_quad_store(u_low + at, ss_quad_sub(du, ss_quad_sub(sum, u0)));
-        ss_quad_store(u + at, sum);
-        ss_quad_store(v + at, ss_quad_fma(h6, ss_quad_load(s->sum2 + at), v0));
-    }
-}
-
 static void total(int32_t node_count, const ss_real *u, const ss_real *v,
                   const ss_real *rest_stiffness, const ss_real *mass, ss_cnn_totals *out)
 {
-    double kinetic = 0.0, rest = 0.0, largest = 0.0;
+    *out = (ss_cnn_totals){0};
     for (int32_t first = 0; first < node_count; first += BLOCK) {
         const int32_t end = least(first + BLOCK, node_count);
-        ss_quad sum_kinetic = ss_quad_all(0), sum_rest = ss_quad_all(0), sum = ss_quad_all(0);
+        const ss_quad zero = ss_quad_all(0);
+        block_sums sums = {zero, zero, zero, zero};
         for (int32_t i = first; i < end; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
             const ss_quad vi = ss_quad_load(v + at), ui = ss_quad_load(u + at);
             const ss_quad uu = ss_quad_mul(ui, ui);
-            sum_kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(mass[i]), vi), vi, sum_kinetic);
-            sum_rest = ss_quad_fma(ss_quad_all(rest_stiffness[i]), uu, sum_rest);
-            sum = ss_quad_add(sum, uu);
+            sums.kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(mass[i]), vi), vi, sums.kinetic);
+            sums.rest = ss_quad_fma(ss_quad_all(rest_stiffness[i]), uu, sums.rest);
+            sums.square = ss_quad_add(sums.square, uu);
         }
-        const double square = ss_quad_sum(sum); /* of the block: an upper bound of the largest */
-        kinetic += ss_quad_sum(sum_kinetic);
-        rest += ss_quad_sum(sum_rest);
-        largest = square > largest || square != square ? square : largest;
+        add_totals(&sums, out);
     }
-    *out = (ss_cnn_totals){.kinetic = kinetic, .rest = rest, .largest = largest};
 }
 
 static void axpy(int32_t node_count, double s, const ss_real *x, ss_real *y)
@@ -375,6 +398,71 @@ static double weighted_square(int32_t node_count, const ss_real *r, const ss_rea
     return sum;
 }
 
+static double tangent(int32_t node_count, const ss_real *rest_stiffness, const ss_real *x, double c,
+                      const ss_real *y, ss_real *out)
+{
+    const ss_quad factor = ss_quad_all((ss_real)c);
+    double sum = 0.0;
+    for (int32_t first = 0; first < node_count; first += BLOCK) {
+        const int32_t end = least(first + BLOCK, node_count);
+        ss_quad block = ss_quad_all(0);
+        for (int32_t i = first; i < end; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            const ss_quad xi = ss_quad_load(x + at);
+            const ss_quad ks_x = ss_quad_mul(ss_quad_all(rest_stiffness[i]), xi);
+            ss_quad value = ss_quad_sub(ks_x, ss_quad_load(out + at));
+            if (y) {
+                value = ss_quad_fma(factor, ss_quad_load(y + at), value);
+            }
+            ss_quad_store(out + at, value);
+            block = ss_quad_fma(xi, value, block);
+        }
+        sum += ss_quad_sum(block);
+    }
+    return sum;
+}
+
+static double descend(int32_t node_count, double s, const ss_real *p, const ss_real *q,
+                      const ss_real *inverse, ss_real *y, ss_real *res, ss_real *z)
+{
+    const ss_quad factor = ss_quad_all((ss_real)s);
+    double sum = 0.0;
+    for (int32_t first = 0; first < node_count; first += BLOCK) {
+        const int32_t end = least(first + BLOCK, node_count);
+        ss_quad block = ss_quad_all(0);
+        for (int32_t i = first; i < end; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            const ss_quad left = ss_quad_fnma(factor, ss_quad_load(q + at), ss_quad_load(res + at));
+            const ss_quad zi = ss_quad_mul(ss_quad_load(inverse + at), left);
+            ss_quad_store(y + at, ss_quad_fma(factor, ss_quad_load(p + at), ss_quad_load(y + at)));
+            ss_quad_store(res + at, left);
+            ss_quad_store(z + at, zi);
+            block = ss_quad_fma(left, zi, block);
+        }
+        sum += ss_quad_sum(block);
+    }
+    return sum;
+}
+
+static void add_rows(int32_t node_count, double c, const ss_real *b, double *stiff)
+{
+    for (int32_t i = 0; i < node_count; ++i) {
+        stiff[i] += c * (double)b[4 * (ptrdiff_t)i + 3];
+    }
+}
+
+static double largest(int32_t node_count, const double *a, const double *b)
+{
+    double most[4] = {0.0, 0.0, 0.0, 0.0};
+    for (int32_t i = 0; i < node_count; ++i) {
+        const double value = a[i] * b[i];
+        most[i % 4] = value > most[i % 4] ? value : most[i % 4];
+    }
+    const double x = most[0] > most[1] ? most[0] : most[1];
+    const double y = most[2] > most[3] ? most[2] : most[3];
+    return x > y ? x : y;
+}
+
 /* ---- the table ------------------------------------------------------------------------------- */
 
 #ifdef SS_WIDE_AVX2
@@ -396,9 +484,12 @@ const ss_cnn_kernels PATH = {.name = PATH_NAME,
                              .strain = strain,
                              .combine = combine,
                              .stage = stage,
-                             .finish = finish,
                              .total = total,
                              .axpy = axpy,
                              .dot = dot,
                              .scale = scale,
+                             .tangent = tangent,
+                             .descend = descend,
+                             .add_rows = add_rows,
+                             .largest = largest,
                              .weighted_square = weighted_square};

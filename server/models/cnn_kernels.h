@@ -35,26 +35,28 @@ typedef struct ss_cnn_edges {
     ss_real *x, *y, *z; /* P0_j - P0_i, m */
 } ss_cnn_edges;
 
-/* One RK4 stage: a = (force - c1 r + c2 b - p N - ks d - gamma v) / m, then the next stage's u and
- * v (stages 0 to 2) or the step's sums (stage 3). */
+typedef struct ss_cnn_totals {
+    double kinetic; /* sum m v^2, J x 2 */
+    double rest;    /* sum ks u^2 */
+    double largest; /* an upper bound of the largest |u|^2, m^2 */
+} ss_cnn_totals;
+
+/* One RK4 stage: a = (force - c1 r + c2 b - p N - ks d - gamma v) / m, then u and v of the next
+ * stage (stages 0 to 2) or of the step's end (stage 3). */
 typedef struct ss_cnn_stage {
     int32_t node_count, index;
     double h;                              /* s */
     double c1, c2, pressure;               /* c1 = T + a T0, c2 = a T0 in N; pressure in Pa */
     const ss_real *force, *r, *b, *normal; /* quads; r NULL: no source; normal NULL: no pressure */
-    const ss_real *rest_stiffness, *damping; /* a node, N/m and N s/m */
-    const ss_real *mobility;                 /* quad, 1/kg; 0 on fixed and driven axes */
-    const ss_real *u0, *v0;                  /* the state at the step's start */
-    const ss_real *d, *v; /* of this stage: u, or P - P* of a free body; velocity */
-    ss_real *us, *vs;     /* the next stage; may be d and v */
-    ss_real *sum1, *sum2; /* a1 + a2 + a3, a1 + 2 a2 + 2 a3 */
+    const ss_real *rest_stiffness, *damping, *mass; /* a node, N/m, N s/m and kg */
+    const ss_real *mobility;                        /* quad, 1/kg; 0 on fixed and driven axes */
+    const ss_real *u0, *v0, *low0; /* at the step's start; low: rounding error of u */
+    const ss_real *d;              /* of this stage: u, or P - P* of a free body */
+    ss_real *us;                   /* u of the next stage; may be d */
+    ss_real *vs[3];                /* v of stages 1 to 3 */
+    ss_real *u, *v, *low;          /* at the step's end */
+    ss_cnn_totals totals;          /* of u and v, by stage 3 */
 } ss_cnn_stage;
-
-typedef struct ss_cnn_totals {
-    double kinetic; /* sum m v^2, J x 2 */
-    double rest;    /* sum ks u^2 */
-    double largest; /* largest |u|^2, m^2 */
-} ss_cnn_totals;
 
 typedef struct ss_cnn_kernels {
     const char *name;
@@ -70,10 +72,7 @@ typedef struct ss_cnn_kernels {
                     const double *weight, const ss_real *strain, const ss_real *stretch,
                     ss_real *sum, double *eps, double *eta);
     /* Returns the power lost to damping at this stage, W. */
-    double (*stage)(const ss_cnn_stage *stage);
-    /* u = u0 + h v0 + h^2/6 sum1 (with its rounding error in u_low), v = v0 + h/6 sum2. */
-    void (*finish)(const ss_cnn_stage *stage, const ss_real *low0, ss_real *u, ss_real *u_low,
-                   ss_real *v);
+    double (*stage)(ss_cnn_stage *stage);
     void (*total)(int32_t node_count, const ss_real *u, const ss_real *v,
                   const ss_real *rest_stiffness, const ss_real *mass, ss_cnn_totals *out);
     /* y += s x over quads. */
@@ -82,6 +81,16 @@ typedef struct ss_cnn_kernels {
     double (*dot)(int32_t node_count, const ss_real *x, const ss_real *y);
     /* out = a b lane by lane; returns b.out. */
     double (*scale)(int32_t node_count, const ss_real *a, const ss_real *b, ss_real *out);
+    /* out = ks x + c y - out (y may be NULL); returns x.out. */
+    double (*tangent)(int32_t node_count, const ss_real *rest_stiffness, const ss_real *x, double c,
+                      const ss_real *y, ss_real *out);
+    /* One update of conjugate gradients: y += s p, res -= s q, z = inverse res; returns res.z. */
+    double (*descend)(int32_t node_count, double s, const ss_real *p, const ss_real *q,
+                      const ss_real *inverse, ss_real *y, ss_real *res, ss_real *z);
+    /* stiff += c times the fourth lane of b. */
+    void (*add_rows)(int32_t node_count, double c, const ss_real *b, double *stiff);
+    /* The largest a_i b_i, at least 0. */
+    double (*largest)(int32_t node_count, const double *a, const double *b);
     /* sum |r|^2 / m */
     double (*weighted_square)(int32_t node_count, const ss_real *r, const ss_real *mobility);
 } ss_cnn_kernels;

@@ -72,27 +72,23 @@ double ss_cnn_rk4_limit(double d_min, double d_max, double omega2)
     return limit;
 }
 
-/* Adds to model->stiff (of `kap` rows) and returns the strain term of one source. */
+/* Adds to model->stiff and returns the strain term of one source. */
 static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
 {
-    const ss_real *b = source->b;
-    const double factor = 2.0 * source->c1;
-    for (int32_t i = 0; factor > 0.0 && i < model->node_count; ++i) {
-        model->stiff[i] += factor * (double)b[4 * (ptrdiff_t)i + 3];
+    const ss_cnn_kernels *kernels = model->kernels;
+    if (source->c1 > 0.0) {
+        kernels->add_rows(model->node_count, 2.0 * source->c1, source->b, model->stiff);
     }
-    if (source->rank == 0.0) {
-        return 0.0;
-    }
-    return source->rank *
-           model->kernels->weighted_square(model->node_count, source->r, model->mobility);
+    return source->rank > 0.0 ? source->rank * kernels->weighted_square(model->node_count,
+                                                                        source->r, model->mobility)
+                              : 0.0;
 }
 
 void ss_cnn_set_bound(ss_model *model)
 {
-    double omega2 = model->bulk_rate, largest = 0.0;
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        model->stiff[i] = (double)model->rest_stiffness[i];
-    }
+    double omega2 = model->bulk_rate;
+    memcpy(model->stiff, model->material.rest_stiffness,
+           (size_t)model->node_count * sizeof *model->stiff);
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
         omega2 += source ? add_source_stiffness(model, source) : 0.0;
@@ -107,16 +103,8 @@ void ss_cnn_set_bound(ss_model *model)
             model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
         }
     }
-    model->limiting_node = -1;
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        const double rate = model->stiff[i] * model->mobility_max[i];
-        if (rate > largest) {
-            largest = rate;
-            model->limiting_node = i;
-        }
-    }
-    model->bound =
-        ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2 + largest);
+    omega2 += model->kernels->largest(model->node_count, model->stiff, model->mobility_max);
+    model->bound = ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2);
 }
 
 /* ---- free bodies -------------------------------------------------------------------------------
@@ -466,13 +454,16 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
                           .normal = model->normal,
                           .rest_stiffness = model->rest_stiffness,
                           .damping = model->damping,
+                          .mass = model->mass,
                           .mobility = model->mobility,
                           .u0 = model->u,
                           .v0 = model->v,
+                          .low0 = model->u_low,
                           .us = model->us,
-                          .vs = model->vs,
-                          .sum1 = model->sum1,
-                          .sum2 = model->sum2};
+                          .vs = {model->vs[0], model->vs[1], model->vs[2]},
+                          .u = model->old_u,
+                          .v = model->old_v,
+                          .low = model->old_low};
     for (int s = 0; s < 4; ++s) {
         if (s > 0) {
             clear_contact(model);
@@ -481,7 +472,6 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         const ss_cnn_source *first = model->first;
         stage.index = s;
         stage.d = model->d;
-        stage.v = s > 0 ? model->vs : model->v;
         stage.r = first ? first->r : NULL;
         stage.b = first ? (model->is_held ? first->b : first->b_turned) : NULL;
         stage.c1 = first ? first->c1 : 0.0;
@@ -489,20 +479,21 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         stage.pressure = model->pressure;
         model->work += tool_work(model, fraction, share[s]);
         if (model->plan.prescribed_count > 0) {
-            model->work += ss_cnn_driven_work(model, stage.d, stage.v, h, share[s]);
+            const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
+            model->work += ss_cnn_driven_work(model, stage.d, v, h, share[s]);
         }
         model->dissipated += h * share[s] * model->kernels->stage(&stage);
         if (s == 0) {
             ready_contact(model, path, path + fraction);
         }
     }
-    model->kernels->finish(&stage, model->u_low, model->old_u, model->old_low, model->old_v);
+    model->totals = stage.totals;
+    model->has_totals = true;
     swap_states(model);
 }
 
-static bool is_finite_state(ss_model *model)
+static bool is_finite_state(const ss_model *model)
 {
-    set_totals(model);
     return isfinite(model->totals.kinetic) && isfinite(model->totals.rest) &&
            isfinite(model->totals.largest);
 }

@@ -4,7 +4,7 @@
 # The hand of kidney-poke.lcmlog: reads kidney.obj (mm), writes a pose CSV at 1 kHz (m).
 # A sphere of 5 mm comes down on the upper face, away from the hilum, presses 10 mm along the
 # inward normal, holds, slides 20 mm along the surface at that depth, lets go, presses 8 mm
-# elsewhere, lets go, and stays away for a second. Every move is s(u) = u^3 (10 - 15 u + 6 u^2),
+# elsewhere, lets go, and returns above the surface to where it began, free for a second. Every move is s(u) = u^3 (10 - 15 u + 6 u^2),
 # which starts and ends without speed or acceleration.
 #
 # The track is the surface above the line y = track_y, from x = track_x on: point and normal every
@@ -16,7 +16,7 @@ BEGIN {
     track_length = 60; reach = 4    # mm; facets are smoothed over +- reach
     # end time (s), depth of the tool's lowest point below the rest surface, place on the track (mm)
     phases = split("0.3 -10 5  1.3 10 5  2.3 10 5  4.3 10 25  4.8 10 25  5.5 -10 25  " \
-                   "6.2 -10 52  7.0 8 52  7.5 8 52  8.0 -10 52  9.0 -10 52", phase, " +") / 3
+                   "6.2 -10 52  7.0 8 52  7.5 8 52  8.0 -10 52  9.0 -10 5", phase, " +") / 3
     rate = 1000
 }
 

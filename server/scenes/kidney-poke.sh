@@ -8,6 +8,8 @@
 #
 # The bridge's contact frame: z out of the upper face, its origin where the 5 mm sphere touches.
 KIDNEY_BRIDGE="--offset-m 0,0.006,0.0273"
+# The other hand's, on the lower face: z out of the tissue is the world's -z.
+KIDNEY_SECOND="--axes x,-y,-z --offset-m 0,0.006,-0.0273"
 
 case "$0" in
 *kidney-poke.sh)

@@ -195,6 +195,9 @@ static void replays_bit_for_bit(void **state)
 
 typedef struct watch {
     lcm_t *lcm;
+    softsim_contact_force_t_subscription_t *force_subscription;
+    softsim_server_status_t_subscription_t *status_subscription;
+    softsim_reply_t_subscription_t *reply_subscription;
     softsim_contact_force_t force;
     int forces;
     softsim_server_status_t status;
@@ -245,9 +248,19 @@ static void watch_open(watch *w)
     memset(w, 0, sizeof *w);
     w->lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
     assert_non_null(w->lcm);
-    softsim_contact_force_t_subscribe(w->lcm, "SOFTSIM_FORCE_0", on_force, w);
-    softsim_server_status_t_subscribe(w->lcm, "SOFTSIM_STATUS", on_status, w);
-    softsim_reply_t_subscribe(w->lcm, "SOFTSIM_REPLY", on_reply, w);
+    w->force_subscription =
+        softsim_contact_force_t_subscribe(w->lcm, "SOFTSIM_FORCE_0", on_force, w);
+    w->status_subscription =
+        softsim_server_status_t_subscribe(w->lcm, "SOFTSIM_STATUS", on_status, w);
+    w->reply_subscription = softsim_reply_t_subscribe(w->lcm, "SOFTSIM_REPLY", on_reply, w);
+}
+
+static void watch_close(watch *w)
+{
+    softsim_contact_force_t_unsubscribe(w->lcm, w->force_subscription);
+    softsim_server_status_t_unsubscribe(w->lcm, w->status_subscription);
+    softsim_reply_t_unsubscribe(w->lcm, w->reply_subscription);
+    lcm_destroy(w->lcm);
 }
 
 /* Handles messages until `done` says so; fails after 20 s. */
@@ -321,7 +334,7 @@ static void killed_bridge_is_let_go(void **state)
     assert_in_range(w.zero_seq - w.fresh_seq, 60, 71);
     assert_true(w.force.flags & SOFTSIM_FORCE_STALE);
     watch_until(&w, says_silent, "a status that says why");
-    lcm_destroy(w.lcm);
+    watch_close(&w);
     assert_int_equal(stop_daemon(), 0);
 }
 
@@ -339,7 +352,7 @@ static void replay_outlives_a_killed_daemon(void **state)
     start_daemon(NULL);
     w.force.force[0] = w.force.force[1] = w.force.force[2] = 0.0;
     watch_until(&w, is_pressed, "a force of the new daemon");
-    lcm_destroy(w.lcm);
+    watch_close(&w);
     if (process_finish(&client) != 0) {
         fail_msg("replay: %s%s", client.out, client.err);
     }
@@ -383,7 +396,7 @@ static void obeys_commands(void **state)
     start_daemon(closed);
     expect_reply(&w, "status", "", 0);
     expect_reply(&w, "shutdown", "", 1);
-    lcm_destroy(w.lcm);
+    watch_close(&w);
     assert_int_equal(stop_daemon(), 0);
 }
 

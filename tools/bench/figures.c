@@ -98,6 +98,8 @@ static bool compute_lateness(const ss_session *s, int32_t last, ss_figures *out)
         haptic[i] = (ss_figure){late[0], late[1], late[2], late[3], 0};
         bare[i] = bare_window(&s->bare, end[i]->receive_ns, &scratch);
     }
+    out->windows_begin_ns = end[out->window_count - 1]->receive_ns - window_ns;
+    out->windows_end_ns = end[0]->receive_ns;
     ss_samples_fini(&scratch);
     out->haptic = combine(haptic, out->window_count);
     out->bare_loop = combine(bare, out->window_count);

@@ -24,6 +24,7 @@ typedef struct ss_figure {
 typedef struct ss_figures {
     ss_figure haptic, bare_loop, pose_to_force, bare_echo, step;
     int32_t window_count;
+    int64_t windows_begin_ns, windows_end_ns;
     ss_samples answer_us; /* pose to force */
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int64_t bare_periods, bare_missed;

@@ -403,7 +403,10 @@ static softsim_status put_pictures(const report *r, ss_page *page, softsim_error
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int64_t i = 0; i < bare->tick_count; ++i) {
-        ss_samples_add(&bare_us, bare->tick[i].late_us);
+        if (bare->tick[i].due_ns > r->figures->windows_begin_ns &&
+            bare->tick[i].due_ns <= r->figures->windows_end_ns) {
+            ss_samples_add(&bare_us, bare->tick[i].late_us);
+        }
     }
     softsim_status status = plot_lateness(r, page, &bare_us, error);
     if (status == SOFTSIM_OK) {

@@ -264,7 +264,7 @@ static softsim_status plot_times(const report *r, ss_page *page, softsim_error *
     put_block(file, "load", r, "load");
     put_block(file, "slide", r, "slide");
     put_block(file, "paper", r, NULL);
-    fprintf(file, "set logscale xy\nset grid\nset key top left\nset xrange [%d:%d]\n",
+    fprintf(file, "set logscale xy\nset grid\nset key bottom right\nset xrange [%d:%d]\n",
             r->row[0].points * 2 / 3, r->row[r->row_count - 1].points * 3 / 2);
     fputs("set xlabel 'nodes'\nset ylabel 'ms of thread CPU for 1 ms of time'\n"
           "plot 1 with lines dt 3 lc rgb 'grey50' title 'real time', "
