@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Meshes, parameters and a model to step: shared by the tests of models/. */
+/* Meshes, parameters and a model to step: shared by the tests of models/. cmocka comes first. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -9,10 +9,25 @@
 #include <string.h>
 
 #include "mesh/mesh.h"
+#include "models/cnn_energy.h"
 #include "models/model.h"
 #include "rt/vec.h"
 
 #define PI 3.14159265358979323846
+
+#ifdef SOFTSIM_DOUBLE
+#define BY_TYPE(single, twice) (twice)
+#else
+#define BY_TYPE(single, twice) (single)
+#endif
+
+#define assert_near(a, b, tolerance)                                                               \
+    do {                                                                                           \
+        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
+        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
+            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
+        }                                                                                          \
+    } while (0)
 
 /* ---- meshes -----------------------------------------------------------------------------------
  */
@@ -279,4 +294,136 @@ static inline ss_model_info info_of(const setup *s)
     ss_model_info info;
     s->class->info(s->model, &info);
     return info;
+}
+
+static inline void create(setup *s)
+{
+    const softsim_status status = setup_create(s);
+    if (status != SOFTSIM_OK) {
+        fail_msg("create: %s", s->error.text);
+    }
+}
+
+/* Mass, damping and rest stiffness of a node as given. */
+static inline void per_node(setup *s, double mass, double damping, double rest_stiffness)
+{
+    give(s, "per_area", 0.0);
+    give(s, "mass_kg", mass);
+    give(s, "damping_n_s_per_m", damping);
+    give(s, "rest_stiffness_n_per_m", rest_stiffness);
+}
+
+static inline double ledger(const setup *s)
+{
+    const ss_model_info info = info_of(s);
+    return info.elastic + info.kinetic - info.work + info.dissipated;
+}
+
+static inline double largest_displacement(const setup *s)
+{
+    double largest = 0.0;
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            largest = fmax(largest, fabs(moved(s, i, k)));
+        }
+    }
+    return largest;
+}
+
+/* The state a test wants to start from. */
+static inline void place(setup *s, int32_t node, double x, double y, double z)
+{
+    ss_real *u = s->model->u + 4 * (ptrdiff_t)node;
+    u[0] = (ss_real)x;
+    u[1] = (ss_real)y;
+    u[2] = (ss_real)z;
+    s->model->is_ready = false;
+}
+
+static uint64_t random_state = 1;
+
+static inline double random_unit(void)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+}
+
+/* Random displacements of all free axes, up to `size`. */
+static inline void crumple(setup *s, double size)
+{
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        if ((s->fixed[i] & 7) != 7) {
+            place(s, i, size * random_unit(), size * random_unit(), size * random_unit());
+        }
+    }
+}
+
+/* ---- bodies that several tests use ---- */
+
+#define FAN_EDGE 0.3
+
+static inline void setup_fan(setup *s, double modulus, double mass, double damping,
+                             double stiffness)
+{
+    setup_init(s, "cnn-energy", make_fan(FAN_EDGE));
+    for (int k = 1; k < 7; ++k) {
+        s->fixed[k] = 7;
+    }
+    give(s, "modulus_n_per_m", modulus);
+    give(s, "rho", 0.05);
+    per_node(s, mass, damping, stiffness);
+}
+
+/* Bent ellipsoid-like body: held at its lower end, pushed at the top. */
+static inline void setup_body(setup *s, int frequency)
+{
+    setup_init(s, "cnn-energy", make_ellipsoid(frequency, 1.0, 0.9, 0.8));
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        if (s->mesh->position[i][2] < -0.62) {
+            s->fixed[i] = 7;
+        }
+    }
+    give(s, "modulus_n_per_m", 60.0);
+    per_node(s, 1.0, 2.0, 0.1);
+    give(s, "rho", 0.05);
+}
+
+static inline int32_t top_node(const ss_mesh *mesh)
+{
+    int32_t best = 0;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        best = mesh->position[i][2] > mesh->position[best][2] ? i : best;
+    }
+    return best;
+}
+
+enum { TOP = 7 * 24, LEFT = TOP + 6, RIGHT = TOP + 18 };
+
+static inline void setup_cylinder(setup *s, double damping)
+{
+    setup_init(s, "cnn-energy", make_cylinder(15, 24, 1.0, 4.0));
+    for (int j = 0; j < 24; ++j) {
+        s->fixed[j] = s->fixed[14 * 24 + j] = 7;
+    }
+    give(s, "modulus_n_per_m", 60.0);
+    give(s, "rho", 0.05);
+    per_node(s, 1.0, damping, 0.1);
+}
+
+/* The potential at the present displacements, and the force on one axis of a node. */
+static inline double potential(setup *s, int32_t node, int axis, double *out_force)
+{
+    s->model->is_ready = false;
+    s->class->step(s->model, s->time, 1e-30, NULL);
+    const ss_model *m = s->model;
+    const ptrdiff_t at = 4 * (ptrdiff_t)node + axis;
+    const ss_cnn_source *first = m->first;
+    *out_force = (double)m->force[at] - (double)m->rest_stiffness[node] * (double)m->d[at] -
+                 first->c1 * (double)first->r[at] +
+                 first->c2 * (double)(m->is_held ? first->b : first->b_turned)[at];
+    *out_force -= (double)m->load_force[at];
+    if (m->normal) {
+        *out_force -= m->pressure * (double)m->normal[at];
+    }
+    return info_of(s).elastic;
 }

@@ -271,8 +271,8 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
     (void)state;
     char value[64];
     const char *word[3];
-    const char *path = write_file("p.sh", "# X_BRIDGE=no\nOTHER=\"a\"\n"
-                                          "KIDNEY_BRIDGE=\"--offset-m 0,0,1  --axes x\"\n");
+    const char *path = write_file("p.sh", "# X_SECOND=no\nOTHER=\"a\"\n"
+                                          "KIDNEY_SECOND=\"--offset-m 0,0,1  --axes x\"\n");
     assert_true(ss_session_read_bridge(path, value, sizeof value));
     assert_string_equal(value, "--offset-m 0,0,1  --axes x");
     assert_int_equal(ss_session_split(value, word, 3), -1);
@@ -282,11 +282,11 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
     snprintf(value, sizeof value, " ");
     assert_int_equal(ss_session_split(value, word, 3), 0);
 
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_BRIDGE=\"$(id)\"\n"), value, 64));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_BRIDGE=\"open\n"), value, 64));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_BRIDGE=\"long\"\n"), value, 4));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "_BRIDGES=a\nBRIDGE=a\n"), value, 64));
-    assert_true(ss_session_read_bridge(write_file("p.sh", "A_BRIDGE='a b'\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"$(id)\"\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"open\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"long\"\n"), value, 4));
+    assert_false(ss_session_read_bridge(write_file("p.sh", "_SECONDS=a\nSECOND=a\n"), value, 64));
+    assert_true(ss_session_read_bridge(write_file("p.sh", "A_SECOND='a b'\n"), value, 64));
     assert_string_equal(value, "a b");
     assert_false(ss_session_read_bridge("/nowhere/p.sh", value, 64));
 }

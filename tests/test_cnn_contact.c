@@ -11,33 +11,9 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <stdio.h>
 
 #include "model_fixture.h"
-#include "models/cnn_energy.h"
 #include "rt/thread.h"
-
-#ifdef SOFTSIM_DOUBLE
-#define BY_TYPE(single, twice) (twice)
-#else
-#define BY_TYPE(single, twice) (single)
-#endif
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
-
-static void create(setup *s)
-{
-    const softsim_status status = setup_create(s);
-    if (status != SOFTSIM_OK) {
-        fail_msg("create: %s", s->error.text);
-    }
-}
 
 static void add_sphere(setup *s, int probe, double radius)
 {
@@ -72,27 +48,10 @@ static void settle(setup *s, double dt, ss_model_tool *tool, int count)
     }
 }
 
-static double ledger(const setup *s)
-{
-    const ss_model_info info = info_of(s);
-    return info.elastic + info.kinetic - info.work + info.dissipated;
-}
-
-static double largest_displacement(const setup *s)
-{
-    double largest = 0.0;
-    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            largest = fmax(largest, fabs(moved(s, i, k)));
-        }
-    }
-    return largest;
-}
-
 /* ---- the hexagon fan ----------------------------------------------------------------------------
  */
 
-static void setup_fan(setup *s)
+static void setup_touched_fan(setup *s)
 {
     setup_init(s, "cnn-energy", make_fan(0.3));
     for (int k = 1; k < 7; ++k) {
@@ -119,7 +78,7 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
         {0.11, 0.0950585950533870, 1.0, 0.003024, 1.27794961556580, 0.0203713525955681}};
     for (int k = 0; k < 3; ++k) {
         setup s;
-        setup_fan(&s);
+        setup_touched_fan(&s);
         create(&s);
         s.model->u[2] = (ss_real)-0.12;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -141,16 +100,8 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
 /* ---- one potential of nodes and tool
  * -------------------------------------------------------------- */
 
-static uint64_t random_state = 1;
-
-static double random_unit(void)
-{
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
-}
-
 /* The potential with the tool where it is. */
-static double potential(setup *s, ss_model_tool *tool)
+static double tool_potential(setup *s, ss_model_tool *tool)
 {
     s->model->is_ready = false;
     s->class->step(s->model, 0.0, 1e-30, tool);
@@ -198,7 +149,7 @@ static void check_gradient(double height, double saturation, double wanted_ampli
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_deformed(&s, tool, height, saturation);
-    potential(&s, tool);
+    tool_potential(&s, tool);
     const ss_cnn_tool *own = &s.model->tool[0];
     assert_true(own->source.eps > 0.0);
     assert_true(wanted_amplitude == 1.0
@@ -213,23 +164,23 @@ static void check_gradient(double height, double saturation, double wanted_ampli
         }
     }
     for (int32_t n = 0; n < own->count; n += 3) { /* nodes under the tool: all terms act there */
-        potential(&s, tool);
+        tool_potential(&s, tool);
         const int32_t node = own->node[n];
         for (int k = 0; k < 3; ++k) {
-            potential(&s, tool);
+            tool_potential(&s, tool);
             const double force = node_force(&s, node, k);
             const ptrdiff_t at = 4 * (ptrdiff_t)node + k;
             const ss_real before = s.model->u[at];
             s.model->u[at] = (ss_real)((double)before + h);
-            const double up = (double)s.model->u[at], high = potential(&s, tool);
+            const double up = (double)s.model->u[at], high = tool_potential(&s, tool);
             s.model->u[at] = (ss_real)((double)before - h);
-            const double down = (double)s.model->u[at], low = potential(&s, tool);
+            const double down = (double)s.model->u[at], low = tool_potential(&s, tool);
             s.model->u[at] = before;
             assert_near(-(high - low) / (up - down), force, BY_TYPE(0.03, 3e-6) * scale);
         }
     }
     double force[3];
-    potential(&s, tool);
+    tool_potential(&s, tool);
     ss_copy3(force, own->force);
     for (int k = 0; k < 3; ++k) { /* the tool's force is the same potential's */
         const double before = tool[0].to.position[k];
@@ -237,7 +188,7 @@ static void check_gradient(double height, double saturation, double wanted_ampli
         for (int side = 0; side < 2; ++side) {
             tool[0].to.position[k] = before + (side == 0 ? h : -h);
             tool[0].from = tool[0].to;
-            energy[side] = potential(&s, tool);
+            energy[side] = tool_potential(&s, tool);
         }
         tool[0].to.position[k] = before;
         tool[0].from = tool[0].to;
@@ -260,7 +211,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_deformed(&s, tool, 0.0415, 0.0);
-    potential(&s, tool);
+    tool_potential(&s, tool);
     double sum[3], reaction[3];
     ss_copy3(sum, s.model->tool[0].force);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {

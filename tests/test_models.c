@@ -10,10 +10,8 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <stdio.h>
 
 #include "model_fixture.h"
-#include "models/cnn_energy.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
 

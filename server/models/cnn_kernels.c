@@ -226,7 +226,7 @@ SS_INLINE ss_quad acceleration(const ss_cnn_stage *s, int32_t i, ss_quad v, bool
 
 /* The step's end. With v_1 = v0, v_2 to v_4 the stages' velocities, h a_1 = 2 (v_2 - v0),
  * h a_2 = 2 (v_3 - v0) and h a_3 = v_4 - v0:
- *   u = u0 + h/6 (v0 + 2 v_2 + 2 v_3 + v_4),  v = (v_2 + 2 v_3 + v_4 - v0) / 3 + h/6 a_4
+ *   u = u0 + h/6 (v0 + 2 v_2 + 2 v_3 + v_4),  v = v0 + (h a_1 + 2 h a_2 + 2 h a_3 + h a_4) / 6
  * u is summed with its rounding error kept (Kahan): a slow return moves less than the last digit
  * of u in a step, and would stop short of rest without it. */
 SS_INLINE void finish_node(const ss_cnn_stage *s, int32_t i, ss_quad a, ss_quad v4, ss_quad h6,
@@ -240,7 +240,9 @@ SS_INLINE void finish_node(const ss_cnn_stage *s, int32_t i, ss_quad a, ss_quad 
     const ss_quad du =
         ss_quad_fma(h6, ss_quad_add(ss_quad_add(v0, v2), middle), ss_quad_load(s->low0 + at));
     const ss_quad u = ss_quad_add(u0, du);
-    const ss_quad v = ss_quad_fma(third, ss_quad_sub(middle, v0), ss_quad_mul(h6, a));
+    const ss_quad dv = ss_quad_fma(two, ss_quad_sub(v3, v0),
+                                   ss_quad_add(ss_quad_sub(v2, v0), ss_quad_sub(v4, v0)));
+    const ss_quad v = ss_quad_add(v0, ss_quad_fma(third, dv, ss_quad_mul(h6, a)));
     ss_quad_store(s->low + at, ss_quad_sub(du, ss_quad_sub(u, u0)));
     ss_quad_store(s->u + at, u);
     ss_quad_store(s->v + at, v);

@@ -4,7 +4,8 @@
 # The hand of kidney-poke.lcmlog: reads kidney.obj (mm), writes a pose CSV at 1 kHz (m).
 # A sphere of 5 mm comes down on the upper face, away from the hilum, presses 10 mm along the
 # inward normal, holds, slides 20 mm along the surface at that depth, lets go, presses 8 mm
-# elsewhere, lets go, and returns above the surface to where it began, free for a second. Every move is s(u) = u^3 (10 - 15 u + 6 u^2),
+# elsewhere, lets go, and returns above the surface to where it began, free for a second. Every
+# move is s(u) = u^3 (10 - 15 u + 6 u^2),
 # which starts and ends without speed or acceleration.
 #
 # The track is the surface above the line y = track_y, from x = track_x on: point and normal every

@@ -53,7 +53,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--poses", SS_ARG_STRING, &o->poses, 0, 0, "LOG",
          "played to probe 0, again and again (server/scenes/kidney-poke.lcmlog)"},
         {"--bridge", SS_ARG_STRING, &o->bridge, 0, 0, "\"ARGS\"",
-         "of the bridge on probe 1: --offset-m ... (the line ..._BRIDGE= of LOG's .sh)"},
+         "of the bridge on probe 1: --offset-m ... (the line ..._SECOND= of LOG's .sh)"},
         {"--seconds", SS_ARG_NUMBER, &o->seconds, 1.0, 36000.0, "S", "measured (60)"},
         {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL, "measures 12 s"},
         {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (latency-report)"},
@@ -118,7 +118,7 @@ static const char *find_bridge(const options *o, char *store, int32_t size, soft
     }
     softsim_error_add(
         error, SOFTSIM_ERROR_ARGUMENT,
-        "--bridge is missing, and %s has no plain line ..._BRIDGE=\"...\"; give where "
+        "--bridge is missing, and %s has no plain line ..._SECOND=\"...\"; give where "
         "the simulated hand stands, as --bridge \"--offset-m x,y,z --axes x,y,z\"",
         path);
     return NULL;

@@ -342,7 +342,7 @@ int32_t ss_session_split(char *text, const char **out_word, int32_t capacity)
 
 bool ss_session_read_bridge(const char *path, char *out, int32_t size)
 {
-    static const char suffix[] = "_BRIDGE";
+    static const char suffix[] = "_SECOND";
     char line[4096];
     FILE *file = fopen(path, "re");
     bool is_found = false;

@@ -61,5 +61,5 @@ void ss_session_fini(ss_session *session);
  * there are more. */
 int32_t ss_session_split(char *text, const char **out_word, int32_t capacity);
 /* The value of the line NAME="..." or NAME='...' or NAME=... of a shell file, NAME ending in
- * _BRIDGE; false when there is none. */
+ * _SECOND; false when there is none. */
 bool ss_session_read_bridge(const char *path, char *out, int32_t size);
