@@ -56,6 +56,8 @@ static void start_worker(ss_world *world)
     pthread_mutex_init(&worker->mutex, NULL);
     pthread_cond_init(&worker->changed, NULL);
     if (pthread_create(&worker->thread, NULL, worker_body, worker) != 0) {
+        pthread_mutex_destroy(&worker->mutex);
+        pthread_cond_destroy(&worker->changed);
         ss_memory_free(worker);
         return;
     }
@@ -111,8 +113,8 @@ static void begin_lockstep_step(ss_world *world)
 static void answer_refused(softsim_force *force, const softsim_pose *pose, softsim_refusal refusal)
 {
     if (refusal == SOFTSIM_REFUSED_OTHER_SENDER || refusal == SOFTSIM_REFUSED_WRONG_PROBE) {
-        const int32_t seq = force->seq;
-        *force = (softsim_force){.seq = seq, .probe = pose->probe};
+        /* The channel's probe, not the one that the pose claims: who asked listens there. */
+        *force = (softsim_force){.seq = force->seq, .probe = force->probe};
         if (refusal == SOFTSIM_REFUSED_OTHER_SENDER) {
             force->flags = SOFTSIM_FORCE_OTHER_SENDER;
         }
@@ -215,7 +217,6 @@ softsim_world *softsim_create(const char *scene_path, const softsim_config *conf
                                       .is_lockstep = true,
                                       .import_program = config->import_program};
     ss_world *world = NULL;
-    ss_thread_flush_denormals();
     ss_world_create(&options, &world, error);
     return (softsim_world *)world;
 }

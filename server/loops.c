@@ -33,7 +33,8 @@ enum {
     FAULT_WIRE_CLAMPED = 1 << 16,
     FAULT_WIRE_CAPPED = 1 << 17,
     FAULT_SLOW = 1 << 18,
-    STOP_TICKS = 25 /* the force ramps to zero in 20 */
+    SLOW_STEPS = 21, /* more late steps than punctual ones: slower than real time */
+    STOP_TICKS = 25  /* the force ramps to zero in 20 */
 };
 static const int64_t STATUS_PERIOD_NS = 250000000;
 
@@ -47,22 +48,26 @@ typedef struct ss_loops {
     atomic_bool is_ending;   /* loops return */
     atomic_bool is_over;     /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
+    atomic_int_least64_t ready_ns; /* main -> net: uptime counts from here */
     atomic_int refreshes;    /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
 
     /* net thread */
     ss_net *net;
-    softsim_status net_status;
+    softsim_status open_status; /* main reads it from is_listening on */
+    softsim_status net_status;  /* main reads it after the thread's end */
     softsim_error net_error;
     int64_t last_tick[SOFTSIM_MAX_PROBES];
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
     double peak_force;
-    int64_t next_status_ns, next_log_ns;
-    int64_t logged_refusals;
+    int64_t next_status_ns;
     int64_t queue_refused; /* poses that found their ring full */
     ss_haptic_stats haptic_stats;
     ss_simulation_stats simulation_stats;
+
+    /* main thread */
+    int64_t next_log_ns, logged_refusals;
 
     /* publish thread; read by net */
     ss_publisher *publisher;
@@ -92,18 +97,25 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
         answer(loops, &probe->answer);
         return;
     }
+    if (atomic_load_explicit(&loops->is_over, memory_order_relaxed)) {
+        return; /* the end has its tick, however long the loops take to see it */
+    }
     softsim_force force[SOFTSIM_MAX_PROBES];
     ss_world_lockstep(world, pose, &channel, 1, force);
-    ++loops->forces[channel];
-    ++loops->periods[channel];
+    if ((force[channel].flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
+        ++loops->forces[channel];
+        ++loops->periods[channel];
+        loops->last_flags[channel] = force[channel].flags;
+    }
     loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
     probe->answer = force[channel];
     probe->answered_seq = pose->seq;
     probe->answered_sender = pose->sender;
     probe->has_answer = true;
     answer(loops, &probe->answer);
+    /* The tick nearest to the duration is the last, as in softsim-run. */
     const double duration = loops->options->duration_s;
-    if (duration > 0.0 && (double)world->tick * world->period >= duration) {
+    if (duration > 0.0 && ((double)world->tick + 0.5) * world->period > duration) {
         end(loops);
     }
 }
@@ -245,10 +257,12 @@ static void judge(const ss_loops *loops, ss_report *report)
         report->fault_bits |= FAULT_WIRE_CAPPED;
         report->reason = *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
     }
-    if (loops->simulation_stats.is_slow && report->verdict < SOFTSIM_VERDICT_DEGRADED) {
-        report->verdict = SOFTSIM_VERDICT_DEGRADED;
+    if (loops->simulation_stats.is_slow) {
         report->fault_bits |= FAULT_SLOW;
-        report->reason = "the simulation is slower than real time";
+        if (report->verdict < SOFTSIM_VERDICT_DEGRADED) {
+            report->verdict = SOFTSIM_VERDICT_DEGRADED;
+            report->reason = "the simulation is slower than real time";
+        }
     }
     const char *reason = probe_reason(loops);
     if (reason && !*report->reason) {
@@ -285,7 +299,8 @@ static void send_status(ss_loops *loops)
         .poses_superseded = haptic->superseded + loops->queue_refused,
         .mesh_bytes_sent = loops->publisher ? ss_publisher_bytes(loops->publisher) : 0,
         .wire_dropped = ss_net_dropped(loops->net),
-        .uptime_s = 1e-9 * (double)(ss_clock_now_ns() - loops->start_ns),
+        .uptime_s = 1e-9 * (double)(ss_clock_now_ns() -
+                                    atomic_load_explicit(&loops->ready_ns, memory_order_relaxed)),
         .simulation_rate_hz = 1.0 / world->step_period,
         .stable_step_s = info->stable_step,
         .kinetic_j = info->kinetic,
@@ -296,6 +311,8 @@ static void send_status(ss_loops *loops)
         .scene = scene->path,
         .model = world->model_class->name};
     if (loops->options->lockstep) {
+        /* Of one state: the step computed last, whose result may still be held back. */
+        report.step = world->steps;
         report.state_hash = (int64_t)ss_world_hash(world);
     }
     memcpy(report.poses_refused, counts.refused, sizeof report.poses_refused);
@@ -312,7 +329,8 @@ static void send_status(ss_loops *loops)
     ss_net_send_status(loops->net, &report);
 }
 
-/* At most once a second: how many poses were refused since, by reason. */
+/* At most once a second: how many poses were refused since, by reason. By the main thread, so
+ * that a reader of stderr who stalls holds up no force. */
 static void log_refusals(ss_loops *loops, int64_t now_ns)
 {
     static const char *const reasons[SOFTSIM_REFUSED_COUNT] = {
@@ -351,10 +369,15 @@ static void *net_body(void *argument)
                                 .handle_pose = handle_pose,
                                 .handle_refusal = handle_refusal,
                                 .handle_command = handle_command};
-    loops->net_status = ss_net_open(&config, &calls, &loops->net, &loops->net_error);
+    loops->open_status = ss_net_open(&config, &calls, &loops->net, &loops->net_error);
+    const bool is_open = loops->open_status == SOFTSIM_OK;
+    if (!is_open && loops->net_error.fault_count == 0) {
+        softsim_error_add(&loops->net_error, loops->open_status, "cannot open LCM: %s",
+                          softsim_status_text(loops->open_status));
+    }
     atomic_store_explicit(&loops->is_listening, true, memory_order_release);
     ss_wake_signal(loops->event_fd);
-    if (loops->net_status != SOFTSIM_OK) {
+    if (!is_open) {
         return NULL;
     }
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
@@ -362,7 +385,6 @@ static void *net_body(void *argument)
         if (now >= loops->next_status_ns) {
             loops->next_status_ns = now + STATUS_PERIOD_NS;
             send_status(loops);
-            log_refusals(loops, now);
         }
         const int64_t wait_ms = (loops->next_status_ns - now) / 1000000 + 1;
         if (!ss_net_wait(loops->net, loops->wake_fd, (int)wait_ms)) {
@@ -421,13 +443,13 @@ static void *simulation_body(void *argument)
     ss_loops *loops = argument;
     ss_world *world = loops->world;
     int64_t step = 0;
-    int32_t slow = 0; /* counts down from the last late step: half a second of them is a verdict */
-    int32_t lates = 0;
+    int32_t slow = 0;  /* steps for which the verdict still holds: half a second of them */
+    int32_t lates = 0; /* late steps less punctual ones; bounded, so that overload is forgotten */
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
         int64_t skipped = 0;
         next_period(loops->start_ns, loops->step_period_ns, &step, &skipped);
-        lates = skipped > 0 ? lates + 1 : lates - (lates > 0);
-        if (lates > 20) {
+        lates = skipped > 0 ? lates + (lates < SLOW_STEPS) : lates - (lates > 0);
+        if (lates == SLOW_STEPS) {
             slow = (int32_t)(500000000 / loops->step_period_ns) + 1;
         }
         slow -= slow > 0;
@@ -446,11 +468,12 @@ static void *publish_body(void *argument)
     int64_t due = loops->start_ns;
     double max_bytes = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
+        /* At 5 Hz at least, whatever the rate of new states: topology, sweep and commands. */
         const double rate = atomic_load_explicit(&loops->mesh_rate_hz, memory_order_acquire);
-        const int64_t period = (int64_t)(1e9 / rate);
+        const int64_t period = (int64_t)(1e9 / fmax(rate, 5.0));
         const int64_t now = ss_clock_now_ns();
         due = now - due > period ? now : due + period;
-        ss_clock_sleep_until(due < now + 200000000 ? due : now + 200000000);
+        ss_clock_sleep_until(due);
         const double new_max =
             atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
         if (new_max != max_bytes) {
@@ -482,8 +505,12 @@ static softsim_status start_loop(ss_loops *loops, const char *name, int priority
                                  ss_loop_threads *threads, softsim_error *error)
 {
     bool is_refused = false;
-    const softsim_status status = ss_thread_start(name, priority, loops->options->realtime, body,
-                                                  loops, out_thread, &is_refused);
+    /* Lockstep computes as long as it takes: ahead of everything else only where asked to. */
+    const ss_realtime wanted = loops->options->realtime;
+    const ss_realtime realtime =
+        loops->options->lockstep && wanted == SS_REALTIME_AUTO ? SS_REALTIME_OFF : wanted;
+    const softsim_status status =
+        ss_thread_start(name, priority, realtime, body, loops, out_thread, &is_refused);
     threads->is_fifo_refused |= is_refused;
     if (status != SOFTSIM_OK) {
         softsim_error_add(error, status,
@@ -507,10 +534,10 @@ static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softs
         poll(&wait, 1, 100);
         ss_wake_drain(loops->event_fd);
     }
-    if (loops->net_status != SOFTSIM_OK) {
+    if (loops->open_status != SOFTSIM_OK) {
         *error = loops->net_error;
     }
-    return loops->net_status;
+    return loops->open_status;
 }
 
 static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
@@ -536,11 +563,13 @@ static softsim_status start_all(ss_loops *loops, ss_loop_threads *threads, softs
     if (loops->world->surface) {
         status = open_publisher(loops, error);
     }
-    loops->start_ns = ss_clock_now_ns();
+    atomic_store_explicit(&loops->ready_ns, ss_clock_now_ns(), memory_order_relaxed);
     if (status == SOFTSIM_OK) {
         status = start_net(loops, threads, error);
     }
-    loops->start_ns = ss_clock_now_ns() + loops->period_ns;
+    const int64_t now = ss_clock_now_ns();
+    atomic_store_explicit(&loops->ready_ns, now, memory_order_relaxed);
+    loops->start_ns = now + loops->period_ns;
     if (status == SOFTSIM_OK && !is_lockstep) {
         status = start_loop(loops, "simulation", SIMULATION_PRIORITY, simulation_body,
                             &threads->simulation, threads, error);
@@ -566,10 +595,12 @@ static void wait_for_end(ss_loops *loops)
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
     while (!atomic_load_explicit(&loops->is_over, memory_order_acquire)) {
-        const int64_t left = deadline - ss_clock_now_ns();
+        const int64_t now = ss_clock_now_ns();
+        const int64_t left = deadline - now;
         if (left <= 0) {
             return;
         }
+        log_refusals(loops, now);
         const int64_t wait = left < 50000000 ? left : 50000000;
         const struct timespec timeout = {.tv_nsec = (long)wait};
         if (sigtimedwait(&signals, NULL, &timeout) > 0) {
@@ -619,7 +650,13 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
                         "force; raise `ulimit -l` or run as root\n");
     }
     ss_loop_threads threads = {0};
-    softsim_status status = start_all(loops, &threads, error);
+    softsim_status status = SOFTSIM_ERROR_SYSTEM;
+    if (loops->wake_fd < 0 || loops->event_fd < 0) {
+        softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
+                          softsim_status_text(status));
+    } else {
+        status = start_all(loops, &threads, error);
+    }
     if (status == SOFTSIM_OK) {
         if (threads.is_fifo_refused && options->log_level >= SS_LOG_WARNING) {
             fprintf(stderr, "softsimd: warning: SCHED_FIFO is not allowed, so forces may be late; "

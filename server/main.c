@@ -12,6 +12,18 @@ static void print_line(void *sink, const char *text)
     fprintf(sink, "%s\n", text);
 }
 
+/* Before the loops start their threads, so that only the main thread takes them; not before the
+ * scene is loaded, so that a long load can be interrupted. */
+static void block_signals(void)
+{
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, NULL);
+    signal(SIGPIPE, SIG_IGN);
+}
+
 int main(int argc, char **argv)
 {
     static softsim_error error;
@@ -25,14 +37,6 @@ int main(int argc, char **argv)
     case SS_ARGS_RUN:
         break;
     }
-    /* Blocked before any thread starts, so that only the main thread takes them. */
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals, NULL);
-    signal(SIGPIPE, SIG_IGN);
-
     const ss_world_options world_options = {.scene_path = options.scene_path,
                                             .set = options.set.value,
                                             .set_count = options.set.count,
@@ -53,9 +57,11 @@ int main(int argc, char **argv)
         ss_scene_print(world->scene, &models[world->scene->model_index], print_line, stdout);
     }
     if (!options.check && !options.explain && !options.print_config) {
-        if (ss_loops_run(world, &options, &error) != SOFTSIM_OK) {
+        block_signals();
+        const softsim_status status = ss_loops_run(world, &options, &error);
+        if (status != SOFTSIM_OK) {
             ss_args_print_error(argv[0], &error);
-            exit_code = 1;
+            exit_code = status == SOFTSIM_ERROR_ARGUMENT ? 2 : 1; /* a bad url or prefix: 2 */
         }
         if (options.hash) {
             printf("%016llx\n", (unsigned long long)ss_world_hash(world));

@@ -263,6 +263,8 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
                                softsim_error *error)
 {
     *out_world = NULL;
+    /* Set-up arithmetic is part of the result: the same here as in the loops and headless runs. */
+    ss_thread_flush_denormals();
     ss_world *world = ss_memory_get(1, sizeof *world);
     if (!world) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "no memory for the world");
@@ -500,16 +502,18 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
     if (due_ns != 0) {
         ss_histogram_add(world->lateness, now_ns, 1e-3 * (double)(now_ns - due_ns));
     }
-    if (tick % 250 == 0) {
+    if (due_ns != 0 && tick >= world->next_quantiles_tick) {
         static const double quantile[4] = {0.5, 0.99, 0.999, 1.0};
+        world->next_quantiles_tick = tick + (int64_t)ceil(0.25 / world->period);
         for (int i = 0; i < 4; ++i) {
-            stats.lateness_us[i] = ss_histogram_quantile(world->lateness, quantile[i]);
+            world->lateness_us[i] = ss_histogram_quantile(world->lateness, quantile[i]);
         }
-        stats.superseded = world->superseded;
-        stats.late_periods = world->late_periods;
-        *(ss_haptic_stats *)ss_mailbox_draft(world->haptic_stats) = stats;
-        ss_mailbox_post(world->haptic_stats);
     }
+    memcpy(stats.lateness_us, world->lateness_us, sizeof stats.lateness_us);
+    stats.superseded = world->superseded;
+    stats.late_periods = world->late_periods;
+    *(ss_haptic_stats *)ss_mailbox_draft(world->haptic_stats) = stats;
+    ss_mailbox_post(world->haptic_stats);
 }
 
 /* ---- simulation thread ------------------------------------------------------------------------------ */
@@ -540,15 +544,17 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
 
 void ss_world_step_begin(ss_world *world)
 {
-    ss_command_record command;
-    while (ss_ring_pop(world->simulation_commands, &command)) {
-        run_simulation_command(world, &command);
-    }
+    /* Targets first: one from after a command is then never stepped to from before it, since
+     * ss_world_command hands a command to this loop before it hands it to the haptic one. */
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         ss_world_probe *probe = &world->probe[p];
         const ss_proxy_target *target =
             probe->is_used ? ss_mailbox_take(probe->target, NULL) : NULL;
         probe->stepped_to = target ? *target : (ss_proxy_target){0};
+    }
+    ss_command_record command;
+    while (ss_ring_pop(world->simulation_commands, &command)) {
+        run_simulation_command(world, &command);
     }
 }
 
@@ -754,8 +760,9 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
     if (kind == SS_COMMAND_REFRESH || kind == SS_COMMAND_STATUS || kind == SS_COMMAND_SHUTDOWN) {
         return 0;
     }
-    if (!ss_ring_push(world->haptic_commands, out_record) ||
-        !ss_ring_push(world->simulation_commands, out_record)) {
+    /* Without tools there is no haptic loop to take it. */
+    if (!ss_ring_push(world->simulation_commands, out_record) ||
+        (world->used_probes != 0 && !ss_ring_push(world->haptic_commands, out_record))) {
         snprintf(out_text, (size_t)text_size, "busy: too many commands at once; send it again");
         return 1;
     }

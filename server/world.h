@@ -38,9 +38,9 @@ typedef struct ss_command_record {
     double value;
 } ss_command_record;
 
-/* What the haptic loop reports, 4 times a second. */
+/* What the haptic loop reports, every tick. */
 typedef struct ss_haptic_stats {
-    double lateness_us[4]; /* p50, p99, p99.9, max */
+    double lateness_us[4]; /* p50, p99, p99.9, max; 4 times a second */
     int64_t superseded;
     int64_t late_periods;
     double worst_contact_j[SOFTSIM_MAX_PROBES];
@@ -110,6 +110,8 @@ typedef struct ss_world {
 
     /* haptic thread */
     ss_histogram *lateness;
+    double lateness_us[4];       /* p50, p99, p99.9, max, renewed 4 times a second */
+    int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
     bool haptic_paused, haptic_reset;
     atomic_bool is_stopping;     /* any -> haptic */
@@ -138,7 +140,8 @@ typedef struct ss_world_options {
     const char *import_program;
 } ss_world_options;
 
-/* Loads, plans, allocates everything. Thread: set-up only. */
+/* Loads, plans, allocates everything; leaves the calling thread without denormals. Thread: set-up
+ * only. */
 softsim_status ss_world_create(const ss_world_options *options, ss_world **out_world,
                                softsim_error *error);
 void ss_world_destroy(ss_world **world);

@@ -29,8 +29,7 @@
         }                                                                                          \
     } while (0)
 
-/* ---- meshes -----------------------------------------------------------------------------------
- */
+/* ---- meshes ------------------------------------------------------------------------------- */
 
 /* A mesh under construction; grows without limit checks, tests only. */
 typedef struct draft {
@@ -194,8 +193,7 @@ static inline ss_mesh *make_ellipsoid(int f, double ax, double ay, double az)
     return draft_finish(&d);
 }
 
-/* ---- a model ----------------------------------------------------------------------------------
- */
+/* ---- a model ------------------------------------------------------------------------------ */
 
 enum { MAX_ROWS = 32 };
 
@@ -358,7 +356,7 @@ static inline void crumple(setup *s, double size)
     }
 }
 
-/* ---- bodies that several tests use ---- */
+/* ---- bodies that several tests use -------------------------------------------------------- */
 
 #define FAN_EDGE 0.3
 

@@ -48,8 +48,7 @@ static void settle(setup *s, double dt, ss_model_tool *tool, int count)
     }
 }
 
-/* ---- the hexagon fan ----------------------------------------------------------------------------
- */
+/* ---- the hexagon fan ---------------------------------------------------------------------- */
 
 static void setup_touched_fan(setup *s)
 {
@@ -97,8 +96,7 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
     }
 }
 
-/* ---- one potential of nodes and tool
- * -------------------------------------------------------------- */
+/* ---- one potential of nodes and tool ------------------------------------------------------ */
 
 /* The potential with the tool where it is. */
 static double tool_potential(setup *s, ss_model_tool *tool)
@@ -229,8 +227,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     setup_fini(&s);
 }
 
-/* ---- slides and loops on a plate
- * ------------------------------------------------------------------- */
+/* ---- slides and loops on a plate ---------------------------------------------------------- */
 
 #define PLATE_EDGE 0.0045
 
@@ -438,8 +435,7 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
     setup_fini(&s);
 }
 
-/* ---- what the hand is told
- * ----------------------------------------------------------------------------- */
+/* ---- what the hand is told ---------------------------------------------------------------- */
 
 static double force_along(const setup *s, const double normal[3])
 {
@@ -556,8 +552,70 @@ static void a_tool_that_leaves_or_jumps_keeps_the_ledger(void **state)
     setup_fini(&s);
 }
 
-/* ---- columns
- * --------------------------------------------------------------------------------------------- */
+/* Any shape, thrown about and turned, jumping into the body and grasping it at random. */
+static void throw_about(uint64_t seed, ss_shape_kind kind)
+{
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    random_state = seed;
+    setup_init(&s, "cnn-energy", make_ellipsoid(4, 0.05, 0.04, 0.03));
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = s.mesh->position[i][2] < -0.024 ? 7 : 0;
+    }
+    give(&s, "modulus_j", 5.0);
+    give(&s, "pretension_j", 0.2);
+    give(&s, "enclosed_bulk_pa", 500.0);
+    give(&s, "area_density_kg_m2", 11.5);
+    give(&s, "damping_n_s_per_m3", 1725.0);
+    give(&s, "rest_stiffness_n_per_m3", 5e4);
+    s.plan.max_substeps = 8;
+    s.plan.tool[0].is_used = true;
+    s.plan.tool[0].shape = (ss_shape){
+        .kind = kind, .radius = 0.006, .half_length = 0.01, .half_extent = {0.006, 0.005, 0.009}};
+    create(&s);
+    tool[0].is_present = true;
+    for (int n = 0; n < 90; ++n) {
+        ss_tool_pose *to = &tool[0].to;
+        double length = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            to->position[k] += 1e-3 * random_unit();
+            to->orientation[k + 1] = 0.2 * random_unit();
+            length += to->orientation[k + 1] * to->orientation[k + 1];
+        }
+        to->orientation[0] = sqrt(1.0 - length);
+        if (n % 30 == 0) {
+            ss_set3(to->position, 0.02 * random_unit(), 0.02 * random_unit(), 0.028);
+            tool[0].from = *to;
+        }
+        tool[0].is_grasping = n / 10 % 2 == 1;
+        step(&s, 1e-3, tool);
+        ss_contact_set set;
+        s.class->contacts(s.model, 0, 0.005, &set);
+        assert_true(info_of(&s).verdict != SOFTSIM_VERDICT_FAULT);
+        assert_true(isfinite(largest_displacement(&s)));
+        for (int32_t k = 0; k < set.count; ++k) {
+            assert_true(isfinite(set.contact[k].force) && set.contact[k].stiffness > 0.0);
+            assert_true(isfinite(set.contact[k].stiffness) && set.contact[k].viscosity >= 0.0);
+        }
+    }
+    tool[0].is_present = false;
+    settle(&s, 1e-3, tool, 600);
+    assert_near(largest_displacement(&s), 0.0, 1e-6);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
+static void tools_thrown_about_leave_the_body_whole(void **state)
+{
+    (void)state;
+    throw_about(11, SS_SHAPE_SPHERE);
+    throw_about(12, SS_SHAPE_CAPSULE);
+    throw_about(13, SS_SHAPE_BOX);
+    throw_about(14, SS_SHAPE_CYLINDER);
+    throw_about(15, SS_SHAPE_CONE);
+}
+
+/* ---- columns ------------------------------------------------------------------------------ */
 
 static void compact_columns_are_the_same_columns(void **state)
 {
@@ -640,6 +698,7 @@ int main(void)
         cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),
         cmocka_unit_test(a_fast_tool_is_sub_stepped_and_does_not_tunnel),
         cmocka_unit_test(a_tool_that_leaves_or_jumps_keeps_the_ledger),
+        cmocka_unit_test(tools_thrown_about_leave_the_body_whole),
         cmocka_unit_test(compact_columns_are_the_same_columns),
         cmocka_unit_test(too_many_columns_are_refused_by_name),
     };

@@ -14,8 +14,7 @@
 #include "model_fixture.h"
 #include "rt/thread.h"
 
-/* ---- the hexagon fan --------------------------------------------------------------------------
- */
+/* ---- the hexagon fan ---------------------------------------------------------------------- */
 
 /* z'' = (F - gamma z' - ks z - 0.75 E z^3 / h^2) / m, integrated finely: the model's closed form.
  */
@@ -147,8 +146,7 @@ static void an_axis_that_is_fixed_alone_stays_and_the_others_move(void **state)
     setup_fini(&s);
 }
 
-/* ---- rho ----------------------------------------------------------------------------------------
- */
+/* ---- rho ---------------------------------------------------------------------------------- */
 
 /* Largest difference of two bodies' displacements over the largest displacement. */
 static double difference(const setup *a, const setup *b)
@@ -230,8 +228,7 @@ static void a_region_of_tiny_rho_stays_still(void **state)
     setup_fini(&s);
 }
 
-/* ---- invariance ---------------------------------------------------------------------------------
- */
+/* ---- invariance --------------------------------------------------------------------------- */
 
 /* The body of `from` turned, shifted, renumbered (i -> (i * 7 + 3) mod n) and wound the other way.
  */
@@ -341,8 +338,7 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
     setup_fini(&s);
 }
 
-/* ---- one potential, one equilibrium
- * -------------------------------------------------------------- */
+/* ---- one potential, one equilibrium ------------------------------------------------------- */
 
 static void check_gradient(setup *s, double size)
 {
@@ -507,8 +503,7 @@ static void a_refined_body_behaves_the_same_per_area(void **state)
     assert_near(depth[1] / depth[0], 1.0, 0.1);
 }
 
-/* ---- the published cylinder
- * ----------------------------------------------------------------------- */
+/* ---- the published cylinder --------------------------------------------------------------- */
 
 static void the_cylinder_hardens_with_load(void **state)
 {

@@ -594,6 +594,57 @@ static void new_holder_starts_without_force(void **state)
     rig_end(&r);
 }
 
+static void target_has_the_whole_orientation(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    static const double turned[4] = {0.5, -0.5, 0.1, 0.7};
+    rig r;
+    rig_start(&r, &config);
+    memcpy(r.pose.orientation, turned, sizeof turned);
+    rig_tick(&r, 1e-3);
+    for (int i = 0; i < 4; ++i) {
+        assert_near(r.out.target.orientation[i], turned[i], 0.0);
+    }
+    rig_end(&r);
+}
+
+/* The gate takes it wherever it is, before the ramp is over or even before the loop saw the
+ * silence: the same device, so its force may not step. */
+static void device_that_returns_elsewhere_ramps_first(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    static const int silent_ticks[3] = {0, 49, 55};
+    for (int k = 0; k < 3; ++k) {
+        rig r;
+        rig_start(&r, &config);
+        const double f = rig_press(&r, 1000.0, 6e-3);
+        assert_true(f > config.max_slew * T);
+        r.has_pose = false;
+        for (int i = 0; i < silent_ticks[k]; ++i) {
+            rig_tick(&r, -6e-3);
+        }
+        const uint32_t teleports = r.out.target.teleports;
+        double last = r.out.force.force[2];
+        r.has_pose = true;
+        ++r.epoch;
+        int ticks = 0;
+        while (r.out.target.teleports == teleports && ticks < 30) {
+            const double now = rig_tick(&r, 0.5);
+            assert_true(fabs(now - last) <= f / 20.0 + 1e-9);
+            assert_true(r.out.force.flags & SOFTSIM_FORCE_RAMPING || now == 0.0);
+            assert_int_equal(r.out.force.pose_seq, r.pose.seq);
+            last = now;
+            ++ticks;
+        }
+        assert_true(ticks > 10 && ticks <= 21);
+        assert_near(last, 0.0, 0.0);
+        assert_near(r.out.target.proxy[2], 0.5, 1e-12);
+        rig_end(&r);
+    }
+}
+
 /* ---- grasp --------------------------------------------------------------------------------------
  */
 
@@ -775,6 +826,8 @@ int main(void)
         cmocka_unit_test(fault_of_the_model_ramps),
         cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
         cmocka_unit_test(new_holder_starts_without_force),
+        cmocka_unit_test(target_has_the_whole_orientation),
+        cmocka_unit_test(device_that_returns_elsewhere_ramps_first),
         cmocka_unit_test(grasp_starts_without_jump_and_holds_all_ways),
         cmocka_unit_test(grasp_ends_when_the_model_does_not_hold),
         cmocka_unit_test(non_finite_input_repeats_the_force),

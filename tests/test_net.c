@@ -204,6 +204,7 @@ static void strings_are_bounded_and_clean(void **state)
 /* ---- the wire ----------------------------------------------------------------------------- */
 
 typedef struct heard {
+    int signal_fd; /* > 0: signalled by every pose */
     int poses, commands, refusals[SOFTSIM_REFUSED_COUNT], last_channel;
     softsim_pose pose;
     int64_t receive_ns;
@@ -223,6 +224,9 @@ static void hear_pose(void *context, const softsim_pose *pose, int32_t channel_p
     h->pose = *pose;
     h->last_channel = channel_probe;
     h->receive_ns = receive_ns;
+    if (h->signal_fd > 0) {
+        ss_wake_signal(h->signal_fd);
+    }
 }
 
 static void hear_refusal(void *context, softsim_refusal reason, int32_t channel_probe)
@@ -521,6 +525,26 @@ static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
     }
 }
 
+/* Forces must not wait behind a flood of poses. */
+static void a_signal_interrupts_a_flood(void **state)
+{
+    (void)state;
+    static heard h;
+    uint8_t message[MESSAGE_SIZE];
+    ss_net *net = net_make(&h, false, "SOFTSIM");
+    const unsigned size = (unsigned)encode_pose(message);
+    h.signal_fd = ss_wake_open();
+    for (int i = 0; i < 100; ++i) {
+        lcm_publish(ss_net_lcm(net), "SOFTSIM_PROBE_0", message, size);
+    }
+    for (int i = 1; i <= 100; ++i) {
+        assert_true(ss_net_wait(net, h.signal_fd, 60000));
+        assert_int_equal(h.poses, i);
+    }
+    close(h.signal_fd);
+    ss_net_close(&net);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -533,6 +557,7 @@ int main(void)
         cmocka_unit_test(in_lockstep_poses_carry_no_receive_time),
         cmocka_unit_test(a_dot_in_the_prefix_is_a_dot),
         cmocka_unit_test(a_signal_ends_the_wait_and_is_drained),
+        cmocka_unit_test(a_signal_interrupts_a_flood),
         cmocka_unit_test(a_command_is_answered_with_its_sender_and_id),
         cmocka_unit_test(a_force_is_sent_as_it_is),
         cmocka_unit_test(status_is_sent_as_it_is_and_its_texts_are_bounded),

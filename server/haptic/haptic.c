@@ -34,6 +34,9 @@ struct ss_haptic {
     softsim_pose pose;
     int64_t pose_tick;
     uint32_t epoch;
+    /* It came back before its ramp was over: what it left is ramped down first. */
+    bool is_returning;
+    softsim_pose left;
     double v[3];
     bool is_pressed;
     int64_t press_tick;
@@ -145,11 +148,18 @@ static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tic
     haptic->is_pressed = is_pressed;
 }
 
-/* Returns true when a device begins here: the first pose of a holder, or one after silence. */
-static bool take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoch, int64_t tick)
+/* What begins with the poses of a tick: a device, or a new stay of the same one, which may then be
+ * anywhere. */
+typedef struct beginning {
+    bool is_new_holder, is_return;
+} beginning;
+
+static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoch, int64_t tick,
+                      beginning *inout_beginning)
 {
-    const bool is_new_holder = !haptic->has_pose || epoch != haptic->epoch;
-    const bool is_return = tick - haptic->pose_tick >= SS_WATCHDOG_TICKS;
+    const bool is_new_epoch = haptic->has_pose && epoch != haptic->epoch;
+    const bool is_new_holder = !haptic->has_pose || pose->sender != haptic->pose.sender;
+    const bool is_return = is_new_epoch || tick - haptic->pose_tick >= SS_WATCHDOG_TICKS;
     const bool corrects = (pose->flags & SOFTSIM_POSE_CORRECTS) != 0;
     if (is_new_holder) {
         ss_observer_restart(&haptic->observer, &haptic->config, corrects);
@@ -162,27 +172,31 @@ static bool take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
     } else {
         filter_velocity(haptic, pose, tick);
     }
+    if (is_new_epoch && !is_new_holder && !haptic->is_returning) {
+        haptic->is_returning = true;
+        haptic->left = haptic->pose;
+    }
     ss_observer_pose(&haptic->observer, &haptic->config, pose, tick);
     take_button(haptic, pose, tick);
     haptic->has_pose = true;
     haptic->pose = *pose;
     haptic->pose_tick = tick;
     haptic->epoch = epoch;
-    return is_new_holder;
+    inout_beginning->is_new_holder |= is_new_holder;
+    inout_beginning->is_return |= is_new_epoch;
 }
 
-static bool take_poses(ss_haptic *haptic, const ss_haptic_input *input, bool is_bad)
+static beginning take_poses(ss_haptic *haptic, const ss_haptic_input *input, bool is_bad)
 {
     const int32_t first = input->pose_count > POSES_A_TICK ? input->pose_count - POSES_A_TICK : 0;
-    bool is_new_holder = false;
+    beginning begins = {0};
     for (int32_t i = first; i < input->pose_count; ++i) {
         if (is_bad && !is_pose_finite(&input->pose[i])) {
             continue;
         }
-        is_new_holder =
-            take_pose(haptic, &input->pose[i], input->sender_epoch, input->tick) || is_new_holder;
+        take_pose(haptic, &input->pose[i], input->sender_epoch, input->tick, &begins);
     }
-    return is_new_holder;
+    return begins;
 }
 
 /* ---- gate, result, grasp ----------------------------------------------------------------------
@@ -194,19 +208,21 @@ static void place_proxy(ss_haptic *haptic)
     ss_copy3(haptic->p, haptic->pose.position);
     ss_copy3(haptic->gate.placed_at, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
+    haptic->is_returning = false;
     ++haptic->teleports;
 }
 
-static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, bool is_new_holder)
+static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
 {
     const ss_gate_input gate = {
         .tick = input->tick,
         .period = haptic->config.period,
         .is_stale = input->tick - haptic->pose_tick >= SS_WATCHDOG_TICKS,
         .is_paused = input->is_paused,
-        .is_reset = input->is_reset,
+        /* The same device elsewhere: down with the force, then in anew. */
+        .is_reset = input->is_reset || begins.is_return,
         .is_stopping = input->is_stopping,
-        .is_new_holder = is_new_holder,
+        .is_new_holder = begins.is_new_holder,
         .is_fault = haptic->is_fault,
         .has_result = haptic->law.is_known,
         .result_tick = haptic->result_tick,
@@ -217,11 +233,23 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, bool is_n
     }
 }
 
+/* The pose that counts for the tissue: while a device that returned is ramped down, the one it
+ * left. */
+static const softsim_pose *held_pose(const ss_haptic *haptic)
+{
+    return haptic->is_returning && haptic->gate.phase == SS_PHASE_RAMPING ? &haptic->left
+                                                                          : &haptic->pose;
+}
+
 /* The pose and hand velocity that the coupling sees. */
 static void used_pose(const ss_haptic *haptic, int64_t tick, double x[3], double v[3])
 {
-    ss_copy3(x, haptic->pose.position);
+    const softsim_pose *pose = held_pose(haptic);
+    ss_copy3(x, pose->position);
     ss_copy3(v, haptic->v);
+    if (pose != &haptic->pose) {
+        ss_set3(v, 0.0, 0.0, 0.0);
+    }
     ss_gate_pose(&haptic->gate, tick, x, v);
 }
 
@@ -383,7 +411,7 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_f
     force->depth = 0.0;
     if (is_in_contact) {
         double inward[3];
-        ss_sub3(inward, haptic->surface_proxy, haptic->pose.position);
+        ss_sub3(inward, haptic->surface_proxy, held_pose(haptic)->position);
         force->depth = fmax(0.0, haptic->surface_depth + ss_dot3(haptic->surface_normal, inward));
     }
 }
@@ -442,7 +470,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     target->grasp_edges = haptic->grasp_edges;
     target->teleports = haptic->teleports;
     ss_copy3(target->proxy, haptic->p);
-    ss_copy3(target->orientation, haptic->pose.orientation);
+    memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
     ss_copy3(target->velocity, v);
 }
 
@@ -581,13 +609,13 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         *output = haptic->output;
         return;
     }
-    const bool is_new_holder = take_poses(haptic, input, is_bad);
+    const beginning begins = take_poses(haptic, input, is_bad);
     if (haptic->has_pose) {
         const bool corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0;
         double x[3], v[3], whole[3], sent[3];
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_law_active_count(&haptic->law) > 0, tick);
-        step_gate(haptic, input, is_new_holder);
+        step_gate(haptic, input, begins);
         ss_law_decay(&haptic->law, haptic->config.period);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, tick, x, v);

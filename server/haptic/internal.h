@@ -203,7 +203,7 @@ typedef struct ss_gate_input {
     int64_t tick;
     double period;
     bool is_stale, is_paused, is_reset, is_stopping;
-    bool is_new_holder; /* the first pose of a sender, or after the watchdog */
+    bool is_new_holder; /* the first pose of a sender */
     bool is_fault;      /* the model says so */
     bool has_result;    /* a result since the proxy was placed */
     int64_t result_tick;

@@ -22,8 +22,7 @@
 /* Columns solved in one pass over the factor. */
 enum { WIDTH = 8 };
 
-/* ---- solving ----------------------------------------------------------------------------------
- */
+/* ---- solving ------------------------------------------------------------------------------ */
 
 /* x := A^-1 x for WIDTH right-hand sides side by side. */
 static void solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
@@ -294,7 +293,7 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
     return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- reading columns while running --------------------------------------------------------- */
+/* ---- reading columns while running -------------------------------------------------------- */
 
 /* The slot of `node`'s column: as it is, or rebuilt from ghat in the slot used longest ago. */
 static int32_t ready_slot(ss_cnn_network *network, int32_t node)

@@ -40,8 +40,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up -----------------------------------------------------------------------------------
- */
+/* ---- set-up ------------------------------------------------------------------------------- */
 
 static bool get_quads(const ss_model *model, ss_real **out)
 {
@@ -170,6 +169,8 @@ static void set_geometry(ss_model *model)
     }
     ss_sub3(size, high, low);
     model->diagonal = ss_norm3(size);
+    model->small_energy = 1e-3 * model->network->mean_edge *
+                          (model->plan.working_force > 0.0 ? model->plan.working_force : 1.0);
     for (int32_t i = 0; i < model->node_count; ++i) {
         const double w = model->fit_weight > 0.0
                              ? model->material.rest_stiffness[i] / model->fit_weight
@@ -194,15 +195,17 @@ static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_s
     status = status == SOFTSIM_OK ? ss_cnn_source_init(model, &tool->source) : status;
     tool->source.is_tool = true;
     tool->mu = ss_memory_get(n, sizeof *tool->mu);
+    tool->fading_mu = ss_memory_get(n, sizeof *tool->fading_mu);
     tool->eps = ss_memory_get(n, sizeof *tool->eps);
     tool->eta = ss_memory_get(n, sizeof *tool->eta);
     tool->share = ss_memory_get(n, sizeof *tool->share);
     tool->grasp.node = ss_memory_get(n, sizeof *tool->grasp.node);
     tool->grasp.stiffness = ss_memory_get(n, sizeof *tool->grasp.stiffness);
     tool->grasp.offset = ss_memory_get(n, sizeof *tool->grasp.offset);
-    const bool is_good = get_quads(model, &tool->shape_y) && tool->mu && tool->eps && tool->eta &&
-                         tool->share && tool->grasp.node && tool->grasp.stiffness &&
-                         tool->grasp.offset;
+    const bool is_good = get_quads(model, &tool->shape_y) &&
+                         get_quads(model, &tool->weight_slope) && tool->mu && tool->fading_mu &&
+                         tool->eps && tool->eta && tool->share && tool->grasp.node &&
+                         tool->grasp.stiffness && tool->grasp.offset;
     return status != SOFTSIM_OK ? status : is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
@@ -233,8 +236,7 @@ static softsim_status create_tools(ss_model *model, softsim_error *error)
     return status;
 }
 
-/* ---- the class --------------------------------------------------------------------------------
- */
+/* ---- the class ---------------------------------------------------------------------------- */
 
 static void reset(ss_model *model)
 {
@@ -289,7 +291,8 @@ static void destroy(ss_model *model)
         ss_cnn_source_fini(&tool->source);
         void *const owned[] = {tool->mu,           tool->eps,        tool->eta,
                                tool->share,        tool->grasp.node, tool->grasp.stiffness,
-                               tool->grasp.offset, tool->shape_y};
+                               tool->grasp.offset, tool->shape_y,    tool->fading_mu,
+                               tool->weight_slope};
         for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
             ss_memory_free(owned[m]);
         }

@@ -93,6 +93,10 @@ typedef struct ss_cnn_tool {
     const double *weight;
     double *mu, *eps, *eta, *share;
     double weight_sum, amplitude_slope;
+    bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
+    double *fading_mu;     /* da/dW psi of every touched cell */
+    ss_real *weight_slope; /* -dW/dP, quads */
+    double mu_largest;     /* of the frozen mu, J/m^2 */
     /* forces on the tool */
     double frozen_force[3], frozen_torque[3]; /* through the weights */
     double force[3], torque[3];               /* all of them */
@@ -126,8 +130,9 @@ struct ss_model {
     ss_surface *surface;
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
-    double diagonal, volume;                   /* m, m^3 */
-    double smallest_sigma;                     /* kg/m^2 */
+    double diagonal, volume; /* m, m^3 */
+    double small_energy;     /* J: a thousandth of the working force over an edge */
+    double smallest_sigma;   /* kg/m^2 */
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
     double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */
     uint8_t *held;                             /* cells held at zero: fixed on all axes */
@@ -172,8 +177,7 @@ struct ss_model {
     const char *reason;
 };
 
-/* ---- cnn_material.c: parameters to values a node, and everything refused about them -----------
- */
+/* ---- cnn_material.c: parameters to values a node, and everything refused about them ------- */
 
 /* Thread: set-up only. */
 softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
@@ -185,8 +189,7 @@ softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_materia
 /* Do the fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
 bool ss_cnn_plan_is_held(const ss_model_plan *plan);
 
-/* ---- cnn_source.c: where energy enters the network --------------------------------------------
- */
+/* ---- cnn_source.c: where energy enters the network ---------------------------------------- */
 
 /* Allocates one source; free bodies need b_turned. Thread: set-up only. */
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source);
@@ -199,6 +202,13 @@ void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
  * weights, which are added to model->base. */
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
+/* While a tool is_fading: W and a at a stage, before its source is evaluated; the force through W
+ * after it, added to model->force and the tool's; and its stiffness: rows added to model->stiff,
+ * and the square of a rate (1/s^2) returned. */
+void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
+                        const ss_tool_pose *pose);
+void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool);
+double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool);
 /* r = b + L d, then eps, eta and the tensions c1, c2. */
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d);
 /* Energy of the source at its last evaluation: a psi, J. */
@@ -207,8 +217,7 @@ double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
 
-/* ---- cnn_step.c: time -------------------------------------------------------------------------
- */
+/* ---- cnn_step.c: time --------------------------------------------------------------------- */
 
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -221,8 +230,7 @@ double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
 /* model->stiff and model->bound from the last evaluation. */
 void ss_cnn_set_bound(ss_model *model);
 
-/* ---- cnn_load.c: what acts without a tool
- * -------------------------------------------------------- */
+/* ---- cnn_load.c: what acts without a tool ------------------------------------------------- */
 
 /* Sources and lists of loads and prescribed sets. Thread: set-up only. */
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error);
@@ -243,15 +251,13 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
 /* Force of the support on the body, see model.h. */
 void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 
-/* ---- cnn_contact.c: what the hand is told
- * -------------------------------------------------------- */
+/* ---- cnn_contact.c: what the hand is told ------------------------------------------------- */
 
 /* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
 void ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
-/* ---- cnn_explain.c
- * ------------------------------------------------------------------------------- */
+/* ---- cnn_explain.c ------------------------------------------------------------------------ */
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan);
 void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);

@@ -31,11 +31,11 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
 /* Microseconds a step, a node in it, a node of each source, a tool and a node under it: medians of
  * 422 to 1192 nodes, with one load, and with a sphere of R = 5 mm that slides and is asked for its
  * contacts. */
-#define COST_STEP 0.5
-#define COST_NODE 0.011
+#define COST_STEP        0.5
+#define COST_NODE        0.011
 #define COST_SOURCE_NODE 0.0075
-#define COST_TOOL 12.0
-#define COST_TOOL_NODE 0.07
+#define COST_TOOL        12.0
+#define COST_TOOL_NODE   0.07
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan)
 {
@@ -49,8 +49,7 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
            tools * (COST_TOOL + COST_TOOL_NODE * nodes);
 }
 
-/* ---- lines -------------------------------------------------------------------------------------
- */
+/* ---- lines -------------------------------------------------------------------------------- */
 
 typedef struct printer {
     void (*line)(void *sink, const char *text);

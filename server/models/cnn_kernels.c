@@ -23,7 +23,7 @@ static int32_t least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* ---- sparse ---------------------------------------------------------------------------------- */
+/* ---- sparse ------------------------------------------------------------------------------- */
 
 /* One row: r_i = b_i + sum_j kap_ij (u_i - u_j). */
 SS_INLINE ss_quad product_row(int32_t degree, const int32_t *neighbour, const ss_real *kap,
@@ -125,7 +125,7 @@ static void scatter(const ss_cnn_rows *rows, const ss_real *kap_edge, ss_real *k
     }
 }
 
-/* ---- edges ----------------------------------------------------------------------------------- */
+/* ---- edges -------------------------------------------------------------------------------- */
 
 static void strain(const ss_cnn_edges *edges, const ss_real *u, ss_real *out_strain,
                    ss_real *out_stretch)
@@ -196,7 +196,7 @@ static void combine(int32_t padded_count, int32_t count, const ss_real *const *c
     }
 }
 
-/* ---- nodes ----------------------------------------------------------------------------------- */
+/* ---- nodes -------------------------------------------------------------------------------- */
 
 /* Sums of a block of rows: of the damping's power, and of what the totals need. */
 typedef struct block_sums {
@@ -465,7 +465,7 @@ static double largest(int32_t node_count, const double *a, const double *b)
     return x > y ? x : y;
 }
 
-/* ---- the table ------------------------------------------------------------------------------- */
+/* ---- the table ---------------------------------------------------------------------------- */
 
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_cnn_kernels_avx2

@@ -27,8 +27,7 @@ static bool is_driven(const ss_prescribed *set, int32_t i, int k)
     return set->axis[k] && isfinite(set->displacement[i][k]);
 }
 
-/* ---- sources ----------------------------------------------------------------------------------
- */
+/* ---- sources ------------------------------------------------------------------------------ */
 
 /* Cells and weights of one source while it is built. */
 typedef struct patch {
@@ -279,8 +278,7 @@ void ss_cnn_loads_fini(ss_model *model)
     ss_memory_free(model->loaded);
 }
 
-/* ---- forces -----------------------------------------------------------------------------------
- */
+/* ---- forces ------------------------------------------------------------------------------- */
 
 static double ramp_at(double from, double ramp, double time)
 {
@@ -376,8 +374,7 @@ double ss_cnn_loads_work(const ss_model *model)
     return work;
 }
 
-/* ---- driven nodes -----------------------------------------------------------------------------
- */
+/* ---- driven nodes ------------------------------------------------------------------------- */
 
 void ss_cnn_driven_update(ss_model *model, double time)
 {
@@ -458,8 +455,7 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
     return power * h * share;
 }
 
-/* ---- reactions --------------------------------------------------------------------------------
- */
+/* ---- reactions ---------------------------------------------------------------------------- */
 
 /* Forces of the network on held cells, whose rows the stages leave out: c1 r - c2 b, summed. */
 static void add_held_network(const ss_model *model, double out_force[3])

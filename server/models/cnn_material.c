@@ -15,8 +15,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- the table --------------------------------------------------------------------------------
- */
+/* ---- the table ---------------------------------------------------------------------------- */
 
 #define ABSENT ((double)NAN)
 
@@ -103,8 +102,7 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                                    "none"},
 };
 
-/* ---- values a node ----------------------------------------------------------------------------
- */
+/* ---- values a node ------------------------------------------------------------------------ */
 
 /* The first few numbers of a fault: "3, 17, 20". */
 typedef struct number_list {
@@ -291,8 +289,7 @@ void ss_cnn_material_fini(ss_cnn_material *material)
     *material = (ss_cnn_material){0};
 }
 
-/* ---- the plan ---------------------------------------------------------------------------------
- */
+/* ---- the plan ----------------------------------------------------------------------------- */
 
 /* Is axis `k` of node `i` of a prescribed set driven? */
 static bool is_driven(const ss_prescribed *set, int32_t i, int k)

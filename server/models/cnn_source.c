@@ -17,7 +17,11 @@
  *   mu_i = a [E^ eps+ (eps_i - eps) + T0 (eta_i - eta)] / W + (da/dW) psi      ( = d(a psi)/dw_i )
  *   saturated: E^ eps_s for E^ eps+, and + a E^ (eps - eps_s)(eps_s,i - eps_s) / W
  *
- * Weights, kap, mu and f_s are taken once per sub-step, at its end (= the next one's start).
+ * Weights, kap, mu and f_s are taken once per sub-step, at its end (= the next one's start). While
+ * a tool nears or leaves (W < W1, 0 < a < 1) the term (da/dW) psi is stiff wherever another tool or
+ * an old dent has left energy: frozen over a sub-step, it feeds the tissue's motion with energy. So
+ * W, a and this term are then taken at every stage, with w^ held: a potential again, and the step
+ * bound knows its stiffness.
  */
 #include <math.h>
 #include <string.h>
@@ -25,8 +29,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up -----------------------------------------------------------------------------------
- */
+/* ---- set-up ------------------------------------------------------------------------------- */
 
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
 {
@@ -94,8 +97,7 @@ void ss_cnn_source_moduli(ss_model *model)
     }
 }
 
-/* ---- evaluation -------------------------------------------------------------------------------
- */
+/* ---- evaluation --------------------------------------------------------------------------- */
 
 static void set_tensions(const ss_model *model, ss_cnn_source *source)
 {
@@ -156,8 +158,7 @@ ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
     return source->is_on ? source : NULL;
 }
 
-/* ---- tools ------------------------------------------------------------------------------------
- */
+/* ---- tools -------------------------------------------------------------------------------- */
 
 /* Strain of the edges, once for all tools; a free body's in the frame it was made in. */
 static void ready_strain(ss_model *model)
@@ -219,7 +220,6 @@ static void set_mu(const ss_model *model, ss_cnn_tool *tool)
         limit += is_limited ? tool->share[k] * cell_limit(model, tool->node[k]) : 0.0;
     }
     source->eps_limit = is_limited ? limit : (double)INFINITY;
-    const double psi = psi_of(model, source, eps, eta);
     const double spread = source->amplitude / tool->weight_sum;
     const double tension = source->modulus * fmin(fmax(eps, 0.0), source->eps_limit);
     const double over = eps > source->eps_limit ? source->modulus * (eps - source->eps_limit) : 0.0;
@@ -229,8 +229,52 @@ static void set_mu(const ss_model *model, ss_cnn_tool *tool)
         if (over > 0.0) {
             change += over * (cell_limit(model, tool->node[k]) - source->eps_limit);
         }
-        tool->mu[k] = spread * change + tool->amplitude_slope * psi;
+        tool->mu[k] = spread * change;
+        tool->mu_largest = fmax(tool->mu_largest, fabs(tool->mu[k]));
     }
+}
+
+/* a = z^2 (3 - 2 z), z = min(1, W / W1), and da/dW. */
+static void set_amplitude(ss_cnn_tool *tool)
+{
+    const double z = fmin(1.0, tool->weight_sum / tool->full_weight);
+    tool->source.amplitude = z * z * (3.0 - 2.0 * z);
+    tool->amplitude_slope = 6.0 * z * (1.0 - z) / tool->full_weight;
+}
+
+void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
+                        const ss_tool_pose *pose)
+{
+    tool->count = ss_touch_weigh(tool->touch, u, model->network->is_source, pose, &tool->node,
+                                 &tool->weight, &tool->weight_sum);
+    set_amplitude(tool);
+}
+
+void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
+{
+    const double mu =
+        tool->amplitude_slope * psi_of(model, &tool->source, tool->source.eps, tool->source.eta);
+    for (int32_t k = 0; k < tool->count; ++k) {
+        tool->fading_mu[k] = mu;
+    }
+    ss_touch_weight_forces(tool->touch, tool->fading_mu, model->force, tool->force, tool->torque);
+}
+
+double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
+{
+    /* d(a psi)/dW changes by |a''| psi <= 6 psi / W1^2 along dW/dP, and dW/dP itself by
+     * phi'' = 2 / delta^2 over the areas of the touched cells. */
+    double force[3] = {0.0}, torque[3] = {0.0};
+    const double psi = fabs(psi_of(model, &tool->source, tool->source.eps, tool->source.eta));
+    const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
+    memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
+    for (int32_t k = 0; k < tool->count; ++k) {
+        tool->fading_mu[k] = 1.0;
+        model->stiff[tool->node[k]] += bend * model->network->area[tool->node[k]];
+    }
+    ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
+    return 6.0 * psi / (tool->full_weight * tool->full_weight) *
+           model->kernels->weighted_square(model->node_count, tool->weight_slope, model->mobility);
 }
 
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose)
@@ -240,13 +284,14 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     tool->count = ss_touch_weigh(tool->touch, model->u, model->network->is_source, pose,
                                  &tool->node, &tool->weight, &tool->weight_sum);
     tool->source.is_on = tool->count > 0 && tool->weight_sum > 0.0;
+    tool->is_fading = false;
+    tool->mu_largest = 0.0;
     if (!tool->source.is_on) {
         tool->count = 0;
         return;
     }
-    const double z = fmin(1.0, tool->weight_sum / tool->full_weight);
-    tool->source.amplitude = z * z * (3.0 - 2.0 * z);
-    tool->amplitude_slope = 6.0 * z * (1.0 - z) / tool->full_weight;
+    set_amplitude(tool);
+    tool->is_fading = tool->weight_sum < tool->full_weight;
     if (!model->has_strain) {
         ready_strain(model);
     }

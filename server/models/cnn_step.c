@@ -15,6 +15,8 @@
  * and the bound is looked at again after each: a step that turns out too large is taken back.
  * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
  * sub-step still stable, while tools and driven nodes reach their places: flagged, never silent.
+ * The bound does not know how forces through the weights change within a sub-step; at strains far
+ * beyond use that can feed energy in, which is then taken out of the motion again, and flagged.
  * Rejected: an implicit step (the contact set and kap change within it), scaling masses.
  *
  * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
@@ -28,19 +30,22 @@
 #include "rt/vec.h"
 
 /* Of the stable step. */
-#define STEP_SHARE 0.7
+#define STEP_SHARE   0.7
+#define FROZEN_SHARE 0.25 /* of 1/rate: the least that the rule of frozen forces asks for */
 /* Sub-steps taken back in one outer step, each half the one before, then a sixteenth: beyond, the
  * state itself is at fault (a number that is not finite). */
 enum { MAX_REJECTED = 40 };
 /* A sub-step that makes more than this share of the energy from nothing was too long. */
 #define MAX_GAIN 0.25
+/* Of what is left, a share (beyond what a hand could feel) that is taken out of the motion again,
+ * and said: closed loops at sensible speeds stay a hundred times below in all. */
+#define MAX_SILENT_GAIN 0.01
 /* Time in which a released grasp lets go, s. */
 #define RELEASE_TIME 0.02
 /* Diagonals of the body: a displacement beyond is cut off. */
 #define MAX_DISPLACEMENT 100.0
 
-/* ---- the stable step ---------------------------------------------------------------------------
- */
+/* ---- the stable step ---------------------------------------------------------------------- */
 
 /* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
  * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
@@ -84,6 +89,24 @@ static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
                               : 0.0;
 }
 
+/* The longest step over which forces through the weights may stay frozen: a force that is held
+ * while its stiffness k acts gains energy at the rate k h / (4 m), which damping must take up,
+ * h <= 2 (gamma/m) / (k/m); a little is allowed where there is no damping. */
+static double frozen_limit(const ss_model *model)
+{
+    double limit = (double)INFINITY;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->source.is_on && tool->mu_largest > 0.0) {
+            const double rate2 =
+                2.0 * tool->mu_largest / (tool->reach * tool->reach * model->smallest_sigma);
+            limit = fmin(limit,
+                         fmax(2.0 * model->damping_rate_min / rate2, FROZEN_SHARE / sqrt(rate2)));
+        }
+    }
+    return limit;
+}
+
 void ss_cnn_set_bound(ss_model *model)
 {
     double omega2 = model->bulk_rate;
@@ -94,21 +117,22 @@ void ss_cnn_set_bound(ss_model *model)
         omega2 += source ? add_source_stiffness(model, source) : 0.0;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_cnn_tool *tool = &model->tool[k];
+        ss_cnn_tool *tool = &model->tool[k];
         if (!tool->is_present) {
             continue;
         }
+        omega2 += tool->is_fading ? ss_cnn_source_fading_stiffness(model, tool) : 0.0;
         ss_touch_diagonal(tool->touch, model->stiff);
         for (int32_t i = 0; i < tool->grasp.count; ++i) {
             model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
         }
     }
     omega2 += model->kernels->largest(model->node_count, model->stiff, model->mobility_max);
-    model->bound = ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2);
+    model->bound = fmin(ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2),
+                        frozen_limit(model));
 }
 
-/* ---- free bodies -------------------------------------------------------------------------------
- */
+/* ---- free bodies -------------------------------------------------------------------------- */
 
 /* Eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, by Jacobi rotations. */
 static void largest_eigenvector(double a[4][4], double out[4])
@@ -214,8 +238,7 @@ const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u)
     return model->fitted;
 }
 
-/* ---- forces ------------------------------------------------------------------------------------
- */
+/* ---- forces ------------------------------------------------------------------------------- */
 
 /* Springs between a grasping tool and the nodes it holds. */
 static void add_grasp(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
@@ -258,6 +281,9 @@ static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, do
     ss_copy3(tool->torque, tool->frozen_torque);
     tool->penalty =
         ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force, tool->torque);
+    if (tool->is_fading) {
+        ss_cnn_source_add_fading(model, tool);
+    }
     add_grasp(model, tool, u, &tool->pose);
 }
 
@@ -274,6 +300,10 @@ static void clear_contact(ss_model *model)
         }
         for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+        for (int32_t i = 0; tool->is_present && tool->is_fading && i < tool->count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
         }
     }
@@ -311,6 +341,14 @@ static void evaluate_sources(ss_model *model)
 static void evaluate(ss_model *model, const ss_real *u, double path)
 {
     model->d = ss_cnn_fit(model, u);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->is_fading) {
+            ss_tool_pose pose;
+            pose_at(tool, path, &pose);
+            ss_cnn_source_fade(model, tool, u, &pose);
+        }
+    }
     evaluate_sources(model);
     if (model->normal) {
         model->pressure = model->material.bulk / model->volume *
@@ -323,8 +361,7 @@ static void evaluate(ss_model *model, const ss_real *u, double path)
     }
 }
 
-/* ---- between sub-steps -------------------------------------------------------------------------
- */
+/* ---- between sub-steps -------------------------------------------------------------------- */
 
 /* Finds what the tools may reach between two places on their paths. */
 static int32_t gather(ss_model *model, double path, double next)
@@ -404,8 +441,7 @@ static void prepare(ss_model *model, double path)
     model->has_totals = false;
 }
 
-/* ---- one sub-step ------------------------------------------------------------------------------
- */
+/* ---- one sub-step ------------------------------------------------------------------------- */
 
 /* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
 static double tool_work(const ss_model *model, double fraction, double share)
@@ -526,6 +562,25 @@ static void settle_grasps(ss_model *model, bool is_accepted)
     }
 }
 
+/* Energy that came from nowhere in an accepted sub-step goes out of the motion again: strains far
+ * beyond the body's size, which forces frozen over a sub-step cannot follow, then never feed on
+ * themselves. */
+static void damp_gain(ss_model *model, double gain)
+{
+    if (!(gain > MAX_SILENT_GAIN * (model->elastic + model->kinetic) + model->small_energy)) {
+        return;
+    }
+    const double left = model->kinetic > gain ? 1.0 - gain / model->kinetic : 0.0;
+    const ss_real factor = (ss_real)sqrt(left);
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->v[at] *= factor;
+    }
+    model->kinetic *= left;
+    model->fault_bits |= SS_MODEL_FAULT_ENERGY;
+    model->verdict = SOFTSIM_VERDICT_DEGRADED;
+    model->reason = "energy from nowhere was taken out of the motion";
+}
+
 /* A displacement far beyond the body means nothing any more and would drown every digit. */
 static void clamp_displacements(ss_model *model)
 {
@@ -548,8 +603,7 @@ static void clamp_displacements(ss_model *model)
     }
 }
 
-/* ---- the outer step ----------------------------------------------------------------------------
- */
+/* ---- the outer step ----------------------------------------------------------------------- */
 
 /* Taking over where the tools go; what changed with a jump is prepared again. */
 static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
@@ -573,6 +627,11 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
         if (is_present != own->is_present ||
             (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
             model->is_ready = false;
+            /* What jumps lets go: springs stretched at once across the jump are no grasp. */
+            if (!is_present ||
+                ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
+                own->grasp.count = 0;
+            }
         }
         if (!is_present) {
             own->grasp.count = 0;
@@ -706,13 +765,13 @@ static bool try_substep(ss_model *model, progress *p)
     ++p->attempts;
     fade_grasps(model, h);
     bool is_good = is_finite_state(model);
-    double loads = 0.0;
+    double loads = 0.0, gain = 0.0;
     const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
     if (is_good) {
         ss_cnn_driven_place(model, next, 0.0, 0.0);
         loads = ss_cnn_loads_work(model);
         prepare(model, next);
-        const double gain = ledger_sum(model) - loads - balance;
+        gain = ledger_sum(model) - loads - balance;
         is_good = model->bound >= h && (p->rejected >= MAX_REJECTED / 4 ||
                                         !(gain > MAX_GAIN * (model->elastic + model->kinetic)));
     }
@@ -724,6 +783,7 @@ static bool try_substep(ss_model *model, progress *p)
         return p->rejected < MAX_REJECTED;
     }
     settle_grasps(model, true);
+    damp_gain(model, gain);
     model->work += loads;
     p->left -= h;
     p->path = next;

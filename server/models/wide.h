@@ -23,7 +23,7 @@
 
 #define SS_INLINE static inline __attribute__((always_inline))
 
-/* ---- quads ---------------------------------------------------------------------------------- */
+/* ---- quads -------------------------------------------------------------------------------- */
 
 #if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
 
@@ -193,7 +193,7 @@ SS_INLINE double ss_quad_sum(ss_quad a)
     return ((double)lane[0] + (double)lane[1]) + ((double)lane[2] + (double)lane[3]);
 }
 
-/* ---- wide ----------------------------------------------------------------------------------- */
+/* ---- wide --------------------------------------------------------------------------------- */
 
 #if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
 #define SS_WIDE_LANES 8

@@ -28,7 +28,7 @@
 
 enum {
     QUEUE_LENGTH = 256,
-    MAX_DRAIN = 4096, /* messages a wake: a flood must not keep the forces waiting */
+    MAX_DRAIN = 4096, /* messages a wake, so that status goes out in a flood too */
     REPLY_TEXT_SIZE = 8192,
     STATUS_TEXT_SIZE = 1024
 };
@@ -221,11 +221,14 @@ bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
     if ((waiting[1].revents & POLLIN) != 0) {
         ss_wake_drain(wake_fd);
     }
-    /* lcm_handle dispatches one message, and would block without one. */
-    for (int i = 0; i < MAX_DRAIN && (waiting[0].revents & POLLIN) != 0; ++i) {
-        if (lcm_handle(net->lcm) != 0 || (poll(waiting, 1, 0) < 0 && errno != EINTR)) {
+    /* lcm_handle dispatches one message, and would block without one. A signal that comes meanwhile
+     * ends the call and stays for the next one: a flood must not keep the forces waiting. */
+    bool is_signalled = false;
+    for (int i = 0; i < MAX_DRAIN && !is_signalled && (waiting[0].revents & POLLIN) != 0; ++i) {
+        if (lcm_handle(net->lcm) != 0 || (poll(waiting, 2, 0) < 0 && errno != EINTR)) {
             return false;
         }
+        is_signalled = (waiting[1].revents & POLLIN) != 0;
     }
     return (waiting[0].revents & (POLLERR | POLLHUP | POLLNVAL)) == 0;
 }

@@ -137,8 +137,8 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
                            softsim_error *error);
 void ss_net_close(ss_net **net);
 /* Waits at most `timeout_ms` for a message or a signal on `wake_fd` (-1: none) and handles every
- * message that is there. Drains the signal, so that what was signalled is to be looked for after
- * the return. False when LCM is broken. Thread: net. */
+ * message that is there, up to the next signal. Drains the first signal, so that what was signalled
+ * is to be looked for after the return. False when LCM is broken. Thread: net. */
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
 /* Stamps `utime` where the force has none. False (counted in ss_net_dropped) when the message
  * could not be sent. Thread: net. */

@@ -20,6 +20,7 @@
 
 #define SCENES SOURCE_DIR "/server/scenes/"
 #define KIDNEY SCENES "kidney.yaml"
+#define CYLINDER SCENES "cylinder.yaml"
 
 static char folder[] = "/tmp/softsim-bad-XXXXXX";
 
@@ -138,6 +139,8 @@ static void arguments_are_refused(void **state)
         {"softsimd: --set of no key", {"softsimd", KIDNEY, "--set", "haptic.maximum=3"}, "maximum"},
         {"softsimd: --set without a value", {"softsimd", KIDNEY, "--set", "haptic.max_force_n"}, "max_force_n"},
         {"softsimd: --set out of range", {"softsimd", KIDNEY, "--set", "haptic.max_force_n=-1"}, "max_force_n"},
+        {"softsimd: bad prefix", {"softsimd", CYLINDER, "--prefix", "a b"}, "prefix"},
+        {"softsimd: bad LCM url", {"softsimd", CYLINDER, "--lcm-url", "tcpq://"}, "tcpq://"},
         {"softsim-run: nothing says when to end", {"softsim-run", KIDNEY}, "--duration"},
         {"softsim-run: --dt with a log", {"softsim-run", KIDNEY, "--poses", SCENES "kidney-poke.lcmlog", "--dt", "0.001"}, "--dt"},
         {"softsim-run: missing poses", {"softsim-run", KIDNEY, "--poses", "/nowhere/p.csv"}, "/nowhere/p.csv"},

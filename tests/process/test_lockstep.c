@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What lockstep promises beyond the hash of a whole log: it ends on its tick, and counts the
+ * forces that count.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <lcm/lcm.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "process.h"
+#include "softsim/types.h"
+#include "softsim_command_t.h"
+#include "softsim_contact_force_t.h"
+#include "softsim_probe_pose_t.h"
+#include "softsim_reply_t.h"
+#include "softsim_server_status_t.h"
+
+#define SCENES SOURCE_DIR "/server/scenes/"
+#define KIDNEY SCENES "kidney.yaml"
+#define POKE SCENES "kidney-poke.lcmlog"
+
+static process server, client;
+
+static int tear_down(void **state)
+{
+    (void)state;
+    process *all[] = {&client, &server};
+    for (int i = 0; i < 2; ++i) {
+        process_signal(all[i], SIGKILL);
+        process_finish(all[i]);
+    }
+    return 0;
+}
+
+static void start(const char *const *argv)
+{
+    process_start(&server, argv, NULL);
+    if (!process_wait_for(&server, "softsimd: ready")) {
+        fail_msg("no ready line; stderr: %s", server.err);
+    }
+}
+
+static void last_word(const char *text, char out[32])
+{
+    out[0] = '\0';
+    for (const char *at = text; sscanf(at, "%31s", out) == 1;) {
+        at = strstr(at, out) + strlen(out);
+    }
+}
+
+/* A client that goes on sending must not move the world past its end: else the hash would tell
+ * how fast the machine is. */
+static void duration_ends_on_its_tick(void **state)
+{
+    (void)state;
+    static const char *const durations[] = {"0.3", "0.501"};
+    for (int i = 0; i < 2; ++i) {
+        const char *const run[] = {"softsim-run", KIDNEY,       "--poses", POKE,
+                                   "--duration",  durations[i], "--hash",  NULL};
+        assert_int_equal(process_run(&client, run), 0);
+        char wanted[32], got[32];
+        last_word(client.out, wanted);
+        const char *const argv[] = {"softsimd",   KIDNEY,       "--lockstep",
+                                    "--duration", durations[i], "--hash", NULL};
+        start(argv);
+        const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+        process_start(&client, replay, NULL);
+        assert_int_equal(process_finish(&server), 0);
+        process_signal(&client, SIGKILL);
+        process_finish(&client);
+        last_word(server.out, got);
+        assert_int_equal(strlen(got), 16);
+        assert_string_equal(got, wanted);
+    }
+}
+
+/* ---- a client of our own -------------------------------------------------------------------- */
+
+static softsim_contact_force_t force;
+static int forces, statuses;
+static int64_t periods, counted, missed, refused_other_sender;
+
+static void on_force(const lcm_recv_buf_t *buffer, const char *channel,
+                     const softsim_contact_force_t *message, void *user)
+{
+    (void)buffer, (void)channel, (void)user;
+    force = *message;
+    ++forces;
+}
+
+static void on_status(const lcm_recv_buf_t *buffer, const char *channel,
+                      const softsim_server_status_t *message, void *user)
+{
+    (void)buffer, (void)channel, (void)user;
+    periods = message->probe_periods[0];
+    counted = message->probe_forces[0];
+    missed = message->probe_missed[0];
+    refused_other_sender = message->poses_refused[SOFTSIM_REFUSED_OTHER_SENDER];
+    ++statuses;
+}
+
+static void wait_for(lcm_t *lcm, const int *count, int least, const char *what)
+{
+    struct timespec begin, now;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    while (*count < least) {
+        lcm_handle_timeout(lcm, 200);
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        if (now.tv_sec - begin.tv_sec > 20) {
+            fail_msg("waited 20 s for %s; server: %s", what, server.err);
+        }
+    }
+}
+
+static void send_pose(lcm_t *lcm, int64_t sender, int32_t seq, double x)
+{
+    const softsim_probe_pose_t pose = {.sender = sender,
+                                       .seq = seq,
+                                       .force_seq = -1,
+                                       .position = {x, 0.0, 0.0},
+                                       .orientation = {1.0, 0.0, 0.0, 0.0},
+                                       .velocity = {NAN, NAN, NAN},
+                                       .applied_force = {NAN, NAN, NAN}};
+    const int before = forces;
+    softsim_probe_pose_t_publish(lcm, "SOFTSIM_PROBE_0", &pose);
+    wait_for(lcm, &forces, before + 1, "an answer");
+    assert_int_equal(force.pose_seq, seq);
+    assert_int_equal(force.sender, sender);
+}
+
+static void answers_to_another_sender_count_nowhere(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsimd", KIDNEY, "--lockstep", NULL};
+    start(argv);
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    softsim_contact_force_t_subscribe(lcm, "SOFTSIM_FORCE_0", on_force, NULL);
+    softsim_server_status_t_subscribe(lcm, "SOFTSIM_STATUS", on_status, NULL);
+    send_pose(lcm, 1, 1, 0.2);
+    assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
+    send_pose(lcm, 2, 1, 0.2); /* refused, answered, a tick: but no force */
+    assert_true(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
+    send_pose(lcm, 1, 2, 0.9); /* a jump: refused, answered by the probe's force */
+    assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
+    send_pose(lcm, 1, 3, 0.2);
+    const softsim_command_t command = {.sender = 1, .id = 1, .name = "status", .argument = ""};
+    const int before = statuses;
+    softsim_command_t_publish(lcm, "SOFTSIM_COMMAND", &command);
+    wait_for(lcm, &statuses, before + 2, "statuses");
+    assert_int_equal(refused_other_sender, 1);
+    assert_int_equal(periods, 3);
+    assert_int_equal(counted, 3);
+    assert_int_equal(missed, 0);
+    lcm_destroy(lcm);
+    process_signal(&server, SIGTERM);
+    assert_int_equal(process_finish(&server), 0);
+}
+
+int main(void)
+{
+    if (!process_isolate()) {
+        fprintf(stderr, "skipped: no private network namespace allowed here\n");
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(duration_ends_on_its_tick, tear_down),
+        cmocka_unit_test_teardown(answers_to_another_sender_count_nowhere, tear_down),
+    };
+    return cmocka_run_group_tests_name("lockstep", tests, NULL, NULL);
+}

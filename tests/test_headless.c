@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The headless world on the bundled kidney: entry, two tools, the ledger, threads, the schedule. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "softsim/softsim.h"
+
+#define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
+
+static softsim_error error;
+
+static softsim_world *make_world(int32_t threads, const char *const *set, int32_t set_count)
+{
+    softsim_config config = softsim_default_config();
+    config.threads = threads;
+    config.set = set;
+    config.set_count = set_count;
+    config.import_program = BIN_DIR "/softsim-import";
+    memset(&error, 0, sizeof error);
+    softsim_world *world = softsim_create(KIDNEY, &config, &error);
+    if (!world) {
+        fail_msg("%s", error.text);
+    }
+    return world;
+}
+
+static double smooth(double u)
+{
+    u = fmin(1.0, fmax(0.0, u));
+    return u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+}
+
+static softsim_pose pose_at(int32_t probe, int32_t seq, double x, double y, double z)
+{
+    softsim_pose pose = {.sender = 7, .seq = seq, .probe = probe, .force_seq = -1};
+    pose.position[0] = x;
+    pose.position[1] = y;
+    pose.position[2] = z;
+    pose.orientation[0] = 1.0;
+    for (int i = 0; i < 3; ++i) {
+        pose.velocity[i] = pose.applied_force[i] = (double)NAN;
+    }
+    return pose;
+}
+
+static double magnitude(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* Height of a 5 mm sphere that just touches the upper face over (0, 6 mm). */
+#define TOUCH 0.0273
+
+static void press_and_release(softsim_world *world, int32_t ticks, double depth,
+                              softsim_force *out_last, double *out_peak)
+{
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    *out_peak = 0.0;
+    for (int32_t k = 0; k < ticks; ++k) {
+        const double t = (double)k / ticks;
+        const double down = smooth(4.0 * t) - smooth(4.0 * (t - 0.5));
+        const softsim_pose pose =
+            pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.003 - (depth + 0.003) * down);
+        const int32_t channel = 0;
+        softsim_tick(world, &pose, &channel, 1, force);
+        *out_peak = fmax(*out_peak, magnitude(force[0].force));
+        *out_last = force[0];
+    }
+}
+
+static void an_organ_is_felt_and_comes_back(void **state)
+{
+    (void)state;
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force last;
+    double peak;
+    press_and_release(world, 2000, 0.010, &last, &peak);
+    assert_true(peak >= 1.0 && peak <= 4.0); /* N at 10 mm */
+    assert_true(magnitude(last.force) == 0.0);
+    softsim_state s;
+    softsim_read(world, &s);
+    assert_true(s.elastic_j + s.kinetic_j < 1e-9);
+    assert_true(fabs(s.work_j - s.dissipated_j) < 1e-5);
+    softsim_destroy(&world);
+}
+
+/* Two spheres that meet, part and cross each other's dents: nothing comes from nowhere. */
+static void two_tools_close_together_keep_the_ledger(void **state)
+{
+    (void)state;
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_state s;
+    double largest = 0.0, worst = 0.0;
+    for (int32_t k = 0; k < 4000; ++k) {
+        const double t = 1e-3 * k;
+        const double down = smooth(2.0 * t) - smooth(2.0 * (t - 3.0));
+        const double lift = smooth(3.0 * (t - 1.2)) - smooth(3.0 * (t - 1.9));
+        const softsim_pose pose[2] = {
+            pose_at(0, k + 1, 0.012 * cos(3.0 * t), 0.006, TOUCH + 0.004 - 0.010 * down),
+            pose_at(1, k + 1, -0.012 * cos(2.0 * t), 0.006,
+                    TOUCH + 0.006 - 0.012 * down + 0.009 * lift)};
+        const int32_t channel[2] = {0, 1};
+        softsim_tick(world, pose, channel, 2, force);
+        softsim_read(world, &s);
+        assert_true(s.verdict <= SOFTSIM_VERDICT_GUARDED);
+        largest = fmax(largest, s.elastic_j);
+        worst = fmax(worst, s.elastic_j + s.kinetic_j + s.dissipated_j - s.work_j);
+    }
+    print_message("ledger: gained at most %.3g of the largest stored energy\n", worst / largest);
+    assert_true(worst <= 5e-3 * largest);
+    softsim_destroy(&world);
+}
+
+/* Found 10 mm inside, the tool is let in by fading: no force at first, then that of the place. */
+static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
+{
+    (void)state;
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    double early = 0.0, largest_step = 0.0, before = 0.0;
+    for (int32_t k = 0; k < 800; ++k) {
+        const softsim_pose pose = pose_at(0, k + 1, 0.0, 0.006, TOUCH - 0.010);
+        const int32_t channel = 0;
+        softsim_tick(world, &pose, &channel, 1, force);
+        const double size = magnitude(force[0].force);
+        early = k < 20 ? fmax(early, size) : early;
+        largest_step = fmax(largest_step, fabs(size - before));
+        before = size;
+        if (k > 10 && k < 400) {
+            assert_true(force[0].flags & SOFTSIM_FORCE_RAMPING);
+        }
+    }
+    assert_true(early < 0.2);
+    assert_true(largest_step < 0.05);
+    assert_true(force[0].force[2] > 1.0 && before < 4.0);
+    softsim_destroy(&world);
+}
+
+static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_t set_count)
+{
+    softsim_world *world = make_world(threads, set, set_count);
+    softsim_force last;
+    double peak;
+    press_and_release(world, 600, 0.006, &last, &peak);
+    const uint64_t hash = softsim_hash(world);
+    softsim_destroy(&world);
+    return hash;
+}
+
+static void bits_do_not_depend_on_threads(void **state)
+{
+    (void)state;
+    static const char *const rates[] = {"simulation.rate_hz=1000", "simulation.rate_hz=100"};
+    for (int i = 0; i < 2; ++i) {
+        const uint64_t one = hash_after_press(1, &rates[i], 1);
+        assert_true(one == hash_after_press(1, &rates[i], 1));
+        assert_true(one == hash_after_press(2, &rates[i], 1));
+        assert_true(one == hash_after_press(4, &rates[i], 1));
+    }
+}
+
+/* In lockstep a result is taken exactly one simulation period after its pose. */
+static void results_come_one_period_late(void **state)
+{
+    (void)state;
+    static const char *const rate[] = {"simulation.rate_hz=100"};
+    softsim_world *world = make_world(1, rate, 1);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    for (int32_t k = 0; k < 100; ++k) {
+        const softsim_pose pose = pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.02);
+        const int32_t channel = 0;
+        softsim_tick(world, &pose, &channel, 1, force);
+        if (k >= 20) {
+            /* Steps begin at ticks 1, 11, 21, ...: the newest result's pose is 10 to 19 ticks old. */
+            assert_int_equal(force[0].model_age_us, 1000 * (10 + k % 10));
+        }
+    }
+    softsim_destroy(&world);
+}
+
+static void a_configuration_without_its_cookie_is_refused(void **state)
+{
+    (void)state;
+    const softsim_config config = {0};
+    memset(&error, 0, sizeof error);
+    assert_null(softsim_create(KIDNEY, &config, &error));
+    assert_int_equal(error.status, SOFTSIM_ERROR_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_organ_is_felt_and_comes_back),
+        cmocka_unit_test(two_tools_close_together_keep_the_ledger),
+        cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
+        cmocka_unit_test(bits_do_not_depend_on_threads),
+        cmocka_unit_test(results_come_one_period_late),
+        cmocka_unit_test(a_configuration_without_its_cookie_is_refused),
+    };
+    return cmocka_run_group_tests_name("headless", tests, NULL, NULL);
+}
