@@ -18,7 +18,7 @@
  *
  * - The simulation rate. `auto` takes the least m in 1, 2, 4, 5, 8, 10, 16, 20, ... for which the
  *   model's estimated cost of a step (from counts and a built-in cost, never from a clock) is at
- *   most 40 % of m T, so that equal scenes run at equal rates on every machine. A given rate is
+ *   most half of m T, so that equal scenes run at equal rates on every machine. A given rate is
  *   rounded to a whole number of ticks, since in lockstep a result is due after exactly m of them.
  * - One lag for all: the proxy is predicted (1 + 1/2) h ahead. A step that is late is a
  *   degraded period, counted, not a longer prediction.
@@ -32,7 +32,7 @@ enum {
 };
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
-static const double COST_SHARE = 0.4;
+static const double COST_SHARE = 0.5;
 static const double PLACE_SHARE = 0.1;       /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
 

@@ -11,9 +11,12 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2. */
-#define CONTACT_SHARE 0.3
-#define RK4_RADIUS    2.6
+/* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
+ * sub-step, of which a step in contact is planned to take five: one would leave the contact so soft
+ * that the surface slips past a tool at a few newtons. */
+#define CONTACT_SHARE    0.3
+#define CONTACT_SUBSTEPS 5.0
+#define RK4_RADIUS       2.6
 /* rho beside rho under a tool, where the contact starts to soften. */
 #define RHO_RATIO_WARNING 4.0
 
@@ -22,7 +25,7 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
     if (plan->contact_stiffness > 0.0) {
         return plan->contact_stiffness;
     }
-    const double rate = RK4_RADIUS / plan->step;
+    const double rate = RK4_RADIUS * CONTACT_SUBSTEPS / plan->step;
     const double stable = CONTACT_SHARE * sigma * rate * rate;
     const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
     return fmin(stable, working / (0.03 * radius * radius * radius));
@@ -36,6 +39,8 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
 #define COST_SOURCE_NODE 0.0075
 #define COST_TOOL        12.0
 #define COST_TOOL_NODE   0.07
+/* The planned sub-steps of a contact, against one: weights, columns and contacts once a step. */
+#define COST_CONTACT 2.3
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan)
 {
@@ -46,7 +51,7 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
     }
     const double sources = plan->load_count + plan->prescribed_count;
     return COST_STEP + COST_NODE * nodes + COST_SOURCE_NODE * nodes * sources +
-           tools * (COST_TOOL + COST_TOOL_NODE * nodes);
+           COST_CONTACT * tools * (COST_TOOL + COST_TOOL_NODE * nodes);
 }
 
 /* ---- lines -------------------------------------------------------------------------------- */

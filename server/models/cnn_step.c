@@ -826,9 +826,9 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         fault(model);
         return;
     }
-    if (model->verdict == SOFTSIM_VERDICT_GOOD && (p.rejected > 0 || p.accepted > p.motion)) {
+    if (model->verdict == SOFTSIM_VERDICT_GOOD && p.rejected > 0) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
-        model->reason = "sub-stepped for stability";
+        model->reason = "a sub-step was taken back and halved";
     }
     if (p.left > 1e-6 * dt) {
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;
