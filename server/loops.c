@@ -44,7 +44,7 @@ typedef struct ss_loops {
     int64_t start_ns;
     int64_t period_ns, step_period_ns;
     int wake_fd;             /* haptic -> net */
-    int event_fd;            /* any -> main: something to look at */
+    int event_fd;            /* net -> main: it listens, or cannot */
     atomic_bool is_ending;   /* loops return */
     atomic_bool is_over;     /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
@@ -84,7 +84,6 @@ static void answer(ss_loops *loops, softsim_force *force)
 static void end(ss_loops *loops)
 {
     atomic_store_explicit(&loops->is_over, true, memory_order_release);
-    ss_wake_signal(loops->event_fd);
 }
 
 /* Lockstep: the pose moves the world by one tick and is answered. */

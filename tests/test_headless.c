@@ -99,8 +99,8 @@ static void two_tools_close_together_keep_the_ledger(void **state)
     softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_state s;
     double largest = 0.0, worst = 0.0;
-    for (int32_t k = 0; k < 4000; ++k) {
-        const double t = 1e-3 * k;
+    for (int32_t k = 0; k < 1600; ++k) {
+        const double t = 2.5e-3 * k;
         const double down = smooth(2.0 * t) - smooth(2.0 * (t - 3.0));
         const double lift = smooth(3.0 * (t - 1.2)) - smooth(3.0 * (t - 1.9));
         const softsim_pose pose[2] = {
@@ -149,7 +149,7 @@ static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_
     softsim_world *world = make_world(threads, set, set_count);
     softsim_force last;
     double peak;
-    press_and_release(world, 600, 0.006, &last, &peak);
+    press_and_release(world, 300, 0.006, &last, &peak);
     const uint64_t hash = softsim_hash(world);
     softsim_destroy(&world);
     return hash;

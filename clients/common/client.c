@@ -17,6 +17,7 @@
 #include <sys/random.h>
 
 #include "rt/clock.h"
+#include "rt/packets.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
@@ -123,10 +124,10 @@ static bool check_prefix(const char *prefix, softsim_error *error)
 {
     const size_t length = strlen(prefix);
     if (length < 1 || length > MAX_PREFIX ||
-        strspn(prefix, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") !=
+        strspn(prefix, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") !=
             length) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "prefix '%.60s': give 1 to %d letters, digits, _ or -", prefix,
+                          "prefix '%.60s': give 1 to %d characters of A-Z a-z 0-9 _ . -", prefix,
                           MAX_PREFIX);
         return false;
     }
@@ -151,9 +152,24 @@ static bool subscribe(softsim_client *client, const char *pattern, lcm_msg_handl
            lcm_subscription_set_queue_capacity(subscription, QUEUE_LENGTH) == 0;
 }
 
+/* LCM reads a channel to subscribe to as a regular expression; of a prefix's characters only the
+ * dot means something in one. */
+static void escape(const char *prefix, char out_regex[2 * MAX_PREFIX + 1])
+{
+    for (; *prefix != '\0'; ++prefix) {
+        if (*prefix == '.') {
+            *out_regex++ = '\\';
+        }
+        *out_regex++ = *prefix;
+    }
+    *out_regex = '\0';
+}
+
 static bool join(softsim_client *client, const char *prefix, softsim_error *error)
 {
-    char pattern[SOFTSIM_LOG_CHANNEL_SIZE];
+    char escaped[2 * MAX_PREFIX + 1];
+    char pattern[sizeof escaped + 16];
+    escape(prefix, escaped);
     client->lcm = lcm_create(client->config.lcm_url);
     if (client->lcm == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
@@ -165,21 +181,30 @@ static bool join(softsim_client *client, const char *prefix, softsim_error *erro
                           client->config.lcm_url != NULL ? client->config.lcm_url : "");
         return false;
     }
+    ss_packets_mark mark;
+    ss_packets_remember(&mark);
     bool is_good = true;
     if (client->config.handle_force != NULL) {
-        snprintf(pattern, sizeof pattern, "%s_FORCE_[0-7]", prefix);
+        snprintf(pattern, sizeof pattern, "%s_FORCE_[0-7]", escaped);
         is_good = subscribe(client, pattern, receive_force);
     }
     if (is_good && client->config.handle_status != NULL) {
-        snprintf(pattern, sizeof pattern, "%s_STATUS", prefix);
+        snprintf(pattern, sizeof pattern, "%s_STATUS", escaped);
         is_good = subscribe(client, pattern, receive_status);
     }
     if (!is_good) {
         softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
                           "LCM hears none of its own packets: a firewall drops multicast; allow "
                           "UDP to 239.255.76.67 port 7667, or give another --lcm-url");
+        return false;
     }
-    return is_good;
+    if (ss_packets_refuse_fragments(&mark) < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "the kernel takes no packet filter, without which one fragment can crash "
+                          "LCM; allow SO_ATTACH_FILTER");
+        return false;
+    }
+    return true;
 }
 
 softsim_status softsim_client_open(const softsim_client_config *config, softsim_client **out_client,

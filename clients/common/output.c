@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static void forget(ss_output *output)
@@ -14,17 +15,31 @@ static void forget(ss_output *output)
     *output = (ss_output){0};
 }
 
+static void remove_temporary(const ss_output *output)
+{
+    if (output->temporary != NULL) {
+        unlink(output->temporary);
+    }
+}
+
+/* A device or a pipe, which must be written to, not replaced. */
+static bool is_special(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && !S_ISREG(found.st_mode);
+}
+
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error)
 {
     *output = (ss_output){.path = strdup(path)};
-    if (output->path == NULL ||
-        asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {
+    if (output->path == NULL || (!is_special(path) && asprintf(&output->temporary, "%s.%ld.tmp",
+                                                               path, (long)getpid()) < 0)) {
         output->temporary = NULL;
         forget(output);
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    output->file = fopen(output->temporary, "wbe");
+    output->file = fopen(output->temporary != NULL ? output->temporary : path, "wbe");
     if (output->file == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
         forget(output);
@@ -44,11 +59,13 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
         is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
     }
     is_good = fclose(output->file) == 0 && is_good;
-    is_good = is_good && rename(output->temporary, output->path) == 0;
+    if (is_good && output->temporary != NULL) {
+        is_good = rename(output->temporary, output->path) == 0;
+    }
     if (!is_good) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s", output->path,
                           errno != 0 ? strerror(errno) : "an earlier write failed");
-        unlink(output->temporary);
+        remove_temporary(output);
     }
     forget(output);
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_FILE;
@@ -58,7 +75,7 @@ void ss_output_abandon(ss_output *output)
 {
     if (output->file != NULL) {
         fclose(output->file);
-        unlink(output->temporary);
+        remove_temporary(output);
         forget(output);
     }
 }

@@ -3,7 +3,8 @@
 #pragma once
 /*
  * A file that appears complete or not at all: written beside its place under a temporary name,
- * then synced and renamed. Thread: one at a time.
+ * then synced and renamed. A device or pipe (/dev/stdout) is written to as it is. Thread: one at a
+ * time.
  */
 #include <stdio.h>
 
@@ -12,7 +13,7 @@
 typedef struct ss_output {
     FILE *file; /* NULL: not open */
     char *path;
-    char *temporary;
+    char *temporary; /* NULL: written in place */
 } ss_output;
 
 /* Leaves `output` closed on failure. */

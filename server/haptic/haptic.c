@@ -428,6 +428,12 @@ static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
     return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
 }
 
+/* After 24 days at 1 kHz the numbers begin again. */
+static int32_t next_seq(int32_t seq)
+{
+    return seq < INT32_MAX ? seq + 1 : 1;
+}
+
 static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
                         const double whole[3], int32_t flags)
 {
@@ -435,7 +441,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     const double size = ss_norm3(whole);
     const int32_t active = ss_law_active_count(&haptic->law);
     const bool is_in_contact = active > 0 && ss_gate_gain(&haptic->gate, input->tick) > 0.0;
-    ++force->seq;
+    force->seq = next_seq(force->seq);
     force->sender = haptic->pose.sender;
     force->probe = haptic->pose.probe;
     force->pose_seq = haptic->pose.seq;
@@ -514,7 +520,9 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
 /* Non-finite input: the last force again, for as long as the watchdog would wait. */
 static void repeat_force(ss_haptic *haptic, int64_t tick)
 {
-    haptic->output.force.seq += haptic->has_pose;
+    if (haptic->has_pose) {
+        haptic->output.force.seq = next_seq(haptic->output.force.seq);
+    }
     haptic->output.force.flags |= SOFTSIM_FORCE_PREDICTED;
     haptic->output.target.tick = tick;
     if (haptic->has_pose) {

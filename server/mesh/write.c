@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Writers. A file appears whole or not at all: it is written beside its place under a name of its
- * own, synced and renamed.
+ * own, synced and renamed. What is no file (/dev/stdout) is refused, lest it be replaced by one.
  */
 #include "mesh/mesh.h"
 #include "rt/memory.h"
@@ -12,6 +12,7 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct output {
@@ -38,6 +39,11 @@ static softsim_status fail_output(output *out)
 static softsim_status open_output(output *out, const char *path, softsim_error *error)
 {
     *out = (output){.path = path, .error = error};
+    struct stat found;
+    if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+        errno = S_ISDIR(found.st_mode) ? EISDIR : ENOTSUP;
+        return fail_output(out);
+    }
     const int length =
         snprintf(out->temporary, sizeof out->temporary, "%s.%ld.tmp", path, (long)getpid());
     if (length < 0 || (size_t)length >= sizeof out->temporary) {

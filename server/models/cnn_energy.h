@@ -221,14 +221,17 @@ ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
 
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
-/* P - P* of the displacements `u`: themselves in a held body, else the best rigid fit is taken
- * out (rotation and centroid are kept in the model). */
-const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u);
 /* The largest stable RK4 step for modes with damping rates d_min..d_max and frequencies up to
  * sqrt(omega2). Thread: any. */
 double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
 /* model->stiff and model->bound from the last evaluation. */
 void ss_cnn_set_bound(ss_model *model);
+
+/* ---- cnn_fit.c: free bodies -------------------------------------------------------------- */
+
+/* P - P* of the displacements `u`: themselves in a held body, else the best rigid fit is taken
+ * out (rotation and centroid are kept in the model). */
+const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u);
 
 /* ---- cnn_load.c: what acts without a tool ------------------------------------------------- */
 

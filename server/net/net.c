@@ -19,6 +19,7 @@
 #include "net/wire.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/packets.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
@@ -277,6 +278,8 @@ static bool subscribe(ss_net *net, const char *channel, lcm_msg_handler_t handle
 static bool subscribe_all(ss_net *net, const char *prefix, softsim_error *error)
 {
     char channel[SS_WIRE_CHANNEL_SIZE];
+    ss_packets_mark mark;
+    ss_packets_remember(&mark);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         probe_channel *probe = &net->probe[p];
         probe->net = net;
@@ -290,7 +293,16 @@ static bool subscribe_all(ss_net *net, const char *prefix, softsim_error *error)
     snprintf(net->status_channel, sizeof net->status_channel, "%s_STATUS", prefix);
     snprintf(net->reply_channel, sizeof net->reply_channel, "%s_REPLY", prefix);
     snprintf(channel, sizeof channel, "%s_COMMAND", prefix);
-    return subscribe(net, channel, receive_command, net, error);
+    if (!subscribe(net, channel, receive_command, net, error)) {
+        return false;
+    }
+    if (ss_packets_refuse_fragments(&mark) < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "the kernel takes no packet filter, without which one fragment can crash "
+                          "LCM; allow SO_ATTACH_FILTER");
+        return false;
+    }
+    return true;
 }
 
 void ss_net_close(ss_net **net)

@@ -4,6 +4,7 @@
 #include "scene/region.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -57,7 +58,9 @@ static char *read_whole(const char *path, const char **out_why)
 {
     struct stat status;
     *out_why = NULL;
-    FILE *stream = fopen(path, "rbe");
+    /* Without waiting for the writer of a pipe, which is refused anyway. */
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
     if (stream == NULL) {
         *out_why = strerror(errno);
         return NULL;

@@ -11,6 +11,7 @@
 #include "scene/scene.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -648,7 +649,9 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
 static char *read_scene(const char *path, size_t *out_size, softsim_error *error)
 {
     struct stat status;
-    FILE *stream = fopen(path, "rbe");
+    /* Without waiting for the writer of a pipe, which is refused anyway. */
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
     if (stream == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: cannot open: %s", path,
                           strerror(errno));

@@ -27,7 +27,7 @@
 
 #define SCENES SOURCE_DIR "/server/scenes/"
 #define KIDNEY SCENES "kidney.yaml"
-#define POKE SCENES "kidney-poke.lcmlog"
+#define POKE   SCENES "kidney-poke.lcmlog"
 
 static process server, client;
 
@@ -70,8 +70,8 @@ static void duration_ends_on_its_tick(void **state)
         assert_int_equal(process_run(&client, run), 0);
         char wanted[32], got[32];
         last_word(client.out, wanted);
-        const char *const argv[] = {"softsimd",   KIDNEY,       "--lockstep",
-                                    "--duration", durations[i], "--hash", NULL};
+        const char *const argv[] = {"softsimd",   KIDNEY,   "--lockstep", "--duration",
+                                    durations[i], "--hash", NULL};
         start(argv);
         const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
         process_start(&client, replay, NULL);
@@ -145,8 +145,10 @@ static void answers_to_another_sender_count_nowhere(void **state)
     start(argv);
     lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
     assert_non_null(lcm);
-    softsim_contact_force_t_subscribe(lcm, "SOFTSIM_FORCE_0", on_force, NULL);
-    softsim_server_status_t_subscribe(lcm, "SOFTSIM_STATUS", on_status, NULL);
+    softsim_contact_force_t_subscription_t *const heard_force =
+        softsim_contact_force_t_subscribe(lcm, "SOFTSIM_FORCE_0", on_force, NULL);
+    softsim_server_status_t_subscription_t *const heard_status =
+        softsim_server_status_t_subscribe(lcm, "SOFTSIM_STATUS", on_status, NULL);
     send_pose(lcm, 1, 1, 0.2);
     assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
     send_pose(lcm, 2, 1, 0.2); /* refused, answered, a tick: but no force */
@@ -162,6 +164,8 @@ static void answers_to_another_sender_count_nowhere(void **state)
     assert_int_equal(periods, 3);
     assert_int_equal(counted, 3);
     assert_int_equal(missed, 0);
+    softsim_contact_force_t_unsubscribe(lcm, heard_force);
+    softsim_server_status_t_unsubscribe(lcm, heard_status);
     lcm_destroy(lcm);
     process_signal(&server, SIGTERM);
     assert_int_equal(process_finish(&server), 0);

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The world between the loops: what a command, a skipped tick or a refused pose does to it. No
+ * thread and no LCM: the test calls the pieces in the order in which the loops would.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "world.h"
+
+#define SCENES SOURCE_DIR "/server/scenes/"
+
+static ss_world *create(const char *scene, bool is_lockstep)
+{
+    static softsim_error error;
+    memset(&error, 0, sizeof error);
+    const ss_world_options options = {.scene_path = scene,
+                                      .threads = 1,
+                                      .is_lockstep = is_lockstep,
+                                      .import_program = BIN_DIR "/softsim-import"};
+    ss_world *world = NULL;
+    if (ss_world_create(&options, &world, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    return world;
+}
+
+static softsim_pose pose_of(int64_t sender, int32_t seq, int32_t probe)
+{
+    return (softsim_pose){.sender = sender,
+                          .seq = seq,
+                          .probe = probe,
+                          .force_seq = -1,
+                          .position = {0.2, 0.0, 0.0},
+                          .orientation = {1.0, 0.0, 0.0, 0.0},
+                          .velocity = {NAN, NAN, NAN},
+                          .applied_force = {NAN, NAN, NAN}};
+}
+
+/* The answer goes to who asked: the channel's client, whatever number the pose claims. */
+static void lockstep_answers_a_wrong_probe_on_its_own_channel(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", true);
+    static const int32_t claimed[] = {1, 7, -5, 1000000, INT32_MIN};
+    for (int32_t i = 0; i < 5; ++i) {
+        const softsim_pose pose = pose_of(1, i + 1, claimed[i]);
+        const int32_t channel = 0;
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        assert_int_equal(ss_world_lockstep(world, &pose, &channel, 1, force),
+                         SOFTSIM_REFUSED_WRONG_PROBE);
+        for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+            assert_int_equal(force[p].probe, p);
+        }
+        assert_int_equal(force[0].pose_seq, i + 1);
+        assert_int_equal(force[0].sender, 1);
+    }
+    assert_int_equal(world->tick, 5);
+    ss_world_destroy(&world);
+}
+
+/* A scene without tools has no haptic loop that would empty a ring of commands. */
+static void commands_are_taken_without_a_haptic_loop(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "cylinder.yaml", false);
+    assert_int_equal(world->used_probes, 0);
+    for (int i = 0; i < 500; ++i) {
+        ss_command_record record;
+        char text[256];
+        const char *name = i % 2 == 0 ? "pause" : "resume";
+        assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
+        ss_world_step_begin(world);
+        assert_int_equal(world->simulation_paused, i % 2 == 0);
+    }
+    ss_world_destroy(&world);
+}
+
+/* Skipping is when the figures matter: they come 4 times a second all the same. */
+static void haptic_figures_come_though_ticks_are_skipped(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", false);
+    int64_t posts = 0;
+    double last = -1.0;
+    for (int64_t tick = 1; tick < 2000; tick += 2) {
+        bool is_new = false;
+        const int64_t due = tick * 1000000;
+        ss_world_haptic_tick(world, tick, due, due + 1000 * tick);
+        const ss_haptic_stats *stats = ss_mailbox_take(world->haptic_stats, &is_new);
+        assert_true(is_new);
+        posts += stats->lateness_us[3] != last;
+        last = stats->lateness_us[3];
+    }
+    assert_in_range(posts, 7, 9);
+    ss_world_destroy(&world);
+}
+
+/* Set-up arithmetic belongs to the result: the daemon and a headless run set it up alike. */
+static void a_world_is_set_up_without_denormals(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "cylinder.yaml", false);
+#if defined(__SSE__)
+    const volatile float least = FLT_MIN;
+    const volatile float half = least * 0.5f;
+    assert_true(half == 0.0f);
+#endif
+    ss_world_destroy(&world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_world_is_set_up_without_denormals), /* first: the mode stays */
+        cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
+        cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
+        cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
+    };
+    return cmocka_run_group_tests_name("world", tests, NULL, NULL);
+}
