@@ -33,6 +33,7 @@ enum {
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
+static const double SLOWEST_STEP = 0.2;      /* s: two of them, and a result is too old to be felt */
 static const double PLACE_SHARE = 0.1;       /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
 
@@ -145,9 +146,26 @@ static ss_haptic_config probe_config(const ss_world *world, int32_t p)
     return config;
 }
 
-static softsim_status build_probes(ss_world *world, bool is_lockstep)
+static bool has_tools(const ss_scene *scene)
+{
+    bool is_any = false;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        is_any |= scene->tool[p].is_used;
+    }
+    return is_any;
+}
+
+static softsim_status build_probes(ss_world *world, bool is_lockstep, softsim_error *error)
 {
     const ss_scene *scene = world->scene;
+    if (world->step_period > SLOWEST_STEP && has_tools(scene)) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "%s: a simulation step every %.3g s is too slow to be felt: results older "
+                          "than half a second ramp the force to zero; raise simulation.rate_hz to "
+                          "%.3g or more, or use a smaller mesh",
+                          scene->path, world->step_period, 1.0 / SLOWEST_STEP);
+        return SOFTSIM_ERROR_SCENE;
+    }
     world->haptic_config = (ss_haptic_config){.period = world->period,
                                               .between_steps = between(scene->between_steps),
                                               .max_force = scene->max_force_n,
@@ -286,7 +304,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
         status = build_model(world, options->step_s, error);
     }
     if (status == SOFTSIM_OK) {
-        status = build_probes(world, options->is_lockstep);
+        status = build_probes(world, options->is_lockstep, error);
     }
     if (status == SOFTSIM_OK) {
         status = build_exchange(world);

@@ -78,6 +78,10 @@ static int watch(const char *program, monitor *m, softsim_client *client, double
             fprintf(stderr, "%s: LCM failed\n", program);
             return EXIT_FAILURE;
         }
+        if (ferror(stdout)) {
+            fprintf(stderr, "%s: cannot write to stdout; is the disk full?\n", program);
+            return EXIT_FAILURE;
+        }
     }
     return m->received_ns != 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -43,7 +43,7 @@ struct ss_haptic {
     /* state: proxy and tissue */
     double p[3], pdot[3];
     double spring; /* K_c */
-    ss_gate gate;
+    ss_admission gate;
     ss_law law;
     bool is_fault;
     int64_t result_tick;
@@ -214,7 +214,7 @@ static void place_proxy(ss_haptic *haptic)
 
 static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
 {
-    const ss_gate_input gate = {
+    const ss_admission_input gate = {
         .tick = input->tick,
         .period = haptic->config.period,
         .is_stale = input->tick - haptic->pose_tick >= SS_WATCHDOG_TICKS,
@@ -228,7 +228,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .result_tick = haptic->result_tick,
         .has_force = ss_norm3(haptic->last_force) > 0.0,
     };
-    if (ss_gate_step(&haptic->gate, &gate)) {
+    if (ss_admission_step(&haptic->gate, &gate)) {
         place_proxy(haptic);
     }
 }
@@ -250,7 +250,7 @@ static void used_pose(const ss_haptic *haptic, int64_t tick, double x[3], double
     if (pose != &haptic->pose) {
         ss_set3(v, 0.0, 0.0, 0.0);
     }
-    ss_gate_pose(&haptic->gate, tick, x, v);
+    ss_admission_pose(&haptic->gate, tick, x, v);
 }
 
 /* A result for where the proxy is now: the law, and entry if it is the first. */
@@ -268,16 +268,16 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
         ss_copy3(normal, result->set.normal);
         ss_copy3(point, haptic->pose.position);
     }
-    if (ss_gate_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
+    if (ss_admission_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
                                 haptic->pose.position)) {
-        ss_gate_enter(&haptic->gate, tick, true, point, normal);
+        ss_admission_enter(&haptic->gate, tick, true, point, normal);
         /* The proxy goes out to the surface, at once. */
         used_pose(haptic, tick, haptic->p, v);
         ++haptic->teleports;
     } else if (is_first) {
-        ss_gate_enter(&haptic->gate, tick, false, point, normal);
+        ss_admission_enter(&haptic->gate, tick, false, point, normal);
     } else {
-        ss_gate_follow(&haptic->gate, law->result_period, point, normal);
+        ss_admission_follow(&haptic->gate, law->result_period, point, normal);
     }
 }
 
@@ -440,7 +440,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     softsim_force *force = &haptic->output.force;
     const double size = ss_norm3(whole);
     const int32_t active = ss_law_active_count(&haptic->law);
-    const bool is_in_contact = active > 0 && ss_gate_gain(&haptic->gate, input->tick) > 0.0;
+    const bool is_in_contact = active > 0 && ss_admission_gain(&haptic->gate, input->tick) > 0.0;
     force->seq = next_seq(force->seq);
     force->sender = haptic->pose.sender;
     force->probe = haptic->pose.probe;
@@ -600,7 +600,7 @@ static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const 
                          bool is_limited, int32_t *inout_flags, double out_sent[3])
 {
     const ss_haptic_config *config = &haptic->config;
-    ss_scale3(out_sent, whole, ss_gate_gain(&haptic->gate, input->tick));
+    ss_scale3(out_sent, whole, ss_admission_gain(&haptic->gate, input->tick));
     is_limited = ss_limit_slew(out_sent, haptic->last_force, config->max_slew * config->period) ||
                  is_limited;
     *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
@@ -630,7 +630,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
-        int32_t flags = ss_gate_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
+        int32_t flags = ss_admission_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
         settle_force(haptic, input, whole, is_limited, &flags, sent);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             write_force(haptic, input, sent, whole, flags);

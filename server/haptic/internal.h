@@ -185,7 +185,7 @@ typedef enum ss_phase {
     SS_PHASE_RAMPING /* down to zero, then silent or waiting */
 } ss_phase;
 
-typedef struct ss_gate {
+typedef struct ss_admission {
     ss_phase phase;
     bool is_stopped;    /* for good */
     bool is_model_late; /* or at fault */
@@ -196,10 +196,10 @@ typedef struct ss_gate {
     double placed_at[3];
     double entry_point[3]; /* of the surface, smoothed */
     double entry_normal[3];
-} ss_gate;
+} ss_admission;
 
 /* What the gate learns in a tick. */
-typedef struct ss_gate_input {
+typedef struct ss_admission_input {
     int64_t tick;
     double period;
     bool is_stale, is_paused, is_reset, is_stopping;
@@ -208,24 +208,24 @@ typedef struct ss_gate_input {
     bool has_result;    /* a result since the proxy was placed */
     int64_t result_tick;
     bool has_force; /* something to ramp down from */
-} ss_gate_input;
+} ss_admission_input;
 
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */
-bool ss_gate_step(ss_gate *gate, const ss_gate_input *input);
+bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
 /* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
-bool ss_gate_is_found_inside(const ss_gate *gate, int64_t tick, double period, double depth,
+bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period, double depth,
                              const double x[3]);
 /* The first result for this place: enters, by fading if `is_inside`. */
-void ss_gate_enter(ss_gate *gate, int64_t tick, bool is_inside, const double point[3],
+void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
                    const double normal[3]);
 /* Follows the surface while entering. */
-void ss_gate_follow(ss_gate *gate, double period, const double point[3], const double normal[3]);
+void ss_admission_follow(ss_admission *gate, double period, const double point[3], const double normal[3]);
 /* The pose and hand velocity to use: faded towards the surface while entering. */
-void ss_gate_pose(const ss_gate *gate, int64_t tick, double x[3], double v[3]);
+void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */
-double ss_gate_gain(const ss_gate *gate, int64_t tick);
+double ss_admission_gain(const ss_admission *gate, int64_t tick);
 /* Flags 8, 16, 64. */
-int32_t ss_gate_flags(const ss_gate *gate);
+int32_t ss_admission_flags(const ss_admission *gate);
 
 /* |force| <= limit: scales `force`, returns true when it did. */
 bool ss_limit_force(double force[3], double limit);

@@ -32,26 +32,26 @@
 /* m: depth beyond the hand's own way that tells so. */
 #define SETTLING_DEPTH 0.2e-3
 
-static void begin(ss_gate *gate, ss_phase phase, int64_t tick)
+static void begin(ss_admission *gate, ss_phase phase, int64_t tick)
 {
     gate->phase = phase;
     gate->since = tick;
 }
 
 /* Is the force to go, or to stay away, whatever the phase? */
-static bool is_barred(const ss_gate *gate)
+static bool is_barred(const ss_admission *gate)
 {
     return gate->is_stopped || gate->is_stale || gate->is_paused || gate->is_model_late;
 }
 
-static bool place(ss_gate *gate, int64_t tick)
+static bool place(ss_admission *gate, int64_t tick)
 {
     begin(gate, SS_PHASE_WAITING, tick);
     gate->placed = tick;
     return true;
 }
 
-bool ss_gate_step(ss_gate *gate, const ss_gate_input *input)
+bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
 {
     const int64_t tick = input->tick;
     const int64_t answered = input->has_result ? input->result_tick : gate->placed;
@@ -98,7 +98,7 @@ bool ss_gate_step(ss_gate *gate, const ss_gate_input *input)
     return false;
 }
 
-bool ss_gate_is_found_inside(const ss_gate *gate, int64_t tick, double period, double depth,
+bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period, double depth,
                              const double x[3])
 {
     double way[3];
@@ -117,7 +117,7 @@ bool ss_gate_is_found_inside(const ss_gate *gate, int64_t tick, double period, d
     return false;
 }
 
-void ss_gate_enter(ss_gate *gate, int64_t tick, bool is_inside, const double point[3],
+void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
                    const double normal[3])
 {
     begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN, tick);
@@ -127,7 +127,7 @@ void ss_gate_enter(ss_gate *gate, int64_t tick, bool is_inside, const double poi
     }
 }
 
-void ss_gate_follow(ss_gate *gate, double period, const double point[3], const double normal[3])
+void ss_admission_follow(ss_admission *gate, double period, const double point[3], const double normal[3])
 {
     const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
     for (int i = 0; i < 3; ++i) {
@@ -139,7 +139,7 @@ void ss_gate_follow(ss_gate *gate, double period, const double point[3], const d
     }
 }
 
-void ss_gate_pose(const ss_gate *gate, int64_t tick, double x[3], double v[3])
+void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3])
 {
     if (gate->phase != SS_PHASE_ENTERING) {
         return;
@@ -154,7 +154,7 @@ void ss_gate_pose(const ss_gate *gate, int64_t tick, double x[3], double v[3])
     }
 }
 
-double ss_gate_gain(const ss_gate *gate, int64_t tick)
+double ss_admission_gain(const ss_admission *gate, int64_t tick)
 {
     switch (gate->phase) {
     case SS_PHASE_ENTERING:
@@ -169,7 +169,7 @@ double ss_gate_gain(const ss_gate *gate, int64_t tick)
     return 0.0;
 }
 
-int32_t ss_gate_flags(const ss_gate *gate)
+int32_t ss_admission_flags(const ss_admission *gate)
 {
     int32_t flags = 0;
     if (gate->phase == SS_PHASE_RAMPING || gate->phase == SS_PHASE_ENTERING || is_barred(gate)) {
