@@ -252,7 +252,7 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
     ss_world_settle(world);
     ss_model_info info;
     ss_gate_counts counts;
-    world->model_class->info(world->model, &info);
+    ss_world_info(world, &info);
     ss_gate_read(world->gate, &counts);
     *out_state = (softsim_state){.tick = world->tick,
                                  .step = world->steps,
@@ -260,6 +260,7 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
                                  .period_s = world->period,
                                  .simulation_period_s = world->step_period,
                                  .substeps = info.substeps,
+                                 .all_substeps = world->substeps,
                                  .node_count = world->scene->mesh->node_count,
                                  .probes = world->used_probes,
                                  .verdict = info.verdict,

@@ -263,6 +263,9 @@ static void judge(const ss_loops *loops, ss_report *report)
             report->reason = "the simulation is slower than real time";
         }
     }
+    if (loops->simulation_stats.is_paused && !*report->reason) {
+        report->reason = "paused: forces are zero until the command resume";
+    }
     const char *reason = probe_reason(loops);
     if (reason && !*report->reason) {
         report->reason = reason;

@@ -33,6 +33,8 @@ enum {
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
+static const double SINK_SHARE = 0.3;        /* of a tool's least half-width */
+static const double MAX_TOOL_SPEED = 3.0;    /* m/s */
 static const double SLOWEST_STEP = 0.2;      /* s: two of them, and a result is too old to be felt */
 static const double PLACE_SHARE = 0.1;       /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
@@ -617,6 +619,16 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
     memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
     const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
+    if (is_swept) {
+        /* No hand is faster: what jumps by centimetres in a period is caught up with, not flung. */
+        double way[3];
+        ss_sub3(way, tool.to.position, probe->last.position);
+        const double reach = MAX_TOOL_SPEED * world->step_period;
+        const double length = ss_norm3(way);
+        if (length > reach) {
+            ss_madd3(tool.to.position, probe->last.position, reach / length, way);
+        }
+    }
     tool.from = is_swept ? probe->last : tool.to;
     if (!is_swept && !may_place(world, probe, p, &tool.to)) {
         probe->is_waiting = true;
@@ -676,6 +688,7 @@ void ss_world_step_compute(ss_world *world)
         ++world->steps;
     }
     world->model_class->info(world->model, &info);
+    world->substeps += world->simulation_paused ? 0 : info.substeps;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
             read_contacts(world, p, &tool[p], velocity[p],
@@ -684,6 +697,21 @@ void ss_world_step_compute(ss_world *world)
     }
     const int64_t now = ss_clock_now_ns();
     ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
+}
+
+void ss_world_info(const ss_world *world, ss_model_info *out_info)
+{
+    world->model_class->info(world->model, out_info);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const ss_world_probe *probe = &world->probe[p];
+        if (probe->is_used && out_info->verdict == SOFTSIM_VERDICT_GOOD &&
+            probe->computed.set.depth >
+                SINK_SHARE * ss_shape_inradius(&world->scene->tool[p].shape)) {
+            out_info->verdict = SOFTSIM_VERDICT_GUARDED;
+            out_info->reason = "a tool sinks into the tissue: raise contact.working_force_n, or "
+                               "lower the model's stiffness";
+        }
+    }
 }
 
 static void post_surface(ss_world *world)
@@ -713,7 +741,8 @@ void ss_world_step_post(ss_world *world)
         post_surface(world);
     }
     ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);
-    world->model_class->info(world->model, &stats->info);
+    ss_world_info(world, &stats->info);
+    stats->is_paused = world->simulation_paused;
     stats->info.step = world->steps;
     const int64_t quarter = (int64_t)ceil(0.25 / world->step_period);
     if (world->steps % quarter == 0) {

@@ -54,6 +54,7 @@ typedef struct ss_simulation_stats {
     ss_model_info info;
     double step_us[3]; /* p50, p99, max */
     bool is_slow;      /* steps take longer than their period */
+    bool is_paused;
 } ss_simulation_stats;
 
 /* A surface snapshot for the publisher: `displacement` has 3 floats a node. */
@@ -119,6 +120,7 @@ typedef struct ss_world {
     /* simulation thread */
     ss_histogram *step_time;
     int64_t steps;
+    int64_t substeps;            /* of all steps */
     bool simulation_paused;
     bool is_slow;
     int32_t snapshot_every;      /* steps between surface snapshots; 0: no publisher */
@@ -155,6 +157,10 @@ int32_t ss_world_scene_models(const ss_scene_model **out_models);
 /* One haptic tick of every used probe. `due_ns` and `lateness_us` describe the period in real
  * time (0 in lockstep). Thread: haptic; RT-safe. */
 void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t now_ns);
+
+/* The model's own account, and what the world adds: a tool that has sunk far into the tissue is a
+ * guarded verdict. Thread: simulation; RT-safe. */
+void ss_world_info(const ss_world *world, ss_model_info *out_info);
 
 /* Begins a step (takes the proxy targets), computes it, posts its results. In real time the three
  * run one after the other; in lockstep the results are posted one period later.

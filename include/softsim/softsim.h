@@ -43,6 +43,7 @@ typedef struct softsim_state {
     double period_s;           /* of a tick */
     double simulation_period_s;
     int32_t substeps;          /* of the last step */
+    int64_t all_substeps;      /* of all steps */
     int32_t node_count;
     uint8_t probes;            /* bit n: probe n has a tool */
     softsim_verdict verdict;

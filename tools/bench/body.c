@@ -216,6 +216,9 @@ typedef struct runner {
     int64_t force_count;
     double last_force[3];
     bool has_force;
+    bool was_measured;
+    int64_t measured;  /* ticks */
+    double substeps;   /* of the measured ticks */
 } runner;
 
 static void keep_first_line(char *out, size_t size, const char *text)
@@ -229,7 +232,6 @@ static void look(runner *r)
     softsim_state state;
     softsim_read(r->world, &state);
     r->largest_j = fmax(r->largest_j, state.elastic_j + state.kinetic_j);
-    r->out->substeps = state.substeps > r->out->substeps ? state.substeps : r->out->substeps;
     if (state.verdict > r->out->worst) {
         r->out->worst = state.verdict;
         keep_first_line(r->out->reason, sizeof r->out->reason, state.reason);
@@ -273,6 +275,8 @@ static void finish(runner *r)
     look(r);
     softsim_read(r->world, &state);
     r->out->step_us = state.step_us[0];
+    r->substeps += r->was_measured ? (double)state.all_substeps : 0.0;
+    r->out->substeps = r->substeps / (double)r->measured;
     if (r->largest_j > 0.0) {
         r->out->ledger =
             (state.elastic_j + state.kinetic_j + state.dissipated_j - state.work_j) / r->largest_j;
@@ -289,11 +293,18 @@ static void tick(runner *r, const softsim_pose *pose, int32_t count, bool is_mea
                  softsim_force out_force[SOFTSIM_MAX_PROBES])
 {
     const int32_t channel = 0;
+    if (is_measured != r->was_measured) {
+        softsim_state state;
+        softsim_read(r->world, &state);
+        r->substeps += (double)(is_measured ? -state.all_substeps : state.all_substeps);
+        r->was_measured = is_measured;
+    }
     const int64_t start_ns = ss_clock_thread_cpu_ns();
     softsim_tick(r->world, pose, &channel, count, out_force);
     const int64_t end_ns = ss_clock_thread_cpu_ns();
     if (is_measured) {
         ss_samples_add(&r->out->tick_us, 1e-3 * (double)(end_ns - start_ns));
+        ++r->measured;
     }
 }
 

@@ -32,7 +32,7 @@ typedef struct ss_body_run {
     double jump;        /* largest change between two forces over the mean while sliding; NaN */
     double mean_force;  /* N while sliding; NaN */
     double ledger;      /* (stored + dissipated - work) over the largest stored energy */
-    int32_t substeps;   /* most in a step, of those looked at */
+    double substeps;    /* mean of a measured step */
     softsim_verdict worst;
     char reason[160]; /* of the worst verdict, or why the scene was refused */
     bool is_refused;

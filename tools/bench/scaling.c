@@ -42,7 +42,8 @@ typedef struct options {
 } options;
 
 typedef struct row {
-    int32_t points, nodes, substeps;
+    int32_t points, nodes;
+    double substeps;
     const char *name; /* of the case */
     double p50_us, p99_us, step_us, paper_ms, jump, mean_force, ledger;
     char verdict[192];
@@ -199,14 +200,16 @@ static softsim_status write_csv(const report *r, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs("points,nodes,case,step_us_p50,step_us_p99,paper_ms,jump_percent,ledger_fraction,"
-          "verdict\n",
+    fputs("points,nodes,case,step_us_p50,step_us_p99,substeps,substep_us,paper_ms,jump_percent,"
+          "ledger_fraction,verdict\n",
           output.file);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
         fprintf(output.file, "%d,%d,%s", at->points, at->nodes, at->name);
         put_number(output.file, at->p50_us);
         put_number(output.file, at->p99_us);
+        put_number(output.file, at->substeps);
+        put_number(output.file, at->p50_us / at->substeps);
         put_number(output.file, at->paper_ms);
         put_number(output.file, 100.0 * at->jump);
         put_number(output.file, at->ledger);
@@ -219,11 +222,12 @@ static softsim_status write_csv(const report *r, softsim_error *error)
 
 static void print_rows(const report *r)
 {
-    printf("%6s %6s %10s %10s %9s %8s %10s  %s\n", "points", "case", "p50 us", "p99 us", "paper ms",
-           "jump %", "ledger", "verdict");
+    printf("%6s %6s %10s %10s %9s %10s %9s %8s %10s  %s\n", "points", "case", "p50 us", "p99 us",
+           "sub-steps", "us each", "paper ms", "jump %", "ledger", "verdict");
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
-        printf("%6d %6s %10.1f %10.1f", at->points, at->name, at->p50_us, at->p99_us);
+        printf("%6d %6s %10.1f %10.1f %9.2f %10.1f", at->points, at->name, at->p50_us, at->p99_us,
+               at->substeps, at->p50_us / at->substeps);
         if (isnan(at->paper_ms)) {
             printf(" %9s", "");
         } else {
@@ -283,7 +287,7 @@ static void put_table(ss_page *page, const report *r)
 {
     static const char *const head[] = {
         "points",    "case",      "p50, us", "p99, us",       "model step alone, us",
-        "sub-steps", "paper, ms", "jump, %", "mean force, N", "ledger",
+        "sub-steps", "us a sub-step", "paper, ms", "jump, %", "mean force, N", "ledger",
         "verdict"};
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
     for (int32_t i = 0; i < r->row_count; ++i) {
@@ -294,7 +298,8 @@ static void put_table(ss_page *page, const report *r)
         ss_row_add_number(&cells, at->p50_us);
         ss_row_add_number(&cells, at->p99_us);
         ss_row_add_number(&cells, at->step_us);
-        ss_row_add(&cells, "%d", at->substeps);
+        ss_row_add_number(&cells, at->substeps);
+        ss_row_add_number(&cells, at->p50_us / at->substeps);
         ss_row_add_number(&cells, at->paper_ms);
         ss_row_add_number(&cells, 100.0 * at->jump);
         ss_row_add_number(&cells, at->mean_force);
