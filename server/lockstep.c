@@ -124,9 +124,8 @@ static void answer_refused(softsim_force *force, const softsim_pose *pose, softs
     force->pose_utime_us = pose->utime_us;
 }
 
-softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose,
-                                  const int32_t *channel, int32_t count,
-                                  softsim_force out_force[SOFTSIM_MAX_PROBES])
+softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, const int32_t *channel,
+                                  int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES])
 {
     if (world->threads > 1 && !world->worker) {
         start_worker(world);
@@ -192,7 +191,8 @@ uint64_t ss_world_hash(ss_world *world)
     return ss_world_fnv(hash, &world->steps, sizeof world->steps);
 }
 
-/* ---- the public headless API -------------------------------------------------------------------------------- */
+/* ---- the public headless API
+ * -------------------------------------------------------------------------------- */
 
 enum { CONFIG_COOKIE = 0x50f751 };
 
@@ -232,9 +232,8 @@ void softsim_destroy(softsim_world **world)
     *world = NULL;
 }
 
-softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose,
-                             const int32_t *channel, int32_t count,
-                             softsim_force out_force[SOFTSIM_MAX_PROBES])
+softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, const int32_t *channel,
+                             int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES])
 {
     /* As in the daemon, a pose is normalised once, where it comes in. */
     softsim_pose normal[SOFTSIM_MAX_PROBES];
@@ -308,10 +307,11 @@ int32_t softsim_triangle_count(const softsim_world *world)
 
 const int32_t (*softsim_triangles(const softsim_world *world))[3]
 {
-    return (const int32_t (*)[3])((const ss_world *)world)->scene->mesh->triangle;
+    return (const int32_t(*)[3])((const ss_world *)world)->scene->mesh->triangle;
 }
 
-/* The scene's entries: one with a displacement file may be several sets, one per pattern of axes. */
+/* The scene's entries: one with a displacement file may be several sets, one per pattern of axes.
+ */
 int32_t softsim_prescribed_count(const softsim_world *world)
 {
     const ss_scene *scene = ((const ss_world *)world)->scene;

@@ -43,13 +43,13 @@ typedef struct ss_loops {
     const ss_options *options;
     int64_t start_ns;
     int64_t period_ns, step_period_ns;
-    int wake_fd;             /* haptic -> net */
-    int event_fd;            /* net -> main: it listens, or cannot */
-    atomic_bool is_ending;   /* loops return */
-    atomic_bool is_over;     /* main shall end: shutdown, duration in lockstep, broken network */
+    int wake_fd;           /* haptic -> net */
+    int event_fd;          /* net -> main: it listens, or cannot */
+    atomic_bool is_ending; /* loops return */
+    atomic_bool is_over;   /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
-    atomic_int_least64_t ready_ns; /* main -> net: uptime counts from here */
-    atomic_int refreshes;    /* net -> publish */
+    atomic_int_least64_t ready_ns;                /* main -> net: uptime counts from here */
+    atomic_int refreshes;                         /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
 
     /* net thread */
@@ -73,7 +73,8 @@ typedef struct ss_loops {
     ss_publisher *publisher;
 } ss_loops;
 
-/* ---- net thread: poses in ------------------------------------------------------------------------ */
+/* ---- net thread: poses in
+ * ------------------------------------------------------------------------ */
 
 static void answer(ss_loops *loops, softsim_force *force)
 {
@@ -153,8 +154,8 @@ static void handle_refusal(void *context, softsim_refusal reason, int32_t channe
 
 static void send_status(ss_loops *loops);
 
-static int32_t handle_command(void *context, const char *name, const char *argument,
-                              char *out_text, int32_t text_size)
+static int32_t handle_command(void *context, const char *name, const char *argument, char *out_text,
+                              int32_t text_size)
 {
     ss_loops *loops = context;
     if (loops->options->no_commands && strcmp(name, "refresh") != 0 &&
@@ -191,7 +192,8 @@ static int32_t handle_command(void *context, const char *name, const char *argum
     return 0;
 }
 
-/* ---- net thread: forces and status out ------------------------------------------------------------- */
+/* ---- net thread: forces and status out
+ * ------------------------------------------------------------- */
 
 static void settle_forces(ss_loops *loops)
 {
@@ -229,10 +231,14 @@ static void take_stats(ss_loops *loops)
 static const char *probe_reason(const ss_loops *loops)
 {
     static const char *const silent[SOFTSIM_MAX_PROBES] = {
-        "probe 0 went silent: its force is ramped to zero", "probe 1 went silent: its force is ramped to zero",
-        "probe 2 went silent: its force is ramped to zero", "probe 3 went silent: its force is ramped to zero",
-        "probe 4 went silent: its force is ramped to zero", "probe 5 went silent: its force is ramped to zero",
-        "probe 6 went silent: its force is ramped to zero", "probe 7 went silent: its force is ramped to zero"};
+        "probe 0 went silent: its force is ramped to zero",
+        "probe 1 went silent: its force is ramped to zero",
+        "probe 2 went silent: its force is ramped to zero",
+        "probe 3 went silent: its force is ramped to zero",
+        "probe 4 went silent: its force is ramped to zero",
+        "probe 5 went silent: its force is ramped to zero",
+        "probe 6 went silent: its force is ramped to zero",
+        "probe 7 went silent: its force is ramped to zero"};
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (loops->last_flags[p] & SOFTSIM_FORCE_STALE) {
             return silent[p];
@@ -250,11 +256,13 @@ static void judge(const ss_loops *loops, ss_report *report)
     report->fault_bits = (int32_t)info->fault_bits;
     if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
         report->fault_bits |= FAULT_WIRE_CLAMPED;
-        report->reason = *report->reason ? report->reason : "displacements beyond the wire's range are clamped";
+        report->reason =
+            *report->reason ? report->reason : "displacements beyond the wire's range are clamped";
     }
     if (loops->publisher && ss_publisher_is_capped(loops->publisher)) {
         report->fault_bits |= FAULT_WIRE_CAPPED;
-        report->reason = *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
+        report->reason =
+            *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
     }
     if (loops->simulation_stats.is_slow) {
         report->fault_bits |= FAULT_SLOW;
@@ -406,7 +414,8 @@ static void *net_body(void *argument)
     return NULL;
 }
 
-/* ---- the other loops ------------------------------------------------------------------------------------ */
+/* ---- the other loops
+ * ------------------------------------------------------------------------------------ */
 
 /* Sleeps until period `*tick` + 1 is due; skips the periods that are already over. Returns the
  * due time and counts the skipped ones. */
@@ -476,8 +485,7 @@ static void *publish_body(void *argument)
         const int64_t now = ss_clock_now_ns();
         due = now - due > period ? now : due + period;
         ss_clock_sleep_until(due);
-        const double new_max =
-            atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
+        const double new_max = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
         if (new_max != max_bytes) {
             max_bytes = new_max;
             ss_publisher_set_max_bytes(loops->publisher, max_bytes);
@@ -495,7 +503,8 @@ static void *publish_body(void *argument)
     return NULL;
 }
 
-/* ---- main thread ------------------------------------------------------------------------------------------ */
+/* ---- main thread
+ * ------------------------------------------------------------------------------------------ */
 
 typedef struct ss_loop_threads {
     ss_thread *net, *simulation, *haptic, *publish;
@@ -526,8 +535,8 @@ static softsim_status start_loop(ss_loops *loops, const char *name, int priority
 /* The net thread opens LCM itself: LCM's reader inherits its scheduling class. */
 static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softsim_error *error)
 {
-    const softsim_status status = start_loop(loops, "net", NET_PRIORITY, net_body, &threads->net,
-                                             threads, error);
+    const softsim_status status =
+        start_loop(loops, "net", NET_PRIORITY, net_body, &threads->net, threads, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -551,8 +560,8 @@ static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
                                         .max_bytes_per_s = scene->max_bytes_per_s};
     const ss_publish_mesh surface = {.node_count = mesh->node_count,
                                      .triangle_count = mesh->triangle_count,
-                                     .rest = (const double (*)[3])mesh->position,
-                                     .triangle = (const int32_t (*)[3])mesh->triangle,
+                                     .rest = (const double(*)[3])mesh->position,
+                                     .triangle = (const int32_t(*)[3])mesh->triangle,
                                      .fixed = scene->fixed,
                                      .diagonal = ss_mesh_diagonal(mesh)};
     return ss_publisher_open(&config, &surface, &loops->publisher, error);

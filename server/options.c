@@ -36,12 +36,11 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
          "what stderr tells (default info)"},
     };
     int32_t positional_count = 0;
-    const ss_args_result result =
-        ss_args_parse(argc, argv, "[options] SCENE.yaml",
-                      "Simulates the scene's soft object; takes probe poses and publishes contact "
-                      "forces over LCM.",
-                      rows, (int32_t)(sizeof rows / sizeof *rows), &o.scene_path, 1, 1,
-                      &positional_count, error);
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options] SCENE.yaml",
+        "Simulates the scene's soft object; takes probe poses and publishes contact "
+        "forces over LCM.",
+        rows, (int32_t)(sizeof rows / sizeof *rows), &o.scene_path, 1, 1, &positional_count, error);
     o.realtime = (ss_realtime)realtime;
     o.log_level = (ss_log_level)log_level;
     *out_options = o;

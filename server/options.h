@@ -16,7 +16,7 @@ typedef struct ss_options {
     const char *prefix;
     ss_arg_list set;
     bool check, explain, print_config, no_commands, lockstep, hash;
-    double duration_s;   /* 0: until told to stop */
+    double duration_s; /* 0: until told to stop */
     int64_t threads;
     ss_realtime realtime;
     ss_log_level log_level;

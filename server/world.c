@@ -25,21 +25,22 @@
  */
 
 enum {
-    POSE_RING = 256,     /* a quarter of a second of poses at 1 kHz */
-    FORCE_RING = 8192,   /* one second of eight probes */
+    POSE_RING = 256,   /* a quarter of a second of poses at 1 kHz */
+    FORCE_RING = 8192, /* one second of eight probes */
     COMMAND_RING = 64,
     TICK_POSES = 64 /* more are left for the next tick */
 };
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
-static const double SINK_SHARE = 0.3;        /* of a tool's least half-width */
-static const double MAX_TOOL_SPEED = 3.0;    /* m/s */
-static const double SLOWEST_STEP = 0.2;      /* s: two of them, and a result is too old to be felt */
-static const double PLACE_SHARE = 0.1;       /* of the tool: deeper, and it is let in by fading */
+static const double SINK_SHARE = 0.3;     /* of a tool's least half-width */
+static const double MAX_TOOL_SPEED = 3.0; /* m/s */
+static const double SLOWEST_STEP = 0.2;   /* s: two of them, and a result is too old to be felt */
+static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
 
-/* ---- set-up ------------------------------------------------------------------------------------ */
+/* ---- set-up ------------------------------------------------------------------------------------
+ */
 
 int32_t ss_world_scene_models(const ss_scene_model **out_models)
 {
@@ -75,8 +76,7 @@ static softsim_status plan_loads(ss_world *world)
 {
     const ss_scene *scene = world->scene;
     world->load = ss_memory_get((size_t)scene->load_count, sizeof *world->load);
-    world->prescribed =
-        ss_memory_get((size_t)scene->prescribed_count, sizeof *world->prescribed);
+    world->prescribed = ss_memory_get((size_t)scene->prescribed_count, sizeof *world->prescribed);
     if (!world->load || !world->prescribed) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -161,11 +161,12 @@ static softsim_status build_probes(ss_world *world, bool is_lockstep, softsim_er
 {
     const ss_scene *scene = world->scene;
     if (world->step_period > SLOWEST_STEP && has_tools(scene)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "%s: a simulation step every %.3g s is too slow to be felt: results older "
-                          "than half a second ramp the force to zero; raise simulation.rate_hz to "
-                          "%.3g or more, or use a smaller mesh",
-                          scene->path, world->step_period, 1.0 / SLOWEST_STEP);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "%s: a simulation step every %.3g s is too slow to be felt: results older "
+            "than half a second ramp the force to zero; raise simulation.rate_hz to "
+            "%.3g or more, or use a smaller mesh",
+            scene->path, world->step_period, 1.0 / SLOWEST_STEP);
         return SOFTSIM_ERROR_SCENE;
     }
     world->haptic_config = (ss_haptic_config){.period = world->period,
@@ -217,8 +218,7 @@ static softsim_status build_exchange(ss_world *world)
     world->lateness = ss_memory_get(1, sizeof *world->lateness);
     world->step_time = ss_memory_get(1, sizeof *world->step_time);
     if (!world->haptic_commands || !world->simulation_commands || !world->forces ||
-        !world->haptic_stats || !world->simulation_stats || !world->lateness ||
-        !world->step_time) {
+        !world->haptic_stats || !world->simulation_stats || !world->lateness || !world->step_time) {
         return SOFTSIM_ERROR_MEMORY;
     }
     const int64_t now = ss_clock_now_ns();
@@ -226,9 +226,8 @@ static softsim_status build_exchange(ss_world *world)
     ss_histogram_init(world->step_time, now);
     if (scene->mesh_rate_hz > 0.0) {
         world->snapshot_every = snapshot_interval(scene->mesh_rate_hz, world->step_period);
-        world->surface =
-            ss_mailbox_create(sizeof(ss_surface_snapshot) +
-                              3 * sizeof(float) * (size_t)scene->mesh->node_count);
+        world->surface = ss_mailbox_create(sizeof(ss_surface_snapshot) +
+                                           3 * sizeof(float) * (size_t)scene->mesh->node_count);
         if (!world->surface) {
             return SOFTSIM_ERROR_MEMORY;
         }
@@ -254,8 +253,8 @@ static uint64_t hash_plan(const ss_world *world)
     const size_t nodes = (size_t)mesh->node_count;
     uint64_t hash = 0xcbf29ce484222325u;
     hash = ss_world_fnv(hash, mesh->position, nodes * sizeof *mesh->position);
-    hash = ss_world_fnv(hash, mesh->triangle,
-                        (size_t)mesh->triangle_count * sizeof *mesh->triangle);
+    hash =
+        ss_world_fnv(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof *mesh->triangle);
     hash = ss_world_fnv(hash, scene->fixed, nodes);
     hash = ss_world_fnv(hash, world->model_class->name, strlen(world->model_class->name));
     for (int32_t i = 0; i < world->model_class->row_count; ++i) {
@@ -268,9 +267,9 @@ static uint64_t hash_plan(const ss_world *world)
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         const ss_shape *shape = &scene->tool[p].shape;
         if (scene->tool[p].is_used) {
-            const double size[6] = {(double)shape->kind,    shape->radius,
-                                    shape->half_length,     shape->half_extent[0],
-                                    shape->half_extent[1],  shape->half_extent[2]};
+            const double size[6] = {(double)shape->kind,   shape->radius,
+                                    shape->half_length,    shape->half_extent[0],
+                                    shape->half_extent[1], shape->half_extent[2]};
             hash = ss_world_fnv(hash, size, sizeof size);
         }
     }
@@ -358,7 +357,8 @@ void ss_world_destroy(ss_world **world_pointer)
     *world_pointer = NULL;
 }
 
-/* ---- the plan in words --------------------------------------------------------------------------- */
+/* ---- the plan in words
+ * --------------------------------------------------------------------------- */
 
 __attribute__((format(printf, 3, 4))) static void say(void (*line)(void *, const char *),
                                                       void *sink, const char *format, ...)
@@ -371,8 +371,7 @@ __attribute__((format(printf, 3, 4))) static void say(void (*line)(void *, const
     line(sink, text);
 }
 
-void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
-                      void *sink)
+void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
 {
     static const char *const shapes[] = {"sphere", "capsule", "box", "cylinder", "cone", "convex"};
     const ss_scene *scene = world->scene;
@@ -397,7 +396,8 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
         world->step_cost_us);
     say(line, sink, "haptic: %.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",
         1.0 / world->period, scene->max_force_n, scene->coupling_stiffness_n_per_m);
-    say(line, sink, "threads: net%s%s", world->used_probes ? ", simulation, haptic" : ", simulation",
+    say(line, sink, "threads: net%s%s",
+        world->used_probes ? ", simulation, haptic" : ", simulation",
         world->surface ? ", publish" : "");
     if (!world->used_probes) {
         say(line, sink, "left out: haptic thread, contact surface (no tools)");
@@ -420,7 +420,8 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
     say(line, sink, "memory: %lld bytes", (long long)ss_memory_in_use());
 }
 
-/* ---- haptic thread --------------------------------------------------------------------------------- */
+/* ---- haptic thread
+ * --------------------------------------------------------------------------------- */
 
 static void run_haptic_command(ss_world *world, const ss_command_record *command)
 {
@@ -536,7 +537,8 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
     ss_mailbox_post(world->haptic_stats);
 }
 
-/* ---- simulation thread ------------------------------------------------------------------------------ */
+/* ---- simulation thread
+ * ------------------------------------------------------------------------------ */
 
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
@@ -587,8 +589,8 @@ static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const s
     ss_contact_set *set = &probe->computed.set;
     double point[3], normal[3];
     const double depth =
-        ss_contact_locate(world->scene->mesh, world->model_class->displacement(world->model),
-                          shape, pose, point, normal);
+        ss_contact_locate(world->scene->mesh, world->model_class->displacement(world->model), shape,
+                          pose, point, normal);
     if (depth <= PLACE_SHARE * ss_shape_bounding_radius(shape)) {
         return true;
     }
@@ -599,7 +601,8 @@ static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const s
     ss_copy3(contact->normal, normal);
     ss_copy3(set->point, point);
     ss_copy3(set->normal, normal);
-    ss_madd3(probe->computed.proxy, pose->position, depth, normal); /* where the tool just touches */
+    ss_madd3(probe->computed.proxy, pose->position, depth,
+             normal); /* where the tool just touches */
     return false;
 }
 
@@ -691,8 +694,7 @@ void ss_world_step_compute(ss_world *world)
     world->substeps += world->simulation_paused ? 0 : info.substeps;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
-            read_contacts(world, p, &tool[p], velocity[p],
-                          info.verdict == SOFTSIM_VERDICT_FAULT);
+            read_contacts(world, p, &tool[p], velocity[p], info.verdict == SOFTSIM_VERDICT_FAULT);
         }
     }
     const int64_t now = ss_clock_now_ns();
@@ -756,7 +758,8 @@ void ss_world_step_post(ss_world *world)
     ss_mailbox_post(world->simulation_stats);
 }
 
-/* ---- commands -------------------------------------------------------------------------------------------- */
+/* ---- commands
+ * -------------------------------------------------------------------------------------------- */
 
 static int32_t parse_set(ss_world *world, const char *argument, ss_command_record *record,
                          char *out_text, int32_t text_size)

@@ -66,17 +66,17 @@ typedef struct ss_surface_snapshot {
 /* One probe: its tool in the world. */
 typedef struct ss_world_probe {
     bool is_used;
-    ss_haptic *haptic;           /* haptic thread */
-    ss_ring *poses;              /* net -> haptic */
-    ss_mailbox *result;          /* simulation -> haptic: ss_local_model */
-    ss_mailbox *target;          /* haptic -> simulation: ss_proxy_target */
+    ss_haptic *haptic;  /* haptic thread */
+    ss_ring *poses;     /* net -> haptic */
+    ss_mailbox *result; /* simulation -> haptic: ss_local_model */
+    ss_mailbox *target; /* haptic -> simulation: ss_proxy_target */
     /* simulation thread */
-    ss_tool_pose last;           /* p-hat of the last step */
+    ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
-    bool is_waiting;             /* found inside the tissue, not yet placed */
+    bool is_waiting; /* found inside the tissue, not yet placed */
     uint32_t last_teleports;
-    ss_proxy_target stepped_to;  /* target of the step under way */
-    ss_local_model computed;     /* result of that step, until it is due */
+    ss_proxy_target stepped_to; /* target of the step under way */
+    ss_local_model computed;    /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
     int32_t answered_seq;
     int64_t answered_sender;
@@ -88,47 +88,47 @@ typedef struct ss_world_probe {
 typedef struct ss_world {
     ss_scene *scene;
     const ss_model_class *model_class;
-    ss_model *model;             /* simulation thread */
-    ss_gate *gate;               /* net thread */
+    ss_model *model; /* simulation thread */
+    ss_gate *gate;   /* net thread */
     ss_haptic_config haptic_config;
     ss_world_probe probe[SOFTSIM_MAX_PROBES];
     uint8_t used_probes;
     int32_t threads;
-    double period;               /* s, T */
-    int32_t step_ticks;          /* m */
-    double step_period;          /* s, h = m T */
-    double step_cost_us;         /* estimated */
+    double period;       /* s, T */
+    int32_t step_ticks;  /* m */
+    double step_period;  /* s, h = m T */
+    double step_cost_us; /* estimated */
     uint64_t plan_hash;
     ss_load *load;
     ss_prescribed *prescribed;
 
-    ss_ring *forces;             /* haptic -> net: ss_force_record */
-    ss_ring *haptic_commands;    /* net -> haptic: ss_command_record */
-    ss_ring *simulation_commands;/* net -> simulation */
-    ss_mailbox *haptic_stats;    /* haptic -> net */
-    ss_mailbox *simulation_stats;/* simulation -> net */
-    ss_mailbox *surface;         /* simulation -> publish: ss_surface_snapshot; NULL without */
+    ss_ring *forces;              /* haptic -> net: ss_force_record */
+    ss_ring *haptic_commands;     /* net -> haptic: ss_command_record */
+    ss_ring *simulation_commands; /* net -> simulation */
+    ss_mailbox *haptic_stats;     /* haptic -> net */
+    ss_mailbox *simulation_stats; /* simulation -> net */
+    ss_mailbox *surface;          /* simulation -> publish: ss_surface_snapshot; NULL without */
 
     /* haptic thread */
     ss_histogram *lateness;
-    double lateness_us[4];       /* p50, p99, p99.9, max, renewed 4 times a second */
+    double lateness_us[4]; /* p50, p99, p99.9, max, renewed 4 times a second */
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
     bool haptic_paused, haptic_reset;
-    atomic_bool is_stopping;     /* any -> haptic */
+    atomic_bool is_stopping; /* any -> haptic */
 
     /* simulation thread */
     ss_histogram *step_time;
     int64_t steps;
-    int64_t substeps;            /* of all steps */
+    int64_t substeps; /* of all steps */
     bool simulation_paused;
     bool is_slow;
-    int32_t snapshot_every;      /* steps between surface snapshots; 0: no publisher */
+    int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
 
     /* lockstep and headless */
     int64_t tick;
-    bool is_step_pending;        /* a step was begun and its result is not yet posted */
+    bool is_step_pending; /* a step was begun and its result is not yet posted */
     struct ss_step_worker *worker;
 } ss_world;
 
@@ -137,7 +137,7 @@ typedef struct ss_world_options {
     const char *const *set;
     int32_t set_count;
     int32_t threads;
-    double step_s;          /* 0: the scene's rates */
+    double step_s; /* 0: the scene's rates */
     bool is_lockstep;
     const char *import_program;
 } ss_world_options;
@@ -171,9 +171,8 @@ void ss_world_step_compute(ss_world *world);
 void ss_world_step_post(ss_world *world);
 
 /* Lockstep: judges the poses and moves the world by one tick; out_force as softsim_tick. */
-softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose,
-                                  const int32_t *channel, int32_t count,
-                                  softsim_force out_force[SOFTSIM_MAX_PROBES]);
+softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, const int32_t *channel,
+                                  int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES]);
 /* Waits until the step under way is computed (its results may still be held back). */
 void ss_world_settle(ss_world *world);
 uint64_t ss_world_hash(ss_world *world);

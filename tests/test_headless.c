@@ -179,7 +179,8 @@ static void results_come_one_period_late(void **state)
         const int32_t channel = 0;
         softsim_tick(world, &pose, &channel, 1, force);
         if (k >= 20) {
-            /* Steps begin at ticks 1, 11, 21, ...: the newest result's pose is 10 to 19 ticks old. */
+            /* Steps begin at ticks 1, 11, 21, ...: the newest result's pose is 10 to 19 ticks old.
+             */
             assert_int_equal(force[0].model_age_us, 1000 * (10 + k % 10));
         }
     }

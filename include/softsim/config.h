@@ -9,7 +9,7 @@
 
 typedef struct softsim_config {
     uint32_t cookie;
-    const char *const *set;     /* PATH=VALUE overrides of scene values */
+    const char *const *set; /* PATH=VALUE overrides of scene values */
     int32_t set_count;
     int32_t threads;            /* for set-up and workers; results do not depend on it */
     double step_s;              /* outer step and tick; 0: the scene's own rates */

@@ -31,28 +31,27 @@ void softsim_destroy(softsim_world **world);
 /* One haptic tick with `count` poses (any order; channel[i] is the channel's probe number of
  * pose[i]). out_force[p] is the force of probe p after the tick; its flags tell refusals. Returns
  * the refusal of the last pose, or SOFTSIM_ACCEPTED. */
-softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose,
-                             const int32_t *channel, int32_t count,
-                             softsim_force out_force[SOFTSIM_MAX_PROBES]);
+softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, const int32_t *channel,
+                             int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES]);
 
 /* What the world is doing, after the last tick. */
 typedef struct softsim_state {
     int64_t tick;
-    int64_t step;              /* simulation steps done */
-    double time_s;             /* simulated */
-    double period_s;           /* of a tick */
+    int64_t step;    /* simulation steps done */
+    double time_s;   /* simulated */
+    double period_s; /* of a tick */
     double simulation_period_s;
-    int32_t substeps;          /* of the last step */
-    int64_t all_substeps;      /* of all steps */
+    int32_t substeps;     /* of the last step */
+    int64_t all_substeps; /* of all steps */
     int32_t node_count;
-    uint8_t probes;            /* bit n: probe n has a tool */
+    uint8_t probes; /* bit n: probe n has a tool */
     softsim_verdict verdict;
     const char *reason;
     double stable_step_s;
     double kinetic_j, elastic_j, dissipated_j, work_j;
     int64_t poses_received;
     int64_t poses_refused[SOFTSIM_REFUSED_COUNT];
-    double step_us[3];         /* thread CPU time: p50, p99, max of the last 10 s */
+    double step_us[3]; /* thread CPU time: p50, p99, max of the last 10 s */
 } softsim_state;
 void softsim_read(softsim_world *world, softsim_state *out_state);
 

@@ -83,7 +83,7 @@ enum {
 /* A contact force: what contact_force_t carries. */
 typedef struct softsim_force {
     int64_t utime_us;
-    int64_t sender;    /* of the pose that it answers */
+    int64_t sender; /* of the pose that it answers */
     int64_t pose_utime_us;
     int32_t seq;
     int32_t probe;

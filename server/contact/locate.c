@@ -20,7 +20,7 @@
 #define SHARED 1e-9
 
 typedef struct nearest {
-    double square;    /* of the distance */
+    double square; /* of the distance */
     double point[3];
     double normal[3]; /* angle-weighted sum */
 } nearest;

@@ -269,7 +269,7 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
         ss_copy3(point, haptic->pose.position);
     }
     if (ss_admission_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
-                                haptic->pose.position)) {
+                                     haptic->pose.position)) {
         ss_admission_enter(&haptic->gate, tick, true, point, normal);
         /* The proxy goes out to the surface, at once. */
         used_pose(haptic, tick, haptic->p, v);
@@ -630,7 +630,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
-        int32_t flags = ss_admission_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
+        int32_t flags =
+            ss_admission_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
         settle_force(haptic, input, whole, is_limited, &flags, sent);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             write_force(haptic, input, sent, whole, flags);

@@ -213,13 +213,14 @@ typedef struct ss_admission_input {
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */
 bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
 /* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
-bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period, double depth,
-                             const double x[3]);
+bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
+                                  double depth, const double x[3]);
 /* The first result for this place: enters, by fading if `is_inside`. */
 void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
-                   const double normal[3]);
+                        const double normal[3]);
 /* Follows the surface while entering. */
-void ss_admission_follow(ss_admission *gate, double period, const double point[3], const double normal[3]);
+void ss_admission_follow(ss_admission *gate, double period, const double point[3],
+                         const double normal[3]);
 /* The pose and hand velocity to use: faded towards the surface while entering. */
 void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */

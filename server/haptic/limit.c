@@ -98,8 +98,8 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
     return false;
 }
 
-bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period, double depth,
-                             const double x[3])
+bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
+                                  double depth, const double x[3])
 {
     double way[3];
     switch (gate->phase) {
@@ -118,7 +118,7 @@ bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double
 }
 
 void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
-                   const double normal[3])
+                        const double normal[3])
 {
     begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN, tick);
     if (is_inside) {
@@ -127,7 +127,8 @@ void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const 
     }
 }
 
-void ss_admission_follow(ss_admission *gate, double period, const double point[3], const double normal[3])
+void ss_admission_follow(ss_admission *gate, double period, const double point[3],
+                         const double normal[3])
 {
     const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
     for (int i = 0; i < 3; ++i) {

@@ -17,13 +17,14 @@
 #include "rt/thread.h"
 #include "softsim/types.h"
 
-/* ---- receive checks --------------------------------------------------------------------------- */
+/* ---- receive checks ---------------------------------------------------------------------------
+ */
 
 typedef struct ss_gate_config {
-    uint8_t used_probes;      /* bit n: probe n has a tool in the scene */
+    uint8_t used_probes; /* bit n: probe n has a tool in the scene */
     double max_jump_m;
-    double period_s;          /* the haptic period: ownership lapses after 0.5 s of silence */
-    bool is_lockstep;         /* pose age is not judged; time is simulated */
+    double period_s;  /* the haptic period: ownership lapses after 0.5 s of silence */
+    bool is_lockstep; /* pose age is not judged; time is simulated */
 } ss_gate_config;
 
 typedef struct ss_gate ss_gate;
@@ -55,7 +56,8 @@ typedef struct ss_gate_counts {
 /* Thread: any. */
 void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);
 
-/* ---- what crosses between the net thread and the loops ------------------------------------------ */
+/* ---- what crosses between the net thread and the loops ------------------------------------------
+ */
 
 /* net -> haptic, one ring per probe. */
 typedef struct ss_pose_record {
@@ -66,8 +68,8 @@ typedef struct ss_pose_record {
 /* haptic -> net: one per probe and period. */
 typedef struct ss_force_record {
     softsim_force force;
-    int64_t tick;         /* haptic period it belongs to */
-    int64_t due_ns;       /* start of that period */
+    int64_t tick;   /* haptic period it belongs to */
+    int64_t due_ns; /* start of that period */
 } ss_force_record;
 
 typedef enum ss_command_kind {
@@ -90,7 +92,8 @@ typedef struct ss_publish_mesh {
     double diagonal;          /* m; scale = diagonal / 16384 */
 } ss_publish_mesh;
 
-/* ---- the wire ------------------------------------------------------------------------------------ */
+/* ---- the wire
+ * ------------------------------------------------------------------------------------ */
 
 /* Decodes a raw message, trusting nothing in it: SOFTSIM_ACCEPTED, or why not (TYPE_HASH,
  * MALFORMED). What is decoded is not judged yet. RT-safe. */
@@ -125,8 +128,8 @@ typedef struct ss_net_calls {
     void (*handle_pose)(void *context, const softsim_pose *pose, int32_t channel_probe,
                         int64_t receive_ns);
     void (*handle_refusal)(void *context, softsim_refusal reason, int32_t channel_probe);
-    int32_t (*handle_command)(void *context, const char *name, const char *argument,
-                              char *out_text, int32_t text_size);
+    int32_t (*handle_command)(void *context, const char *name, const char *argument, char *out_text,
+                              int32_t text_size);
 } ss_net_calls;
 
 typedef struct ss_net ss_net;
@@ -162,7 +165,8 @@ typedef struct ss_report {
 } ss_report;
 bool ss_net_send_status(ss_net *net, const ss_report *report);
 
-/* ---- mesh publisher: an LCM object and a thread of its own --------------------------------------- */
+/* ---- mesh publisher: an LCM object and a thread of its own
+ * --------------------------------------- */
 
 typedef struct ss_publisher ss_publisher;
 typedef struct ss_publisher_config {

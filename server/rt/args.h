@@ -30,8 +30,8 @@ typedef struct ss_arg {
     const char *name; /* "--duration" */
     ss_arg_kind kind;
     void *out;
-    double min, max;     /* NUMBER and INTEGER, inclusive */
-    const char *value;   /* how --help names the value, or the choices "a|b|c" */
+    double min, max;   /* NUMBER and INTEGER, inclusive */
+    const char *value; /* how --help names the value, or the choices "a|b|c" */
     const char *help;
 } ss_arg;
 

@@ -20,12 +20,12 @@ typedef enum ss_param_kind {
 typedef struct ss_param_row {
     const char *name; /* with its unit, as the user writes it */
     ss_param_kind kind;
-    double min, max;        /* inclusive unless exclusive_min */
+    double min, max; /* inclusive unless exclusive_min */
     bool exclusive_min;
     bool is_required;
-    bool is_live;           /* the command `set` reaches it */
-    double fallback;        /* the default; NaN: absent unless given */
-    const char *choices;    /* "a|b|c" for SS_PARAM_CHOICE */
+    bool is_live;        /* the command `set` reaches it */
+    double fallback;     /* the default; NaN: absent unless given */
+    const char *choices; /* "a|b|c" for SS_PARAM_CHOICE */
     const char *help;
 } ss_param_row;
 

@@ -42,8 +42,8 @@ typedef struct ss_scene_prescribed {
     double (*displacement)[3];
     bool axis[3];
     double from, ramp;
-    char name[64];                /* the group's, else prescribed.N */
-    int32_t entry;                /* number in the scene's list, from 0 */
+    char name[64]; /* the group's, else prescribed.N */
+    int32_t entry; /* number in the scene's list, from 0 */
 } ss_scene_prescribed;
 
 typedef struct ss_scene_tool {
@@ -56,10 +56,10 @@ typedef enum ss_scene_between { SS_SCENE_HOLD, SS_SCENE_LINEAR, SS_SCENE_LOCAL }
 typedef struct ss_scene {
     char path[1024];
     char model_name[64];
-    int32_t model_index;          /* into the table handed in */
-    ss_mesh *mesh;                /* loaded, transformed, accepted */
-    uint8_t *fixed;               /* node_count: bit 0 x, 1 y, 2 z */
-    ss_param_value *param;        /* in the model's row order */
+    int32_t model_index;   /* into the table handed in */
+    ss_mesh *mesh;         /* loaded, transformed, accepted */
+    uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
+    ss_param_value *param; /* in the model's row order */
     ss_scene_force *load;
     int32_t load_count;
     ss_scene_prescribed *prescribed;
@@ -73,10 +73,10 @@ typedef struct ss_scene {
     ss_scene_between between_steps;
     double haptic_rate_hz, max_force_n, max_slew_n_per_s, coupling_stiffness_n_per_m,
         coupling_damping_n_s_per_m, max_jump_m;
-    double mesh_rate_hz;               /* 0: no mesh publisher */
+    double mesh_rate_hz; /* 0: no mesh publisher */
     double max_bytes_per_s;
-    int32_t turned_triangles;          /* by `object.repair: true` */
-    struct ss_scene_source *source;    /* what was written, for ss_scene_print */
+    int32_t turned_triangles;       /* by `object.repair: true` */
+    struct ss_scene_source *source; /* what was written, for ss_scene_print */
 } ss_scene;
 
 /* `overrides`: `path.to.key=value` strings. `import_program` as for ss_mesh_load. On failure every
@@ -111,5 +111,5 @@ typedef enum ss_scene_live_key {
     SS_LIVE_MODEL_ROW
 } ss_scene_live_key;
 softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,
-                                   ss_scene_live_key *out_key, int32_t *out_row,
-                                   double *out_value, softsim_error *error);
+                                   ss_scene_live_key *out_key, int32_t *out_row, double *out_value,
+                                   softsim_error *error);

@@ -107,7 +107,8 @@ static void drain(int *fd, char *buffer, int *size, int capacity)
 
 static bool pump(process *p, double deadline)
 {
-    struct pollfd fds[2] = {{.fd = p->out_fd, .events = POLLIN}, {.fd = p->err_fd, .events = POLLIN}};
+    struct pollfd fds[2] = {{.fd = p->out_fd, .events = POLLIN},
+                            {.fd = p->err_fd, .events = POLLIN}};
     if (p->out_fd < 0 && p->err_fd < 0) {
         return false;
     }

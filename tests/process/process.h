@@ -15,7 +15,7 @@ typedef struct process {
     int out_fd, err_fd; /* its stdout and stderr */
     char out[65536], err[65536];
     int out_size, err_size;
-    int status;         /* exit code, or 128 + signal, once finished */
+    int status; /* exit code, or 128 + signal, once finished */
     bool is_running;
 } process;
 
@@ -23,7 +23,8 @@ typedef struct process {
  * skipped with a message). Call once, before any thread. */
 bool process_isolate(void);
 
-/* Starts BIN_DIR/argv[0] (argv ends with NULL). `environment`: NULL or extra NAME=VALUE, NULL-ended. */
+/* Starts BIN_DIR/argv[0] (argv ends with NULL). `environment`: NULL or extra NAME=VALUE,
+ * NULL-ended. */
 void process_start(process *p, const char *const *argv, const char *const *environment);
 /* Reads its output until `text` appears on stdout or stderr; false when it ends or 20 s pass. */
 bool process_wait_for(process *p, const char *text);

@@ -8,8 +8,8 @@
  */
 #include <dlfcn.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,10 +21,10 @@
 
 enum { CALLS = 24 };
 static const char *const names[CALLS] = {
-    "malloc",   "calloc",   "realloc",      "free",         "posix_memalign", "aligned_alloc",
-    "mmap",     "munmap",   "mutex_lock",   "cond_wait",    "cond_signal",    "rwlock",
-    "write",    "send",     "sendto",       "sendmsg",      "open",           "fopen",
-    "printf",   "fprintf",  "puts",         "fwrite",       "vfprintf",       "cond_broadcast"};
+    "malloc", "calloc",  "realloc",    "free",      "posix_memalign", "aligned_alloc",
+    "mmap",   "munmap",  "mutex_lock", "cond_wait", "cond_signal",    "rwlock",
+    "write",  "send",    "sendto",     "sendmsg",   "open",           "fopen",
+    "printf", "fprintf", "puts",       "fwrite",    "vfprintf",       "cond_broadcast"};
 static atomic_long counts[CALLS];
 static atomic_long seen_threads; /* bit 0 simulation, bit 1 haptic */
 

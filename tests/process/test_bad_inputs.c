@@ -18,8 +18,8 @@
 
 #include "process.h"
 
-#define SCENES SOURCE_DIR "/server/scenes/"
-#define KIDNEY SCENES "kidney.yaml"
+#define SCENES   SOURCE_DIR "/server/scenes/"
+#define KIDNEY   SCENES "kidney.yaml"
 #define CYLINDER SCENES "cylinder.yaml"
 
 static char folder[] = "/tmp/softsim-bad-XXXXXX";
@@ -53,16 +53,17 @@ static void check(process *p, const char *what, const char *const *argv, const c
     }
 }
 
-/* ---- scenes and meshes ------------------------------------------------------------------------------ */
+/* ---- scenes and meshes
+ * ------------------------------------------------------------------------------ */
 
 typedef struct scene_case {
     const char *what, *mesh_name, *mesh, *body, *word;
 } scene_case;
 
 /* A tetrahedron's surface; %-cases change one thing. */
-#define GOOD_MESH                                                                                  \
-    "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-#define OBJECT(name) "softsim: 1\nobject: {mesh: " name ", units: mm, fixed: [{nodes: [0, 1, 2]}]}\n"
+#define GOOD_MESH "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+#define OBJECT(name)                                                                               \
+    "softsim: 1\nobject: {mesh: " name ", units: mm, fixed: [{nodes: [0, 1, 2]}]}\n"
 #define MODEL "model: {name: cnn-energy, modulus_j: 1}\n"
 #define TOOLS "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n"
 
@@ -71,34 +72,67 @@ static const scene_case scene_cases[] = {
     {"scene: not YAML", NULL, NULL, "softsim: [1\nobject: }{", "yaml"},
     {"scene: a list", NULL, NULL, "- 1\n- 2\n", "yaml"},
     {"scene: binary", NULL, NULL, "\x01\x02\xff\xfe", "yaml"},
-    {"scene: wrong version", "m.obj", GOOD_MESH, "softsim: 7\nobject: {mesh: m.obj, units: mm}\n" MODEL, "softsim"},
-    {"scene: unknown key", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "gravty_m_s2: [0, 0, 0]\n", "gravity_m_s2"},
+    {"scene: wrong version", "m.obj", GOOD_MESH,
+     "softsim: 7\nobject: {mesh: m.obj, units: mm}\n" MODEL, "softsim"},
+    {"scene: unknown key", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "gravty_m_s2: [0, 0, 0]\n",
+     "gravity_m_s2"},
     {"scene: no units", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj}\n" MODEL, "units"},
-    {"scene: unknown units", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: furlong}\n" MODEL, "furlong"},
+    {"scene: unknown units", "m.obj", GOOD_MESH,
+     "softsim: 1\nobject: {mesh: m.obj, units: furlong}\n" MODEL, "furlong"},
     {"scene: no model", "m.obj", GOOD_MESH, OBJECT("m.obj"), "model"},
     {"scene: unknown model", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: jelly}\n", "jelly"},
-    {"scene: unknown parameter", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: 1, springs: 3}\n", "springs"},
-    {"scene: negative modulus", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: -1}\n", "modulus_j"},
-    {"scene: text for a number", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: much}\n", "modulus_j"},
-    {"scene: not a number", "m.obj", GOOD_MESH, OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: .nan}\n", "modulus_j"},
-    {"scene: probe 9", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 9, shape: {sphere: {radius_mm: 5}}}]}\n", "probe"},
-    {"scene: one probe twice", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}, {probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n", "probe"},
-    {"scene: sphere of radius 0", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 0}}}]}\n", "radius_mm"},
-    {"scene: unknown shape", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {torus: {radius_mm: 5}}}]}\n", "torus"},
-    {"scene: haptic rate 0", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "haptic: {rate_hz: 0}\n", "rate_hz"},
-    {"scene: fixed node out of range", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{nodes: [0, 1, 77]}]}\n" MODEL, "77"},
-    {"scene: fixed box without nodes", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{box_m: [[5, 5, 5], [6, 6, 6]]}]}\n" MODEL, "box_m"},
-    {"scene: group that the mesh has not", "m.obj", GOOD_MESH, "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{group: base}]}\n" MODEL, "base"},
+    {"scene: unknown parameter", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: 1, springs: 3}\n", "springs"},
+    {"scene: negative modulus", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: -1}\n", "modulus_j"},
+    {"scene: text for a number", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: much}\n", "modulus_j"},
+    {"scene: not a number", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: .nan}\n", "modulus_j"},
+    {"scene: probe 9", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") MODEL "contact: {tools: [{probe: 9, shape: {sphere: {radius_mm: 5}}}]}\n",
+     "probe"},
+    {"scene: one probe twice", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}, {probe: "
+                           "0, shape: {sphere: {radius_mm: 5}}}]}\n",
+     "probe"},
+    {"scene: sphere of radius 0", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 0}}}]}\n",
+     "radius_mm"},
+    {"scene: unknown shape", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") MODEL "contact: {tools: [{probe: 0, shape: {torus: {radius_mm: 5}}}]}\n",
+     "torus"},
+    {"scene: haptic rate 0", "m.obj", GOOD_MESH, OBJECT("m.obj") MODEL "haptic: {rate_hz: 0}\n",
+     "rate_hz"},
+    {"scene: fixed node out of range", "m.obj", GOOD_MESH,
+     "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{nodes: [0, 1, 77]}]}\n" MODEL, "77"},
+    {"scene: fixed box without nodes", "m.obj", GOOD_MESH,
+     "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{box_m: [[5, 5, 5], [6, 6, "
+     "6]]}]}\n" MODEL,
+     "box_m"},
+    {"scene: group that the mesh has not", "m.obj", GOOD_MESH,
+     "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{group: base}]}\n" MODEL, "base"},
     {"mesh: missing", NULL, NULL, OBJECT("nowhere.obj") MODEL, "nowhere.obj"},
     {"mesh: empty", "m.obj", "", OBJECT("m.obj") MODEL, "m.obj"},
     {"mesh: binary", "m.stl", "\x7f\x45\x4c\x46\x01\x02\x03", OBJECT("m.stl") MODEL, "m.stl"},
     {"mesh: unknown kind", "m.xyz", "hello", OBJECT("m.xyz") MODEL, "m.xyz"},
-    {"mesh: index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", OBJECT("m.obj") MODEL, "m.obj"},
-    {"mesh: not a number", "m.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n", OBJECT("m.obj") MODEL, "m.obj"},
-    {"mesh: coincident nodes", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 10 0\n$EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 4 2\n$EndElements\n", OBJECT("m.msh") MODEL, "m.msh"},
-    {"mesh: edge with three triangles", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 0 -9 0\n$EndNodes\n$Elements\n3\n1 2 0 1 2 3\n2 2 0 2 1 4\n3 2 0 1 2 5\n$EndElements\n", OBJECT("m.msh") MODEL, "more than two triangles"},
-    {"mesh: MSH cut short", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n400\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
-    {"mesh: MSH with a huge count", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999\n1 0 0 0\n", OBJECT("m.msh") MODEL, "m.msh"},
+    {"mesh: index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+     OBJECT("m.obj") MODEL, "m.obj"},
+    {"mesh: not a number", "m.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n",
+     OBJECT("m.obj") MODEL, "m.obj"},
+    {"mesh: coincident nodes", "m.msh",
+     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 10 "
+     "0\n$EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 4 2\n$EndElements\n",
+     OBJECT("m.msh") MODEL, "m.msh"},
+    {"mesh: edge with three triangles", "m.msh",
+     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 0 "
+     "-9 0\n$EndNodes\n$Elements\n3\n1 2 0 1 2 3\n2 2 0 2 1 4\n3 2 0 1 2 5\n$EndElements\n",
+     OBJECT("m.msh") MODEL, "more than two triangles"},
+    {"mesh: MSH cut short", "m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n400\n1 0 0 0\n",
+     OBJECT("m.msh") MODEL, "m.msh"},
+    {"mesh: MSH with a huge count", "m.msh",
+     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999\n1 0 0 0\n", OBJECT("m.msh") MODEL,
+     "m.msh"},
 };
 
 static void scenes_and_meshes_are_refused(void **state)
@@ -119,7 +153,8 @@ static void scenes_and_meshes_are_refused(void **state)
     }
 }
 
-/* ---- arguments ----------------------------------------------------------------------------------------- */
+/* ---- arguments
+ * ----------------------------------------------------------------------------------------- */
 
 static void arguments_are_refused(void **state)
 {
@@ -137,19 +172,33 @@ static void arguments_are_refused(void **state)
         {"softsimd: --threads 0", {"softsimd", KIDNEY, "--threads", "0"}, "--threads"},
         {"softsimd: --realtime maybe", {"softsimd", KIDNEY, "--realtime", "maybe"}, "--realtime"},
         {"softsimd: --set of no key", {"softsimd", KIDNEY, "--set", "haptic.maximum=3"}, "maximum"},
-        {"softsimd: --set without a value", {"softsimd", KIDNEY, "--set", "haptic.max_force_n"}, "max_force_n"},
-        {"softsimd: --set out of range", {"softsimd", KIDNEY, "--set", "haptic.max_force_n=-1"}, "max_force_n"},
+        {"softsimd: --set without a value",
+         {"softsimd", KIDNEY, "--set", "haptic.max_force_n"},
+         "max_force_n"},
+        {"softsimd: --set out of range",
+         {"softsimd", KIDNEY, "--set", "haptic.max_force_n=-1"},
+         "max_force_n"},
         {"softsimd: bad prefix", {"softsimd", CYLINDER, "--prefix", "a b"}, "prefix"},
         {"softsimd: bad LCM url", {"softsimd", CYLINDER, "--lcm-url", "tcpq://"}, "tcpq://"},
         {"softsim-run: nothing says when to end", {"softsim-run", KIDNEY}, "--duration"},
-        {"softsim-run: --dt with a log", {"softsim-run", KIDNEY, "--poses", SCENES "kidney-poke.lcmlog", "--dt", "0.001"}, "--dt"},
-        {"softsim-run: missing poses", {"softsim-run", KIDNEY, "--poses", "/nowhere/p.csv"}, "/nowhere/p.csv"},
+        {"softsim-run: --dt with a log",
+         {"softsim-run", KIDNEY, "--poses", SCENES "kidney-poke.lcmlog", "--dt", "0.001"},
+         "--dt"},
+        {"softsim-run: missing poses",
+         {"softsim-run", KIDNEY, "--poses", "/nowhere/p.csv"},
+         "/nowhere/p.csv"},
         {"softsim-replay: no log", {"softsim-replay"}, "LOG"},
-        {"softsim-replay: missing log", {"softsim-replay", "/nowhere/p.lcmlog"}, "/nowhere/p.lcmlog"},
-        {"softsim-replay: --speed 0", {"softsim-replay", SCENES "kidney-poke.lcmlog", "--speed", "0"}, "--speed"},
+        {"softsim-replay: missing log",
+         {"softsim-replay", "/nowhere/p.lcmlog"},
+         "/nowhere/p.lcmlog"},
+        {"softsim-replay: --speed 0",
+         {"softsim-replay", SCENES "kidney-poke.lcmlog", "--speed", "0"},
+         "--speed"},
         {"softsim-bridge: no device", {"softsim-bridge"}, "--device"},
         {"softsim-bridge: unknown device", {"softsim-bridge", "--device", "wand"}, "wand"},
-        {"softsim-bridge: bad axes", {"softsim-bridge", "--device", "sim", "--axes", "x,x,z"}, "--axes"},
+        {"softsim-bridge: bad axes",
+         {"softsim-bridge", "--device", "sim", "--axes", "x,x,z"},
+         "--axes"},
         {"softsim-monitor: unknown option", {"softsim-monitor", "--twice"}, "--twice"},
         {"softsim-mesh: unknown verb", {"softsim-mesh", "knead"}, "knead"},
     };
@@ -158,7 +207,8 @@ static void arguments_are_refused(void **state)
     }
 }
 
-/* ---- pose files ------------------------------------------------------------------------------------------- */
+/* ---- pose files
+ * ------------------------------------------------------------------------------------------- */
 
 static void poses_are_refused(void **state)
 {
@@ -170,9 +220,12 @@ static void poses_are_refused(void **state)
         {"poses: empty", "", "poses"},
         {"poses: wrong header", "t,x,y,z\n0,1,2,3\n", "poses"},
         {"poses: too few columns", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,1,2\n", "2"},
-        {"poses: not a number", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,nan,0,0,1,0,0,0,0\n", "2"},
-        {"poses: no unit quaternion", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0,1,1,0,0,0\n", "2"},
-        {"poses: time goes back", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n1,0,0,0,0,1,0,0,0,0\n0,0,0,0,0,1,0,0,0,0\n", "3"},
+        {"poses: not a number", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,nan,0,0,1,0,0,0,0\n",
+         "2"},
+        {"poses: no unit quaternion",
+         "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0,1,1,0,0,0\n", "2"},
+        {"poses: time goes back",
+         "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n1,0,0,0,0,1,0,0,0,0\n0,0,0,0,0,1,0,0,0,0\n", "3"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         write_file("poses.csv", cases[i].text, strlen(cases[i].text));
@@ -181,7 +234,8 @@ static void poses_are_refused(void **state)
     }
 }
 
-/* ---- damaged logs: read up to the damage, reported -------------------------------------------------------- */
+/* ---- damaged logs: read up to the damage, reported
+ * -------------------------------------------------------- */
 
 static unsigned char *read_whole(const char *path, size_t *out_size)
 {
@@ -210,10 +264,10 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
     static process p;
     size_t size = 0;
     unsigned char *log = read_whole(SCENES "kidney-poke.lcmlog", &size);
-    const uint32_t channel_length = (uint32_t)log[20] << 24 | (uint32_t)log[21] << 16 |
-                                    (uint32_t)log[22] << 8 | log[23];
-    const uint32_t data_length = (uint32_t)log[24] << 24 | (uint32_t)log[25] << 16 |
-                                 (uint32_t)log[26] << 8 | log[27];
+    const uint32_t channel_length =
+        (uint32_t)log[20] << 24 | (uint32_t)log[21] << 16 | (uint32_t)log[22] << 8 | log[23];
+    const uint32_t data_length =
+        (uint32_t)log[24] << 24 | (uint32_t)log[25] << 16 | (uint32_t)log[26] << 8 | log[27];
     const size_t record = 28 + channel_length + data_length;
     unsigned char *at = log + 500 * record; /* damage record 500 */
     unsigned char kept[28];
@@ -221,28 +275,45 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
     const struct {
         const char *what;
         int kind;
-    } cases[] = {{"log: truncated tail", 0},        {"log: bad magic", 1},
-                 {"log: data length 0x7ffffffe", 2}, {"log: data length 0x7fffffff", 3},
-                 {"log: channel length 0x7fffffff", 4}, {"log: negative length", 5}};
+    } cases[] = {{"log: truncated tail", 0},
+                 {"log: bad magic", 1},
+                 {"log: data length 0x7ffffffe", 2},
+                 {"log: data length 0x7fffffff", 3},
+                 {"log: channel length 0x7fffffff", 4},
+                 {"log: negative length", 5}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         size_t written = 1000 * record;
         switch (cases[i].kind) {
-        case 0: written = 999 * record + record / 2; break;
-        case 1: at[0] ^= 0xff; break;
-        case 2: put_length(at + 24, 0x7ffffffeu); break;
-        case 3: put_length(at + 24, 0x7fffffffu); break;
-        case 4: put_length(at + 20, 0x7fffffffu); break;
-        default: put_length(at + 24, 0xfffffff0u); break;
+        case 0:
+            written = 999 * record + record / 2;
+            break;
+        case 1:
+            at[0] ^= 0xff;
+            break;
+        case 2:
+            put_length(at + 24, 0x7ffffffeu);
+            break;
+        case 3:
+            put_length(at + 24, 0x7fffffffu);
+            break;
+        case 4:
+            put_length(at + 20, 0x7fffffffu);
+            break;
+        default:
+            put_length(at + 24, 0xfffffff0u);
+            break;
         }
         write_file("damaged.lcmlog", log, written);
         memcpy(at, kept, sizeof kept);
-        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("damaged.lcmlog"), NULL};
+        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("damaged.lcmlog"),
+                                    NULL};
         assert_int_equal(process_run(&p, argv), 0);
         char first[160];
         snprintf(first, sizeof first, "%.*s", (int)strcspn(p.err, "\n"), p.err);
         print_message("%-44s exit %d  %s\n", cases[i].what, p.status, first);
         assert_non_null(strstr(p.err, "byte"));
-        assert_non_null(strstr(p.err, cases[i].kind == 0 ? " 999 ticks" : " 99")); /* the rest is read */
+        assert_non_null(
+            strstr(p.err, cases[i].kind == 0 ? " 999 ticks" : " 99")); /* the rest is read */
     }
     free(log);
 }

@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h>
 #include <arpa/inet.h>
+#include <cmocka.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -31,7 +31,7 @@
 
 #define SCENES SOURCE_DIR "/server/scenes/"
 #define KIDNEY SCENES "kidney.yaml"
-#define POKE SCENES "kidney-poke.lcmlog"
+#define POKE   SCENES "kidney-poke.lcmlog"
 
 static process daemon_process, client, other;
 static char folder[256];
@@ -88,7 +88,8 @@ static int stop_daemon(void)
     return status;
 }
 
-/* ---- a replay's CSV ------------------------------------------------------------------------------- */
+/* ---- a replay's CSV
+ * ------------------------------------------------------------------------------- */
 
 typedef struct row {
     long pose_seq;
@@ -103,15 +104,16 @@ static int read_csv(const char *path, row *rows, int capacity)
     char line[1024];
     int count = 0;
     assert_non_null(fgets(line, sizeof line, file));
-    assert_string_equal(line, "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,stiffness_n_per_m,"
-                              "model_age_us,flags,latency_us\n");
+    assert_string_equal(line,
+                        "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,stiffness_n_per_m,"
+                        "model_age_us,flags,latency_us\n");
     while (count < capacity && fgets(line, sizeof line, file)) {
         row *r = &rows[count++];
         double unused[8];
-        assert_int_equal(sscanf(line, "%ld,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%d", &r->pose_seq,
-                                &unused[0], &unused[1], &r->force[0], &r->force[1], &r->force[2],
-                                &unused[2], &unused[3], &unused[4], &r->depth, &unused[5],
-                                &unused[6], &r->flags),
+        assert_int_equal(sscanf(line, "%ld,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%d",
+                                &r->pose_seq, &unused[0], &unused[1], &r->force[0], &r->force[1],
+                                &r->force[2], &unused[2], &unused[3], &unused[4], &r->depth,
+                                &unused[5], &unused[6], &r->flags),
                          13);
     }
     fclose(file);
@@ -146,7 +148,8 @@ static void feels_the_kidney(void **state)
         assert_true(isfinite(f));
         peak = fmax(peak, f);
         touching += (rows[i].flags & SOFTSIM_FORCE_CONTACT) != 0;
-        if (!(rows[i].flags & (SOFTSIM_FORCE_CONTACT | SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_LIMITED))) {
+        if (!(rows[i].flags &
+              (SOFTSIM_FORCE_CONTACT | SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_LIMITED))) {
             assert_true(f == 0.0);
         }
     }
@@ -155,7 +158,8 @@ static void feels_the_kidney(void **state)
     assert_true(magnitude(rows[count - 1].force) == 0.0);
 }
 
-/* ---- lockstep ----------------------------------------------------------------------------------------- */
+/* ---- lockstep
+ * ----------------------------------------------------------------------------------------- */
 
 static void last_line(const char *text, char *out, size_t size)
 {
@@ -194,8 +198,8 @@ static void replays_bit_for_bit(void **state)
     snprintf(log, sizeof log, "%s", shorter_log(LOCKSTEP_RECORDS));
     static const char *const threads[] = {"1", "1", "2"};
     for (int i = 0; i < 3; ++i) {
-        const char *const run[] = {"softsim-run", KIDNEY,      "--poses",  log,
-                                   "--threads",   threads[i], "--hash", NULL};
+        const char *const run[] = {"softsim-run", KIDNEY,     "--poses", log,
+                                   "--threads",   threads[i], "--hash",  NULL};
         if (process_run(&client, run) != 0) {
             fail_msg("softsim-run: %s", client.err);
         }
@@ -215,7 +219,8 @@ static void replays_bit_for_bit(void **state)
     }
 }
 
-/* ---- what a test client sees -------------------------------------------------------------------------- */
+/* ---- what a test client sees
+ * -------------------------------------------------------------------------- */
 
 typedef struct watch {
     lcm_t *lcm;
@@ -435,7 +440,8 @@ static void monitor_prints_one_status(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* ---- packets ------------------------------------------------------------------------------------------- */
+/* ---- packets
+ * ------------------------------------------------------------------------------------------- */
 
 /* A fragment whose offset and size wrap in 32 bits, as LCM adds them. */
 static void send_wrapping_fragment(int fd)
@@ -445,9 +451,9 @@ static void send_wrapping_fragment(int fd)
     const struct sockaddr_in group = {.sin_family = AF_INET,
                                       .sin_port = htons(7667),
                                       .sin_addr.s_addr = inet_addr("239.255.76.67")};
-    assert_int_equal(sendto(fd, packet, sizeof packet - 1, 0, (const struct sockaddr *)&group,
-                            sizeof group),
-                     sizeof packet - 1);
+    assert_int_equal(
+        sendto(fd, packet, sizeof packet - 1, 0, (const struct sockaddr *)&group, sizeof group),
+        sizeof packet - 1);
 }
 
 static void no_fragment_crashes_server_or_client(void **state)

@@ -217,8 +217,8 @@ typedef struct runner {
     double last_force[3];
     bool has_force;
     bool was_measured;
-    int64_t measured;  /* ticks */
-    double substeps;   /* of the measured ticks */
+    int64_t measured; /* ticks */
+    double substeps;  /* of the measured ticks */
 } runner;
 
 static void keep_first_line(char *out, size_t size, const char *text)

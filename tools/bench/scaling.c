@@ -286,9 +286,9 @@ static softsim_status plot_times(const report *r, ss_page *page, softsim_error *
 static void put_table(ss_page *page, const report *r)
 {
     static const char *const head[] = {
-        "points",    "case",      "p50, us", "p99, us",       "model step alone, us",
-        "sub-steps", "us a sub-step", "paper, ms", "jump, %", "mean force, N", "ledger",
-        "verdict"};
+        "points",    "case",          "p50, us",   "p99, us", "model step alone, us",
+        "sub-steps", "us a sub-step", "paper, ms", "jump, %", "mean force, N",
+        "ledger",    "verdict"};
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];

@@ -33,8 +33,8 @@ typedef struct run {
     run_options options;
     softsim_world *world;
     softsim_state state;
-    softsim_poses *log;    /* event log; NULL without */
-    softsim_path *path;    /* pose CSV; NULL without */
+    softsim_poses *log; /* event log; NULL without */
+    softsim_path *path; /* pose CSV; NULL without */
     double path_begin, path_end;
     int64_t sender;
     int32_t seq[SOFTSIM_MAX_PROBES];
@@ -125,7 +125,8 @@ static softsim_status open_poses(run *r, softsim_error *error)
     return status;
 }
 
-/* ---- output ----------------------------------------------------------------------------------- */
+/* ---- output -----------------------------------------------------------------------------------
+ */
 
 static void write_row(run *r, const softsim_force force[SOFTSIM_MAX_PROBES])
 {
@@ -190,8 +191,7 @@ static softsim_status write_nodes(run *r, softsim_error *error)
 static softsim_status write_vtk(run *r, softsim_error *error)
 {
     char path[4096];
-    snprintf(path, sizeof path, "%s/surface_%08lld.vtk", r->options.vtk,
-             (long long)r->state.tick);
+    snprintf(path, sizeof path, "%s/surface_%08lld.vtk", r->options.vtk, (long long)r->state.tick);
     ss_output output = {0};
     const softsim_status status = ss_output_open(&output, path, error);
     if (status != SOFTSIM_OK) {
@@ -244,7 +244,8 @@ static softsim_status open_outputs(run *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run -------------------------------------------------------------------------------------- */
+/* ---- the run
+ * -------------------------------------------------------------------------------------- */
 
 /* The poses of the coming tick: one of the log, or the CSV's at that time. -1 when the poses end.
  * Notes about damage go to stderr. */
@@ -296,9 +297,8 @@ static softsim_status run_ticks(run *r, softsim_error *error)
     softsim_read(r->world, &r->state);
     const bool shows_progress = isatty(STDERR_FILENO);
     const bool reads_each = r->csv.file || r->reactions.file || r->options.vtk || shows_progress;
-    while (r->options.duration_s <= 0.0 ||
-           (double)(r->state.tick + 1) * r->state.period_s <=
-               r->options.duration_s + 0.5 * r->state.period_s) {
+    while (r->options.duration_s <= 0.0 || (double)(r->state.tick + 1) * r->state.period_s <=
+                                               r->options.duration_s + 0.5 * r->state.period_s) {
         const int32_t count = next_poses(r, pose, channel);
         if (count < 0) {
             break;
@@ -307,8 +307,7 @@ static softsim_status run_ticks(run *r, softsim_error *error)
         ++r->state.tick;
         for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
             const double *f = force[p].force;
-            r->peak_force =
-                fmax(r->peak_force, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+            r->peak_force = fmax(r->peak_force, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
         }
         if (!reads_each && r->state.tick % 256 != 0) {
             continue;
