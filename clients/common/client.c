@@ -16,6 +16,7 @@
 #include <string.h>
 #include <sys/random.h>
 
+#include "net/wire.h"
 #include "rt/clock.h"
 #include "rt/packets.h"
 #include "rt/vec.h"
@@ -26,7 +27,6 @@
 enum {
     QUEUE_LENGTH = 2000, /* two seconds of forces at 1 kHz, 216 B each */
     MAX_HANDLED = 4096,  /* messages a call of softsim_client_wait, so that it returns */
-    MAX_PREFIX = 40      /* LCM's channels have at most 63 characters */
 };
 
 struct softsim_client {
@@ -120,20 +120,6 @@ static void receive_status(const lcm_recv_buf_t *buffer, const char *channel, vo
 
 /* ---- opening -------------------------------------------------------------------------------- */
 
-static bool check_prefix(const char *prefix, softsim_error *error)
-{
-    const size_t length = strlen(prefix);
-    if (length < 1 || length > MAX_PREFIX ||
-        strspn(prefix, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") !=
-            length) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "prefix '%.60s': give 1 to %d characters of A-Z a-z 0-9 _ . -", prefix,
-                          MAX_PREFIX);
-        return false;
-    }
-    return true;
-}
-
 static int64_t draw_sender(void)
 {
     uint64_t number = 0;
@@ -154,7 +140,7 @@ static bool subscribe(softsim_client *client, const char *pattern, lcm_msg_handl
 
 /* LCM reads a channel to subscribe to as a regular expression; of a prefix's characters only the
  * dot means something in one. */
-static void escape(const char *prefix, char out_regex[2 * MAX_PREFIX + 1])
+static void escape(const char *prefix, char out_regex[2 * SS_WIRE_MAX_PREFIX + 1])
 {
     for (; *prefix != '\0'; ++prefix) {
         if (*prefix == '.') {
@@ -167,18 +153,11 @@ static void escape(const char *prefix, char out_regex[2 * MAX_PREFIX + 1])
 
 static bool join(softsim_client *client, const char *prefix, softsim_error *error)
 {
-    char escaped[2 * MAX_PREFIX + 1];
+    char escaped[2 * SS_WIRE_MAX_PREFIX + 1];
     char pattern[sizeof escaped + 16];
     escape(prefix, escaped);
-    client->lcm = lcm_create(client->config.lcm_url);
+    client->lcm = ss_wire_open(client->config.lcm_url, error);
     if (client->lcm == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "cannot open LCM%s%s. Without a network, give the machine a multicast "
-                          "route: ip route add 224.0.0.0/4 dev lo (as root), or run server and "
-                          "clients together inside: unshare -rn sh -c 'ip link set lo up; ip route "
-                          "add 224.0.0.0/4 dev lo; ...'",
-                          client->config.lcm_url != NULL ? " at " : "",
-                          client->config.lcm_url != NULL ? client->config.lcm_url : "");
         return false;
     }
     ss_packets_mark mark;
@@ -212,7 +191,7 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
 {
     *out_client = NULL;
     const char *prefix = config->prefix != NULL ? config->prefix : SOFTSIM_DEFAULT_PREFIX;
-    if (!check_prefix(prefix, error)) {
+    if (!ss_wire_check_prefix(prefix, error)) {
         return SOFTSIM_ERROR_ARGUMENT;
     }
     softsim_client *client = calloc(1, sizeof *client);
@@ -228,7 +207,7 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
     }
     if (!join(client, prefix, error)) {
         softsim_client_close(&client);
-        return SOFTSIM_ERROR_NETWORK;
+        return error->status;
     }
     *out_client = client;
     return SOFTSIM_OK;

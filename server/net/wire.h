@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What net.c and publisher.c share: opening LCM and checking names. Private to net/, and to its
- * tests, which need the LCM object because memq:// is private to it.
+ * What net.c, publisher.c and the clients' connection share: opening LCM and checking names. Not
+ * for the rest of server/. Tests need the LCM object because memq:// is private to it.
  */
 #include <lcm/lcm.h>
 
