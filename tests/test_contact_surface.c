@@ -230,6 +230,56 @@ static void picks_parts_by_radius_over_edge(void **state)
     }
 }
 
+/* ---- where a tool that appears stands ---------------------------------------------------------
+ */
+
+/* On a sphere of radius 20 mm, seen from random places inside and outside, and over its corners. */
+static void a_tool_that_appears_is_found_inside_or_outside(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.02);
+    mesh.is_closed = true;
+    ss_real *at_rest = ss_memory_get((size_t)mesh.node_count * 4, sizeof *at_rest);
+    assert_non_null(at_rest);
+    for (int i = 0; i < 2000; ++i) {
+        double direction[3], point[3], normal[3];
+        for (int k = 0; k < 3; ++k) {
+            direction[k] = random_unit() - 0.5;
+        }
+        if (i < mesh.node_count) {
+            ss_copy3(direction, mesh.position[i]); /* straight over a corner */
+        }
+        assert_true(ss_normalize3(direction) > 0.0);
+        const double radius = 0.002 + 0.04 * random_unit();
+        ss_tool_pose pose = pose_at(0.0, 0.0, 0.0);
+        ss_scale3(pose.position, direction, radius);
+        const double depth = ss_contact_locate(&mesh, at_rest, &sphere_5mm, &pose, point, normal);
+        /* Facets lie up to 0.25 mm below the sphere. */
+        assert_true(fabs(depth - (0.005 + 0.02 - radius)) < 4e-4);
+        assert_true(ss_dot3(normal, direction) > 0.9);
+    }
+    ss_memory_free(at_rest);
+}
+
+static void behind_an_open_sheet_is_nowhere_near(void **state)
+{
+    (void)state;
+    make_plane(11, 11, 0.004);
+    mesh.is_closed = false;
+    ss_real *at_rest = ss_memory_get((size_t)mesh.node_count * 4, sizeof *at_rest);
+    assert_non_null(at_rest);
+    double point[3], normal[3];
+    const ss_tool_pose above = pose_at(0.001, 0.0005, 0.004),
+                       below = pose_at(0.001, 0.0005, -0.002),
+                       behind = pose_at(0.001, 0.0005, -0.02);
+    assert_true(
+        fabs(ss_contact_locate(&mesh, at_rest, &sphere_5mm, &above, point, normal) - 0.001) < 1e-9);
+    assert_true(
+        fabs(ss_contact_locate(&mesh, at_rest, &sphere_5mm, &below, point, normal) - 0.007) < 1e-9);
+    assert_true(isinf(ss_contact_locate(&mesh, at_rest, &sphere_5mm, &behind, point, normal)));
+    ss_memory_free(at_rest);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +291,8 @@ int main(void)
         cmocka_unit_test(sample_areas_sum_to_the_surface),
         cmocka_unit_test(refuses_what_it_cannot_sample),
         cmocka_unit_test(picks_parts_by_radius_over_edge),
+        cmocka_unit_test(a_tool_that_appears_is_found_inside_or_outside),
+        cmocka_unit_test(behind_an_open_sheet_is_nowhere_near),
     };
     return cmocka_run_group_tests_name("contact_surface", tests, NULL, NULL);
 }
