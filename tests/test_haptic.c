@@ -470,6 +470,26 @@ static void watchdog_ramps_after_50_ticks_in_20(void **state)
     rig_end(&r);
 }
 
+/* A thread that sleeps through the beginning of the ramp does not end it later. */
+static void missed_ticks_do_not_lengthen_the_ramp(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    r.has_pose = false;
+    for (int i = 1; i <= 80; ++i) {
+        if (i >= 48 && i <= 54) {
+            ++r.tick;
+            continue;
+        }
+        const double now = rig_tick(&r, -4e-3);
+        assert_near(now, (i < 50 ? 1.0 : fmax(0.0, 1.0 - (i - 49) / 20.0)) * f, 1e-6);
+    }
+    rig_end(&r);
+}
+
 static void entry_fades_the_depth_over_500_ticks(void **state)
 {
     (void)state;
@@ -821,6 +841,7 @@ int main(void)
         cmocka_unit_test(force_is_limited_and_the_proxy_slips),
         cmocka_unit_test(slew_is_limited_as_a_vector),
         cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),
+        cmocka_unit_test(missed_ticks_do_not_lengthen_the_ramp),
         cmocka_unit_test(entry_fades_the_depth_over_500_ticks),
         cmocka_unit_test(late_results_ramp_with_the_fault_flag),
         cmocka_unit_test(fault_of_the_model_ramps),

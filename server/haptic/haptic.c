@@ -217,7 +217,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
     const ss_admission_input gate = {
         .tick = input->tick,
         .period = haptic->config.period,
-        .is_stale = input->tick - haptic->pose_tick >= SS_WATCHDOG_TICKS,
+        .pose_tick = haptic->pose_tick,
         .is_paused = input->is_paused,
         /* The same device elsewhere: down with the force, then in anew. */
         .is_reset = input->is_reset || begins.is_return,
@@ -595,14 +595,17 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
     return hash;
 }
 
-/* The ramp's share of the force, and the slew limit. */
+/* The ramp's share of the force, and the slew limit: over the ticks since the last force, of which
+ * the thread may have missed some. */
 static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
                          bool is_limited, int32_t *inout_flags, double out_sent[3])
 {
     const ss_haptic_config *config = &haptic->config;
     ss_scale3(out_sent, whole, ss_admission_gain(&haptic->gate, input->tick));
-    is_limited = ss_limit_slew(out_sent, haptic->last_force, config->max_slew * config->period) ||
-                 is_limited;
+    const int64_t elapsed = input->tick - haptic->output.target.tick;
+    const double ticks = elapsed < SS_RAMP_TICKS ? (double)elapsed : SS_RAMP_TICKS;
+    const double step = ticks * config->max_slew * config->period;
+    is_limited = ss_limit_slew(out_sent, haptic->last_force, step) || is_limited;
     *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
 }
 

@@ -202,7 +202,8 @@ typedef struct ss_admission {
 typedef struct ss_admission_input {
     int64_t tick;
     double period;
-    bool is_stale, is_paused, is_reset, is_stopping;
+    int64_t pose_tick; /* of the newest pose: stale SS_WATCHDOG_TICKS later */
+    bool is_paused, is_reset, is_stopping;
     bool is_new_holder; /* the first pose of a sender */
     bool is_fault;      /* the model says so */
     bool has_result;    /* a result since the proxy was placed */

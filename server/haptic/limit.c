@@ -56,7 +56,7 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
     const int64_t tick = input->tick;
     const int64_t answered = input->has_result ? input->result_tick : gate->placed;
     gate->is_stopped = gate->is_stopped || input->is_stopping;
-    gate->is_stale = input->is_stale;
+    gate->is_stale = tick - input->pose_tick >= SS_WATCHDOG_TICKS;
     gate->is_paused = input->is_paused;
     /* Once late, late until it answers for where the proxy is now. */
     const bool is_overdue = (double)(tick - answered) * input->period > MODEL_TIMEOUT ||
@@ -89,7 +89,9 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
             return place(gate, tick);
         }
         if (is_barred(gate) || input->is_reset) {
-            begin(gate, SS_PHASE_RAMPING, tick);
+            /* From the tick of silence, though the thread may have slept through it. */
+            const bool is_silence = gate->is_stale && !input->is_reset;
+            begin(gate, SS_PHASE_RAMPING, is_silence ? input->pose_tick + SS_WATCHDOG_TICKS : tick);
         }
         return false;
     case SS_PHASE_RAMPING:
