@@ -28,10 +28,15 @@ typedef struct ss_mesh {
     int32_t node_count;
     int32_t triangle_count;    /* of the surface */
     int32_t tetrahedron_count; /* 0 for a surface mesh */
+    int32_t quad_count;        /* of a surface of quadrangles, a rectangular grid; else 0 */
     int32_t group_count;
     double (*position)[3];  /* m, world frame, node_count */
     int32_t (*triangle)[3]; /* node numbers, counter-clockwise from outside */
     int32_t (*tetrahedron)[4];
+    /* Corners in order, counter-clockwise from outside; sides 0-1 and 2-3 run along the grid's
+     * first direction (u), 1-2 and 3-0 along its second (w). Its triangles are then the halves of
+     * quad q, 2q and 2q + 1. */
+    int32_t (*quad)[4];
     ss_mesh_group *group;
     bool is_closed; /* every edge has two triangles */
 } ss_mesh;

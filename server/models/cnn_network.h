@@ -88,3 +88,17 @@ void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_
 int64_t ss_cnn_network_bytes(const ss_cnn_network *network);
 /* Bytes of the columns that solve_all would make. */
 int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network);
+
+/* ---- parts of ss_cnn_network_create; set-up only ------------------------------------------ */
+
+/* cnn_templates.c: edges with w_ij, rho_ij and their rest vectors; S_i; are all edges long enough?
+ */
+softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_mesh *mesh,
+                                          const double *rho);
+void ss_cnn_network_build_areas(ss_cnn_network *network, const ss_mesh *mesh);
+bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_error *error);
+/* cnn_rows.c: rows of the cells with held[i] == wanted, in groups of equal degree, in node order
+ * within. */
+softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t *held, bool wanted,
+                                         ss_cnn_rows *rows);
+void ss_cnn_rows_fini(ss_cnn_rows *rows);

@@ -10,11 +10,13 @@
 #include <stdint.h>
 
 typedef enum ss_param_kind {
-    SS_PARAM_NUMBER,  /* one double */
-    SS_PARAM_INTEGER, /* one integer, kept as a double */
-    SS_PARAM_BOOL,    /* 0 or 1 */
-    SS_PARAM_CHOICE,  /* index into `choices` */
-    SS_PARAM_FIELD    /* a number, or a value per node by region list or file */
+    SS_PARAM_NUMBER,   /* one double */
+    SS_PARAM_INTEGER,  /* one integer, kept as a double */
+    SS_PARAM_BOOL,     /* 0 or 1 */
+    SS_PARAM_CHOICE,   /* index into `choices` */
+    SS_PARAM_FIELD,    /* a number, or a value per node by region list or file */
+    SS_PARAM_DIRECTION /* [x, y, z], or a unit vector per surface element (quad or triangle) by file
+                        */
 } ss_param_kind;
 
 typedef struct ss_param_row {
@@ -31,7 +33,9 @@ typedef struct ss_param_row {
 
 /* Values for a table of rows, in row order. */
 typedef struct ss_param_value {
-    double number;    /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
-    double *per_node; /* of a FIELD that varies: node_count values; NULL when uniform */
+    double number;            /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
+    double *per_node;         /* of a FIELD that varies: node_count values; NULL when uniform */
+    double direction[3];      /* of a uniform DIRECTION, a unit vector */
+    double (*per_element)[3]; /* of a DIRECTION by file; NULL when uniform */
     bool is_given;
 } ss_param_value;
