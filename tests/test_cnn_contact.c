@@ -392,6 +392,30 @@ static void second_tools_add_their_own_potential(void **state)
     setup_fini(&s);
 }
 
+/* A tool that comes to tissue which another one has strained touches it like any other: it is not
+ * held off by what is stored there already. */
+static void strained_tissue_holds_no_tool_off(void **state)
+{
+    (void)state;
+    const double radius = 2.0 * PLATE_EDGE;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 2, radius, 1.0);
+    create(&s);
+    press(&s, tool, 1, -0.008, radius, 0.008);
+    const ss_cnn_tool *second = &s.model->tool[1];
+    for (int n = 0; n <= 200; ++n) {
+        go(&tool[1], 0.01, 0.0, radius + 0.003 - 0.011 * n / 200.0);
+        settle(&s, 1e-3, tool, 2);
+        assert_true(second->source.reference >= 0.0);
+    }
+    settle(&s, 1e-3, tool, 300);
+    assert_true(second->source.amplitude == 1.0);
+    assert_true(second->penalty > 0.0);
+    assert_true(s.model->tool[0].source.amplitude == 1.0);
+    setup_fini(&s);
+}
+
 static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **state)
 {
     (void)state;
@@ -693,6 +717,7 @@ int main(void)
         cmocka_unit_test(closed_loops_gain_nothing_in_either_direction),
         cmocka_unit_test(two_starts_lead_to_one_answer),
         cmocka_unit_test(second_tools_add_their_own_potential),
+        cmocka_unit_test(strained_tissue_holds_no_tool_off),
         cmocka_unit_test(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain),
         cmocka_unit_test(the_stiffness_told_is_the_tangent_and_errs_high),
         cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),

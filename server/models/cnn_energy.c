@@ -259,6 +259,7 @@ static void reset(ss_model *model)
         tool->grasp.is_pressed = false;
         tool->grasp.count = tool->count = 0;
         tool->source.is_on = false;
+        tool->source.reference = 0.0;
         tool->felt = 0.0;
         tool->penalty = 0.0;
         if (tool->is_used) {
@@ -443,6 +444,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         }
         hash = add_bytes(hash, tool->shape_y, quads);
         hash = add_bytes(hash, &tool->felt, sizeof tool->felt);
+        hash = add_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
         hash = add_bytes(hash, &grasp->count, sizeof grasp->count);
         if (count > 0) {
             hash = add_bytes(hash, &grasp->share, sizeof grasp->share);

@@ -54,6 +54,7 @@ typedef struct ss_cnn_source {
     ss_real *kap_edge, *kap, *b; /* edges; entries; quads with the row sum in the fourth lane */
     ss_real *b_turned;           /* free bodies: R b */
     double amplitude;            /* a */
+    double reference;            /* psi_0, J: what was there before the tool touched; loads: 0 */
     double modulus;              /* E^, J */
     double eps_limit;            /* eps_s; INFINITY without saturation */
     double qhat, qhat_over_own, inverse_own; /* of loads: means by weight */
@@ -211,7 +212,7 @@ void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool);
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool);
 /* r = b + L d, then eps, eta and the tensions c1, c2. */
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d);
-/* Energy of the source at its last evaluation: a psi, J. */
+/* Energy of the source at its last evaluation: a (psi - psi_0), J. */
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
 /* Source `index` of source_count + SOFTSIM_MAX_PROBES (loads and patches first, then tools), or
  * NULL where it is not on. */

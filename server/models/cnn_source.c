@@ -14,12 +14,21 @@
  * weights follow the tissue and the tool; their change is a force too, or else a closed path over
  * soft and stiff ground gains a third of the stored energy from nowhere:
  *
- *   mu_i = a [E^ eps+ (eps_i - eps) + T0 (eta_i - eta)] / W + (da/dW) psi      ( = d(a psi)/dw_i )
+ *   mu_i = a [E^ eps+ (eps_i - eps) + T0 (eta_i - eta)] / W + (da/dW) (psi - psi_0)
  *   saturated: E^ eps_s for E^ eps+, and + a E^ (eps - eps_s)(eps_s,i - eps_s) / W
  *
+ * The source's energy is a (psi - psi_0). psi_0 follows psi while the tool barely touches (a below
+ * a quarter, the closer the smaller a) and then stays, so that a tool that begins to touch meets
+ * only what it strains itself. With psi_0 = 0 a tool near tissue that is strained already (by
+ * another tool, by its own old dent) faces a barrier of energy psi, higher than what denting the
+ * tissue costs: the tissue retreats before the tool, a stays near 0, psi grows the more, and the
+ * tool presses through the forces of its weights alone: a second equilibrium, at a fifth of the
+ * force and a tenth of the stable step. psi_0 never exceeds psi, so that a tool never sticks. What
+ * a change of psi_0 takes from the energy is booked as dissipated, what it gives as work.
+ *
  * Weights, kap, mu and f_s are taken once per sub-step, at its end (= the next one's start). While
- * a tool nears or leaves (W < W1, 0 < a < 1) the term (da/dW) psi is stiff wherever another tool or
- * an old dent has left energy: frozen over a sub-step, it feeds the tissue's motion with energy. So
+ * a tool nears or leaves (W < W1, 0 < a < 1) the term of da/dW is stiff: frozen over a sub-step, it
+ * feeds the tissue's motion with energy. So
  * W, a and this term are then taken at every stage, with w^ held: a potential again, and the step
  * bound knows its stiffness.
  */
@@ -28,6 +37,9 @@
 
 #include "rt/memory.h"
 #include "rt/vec.h"
+
+/* a of a tool that barely touches. */
+#define BARELY 0.25
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
@@ -147,7 +159,8 @@ static double psi_of(const ss_model *model, const ss_cnn_source *source, double 
 
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source)
 {
-    return source->amplitude * psi_of(model, source, source->eps, source->eta);
+    return source->amplitude *
+           (psi_of(model, source, source->eps, source->eta) - source->reference);
 }
 
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
@@ -208,8 +221,19 @@ static double cell_limit(const ss_model *model, int32_t node)
     return m->saturation * scale / (m->modulus * model->network->own[node]);
 }
 
+/* psi_0 for the weights just taken. */
+static void set_reference(ss_model *model, ss_cnn_source *source, double psi)
+{
+    const double loose = fmax(0.0, 1.0 - source->amplitude / BARELY);
+    const double before = source->reference;
+    source->reference = fmin(psi, before + loose * loose * (psi - before));
+    const double taken = source->amplitude * (source->reference - before);
+    model->dissipated += fmax(taken, 0.0);
+    model->work += fmax(-taken, 0.0);
+}
+
 /* mu_i, the change of a psi with the weight of cell i. */
-static void set_mu(const ss_model *model, ss_cnn_tool *tool)
+static void set_mu(ss_model *model, ss_cnn_tool *tool)
 {
     ss_cnn_source *source = &tool->source;
     const bool is_limited = isfinite(model->material.saturation);
@@ -220,6 +244,7 @@ static void set_mu(const ss_model *model, ss_cnn_tool *tool)
         limit += is_limited ? tool->share[k] * cell_limit(model, tool->node[k]) : 0.0;
     }
     source->eps_limit = is_limited ? limit : (double)INFINITY;
+    set_reference(model, source, psi_of(model, source, eps, eta));
     const double spread = source->amplitude / tool->weight_sum;
     const double tension = source->modulus * fmin(fmax(eps, 0.0), source->eps_limit);
     const double over = eps > source->eps_limit ? source->modulus * (eps - source->eps_limit) : 0.0;
@@ -252,8 +277,9 @@ void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
 
 void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
 {
-    const double mu =
-        tool->amplitude_slope * psi_of(model, &tool->source, tool->source.eps, tool->source.eta);
+    const ss_cnn_source *source = &tool->source;
+    const double mu = tool->amplitude_slope *
+                      (psi_of(model, source, source->eps, source->eta) - source->reference);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = mu;
     }
@@ -265,7 +291,8 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     /* d(a psi)/dW changes by |a''| psi <= 6 psi / W1^2 along dW/dP, and dW/dP itself by
      * phi'' = 2 / delta^2 over the areas of the touched cells. */
     double force[3] = {0.0}, torque[3] = {0.0};
-    const double psi = fabs(psi_of(model, &tool->source, tool->source.eps, tool->source.eta));
+    const ss_cnn_source *source = &tool->source;
+    const double psi = fabs(psi_of(model, source, source->eps, source->eta) - source->reference);
     const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {
@@ -288,6 +315,7 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     tool->mu_largest = 0.0;
     if (!tool->source.is_on) {
         tool->count = 0;
+        tool->source.reference = 0.0;
         return;
     }
     set_amplitude(tool);

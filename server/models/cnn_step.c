@@ -531,6 +531,7 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
             own->grasp.count = 0;
             own->grasp.is_pressed = false;
             own->source.is_on = false;
+            own->source.reference = 0.0;
             own->count = 0;
         }
         own->is_present = is_present;
@@ -626,7 +627,17 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
 /* What a sub-step that is taken back must put back beside u and v. */
 typedef struct ledger {
     double work, dissipated, elastic;
+    double reference[SOFTSIM_MAX_PROBES]; /* of the tools' sources */
 } ledger;
+
+static ledger open_ledger(const ss_model *model)
+{
+    ledger now = {.work = model->work, .dissipated = model->dissipated, .elastic = model->elastic};
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        now.reference[k] = model->tool[k].source.reference;
+    }
+    return now;
+}
 
 static void take_back(ss_model *model, progress *p, const ledger *before, double h)
 {
@@ -636,6 +647,9 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     settle_grasps(model, false);
     gather(model, p->path, p->path);
     model->has_totals = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].source.reference = before->reference[k];
+    }
     prepare(model, p->path);
     model->work = before->work;
     model->dissipated = before->dissipated;
@@ -654,7 +668,7 @@ static bool try_substep(ss_model *model, progress *p)
     plan_substep(model, p, &h, &fraction);
     const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
-    const ledger before = {model->work, model->dissipated, model->elastic};
+    const ledger before = open_ledger(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
     fade_grasps(model, h);
@@ -698,11 +712,11 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     take_loads(model, time + 0.5 * dt);
     ss_cnn_driven_update(model, time + dt);
     if (!model->is_ready) {
-        const double before = model->elastic;
+        const double before = model->elastic - model->work + model->dissipated;
         gather(model, 0.0, 0.0);
         model->has_totals = false;
         prepare(model, 0.0);
-        model->work += model->elastic - before;
+        model->work = model->elastic + model->dissipated - before;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tool[k].is_present) {
