@@ -65,6 +65,13 @@ static inline ss_mesh *make_tensor_grid(int rows, int columns, const double *x, 
     return mesh;
 }
 
+static inline void free_mesh(ss_mesh *mesh)
+{
+    ss_memory_free(mesh->quad);
+    mesh->quad = NULL;
+    ss_mesh_destroy(&mesh);
+}
+
 /* ---- tetrahedra --------------------------------------------------------------------------- */
 
 static inline ss_mesh *make_tetrahedra(int32_t nodes, const double (*position)[3], int32_t count,
