@@ -437,6 +437,19 @@ static void an_enclosed_volume_resists_on_its_surface(void **state)
     assert_true(lost[0] > 0.0 && lost[1] < 0.6 * lost[0]);
 }
 
+static void a_volume_with_too_many_edges_for_a_tool_is_refused(void **state)
+{
+    (void)state;
+    setup s;
+    setup_block(&s, 27, 0.0);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = s.mesh->position[i][2] < 0.0499 ? 7 : 0;
+    }
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(s.error.text, "use a coarser mesh"));
+    setup_fini(&s);
+}
+
 static void only_the_domain_that_is_asked_for_is_simulated(void **state)
 {
     (void)state;
@@ -472,6 +485,7 @@ int main(void)
         cmocka_unit_test(a_pressed_volume_moves_inside),
         cmocka_unit_test(a_refined_volume_behaves_the_same_per_volume),
         cmocka_unit_test(an_enclosed_volume_resists_on_its_surface),
+        cmocka_unit_test(a_volume_with_too_many_edges_for_a_tool_is_refused),
         cmocka_unit_test(only_the_domain_that_is_asked_for_is_simulated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

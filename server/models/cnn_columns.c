@@ -215,6 +215,15 @@ static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_no
                           (int)sqrt((double)SS_CNN_COLUMN_BYTES / (double)sizeof(ss_real)));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
+    const int64_t kept = (int64_t)SS_CNN_CACHE_SLOTS * (int64_t)(padded * sizeof(ss_real));
+    if (kept > SS_CNN_COLUMN_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                          "cnn-energy: tools keep the flux densities of %d cells on %d edges, %lld "
+                          "MB, and %lld MB is the limit: use a coarser mesh",
+                          SS_CNN_CACHE_SLOTS, network->edges.count, (long long)(kept >> 20),
+                          (long long)(SS_CNN_COLUMN_BYTES >> 20));
+        return SOFTSIM_ERROR_UNSUPPORTED;
+    }
     network->slot_count = SS_CNN_CACHE_SLOTS;
     const size_t slots = (size_t)network->slot_count;
     network->ghat = ss_memory_get((size_t)network->column_count * n, sizeof(ss_real));
