@@ -350,6 +350,15 @@ static void volume_without_direction(setup *s)
     no_direction(s);
 }
 
+static void directions_of_tetrahedra_on_the_surface(setup *s)
+{
+    static double direction[1000][3];
+    surface_of_a_volume(s);
+    no_direction(s);
+    s->param[row_of(s, "material_direction")] =
+        (ss_param_value){.per_element = direction, .is_given = true};
+}
+
 static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
 {
     (void)state;
@@ -365,7 +374,8 @@ static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
         {load_inside, "acts on no node of the surface"},
         {load_below_the_surface, "inside the volume"},
         {held_inside_alone, "three fixed nodes"},
-        {volume_without_direction, "need material_direction"}};
+        {volume_without_direction, "need material_direction"},
+        {directions_of_tetrahedra_on_the_surface, "is one a tetrahedron"}};
     const int64_t before = ss_memory_in_use();
     for (size_t k = 0; k < sizeof row / sizeof *row; ++k) {
         setup s;

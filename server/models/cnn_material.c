@@ -329,6 +329,13 @@ static void check_directions(const ss_model_plan *plan, const ss_cnn_material *m
 {
     const ss_param_value *value = &plan->param[SS_CNN_MATERIAL_DIRECTION];
     const ss_cnn_fabric fabric = {.mesh = plan->mesh, .element = material->element};
+    if (value->per_element && plan->mesh->tetrahedron_count > 0 &&
+        material->element != SS_CNN_TETRAHEDRON) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "cnn-energy: material_direction by file is one a tetrahedron, which "
+                          "domain: surface does not use: give one direction, or domain: volume");
+        return;
+    }
     const int32_t count = value->per_element ? ss_cnn_element_count(&fabric) : 1;
     number_list bad = {0};
     for (int32_t e = 0; e < count; ++e) {

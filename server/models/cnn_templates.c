@@ -17,8 +17,9 @@
  * side sum up to. Where a grid is distorted the two ends see different transverse sides; the mean
  * of both keeps the matrix symmetric. A border has half cells. Quads have no diagonals. D is the
  * element's part of the dual face of an edge: the midpoint of the edge, the centroids of the two
- * faces at it, the centroid of the tetrahedron; these four lie in one plane. Cotangent weights are
- * not these templates.
+ * faces at it, the centroid of the tetrahedron; these four lie in one plane. Lengths and areas are
+ * taken as they are, not as seen along the edge, hence sum w L^2 >= 4 S and >= 6 V: irregular
+ * elements conduct a little too well. Cotangent weights are not these templates.
  *
  * Anisotropy (15): rho differs along and across the material direction,
  *
@@ -31,12 +32,14 @@
  * is the pair of sides nearer to it. Where a direction stands upright on its triangle no direction
  * in the plane is special: cos^2 = 1/2 for all. H is the harmonic mean (18): the literal rho_i
  * breaks Newton's third law and the arithmetic mean drags the first node of a nearly rigid region
- * along. Along and across have one each, so that regions may differ in both.
+ * along. Along and across have one each, so that regions may differ in both. On equilateral
+ * triangles, where edges of three directions carry both, a ratio r comes out as (1 + 3 r)/(3 + r).
  *
  * In volumes the flux density of an edge is taken through its dual face, q = w_ij rho_ij |dg| /
  * L^2: the force along an edge is a stress times an area. Qhat is then a volume, the modulus is in
- * Pa, and a fan of equal edges stores E V_i eps^2 / 2. On surfaces the paper's equation 27 stands,
- * q = rho_ij |dg| / L^2; where all w are equal the two give the same columns.
+ * Pa, and where all w are equal a cell stores E V_i eps^2 / 2. On surfaces the paper's equation 27
+ * stands, q = rho_ij |dg| / L^2. Rejected for volumes, where it would leave the modulus in N/m: the
+ * middle of a pressed block then follows by two thirds only.
  */
 #include <math.h>
 #include <stdlib.h>
