@@ -11,6 +11,7 @@
 #include "mesh/mesh.h"
 #include "models/cnn_energy.h"
 #include "models/model.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 #define PI 3.14159265358979323846
@@ -195,7 +196,7 @@ static inline ss_mesh *make_ellipsoid(int f, double ax, double ay, double az)
 
 /* ---- a model ------------------------------------------------------------------------------ */
 
-enum { MAX_ROWS = 32 };
+enum { MAX_ROWS = 40 };
 
 /* What a test says of a model before it is created. */
 typedef struct setup {
@@ -271,6 +272,8 @@ static inline void setup_fini(setup *s)
         s->class->destroy(s->model);
     }
     free(s->fixed);
+    ss_memory_free(s->mesh->quad);
+    s->mesh->quad = NULL;
     ss_mesh_destroy(&s->mesh);
 }
 

@@ -11,8 +11,7 @@
 
 #include <cmocka.h>
 
-#include "model_fixture.h"
-#include "rt/memory.h"
+#include "element_fixture.h"
 #include "rt/thread.h"
 
 /* A small body with one load and one sphere. */
@@ -175,6 +174,68 @@ static void driven_and_fixed(setup *s)
     s->plan.prescribed_count = 1;
 }
 
+static void volume_on_a_surface(setup *s)
+{
+    give(s, "domain", 1.0);
+}
+static void volume_rows_on_a_surface(setup *s)
+{
+    give(s, "density_kg_m3", 1000.0);
+}
+static void volume_modulus_on_a_surface(setup *s)
+{
+    give(s, "modulus_pa", 1000.0);
+}
+static void huge_modulus(setup *s)
+{
+    give(s, "modulus_j", 1e10);
+}
+static void rho_thrice(setup *s)
+{
+    give(s, "rho", 1.0);
+    give(s, "rho_direction", 1.0);
+    give(s, "rho_across", 1.0);
+}
+static void rho_across_alone(setup *s)
+{
+    give(s, "rho_across", 1.0);
+    give_direction(s, 1.0, 0.0, 0.0);
+}
+static void direction_alone(setup *s)
+{
+    give_direction(s, 1.0, 0.0, 0.0);
+}
+static void no_direction(setup *s)
+{
+    give(s, "rho_direction", 1.0);
+    give(s, "rho_across", 2.0);
+}
+static void long_direction(setup *s)
+{
+    no_direction(s);
+    give_direction(s, 1.0, 1.0, 0.0);
+}
+static void bad_rho_across(setup *s)
+{
+    static double rho[1000];
+    no_direction(s);
+    give_direction(s, 1.0, 0.0, 0.0);
+    for (int k = 0; k < 1000; ++k) {
+        rho[k] = k == 17 ? 0.0 : 1.0;
+    }
+    give_field(s, "rho_across", rho);
+}
+static void bad_direction_of_one(setup *s)
+{
+    static double direction[1000][3];
+    no_direction(s);
+    for (int k = 0; k < 1000; ++k) {
+        ss_set3(direction[k], 0.0, 0.0, k == 23 ? (double)NAN : 1.0);
+    }
+    s->param[row_of(s, "material_direction")] =
+        (ss_param_value){.per_element = direction, .is_given = true};
+}
+
 static void what_cannot_be_is_refused_and_named(void **state)
 {
     (void)state;
@@ -193,7 +254,21 @@ static void what_cannot_be_is_refused_and_named(void **state)
                {load_outside, "100000"},
                {pressure_without_triangles, "no triangle"},
                {soft_contact, "rho at node"},
-               {driven_and_fixed, "fixed or driven already"}};
+               {driven_and_fixed, "fixed or driven already"},
+               {volume_on_a_surface, "needs a mesh of tetrahedra"},
+               {volume_rows_on_a_surface, "density_kg_m3 does not go with domain: surface; give "
+                                          "area_density_kg_m2"},
+               {volume_modulus_on_a_surface, "modulus_pa does not go with domain: surface"},
+               {huge_modulus, "modulus_j must be greater than 0 and at most"},
+               {rho_thrice, "give rho, or rho_direction and rho_across, not both"},
+               {rho_across_alone, "rho_direction is missing"},
+               {direction_alone, "material_direction needs rho_direction"},
+               {no_direction, "need material_direction"},
+               {long_direction, "material_direction must have length 1"},
+               {bad_rho_across,
+                "rho_across must be greater than 0 and at most 1e+12 at every node; "
+                "1 nodes are not (first 17)"},
+               {bad_direction_of_one, "at 1 elements it has not (first 23)"}};
     const int64_t before = ss_memory_in_use();
     for (size_t k = 0; k < sizeof row / sizeof *row; ++k) {
         setup s;
@@ -204,6 +279,112 @@ static void what_cannot_be_is_refused_and_named(void **state)
             fail_msg("case %d: \"%s\" does not say \"%s\"", (int)k, s.error.text, row[k].says);
         }
         assert_null(s.model);
+        setup_fini(&s);
+    }
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+/* A block of 6 x 6 x 6 cm as a volume with one load, held below. */
+static void setup_volume(setup *s, int32_t *top)
+{
+    setup_init(s, "cnn-energy", make_block(3, 0.06));
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][2] < -0.029 ? 7 : 0;
+    }
+    *top = (1 * 4 + 2) * 4 + 3;
+    give(s, "domain", 1.0);
+    give(s, "modulus_pa", 5e4);
+    give(s, "density_kg_m3", 1000.0);
+    give(s, "damping_n_s_per_m4", 3e5);
+    give(s, "rest_stiffness_n_per_m4", 5e5);
+    push(s, top, 0.05, 0.0, 0.0);
+}
+
+static void surface_rows_in_a_volume(setup *s)
+{
+    give(s, "rest_stiffness_n_per_m3", 1.0);
+}
+static void node_rows_in_a_volume(setup *s)
+{
+    give(s, "per_area", 0.0);
+}
+static void surface_modulus_in_a_volume(setup *s)
+{
+    s->param[SS_CNN_MODULUS_PA].is_given = false;
+    give(s, "modulus_n_per_m", 5.0);
+}
+static void load_inside(setup *s)
+{
+    static int32_t node = (1 * 4 + 2) * 4 + 1;
+    s->load[0].node = &node;
+}
+static void surface_of_a_volume(setup *s)
+{
+    give(s, "domain", 0.0);
+    s->param[SS_CNN_MODULUS_PA].is_given = false;
+    give(s, "modulus_j", 5.0);
+    for (int row = SS_CNN_VOLUME_DENSITY; row <= SS_CNN_VOLUME_REST_STIFFNESS; ++row) {
+        s->param[row].is_given = false;
+    }
+    give(s, "area_density_kg_m2", 11.5);
+    give(s, "damping_n_s_per_m3", 1725.0);
+    give(s, "rest_stiffness_n_per_m3", 5e4);
+}
+static void load_below_the_surface(setup *s)
+{
+    surface_of_a_volume(s);
+    load_inside(s);
+}
+static void held_inside_alone(setup *s)
+{
+    surface_of_a_volume(s);
+    give(s, "pretension_j", 0.1);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        const double *p = s->mesh->position[i];
+        const bool is_inside = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2])) < 0.029;
+        s->fixed[i] = is_inside ? 7 : 0;
+    }
+}
+static void volume_without_direction(setup *s)
+{
+    no_direction(s);
+}
+
+static void directions_of_tetrahedra_on_the_surface(setup *s)
+{
+    static double direction[1000][3];
+    surface_of_a_volume(s);
+    no_direction(s);
+    s->param[row_of(s, "material_direction")] =
+        (ss_param_value){.per_element = direction, .is_given = true};
+}
+
+static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
+{
+    (void)state;
+    static const struct {
+        spoil how;
+        const char *says;
+    } row[] = {
+        {surface_rows_in_a_volume, "rest_stiffness_n_per_m3 does not go with domain: volume; "
+                                   "give rest_stiffness_n_per_m4"},
+        {node_rows_in_a_volume, "density_kg_m3 does not go with per_area: false; give mass_kg"},
+        {surface_modulus_in_a_volume, "modulus_n_per_m does not go with domain: volume; give "
+                                      "modulus_j or modulus_pa"},
+        {load_inside, "acts on no node of the surface"},
+        {load_below_the_surface, "inside the volume"},
+        {held_inside_alone, "three fixed nodes"},
+        {volume_without_direction, "need material_direction"},
+        {directions_of_tetrahedra_on_the_surface, "is one a tetrahedron"}};
+    const int64_t before = ss_memory_in_use();
+    for (size_t k = 0; k < sizeof row / sizeof *row; ++k) {
+        setup s;
+        int32_t top;
+        setup_volume(&s, &top);
+        row[k].how(&s);
+        if (setup_create(&s) == SOFTSIM_OK || !strstr(s.error.text, row[k].says)) {
+            fail_msg("case %d: \"%s\" does not say \"%s\"", (int)k, s.error.text, row[k].says);
+        }
         setup_fini(&s);
     }
     assert_int_equal(ss_memory_in_use(), before);
@@ -283,6 +464,51 @@ static void the_explanation_names_what_is_used_and_left_out(void **state)
     setup_fini(&s);
 }
 
+static void explain_all(setup *s, char text[8192])
+{
+    text[0] = '\0';
+    assert_int_equal(setup_create(s), SOFTSIM_OK);
+    s->class->explain(s->model, join_lines, text);
+}
+
+static void the_explanation_tells_what_carries_the_cells(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t top;
+    char text[8192];
+    setup_whole(&s, &top);
+    explain_all(&s, text);
+    assert_non_null(strstr(text, "cells on triangles"));
+    assert_non_null(strstr(text, "left out: anisotropy"));
+    assert_null(strstr(text, "inner nodes"));
+    setup_fini(&s);
+
+    setup_volume(&s, &top);
+    give(&s, "rho_direction", 0.5);
+    give(&s, "rho_across", 2.0);
+    give_direction(&s, 0.0, 1.0, 0.0);
+    explain_all(&s, text);
+    assert_non_null(strstr(text, "cells on tetrahedra"));
+    assert_non_null(strstr(text, "volume: 8 cells inside"));
+    assert_non_null(strstr(text, "is 4 to 4 times that along"));
+    assert_non_null(strstr(text, "modulus: 50000 Pa"));
+    setup_fini(&s);
+
+    setup_volume(&s, &top);
+    surface_of_a_volume(&s);
+    explain_all(&s, text);
+    assert_non_null(strstr(text, "left out: 8 inner nodes of the volume mesh"));
+    setup_fini(&s);
+
+    setup_cylinder(&s, 1.0);
+    free_mesh(s.mesh);
+    s.plan.mesh = s.mesh = make_grid_cylinder(15, 24, 1.0, 4.0);
+    explain_all(&s, text);
+    assert_non_null(strstr(text, "cells on a rectangular grid (48 held at zero), 696 edges"));
+    setup_fini(&s);
+}
+
 static void the_step_cost_grows_with_nodes_and_tools(void **state)
 {
     (void)state;
@@ -293,6 +519,11 @@ static void the_step_cost_grows_with_nodes_and_tools(void **state)
     s.plan.tool[0].is_used = false;
     const double without = s.class->step_cost_us(&s.plan);
     assert_true(without > 0.0 && with_tool > without);
+    setup_fini(&s);
+    setup_volume(&s, &top); /* the same nodes have more edges in a volume */
+    const double volume = s.class->step_cost_us(&s.plan);
+    give(&s, "domain", 0.0);
+    assert_true(volume > s.class->step_cost_us(&s.plan));
     setup_fini(&s);
 }
 
@@ -373,6 +604,7 @@ static void live_values_change_the_body_and_the_ledger_knows(void **state)
     s.class->set(s.model, SS_CNN_PRETENSION_J, 0.4);
     s.class->set(s.model, SS_CNN_MODULUS_J, -3.0); /* refused */
     s.class->set(s.model, SS_CNN_RHO, 7.0);        /* not live */
+    s.class->set(s.model, SS_CNN_MODULUS_PA, 3.0); /* of volumes */
     assert_true(s.model->material.modulus == 5.0);
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     tool[0].is_present = true;
@@ -445,9 +677,11 @@ int main(void)
         cmocka_unit_test(models_are_found_by_name_and_only_built_ones),
         cmocka_unit_test(every_row_has_a_default_within_its_bounds_and_a_help),
         cmocka_unit_test(what_cannot_be_is_refused_and_named),
+        cmocka_unit_test(what_cannot_be_in_a_volume_is_refused_and_named),
         cmocka_unit_test(all_faults_are_named_in_one_go),
         cmocka_unit_test(short_edges_and_loose_nodes_are_refused),
         cmocka_unit_test(the_explanation_names_what_is_used_and_left_out),
+        cmocka_unit_test(the_explanation_tells_what_carries_the_cells),
         cmocka_unit_test(the_step_cost_grows_with_nodes_and_tools),
         cmocka_unit_test(creating_and_destroying_leaves_no_memory_behind),
         cmocka_unit_test(steps_do_not_allocate),

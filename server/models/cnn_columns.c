@@ -58,14 +58,14 @@ static void solve_cells(const ss_cnn_network *network, int32_t count, const int3
     memset(x, 0, (size_t)factor->n * sizeof *x);
     for (int32_t k = 0; k < count; ++k) {
         const int32_t c = factor->component[node[k]];
-        const double source = network->area[node[k]] / factor->rho[node[k]];
+        const double source = network->size[node[k]] / factor->rho[node[k]];
         if (factor->unknown[node[k]] >= 0) {
             x[factor->unknown[node[k]]][k] = source;
         }
-        const double drain = source / factor->component_area[c];
+        const double drain = source / factor->component_size[c];
         for (int32_t i = 0; factor->is_drained[c] && i < network->node_count; ++i) {
             if (factor->component[i] == c && factor->unknown[i] >= 0) {
-                x[factor->unknown[i]][k] -= drain * network->area[i];
+                x[factor->unknown[i]][k] -= drain * network->size[i];
             }
         }
     }
@@ -167,6 +167,13 @@ static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *n
     return SOFTSIM_OK;
 }
 
+/* Is it better to keep potentials than flux densities? Volumes have many edges a source. */
+static bool wants_compact(const ss_cnn_network *network, int64_t columns)
+{
+    return columns > SS_CNN_WHOLE_COLUMNS ||
+           columns * network->edges.padded_count * (int64_t)sizeof(ss_real) > SS_CNN_COLUMN_BYTES;
+}
+
 int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
 {
     int64_t count = 0;
@@ -174,7 +181,7 @@ int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
         count += network->is_source[i];
     }
     const int64_t length =
-        count > SS_CNN_WHOLE_COLUMNS ? network->node_count : network->edges.padded_count;
+        wants_compact(network, count) ? network->node_count : network->edges.padded_count;
     return count * length * (int64_t)sizeof(ss_real);
 }
 
@@ -193,7 +200,7 @@ static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_no
             node[network->column_count++] = i;
         }
     }
-    network->is_compact = network->column_count > SS_CNN_WHOLE_COLUMNS;
+    network->is_compact = wants_compact(network, network->column_count);
     if (!network->is_compact) {
         network->kap = ss_memory_get((size_t)network->column_count * padded, sizeof(ss_real));
         return network->kap ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
@@ -206,6 +213,15 @@ static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_no
                           network->column_count, (long long)(bytes >> 20),
                           (long long)(SS_CNN_COLUMN_BYTES >> 20),
                           (int)sqrt((double)SS_CNN_COLUMN_BYTES / (double)sizeof(ss_real)));
+        return SOFTSIM_ERROR_UNSUPPORTED;
+    }
+    const int64_t kept = (int64_t)SS_CNN_CACHE_SLOTS * (int64_t)(padded * sizeof(ss_real));
+    if (kept > SS_CNN_COLUMN_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                          "cnn-energy: tools keep the flux densities of %d cells on %d edges, %lld "
+                          "MB, and %lld MB is the limit: use a coarser mesh",
+                          SS_CNN_CACHE_SLOTS, network->edges.count, (long long)(kept >> 20),
+                          (long long)(SS_CNN_COLUMN_BYTES >> 20));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
     network->slot_count = SS_CNN_CACHE_SLOTS;

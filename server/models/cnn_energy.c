@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/cnn_energy.h"
 /*
- * cnn-energy: a surface deforms as a cellular neural network spreads the energy of a contact.
+ * cnn-energy: a surface or a volume deforms as a cellular neural network spreads the energy of a
+ * contact.
  *
  * After Zhong, Shirinzadeh, Alici, Smith: "Haptic deformation modelling through cellular neural
  * network", I. J. of Simulation 7 (8), 2006. A contact is a current source on the cells of the
@@ -29,10 +30,15 @@
  * motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed
  * volume are then refused, since their derivative through the fit is missing.
  *
- * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (a volume
- * mesh's inner nodes stay at rest). Everything else is derived. Displacements, never positions,
- * so that single precision loses nothing far from the origin. Not built: rectangular grids,
- * anisotropic rho, volume domains, relaxation in place of equilibrium, an active window.
+ * The cells are the nodes of triangles, of a rectangular grid, or (domain: volume) of tetrahedra,
+ * inner nodes included; cnn_templates.c has what differs, and everything here is the same for all.
+ * In a volume tools and loads act on the surface, whose nodes alone are sources, E is a modulus in
+ * Pa, and densities are per volume.
+ *
+ * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (the inner
+ * nodes of a volume mesh whose surface alone is simulated stay at rest). Everything else is
+ * derived. Displacements, never positions, so that single precision loses nothing far from the
+ * origin. Not built: relaxation in place of equilibrium, an active window.
  */
 #include <math.h>
 #include <string.h>
@@ -113,8 +119,9 @@ static void set_extremes(ss_model *model)
             const double rate = model->material.damping[i] / mass;
             model->damping_rate_min = fmin(model->damping_rate_min, rate);
             model->damping_rate_max = fmax(model->damping_rate_max, rate);
-            if (model->network->area[i] > 0.0) {
-                model->smallest_sigma = fmin(model->smallest_sigma, mass / model->network->area[i]);
+            const double area = model->network->surface_area[i];
+            if (area > 0.0) {
+                model->smallest_sigma = fmin(model->smallest_sigma, mass / area);
             }
         }
     }
@@ -158,23 +165,23 @@ static softsim_status set_volume(ss_model *model, softsim_error *error)
 static void set_geometry(ss_model *model)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0}, size[3], area = 0.0;
+    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0}, extent[3], size = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->fit_weight += model->material.rest_stiffness[i];
-        area += model->network->area[i];
+        size += model->network->size[i];
         for (int k = 0; k < 3; ++k) {
             low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
             high[k] = i == 0 ? mesh->position[i][k] : fmax(high[k], mesh->position[i][k]);
         }
     }
-    ss_sub3(size, high, low);
-    model->diagonal = ss_norm3(size);
+    ss_sub3(extent, high, low);
+    model->diagonal = ss_norm3(extent);
     model->small_energy = 1e-3 * model->network->mean_edge *
                           (model->plan.working_force > 0.0 ? model->plan.working_force : 1.0);
     for (int32_t i = 0; i < model->node_count; ++i) {
         const double w = model->fit_weight > 0.0
                              ? model->material.rest_stiffness[i] / model->fit_weight
-                             : model->network->area[i] / area;
+                             : model->network->size[i] / size;
         ss_madd3(model->centroid_rest, model->centroid_rest, w, mesh->position[i]);
     }
 }
@@ -322,11 +329,11 @@ static softsim_status build(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
     softsim_status status = ss_cnn_material_create(plan, &model->material, error);
-    const softsim_status checked = ss_cnn_plan_check(plan, &model->material, error);
+    const softsim_status checked =
+        ss_cnn_plan_check(plan, &model->material, &model->is_held, error);
     if (status != SOFTSIM_OK || checked != SOFTSIM_OK) {
         return status != SOFTSIM_OK ? status : checked;
     }
-    model->is_held = ss_cnn_plan_is_held(plan);
     model->held = ss_memory_get((size_t)model->node_count, 1);
     if (!model->held) {
         return SOFTSIM_ERROR_MEMORY;
@@ -334,8 +341,8 @@ static softsim_status build(ss_model *model, softsim_error *error)
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->held[i] = (plan->fixed[i] & 7) == 7;
     }
-    status =
-        ss_cnn_network_create(plan->mesh, model->held, model->material.rho, &model->network, error);
+    const ss_cnn_fabric fabric = ss_cnn_material_fabric(plan, &model->material);
+    status = ss_cnn_network_create(&fabric, model->held, &model->network, error);
     status = status == SOFTSIM_OK ? allocate_state(model) : status;
     if (status != SOFTSIM_OK) {
         return status;
@@ -397,7 +404,7 @@ static void info(const ss_model *model, ss_model_info *out)
 {
     *out = (ss_model_info){.step = model->step,
                            .substeps = model->substeps,
-                           .active_nodes = model->network->triangle_nodes,
+                           .active_nodes = model->network->cell_count,
                            .worst_element = limiting_node(model),
                            .fault_bits = model->fault_bits,
                            .verdict = model->verdict,
@@ -461,7 +468,9 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 static void set(ss_model *model, int32_t index, double value)
 {
     ss_cnn_material *material = &model->material;
-    const bool is_modulus = index == SS_CNN_MODULUS_J || index == SS_CNN_MODULUS_N_PER_M;
+    const bool is_volume = material->element == SS_CNN_TETRAHEDRON;
+    const bool is_modulus = index == SS_CNN_MODULUS_J ||
+                            index == (is_volume ? SS_CNN_MODULUS_PA : SS_CNN_MODULUS_N_PER_M);
     if (is_modulus && value > 0.0 && isfinite(value)) {
         material->is_modulus_energy = index == SS_CNN_MODULUS_J;
         material->modulus = value;
@@ -477,7 +486,8 @@ static void set(ss_model *model, int32_t index, double value)
 extern const ss_model_class ss_model_cnn_energy;
 const ss_model_class ss_model_cnn_energy = {
     .name = "cnn-energy",
-    .help = "a surface deforms as a cellular neural network spreads the energy of a contact",
+    .help =
+        "a surface or volume deforms as a cellular neural network spreads the energy of a contact",
     .row = ss_cnn_rows_table,
     .row_count = SS_CNN_ROW_COUNT,
     .needs_volume = false,

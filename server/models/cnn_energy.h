@@ -17,15 +17,23 @@
 
 /* Rows of the parameter table, in its order. */
 enum {
+    SS_CNN_DOMAIN,
     SS_CNN_MODULUS_J,
     SS_CNN_MODULUS_N_PER_M,
+    SS_CNN_MODULUS_PA,
     SS_CNN_PRETENSION_J,
     SS_CNN_ENCLOSED_BULK_PA,
     SS_CNN_RHO,
+    SS_CNN_RHO_DIRECTION,
+    SS_CNN_RHO_ACROSS,
+    SS_CNN_MATERIAL_DIRECTION,
     SS_CNN_PER_AREA,
     SS_CNN_AREA_DENSITY,
     SS_CNN_AREA_DAMPING,
     SS_CNN_AREA_REST_STIFFNESS,
+    SS_CNN_VOLUME_DENSITY,
+    SS_CNN_VOLUME_DAMPING,
+    SS_CNN_VOLUME_REST_STIFFNESS,
     SS_CNN_MASS,
     SS_CNN_DAMPING,
     SS_CNN_REST_STIFFNESS,
@@ -39,11 +47,21 @@ extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
 
 /* What the body is made of, a value per node, SI. */
 typedef struct ss_cnn_material {
-    double *mass, *damping, *rest_stiffness; /* kg, N s/m, N/m */
-    double *rho;
-    bool is_modulus_energy;                       /* modulus is E^ in J, else E in N/m */
+    ss_cnn_element element;                  /* what carries the cells */
+    double *mass, *damping, *rest_stiffness; /* kg, N s/m, N/m; 0 at nodes that are no cells */
+    double *rho;                             /* anisotropic: along the material direction */
+    double *rho_across;                      /* NULL: isotropic */
+    bool is_modulus_energy;                  /* modulus is E^ in J, else E in N/m (volumes: Pa) */
     double modulus, pretension, bulk, saturation; /* saturation INFINITY: none */
 } ss_cnn_material;
+
+/* The best rho with which a cell conducts. */
+static inline double ss_cnn_best_rho(const ss_cnn_material *material, int32_t node)
+{
+    const double rho = material->rho[node];
+    const double across = material->rho_across ? material->rho_across[node] : rho;
+    return rho > across ? rho : across;
+}
 
 /* A place where energy enters the network: the cells under a tool, a load or a driven patch. */
 typedef struct ss_cnn_source {
@@ -133,7 +151,7 @@ struct ss_model {
     bool has_gravity;
     double diagonal, volume; /* m, m^3 */
     double small_energy;     /* J: a thousandth of the working force over an edge */
-    double smallest_sigma;   /* kg/m^2 */
+    double smallest_sigma;   /* kg/m^2 of the surface */
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
     double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */
     uint8_t *held;                             /* cells held at zero: fixed on all axes */
@@ -184,11 +202,12 @@ struct ss_model {
 softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
                                       softsim_error *error);
 void ss_cnn_material_fini(ss_cnn_material *material);
-/* Faults of fixed nodes, loads, prescribed sets and tools against the mesh. Thread: set-up only. */
+/* What the network is made of; points into plan and material. Thread: set-up only. */
+ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_material *material);
+/* Faults of fixed nodes, loads, prescribed sets and tools against the mesh; out_is_held: do the
+ * fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
-                                 softsim_error *error);
-/* Do the fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
-bool ss_cnn_plan_is_held(const ss_model_plan *plan);
+                                 bool *out_is_held, softsim_error *error);
 
 /* ---- cnn_source.c: where energy enters the network ---------------------------------------- */
 

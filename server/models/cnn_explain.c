@@ -31,27 +31,37 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
     return fmin(stable, working / (0.03 * radius * radius * radius));
 }
 
-/* Microseconds a step, a node in it, a node of each source, a tool and a node under it: medians of
- * 422 to 1192 nodes, with one load, and with a sphere of R = 5 mm that slides and is asked for its
- * contacts. */
+/* Microseconds a step, a node in it, an edge of each source, a tool and an edge under it: medians
+ * of 422 to 1192 nodes, with one load, and with a sphere of R = 5 mm that slides and is asked for
+ * its contacts. */
 #define COST_STEP        0.5
 #define COST_NODE        0.011
-#define COST_SOURCE_NODE 0.0075
+#define COST_SOURCE_EDGE 0.0025
 #define COST_TOOL        12.0
-#define COST_TOOL_NODE   0.07
+#define COST_TOOL_EDGE   0.0234
 /* The planned sub-steps of a contact, against one: weights, columns and contacts once a step. */
 #define COST_CONTACT 2.3
 
+/* Edges of the network: half the sides of a closed surface; of a volume by Euler's formula. */
+static double edge_count(const ss_model_plan *plan)
+{
+    const ss_mesh *mesh = plan->mesh;
+    const bool is_volume = plan->param[SS_CNN_DOMAIN].number != 0.0;
+    return is_volume ? mesh->node_count + mesh->tetrahedron_count + 0.5 * mesh->triangle_count
+           : mesh->quad_count > 0 ? 2.0 * mesh->quad_count
+                                  : 1.5 * mesh->triangle_count;
+}
+
 double ss_cnn_step_cost_us(const ss_model_plan *plan)
 {
-    const double nodes = plan->mesh->node_count;
+    const double nodes = plan->mesh->node_count, edges = edge_count(plan);
     int tools = 0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         tools += plan->tool[k].is_used;
     }
     const double sources = plan->load_count + plan->prescribed_count;
-    return COST_STEP + COST_NODE * nodes + COST_SOURCE_NODE * nodes * sources +
-           COST_CONTACT * tools * (COST_TOOL + COST_TOOL_NODE * nodes);
+    return COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
+           COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
 }
 
 /* ---- lines -------------------------------------------------------------------------------- */
@@ -79,14 +89,26 @@ static double megabytes(double bytes)
 static void explain_network(const ss_model *model, const printer *out)
 {
     const ss_cnn_network *network = model->network;
-    int32_t held = 0;
+    static const char *const carrier[] = {[SS_CNN_TRIANGLE] = "triangles",
+                                          [SS_CNN_QUAD] = "a rectangular grid",
+                                          [SS_CNN_TETRAHEDRON] = "tetrahedra"};
+    const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
+    int32_t held = 0, inner = 0;
     for (int32_t i = 0; i < model->node_count; ++i) {
-        held += model->held[i];
+        held += model->held[i] && network->size[i] > 0.0;
+        inner += !(network->surface_area[i] > 0.0);
     }
-    say(out, "network: %d cells (%d held at zero), %d edges, mean edge %.4g m, %d part%s, %.2f MB",
-        network->triangle_nodes, held, network->edges.count, network->mean_edge,
-        network->component_count, network->component_count == 1 ? "" : "s",
+    say(out,
+        "network: %d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, "
+        "%.2f MB",
+        network->cell_count, carrier[model->material.element], held, network->edges.count,
+        network->mean_edge, network->component_count, network->component_count == 1 ? "" : "s",
         megabytes((double)ss_cnn_network_bytes(network)));
+    if (is_volume) {
+        say(out, "volume: %d cells inside, which no tool or load touches", inner);
+    } else if (inner > 0) {
+        say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest", inner);
+    }
     if (network->column_count > 0) {
         say(out, "columns: %d, %s, %.1f MB", network->column_count,
             network->is_compact ? "as potentials, rebuilt when a cell is touched"
@@ -99,17 +121,45 @@ static void explain_network(const ss_model *model, const printer *out)
         sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
 }
 
+static void explain_modulus(const ss_model *model, const printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    const bool is_volume = m->element == SS_CNN_TETRAHEDRON;
+    const char *unit = is_volume ? "Pa" : "N/m";
+    const double qhat = model->network->median_qhat;
+    if (qhat > 0.0) {
+        say(out, "modulus: %.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
+            m->is_modulus_energy ? m->modulus : m->modulus * qhat,
+            m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
+            is_volume ? "m^3" : "m^2");
+    } else {
+        say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
+    }
+}
+
+static void explain_rho(const ss_model *model, const printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    double low = (double)INFINITY, high = 0.0;
+    for (int32_t i = 0; m->rho_across && i < model->node_count; ++i) {
+        if (model->network->size[i] > 0.0) {
+            low = fmin(low, m->rho_across[i] / m->rho[i]);
+            high = fmax(high, m->rho_across[i] / m->rho[i]);
+        }
+    }
+    if (m->rho_across) {
+        say(out, "anisotropic: rho across the material direction is %.4g to %.4g times that along",
+            low, high);
+    } else {
+        say(out, "left out: anisotropy (rho is the same in all directions)");
+    }
+}
+
 static void explain_material(const ss_model *model, const printer *out)
 {
     const ss_cnn_material *m = &model->material;
-    if (model->network->median_qhat > 0.0) {
-        const double qhat = model->network->median_qhat;
-        say(out, "modulus: %.6g J, which is %.6g N/m on this mesh (median Qhat %.6g m^2)",
-            m->is_modulus_energy ? m->modulus : m->modulus * qhat,
-            m->is_modulus_energy ? m->modulus / qhat : m->modulus, qhat);
-    } else {
-        say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : "N/m");
-    }
+    explain_modulus(model, out);
+    explain_rho(model, out);
     if (m->pretension > 0.0) {
         say(out, "pretension: %.6g J", m->pretension);
     } else {
@@ -135,13 +185,10 @@ static void explain_material(const ss_model *model, const printer *out)
 static void warn_rho(const ss_model *model, const printer *out)
 {
     const ss_cnn_network *network = model->network;
-    double largest = 0.0;
     int32_t soft = 0, first = -1;
-    for (int32_t e = 0; e < network->edges.count; ++e) {
-        largest = fmax(largest, network->edge_rho[e]);
-    }
     for (int32_t i = 0; i < model->node_count; ++i) {
-        if (network->is_source[i] && largest > RHO_RATIO_WARNING * model->material.rho[i]) {
+        if (network->is_source[i] &&
+            network->largest_rho > RHO_RATIO_WARNING * ss_cnn_best_rho(&model->material, i)) {
             first = soft++ == 0 ? i : first;
         }
     }

@@ -75,10 +75,10 @@ static void best_rotation(double s[3][3], double out[3][3])
     memcpy(out, r, sizeof r);
 }
 
-/* Weight of a node in the fit: ks, or area where the body has no rest stiffness at all. */
+/* Weight of a node in the fit: ks, or size where the body has no rest stiffness at all. */
 static double fit_weight(const ss_model *model, int32_t i)
 {
-    return model->fit_weight > 0.0 ? model->material.rest_stiffness[i] : model->network->area[i];
+    return model->fit_weight > 0.0 ? model->material.rest_stiffness[i] : model->network->size[i];
 }
 
 const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u)

@@ -100,13 +100,9 @@ static softsim_status find_pressure_triangles(ss_model *model, ss_cnn_load *load
 static void check_rho(const ss_model *model, const patch *cells, int32_t which,
                       softsim_error *error)
 {
-    const ss_cnn_network *network = model->network;
-    double largest = 0.0;
-    for (int32_t e = 0; e < network->edges.count; ++e) {
-        largest = fmax(largest, network->edge_rho[e]);
-    }
     for (int32_t k = 0; k < cells->count; ++k) {
-        const double ratio = largest / model->material.rho[cells->node[k]];
+        const double ratio =
+            model->network->largest_rho / ss_cnn_best_rho(&model->material, cells->node[k]);
         if (ratio > RHO_RATIO_MAX) {
             softsim_error_add(
                 error, SOFTSIM_ERROR_SCENE,
@@ -177,7 +173,8 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
     fill_patch(model, raw, cells);
     if (!load->plan->is_pressure && cells->count == 0) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: load %d acts on nodes without area", which);
+                          "cnn-energy: load %d acts on no node of the surface that has an area",
+                          which);
         return SOFTSIM_ERROR_SCENE;
     }
     check_rho(model, cells, which, error);

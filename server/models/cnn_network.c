@@ -5,10 +5,11 @@
  * The discrete Poisson equation that a cellular neural network settles to (Zhong, Shirinzadeh,
  * Alici, Smith 2006, equations 14 to 19):
  *
- *   sum_j w_ij (g_i - g_j) = S_i chi_i / rho_i     g = 0 when held
+ *   sum_j c_ij (g_i - g_j) = S_i chi_i / rho_i     g = 0 when held
  *   q_ij = rho_ij |g_i - g_j| / L0_ij^2
  *
- * with the templates w_ij, S_i and rho_ij of cnn_templates.c.
+ * with the templates c_ij, S_i (in volumes V_i) and rho_ij of cnn_templates.c; rho_i is the one
+ * along the material direction where there are two.
  * A component without a held cell drains through a uniform sink, rhs_i -= S_i sum(rhs)/sum(S),
  * and its least potential is zero; one of its cells is pinned to solve and shifted afterwards.
  *
@@ -46,9 +47,9 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
     factor->component = ss_memory_get((size_t)n, sizeof *factor->component);
     factor->unknown = ss_memory_get((size_t)n, sizeof *factor->unknown);
     factor->is_drained = ss_memory_get((size_t)n, sizeof *factor->is_drained);
-    factor->component_area = ss_memory_get((size_t)n, sizeof *factor->component_area);
+    factor->component_size = ss_memory_get((size_t)n, sizeof *factor->component_size);
     if (!parent || !factor->component || !factor->unknown || !factor->is_drained ||
-        !factor->component_area) {
+        !factor->component_size) {
         ss_memory_free(parent);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -70,7 +71,7 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
         if (factor->unknown[i] < 0) {
             continue;
         }
-        ++network->triangle_nodes;
+        ++network->cell_count;
         const int32_t r = root(parent, i); /* the least node of its component, met first */
         if (r == i) {
             factor->component[i] = network->component_count++;
@@ -78,7 +79,7 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
         } else {
             factor->component[i] = factor->component[r];
         }
-        factor->component_area[factor->component[i]] += network->area[i];
+        factor->component_size[factor->component[i]] += network->size[i];
         if (held[i]) {
             factor->is_drained[factor->component[i]] = 0;
         }
@@ -166,6 +167,18 @@ static softsim_status factorise(ss_cnn_network *network, softsim_error *error)
         goto done;
     }
     ldl_symbolic(factor->n, column, row, factor->column, parent, counts, flag, order, inverse);
+    int64_t fill = 0;
+    for (int k = 0; k < factor->n; ++k) {
+        fill += counts[k];
+    }
+    if (fill > INT32_MAX) { /* the library counts in int */
+        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                          "cnn-energy: the factor of %d cells would have %lld entries, more than "
+                          "%d: use a coarser mesh",
+                          factor->n, (long long)fill, INT32_MAX);
+        status = SOFTSIM_ERROR_UNSUPPORTED;
+        goto done;
+    }
     factor->row = ss_memory_get((size_t)factor->column[n], sizeof *factor->row);
     factor->lower = ss_memory_get((size_t)factor->column[n], sizeof *factor->lower);
     if (!factor->row || !factor->lower) {
@@ -178,7 +191,7 @@ static softsim_status factorise(ss_cnn_network *network, softsim_error *error)
     if (done_count != factor->n) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH,
                           "cnn-energy: the network has a cell without connection (degenerate "
-                          "triangles): repair the mesh");
+                          "elements): repair the mesh");
         status = SOFTSIM_ERROR_MESH;
         goto done;
     }
@@ -196,33 +209,33 @@ done:
 
 /* ---- life --------------------------------------------------------------------------------- */
 
-softsim_status ss_cnn_network_create(const ss_mesh *mesh, const uint8_t *held, const double *rho,
-                                     ss_cnn_network **out_network, softsim_error *error)
+/* Sizes of the cells, and of a volume's surface the areas; on surfaces they are the same. */
+static softsim_status build_sizes(ss_cnn_network *network, const ss_cnn_fabric *fabric)
 {
-    const size_t n = (size_t)mesh->node_count;
-    ss_cnn_network *network = ss_memory_get(1, sizeof *network);
-    *out_network = NULL;
-    if (!network) {
+    const size_t n = (size_t)network->node_count;
+    network->size = ss_memory_get(n, sizeof *network->size);
+    network->surface_area = fabric->element == SS_CNN_TETRAHEDRON
+                                ? ss_memory_get(n, sizeof *network->surface_area)
+                                : network->size;
+    if (!network->size || !network->surface_area) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    double *rho_copy = ss_memory_get(n, sizeof *rho_copy);
-    network->node_count = mesh->node_count;
-    network->factor = ss_memory_get(1, sizeof *network->factor);
-    network->area = ss_memory_get(n, sizeof *network->area);
-    network->qhat = ss_memory_get(n, sizeof *network->qhat);
-    network->own = ss_memory_get(n, sizeof *network->own);
-    network->is_source = ss_memory_get(n, sizeof *network->is_source);
-    network->column_of = ss_memory_get(n, sizeof *network->column_of);
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (!rho_copy || !network->factor || !network->area || !network->qhat || !network->own ||
-        !network->is_source || !network->column_of) {
-        ss_memory_free(rho_copy);
-        goto fail;
+    ss_cnn_cell_sizes(fabric, network->size);
+    for (size_t i = 0; i < n; ++i) {
+        network->size[i] = fmax(network->size[i], 0.0);
     }
-    memcpy(rho_copy, rho, n * sizeof *rho);
-    network->factor->rho = rho_copy;
-    ss_cnn_network_build_areas(network, mesh);
-    status = ss_cnn_network_build_edges(network, mesh, rho);
+    if (fabric->element == SS_CNN_TETRAHEDRON) {
+        ss_mesh_node_areas(fabric->mesh, network->surface_area);
+    }
+    return SOFTSIM_OK;
+}
+
+/* The parts in the order in which they need one another. */
+static softsim_status build(ss_cnn_network *network, const ss_cnn_fabric *fabric,
+                            const uint8_t *held, softsim_error *error)
+{
+    softsim_status status = build_sizes(network, fabric);
+    status = status == SOFTSIM_OK ? ss_cnn_network_build_edges(network, fabric) : status;
     if (status == SOFTSIM_OK && !ss_cnn_network_edges_are_usable(network, error)) {
         status = SOFTSIM_ERROR_MESH;
     }
@@ -231,13 +244,41 @@ softsim_status ss_cnn_network_create(const ss_mesh *mesh, const uint8_t *held, c
     status = status == SOFTSIM_OK ? ss_cnn_network_build_rows(network, held, true, &network->held)
                                   : status;
     status = status == SOFTSIM_OK ? find_components(network, held) : status;
-    status = status == SOFTSIM_OK ? factorise(network, error) : status;
+    return status == SOFTSIM_OK ? factorise(network, error) : status;
+}
+
+softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t *held,
+                                     ss_cnn_network **out_network, softsim_error *error)
+{
+    const size_t n = (size_t)fabric->mesh->node_count;
+    ss_cnn_network *network = ss_memory_get(1, sizeof *network);
+    *out_network = NULL;
+    if (!network) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    double *rho = ss_memory_get(n, sizeof *rho);
+    network->node_count = fabric->mesh->node_count;
+    network->factor = ss_memory_get(1, sizeof *network->factor);
+    network->qhat = ss_memory_get(n, sizeof *network->qhat);
+    network->own = ss_memory_get(n, sizeof *network->own);
+    network->is_source = ss_memory_get(n, sizeof *network->is_source);
+    network->column_of = ss_memory_get(n, sizeof *network->column_of);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (!rho || !network->factor || !network->qhat || !network->own || !network->is_source ||
+        !network->column_of) {
+        ss_memory_free(rho);
+        goto fail;
+    }
+    memcpy(rho, fabric->rho, n * sizeof *rho);
+    network->factor->rho = rho;
+    status = build(network, fabric, held, error);
     if (status != SOFTSIM_OK) {
         goto fail;
     }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
+    for (int32_t i = 0; i < network->node_count; ++i) { /* a volume is touched on its surface */
         network->column_of[i] = -1;
-        network->is_source[i] = !held[i] && network->area[i] > 0.0;
+        network->is_source[i] =
+            !held[i] && network->size[i] > 0.0 && network->surface_area[i] > 0.0;
     }
     *out_network = network;
     return SOFTSIM_OK;
@@ -258,7 +299,7 @@ static void free_factor(ss_cnn_factor *factor)
     ss_memory_free(factor->diagonal);
     ss_memory_free(factor->component);
     ss_memory_free(factor->is_drained);
-    ss_memory_free(factor->component_area);
+    ss_memory_free(factor->component_size);
     ss_memory_free(factor->rho);
     ss_memory_free(factor);
 }
@@ -269,7 +310,10 @@ void ss_cnn_network_destroy(ss_cnn_network **network)
     if (!gone) {
         return;
     }
-    void *const owned[] = {gone->area,       gone->edge_rho,  gone->edge_square, gone->edge_weight,
+    if (gone->surface_area != gone->size) {
+        ss_memory_free(gone->surface_area);
+    }
+    void *const owned[] = {gone->size,       gone->edge_rho,  gone->edge_square, gone->edge_weight,
                            gone->edges.from, gone->edges.to,  gone->edges.x,     gone->edges.y,
                            gone->edges.z,    gone->is_source, gone->qhat,        gone->own,
                            gone->column_of,  gone->kap,       gone->ghat,        gone->edge_scale,

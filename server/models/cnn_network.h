@@ -2,14 +2,16 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * The cellular neural network on a triangle surface: who is connected to whom and how strongly,
- * and what the network's equilibrium looks like for a source on any one cell.
+ * The cellular neural network on triangles, on a rectangular grid or in tetrahedra: who is
+ * connected to whom and how strongly, and what the network's equilibrium looks like for a source
+ * on any one cell.
  *
- * In: a mesh, which cells are held at zero, rho of every node. Out: templates w_ij, cell areas
- * S_i, and for a source on cell i the column kap_i = q_i / Qhat_i of normalised flux densities on
- * the edges. Memory belongs to the network. Set-up is by any one thread; reading columns is for
- * one simulation thread at a time, since the compact form keeps a cache.
- * Not done: rectangular grids, anisotropic rho, relaxation of the cells in time.
+ * In: a mesh, what its cells conduct, which cells are held at zero. Out: templates c_ij, the
+ * cells' sizes S_i (areas) or V_i (volumes), and for a source on cell i the column
+ * kap_i = q_i / Qhat_i of normalised flux densities on the edges. Memory belongs to the network.
+ * Set-up is by any one thread; reading columns is for one simulation thread at a time, since the
+ * compact form keeps a cache.
+ * Not done: relaxation of the cells in time.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -26,6 +28,31 @@ enum { SS_CNN_WHOLE_COLUMNS = 2000 };
 /* Columns rebuilt and kept in the compact form; more touched cells go in batches of this size. */
 enum { SS_CNN_CACHE_SLOTS = 512 };
 
+/* What carries the cells: the triangles of a surface, its quads (a rectangular grid), or the
+ * tetrahedra of a volume, whose inner nodes are cells too. */
+typedef enum ss_cnn_element { SS_CNN_TRIANGLE, SS_CNN_QUAD, SS_CNN_TETRAHEDRON } ss_cnn_element;
+
+/* What the cells conduct; borrowed while a network is created. */
+typedef struct ss_cnn_fabric {
+    const ss_mesh *mesh;
+    ss_cnn_element element;
+    const double *rho;              /* > 0 a node; anisotropic: along the material direction */
+    const double *rho_across;       /* > 0 a node, across it; NULL: isotropic */
+    const double *direction;        /* of all elements; NULL: as the next says */
+    const double (*per_element)[3]; /* of each; NULL with `direction` NULL: a grid's own u */
+} ss_cnn_fabric;
+
+/* What one element adds to the templates of its sides and to the sizes of its cells: sums over
+ * elements are all there is, so that what an element leaves behind can be summed anew. */
+typedef struct ss_cnn_share {
+    int corners, sides;
+    int32_t node[4];   /* of the corners */
+    int8_t side[6][2]; /* corners */
+    double weight[6];  /* to w_ij of each side: none on surfaces, m in volumes */
+    double along[6];   /* cos^2 of the side's angle to the material direction; 1: isotropic */
+    double size[4];    /* to S_i or V_i of each corner: m^2 or m^3 */
+} ss_cnn_share;
+
 /* L D L' of the templates over the cells that are neither held nor pinned. */
 typedef struct ss_cnn_factor {
     int n;             /* unknowns */
@@ -34,23 +61,25 @@ typedef struct ss_cnn_factor {
     double *lower, *diagonal;
     int32_t *component;  /* of a node; -1 loose */
     uint8_t *is_drained; /* a component: no held cell, hence a uniform sink */
-    double *component_area;
+    double *component_size;
     double *rho;
 } ss_cnn_factor;
 
 typedef struct ss_cnn_network {
-    int32_t node_count, component_count, triangle_nodes; /* nodes that have a triangle */
-    double mean_edge;                                    /* m */
-    double *area;                                        /* S_i, m^2 */
-    double *edge_rho;                                    /* rho_ij, harmonic mean */
-    double *edge_square;                                 /* L0_ij^2, m^2 */
-    double *edge_weight;                                 /* w_ij */
+    int32_t node_count, component_count, cell_count; /* cells: nodes that have an element */
+    double mean_edge;                                /* m */
+    double largest_rho;                              /* of the edges: harmonic means */
+    double *size;                                    /* S_i, m^2; in volumes V_i, m^3 */
+    double *surface_area; /* of a node's triangles, a third, m^2; on surfaces `size` itself */
+    double *edge_rho;     /* rho_ij of the flux densities; in volumes times w_ij, m */
+    double *edge_square;  /* L0_ij^2, m^2 */
+    double *edge_weight;  /* c_ij: none on surfaces, m in volumes */
     ss_cnn_edges edges;
     ss_cnn_rows rows;   /* cells that may move */
     ss_cnn_rows held;   /* cells held at zero, for reactions */
     uint8_t *is_source; /* cells that can carry a source */
     /* of the solved columns, by node; 0 where not solved */
-    double *qhat; /* m^2 */
+    double *qhat; /* m^2; in volumes m^3 */
     double *own;  /* ghat_i at cell i, 1 / (rho's unit) m^2 */
     double median_qhat;
     /* columns, by node number through column_of (-1: none) */
@@ -66,9 +95,9 @@ typedef struct ss_cnn_network {
     ss_cnn_factor *factor;
 } ss_cnn_network;
 
-/* Templates and factor. `held`: cells at zero (non-zero bytes); `rho` > 0 a node. Adds a line per
- * fault to `error`. Thread: set-up only. */
-softsim_status ss_cnn_network_create(const ss_mesh *mesh, const uint8_t *held, const double *rho,
+/* Templates and factor. `held`: cells at zero (non-zero bytes). Adds a line per fault to `error`.
+ * Thread: set-up only. */
+softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t *held,
                                      ss_cnn_network **out_network, softsim_error *error);
 void ss_cnn_network_destroy(ss_cnn_network **network);
 
@@ -91,11 +120,13 @@ int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network);
 
 /* ---- parts of ss_cnn_network_create; set-up only ------------------------------------------ */
 
-/* cnn_templates.c: edges with w_ij, rho_ij and their rest vectors; S_i; are all edges long enough?
- */
-softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_mesh *mesh,
-                                          const double *rho);
-void ss_cnn_network_build_areas(ss_cnn_network *network, const ss_mesh *mesh);
+/* cnn_templates.c: how many elements there are and what one of them adds; sizes S_i or V_i of all
+ * nodes, -1 where a node has no element; edges with c_ij, rho_ij and their rest vectors; are all
+ * edges long enough? */
+int32_t ss_cnn_element_count(const ss_cnn_fabric *fabric);
+void ss_cnn_element_share(const ss_cnn_fabric *fabric, int32_t element, ss_cnn_share *out_share);
+void ss_cnn_cell_sizes(const ss_cnn_fabric *fabric, double *out_size);
+softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_fabric *fabric);
 bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_error *error);
 /* cnn_rows.c: rows of the cells with held[i] == wanted, in groups of equal degree, in node order
  * within. */

@@ -297,7 +297,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = 1.0;
-        model->stiff[tool->node[k]] += bend * model->network->area[tool->node[k]];
+        model->stiff[tool->node[k]] += bend * model->network->surface_area[tool->node[k]];
     }
     ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *

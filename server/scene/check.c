@@ -497,11 +497,10 @@ static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene
 
 ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
 {
-    static const ss_scene_kind kind[] = {[SS_PARAM_NUMBER] = SS_SCENE_NUMBER,
-                                         [SS_PARAM_INTEGER] = SS_SCENE_INTEGER,
-                                         [SS_PARAM_BOOL] = SS_SCENE_BOOL,
-                                         [SS_PARAM_CHOICE] = SS_SCENE_CHOICE,
-                                         [SS_PARAM_FIELD] = SS_SCENE_FIELD};
+    static const ss_scene_kind kind[] = {
+        [SS_PARAM_NUMBER] = SS_SCENE_NUMBER, [SS_PARAM_INTEGER] = SS_SCENE_INTEGER,
+        [SS_PARAM_BOOL] = SS_SCENE_BOOL,     [SS_PARAM_CHOICE] = SS_SCENE_CHOICE,
+        [SS_PARAM_FIELD] = SS_SCENE_FIELD,   [SS_PARAM_DIRECTION] = SS_SCENE_VECTOR};
     return (ss_scene_row){.name = param->name,
                           .kind = kind[param->kind],
                           .min = param->min,
