@@ -380,6 +380,15 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
     say(line, sink, "mesh: %d nodes, %d surface triangles, %d tetrahedra%s",
         scene->mesh->node_count, scene->mesh->triangle_count, scene->mesh->tetrahedron_count,
         scene->mesh->is_closed ? ", closed" : ", open");
+    if (scene->mesh->quad_count > 0) {
+        say(line, sink, "grid: %d quads, whose halves are the triangles", scene->mesh->quad_count);
+    }
+    if (scene->mesh->cut_face_count > 0) {
+        say(line, sink,
+            "mesh: %d faces of more than three corners were cut into triangles, since not all "
+            "faces are quads",
+            scene->mesh->cut_face_count);
+    }
     say(line, sink, "model: %s", world->model_class->name);
     world->model_class->explain(world->model, line, sink);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
