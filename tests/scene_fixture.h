@@ -151,6 +151,9 @@ static int make_folder(void **state)
     write_file("header.csv", "element,value\n0,1\n");
     write_file("range.csv", "node,value\n0,1\n1,11\n2,nan\n");
     write_file("lift.csv", "node,ux,uy,uz\n4,0,0,0.001\n5,0,0,0.002\n6,,,0.003\n");
+    write_file("points.csv",
+               "x,y,z\n0,0,0\n10, 0, 0\n0,20,0\n# the last row\n10,20,0\n0,40,0\n10,40,0\n");
+    write_file("points_bad.csv", "x,y,z\n0,0,0\n10,0\n0,nan,0\n0,0,0,0\n");
     write_file("lift_bad.csv", "node,ux,uy,uz\n4,0,0\n5,x,0,1\n");
     return 0;
 }

@@ -224,6 +224,73 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
     ss_scene_destroy(&s);
 }
 
+/* ---- grids ----------------------------------------------------------------------------------- */
+
+#define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
+
+static void a_grid_is_made_in_the_scene_itself(void **state)
+{
+    (void)state;
+    ss_scene *s =
+        load_good(GRID("  grid: {cylinder: {rows: 15, columns: 24, radius_m: 1, length_m: 4}}\n"
+                       "  fixed: [{plane: {point_m: [0, 0, -2], normal: [0, 0, 1]}}]\n"),
+                  NULL, 0);
+    assert_int_equal(s->mesh->node_count, 360);
+    assert_int_equal(s->mesh->quad_count, 14 * 24);
+    assert_int_equal(s->mesh->triangle_count, 2 * 14 * 24);
+    for (int i = 0; i < 360; i++) {
+        const double phi = 2 * 3.14159265358979323846 * (i % 24) / 24;
+        assert_near(s->mesh->position[i][0], cos(phi), 1e-15);
+        assert_near(s->mesh->position[i][1], sin(phi), 1e-15);
+        assert_near(s->mesh->position[i][2], 4.0 / 14 * (i / 24) - 2, 1e-14);
+        assert_int_equal(s->fixed[i], i < 24 ? 7 : 0);
+    }
+    ss_scene_destroy(&s);
+
+    /* A transform acts on it; a unit beside it means nothing, and does no harm. */
+    s = load_good(
+        GRID("  grid: {plane: {rows: 3, columns: 4, width_m: 3, height_m: 2}}\n  units: mm\n"
+             "  transform: {scale: 2, translate_m: [0, 0, 1]}\n"),
+        NULL, 0);
+    assert_int_equal(s->mesh->node_count, 12);
+    assert_near(s->mesh->position[11][0], 3, 1e-15);
+    assert_near(s->mesh->position[11][1], 2, 1e-15);
+    assert_near(s->mesh->position[11][2], 1, 1e-15);
+    ss_scene_destroy(&s);
+}
+
+static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
+{
+    (void)state;
+    FILE *stream = open_file("ring.csv");
+    fprintf(stream, "x,y,z\n");
+    for (int i = 0; i < 20; i++) {
+        const double phi = 2 * 3.14159265358979323846 * (i % 5) / 5;
+        fprintf(stream, "%.17g,%.17g,%d\n", 10 * cos(phi), 10 * sin(phi), 5 * (i / 5));
+    }
+    fclose(stream);
+    static const struct {
+        const char *closed;
+        int32_t quads;
+    } row[] = {{"", 12}, {", closed: none", 12}, {", closed: columns", 15}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 GRID("  units: mm\n  grid: {file: ring.csv, rows: 4, columns: 5%s}\n"),
+                 row[i].closed);
+        ss_scene *s = load_good(text, NULL, 0);
+        assert_int_equal(s->mesh->quad_count, row[i].quads);
+        assert_near(s->mesh->position[19][2], 0.015, 1e-17);
+        assert_near(s->mesh->position[0][0], 0.01, 1e-17);
+        ss_scene_destroy(&s);
+    }
+    ss_scene *s =
+        load_good(replace_line(3, "  grid: {file: points.csv, rows: 3, columns: 2, closed: none}"),
+                  (const char *const[]){"loads.0.nodes=[5]"}, 1);
+    assert_near(s->mesh->position[5][1], 0.04, 1e-17);
+    ss_scene_destroy(&s);
+}
+
 /* ---- the bundled scenes ---------------------------------------------------------------------- */
 
 /* The keys of the model that the bundled scenes use; their values are the model's own business. */
@@ -292,17 +359,21 @@ static void the_bundled_scenes_hold_what_they_should(void **state)
     assert_true(s->mesh->is_closed);
     ss_scene_destroy(&s);
 
-    s = load_bundled("cylinder.yaml");
-    assert_int_equal(s->mesh->node_count, 360);
-    for (int32_t i = 0; i < 360; i++) {
-        assert_int_equal(s->fixed[i], fabs(s->mesh->position[i][2]) > 1.99 ? 7 : 0);
+    static const char *const cylinders[] = {"cylinder.yaml", "cylinder-grid.yaml"};
+    for (int k = 0; k < 2; k++) {
+        s = load_bundled(cylinders[k]);
+        assert_int_equal(s->mesh->node_count, 360);
+        assert_int_equal(s->mesh->quad_count, k == 1 ? 336 : 0);
+        for (int32_t i = 0; i < 360; i++) {
+            assert_int_equal(s->fixed[i], fabs(s->mesh->position[i][2]) > 1.99 ? 7 : 0);
+        }
+        assert_int_equal(s->load_count, 1);
+        const double *top = s->mesh->position[s->load[0].node[0]];
+        assert_near(top[0], 0, 1e-6);
+        assert_near(top[1], 1, 1e-6);
+        assert_near(top[2], 0, 1e-6);
+        ss_scene_destroy(&s);
     }
-    assert_int_equal(s->load_count, 1);
-    const double *top = s->mesh->position[s->load[0].node[0]];
-    assert_near(top[0], 0, 1e-6);
-    assert_near(top[1], 1, 1e-6);
-    assert_near(top[2], 0, 1e-6);
-    ss_scene_destroy(&s);
 }
 
 /* ---- overrides ------------------------------------------------------------------------------- */
@@ -423,8 +494,10 @@ static void what_is_printed_loads_again(void **state)
     (void)state;
     static char text[65536];
     static char again[65536];
-    const char *const scene_text[] = {full, small,
-                                      replace_line(10, "  stiffness_n_per_m3: 123456789.125")};
+    const char *const scene_text[] = {
+        full, small, replace_line(10, "  stiffness_n_per_m3: 123456789.125"),
+        GRID("  grid: {plane: {rows: 3, columns: 4, width_m: 0.3, height_m: 2}}\n"),
+        GRID("  grid: {file: points.csv, rows: 3, columns: 2, closed: rows}\n  units: mm\n")};
     for (size_t i = 0; i < sizeof scene_text / sizeof *scene_text; i++) {
         ss_scene *a =
             load_good(scene_text[i], (const char *const[]){"haptic.max_slew_n_per_s=0.1"}, 1);
@@ -536,6 +609,8 @@ int main(void)
         cmocka_unit_test(regions_take_the_nodes_on_their_border),
         cmocka_unit_test(the_first_matching_region_gives_the_value),
         cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
+        cmocka_unit_test(a_grid_is_made_in_the_scene_itself),
+        cmocka_unit_test(a_grid_of_a_table_has_its_units_and_closes_where_told),
         cmocka_unit_test(the_bundled_scenes_hold_what_they_should),
         cmocka_unit_test(overrides_reach_every_scalar),
         cmocka_unit_test(a_bad_override_names_the_option),

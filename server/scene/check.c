@@ -665,7 +665,10 @@ static void check_required(ss_scene_check *check, ss_scene_node *node, ss_scene_
     ss_scene_node_path(node, path, sizeof path);
     for (int32_t i = 0; i < table.count; i++) {
         const ss_scene_row *row = &table.row[i];
-        if (row->is_required && ss_scene_node_find(node, row->name) == NULL &&
+        const bool is_excused =
+            (row->needs != NULL && ss_scene_node_find(node, row->needs) == NULL) ||
+            (row->unless != NULL && ss_scene_node_find(node, row->unless) != NULL);
+        if (row->is_required && !is_excused && ss_scene_node_find(node, row->name) == NULL &&
             (ss_scene_report_is_full(check->report) || !is_misspelt(node, table, row->name))) {
             ss_scene_describe(row, expected, sizeof expected);
             ss_scene_key_fault(check->report, node, "%s%s%s is missing; give %s", path,
@@ -725,6 +728,9 @@ static void check_keys(ss_scene_check *check, ss_scene_node *node, ss_scene_tabl
                                (long long)ss_scene_report_line(check->report, earlier->key_offset));
         } else if (row == NULL) {
             fault_unknown(check, child, table);
+        } else if (row->needs != NULL && ss_scene_node_find(node, row->needs) == NULL) {
+            ss_scene_key_fault(check->report, child, "'%s' goes with '%s', which is not given",
+                               row->name, row->needs);
         } else {
             check_value(check, row, child);
         }

@@ -235,6 +235,12 @@ static void print_row(printer *p, int indent, const ss_scene_row *row, const ss_
 /* Keys that exclude one another: the working force is silent beside a given stiffness. */
 static bool is_printed(const ss_scene_row *row, const ss_scene_node *node, const ss_scene_node *map)
 {
+    if (row->needs != NULL && ss_scene_node_find(map, row->needs) == NULL) {
+        return false;
+    }
+    if (row->one_of != 0 && row->kind == SS_SCENE_KEYS) {
+        return node != NULL;
+    }
     if (row->kind == SS_SCENE_ENTRIES) {
         return node != NULL && node->count > 0;
     }

@@ -342,6 +342,46 @@ int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map)
     return count;
 }
 
+/* ---- the nodes of a grid --------------------------------------------------------------------- */
+
+bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double metres, int32_t count,
+                          double (*out_position)[3])
+{
+    data_file file;
+    if (!open_data(&file, space, node)) {
+        return false;
+    }
+    int32_t used = 0;
+    char *line = take_header(&file, "x,y,z") ? next_line(&file) : NULL;
+    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+        char *cell[MAX_CELLS];
+        double x[3] = {0, 0, 0};
+        bool is_good = split(line, cell) == 3;
+        for (int k = 0; k < 3 && is_good; k++) {
+            is_good = ss_scene_parse_number(cell[k], &x[k]) == SS_SCENE_GOOD;
+        }
+        if (!is_good) {
+            fault_line(&file, "not a point; each row is x,y,z: three finite numbers");
+        } else if (used == count) {
+            fault_line(&file, "more points than the grid has: rows times columns is %d",
+                       (int)count);
+            break;
+        } else {
+            for (int k = 0; k < 3; k++) {
+                out_position[used][k] = metres * x[k];
+            }
+            used++;
+        }
+    }
+    if (file.faults == 0 && used < count) {
+        fault_line(&file, "the file ends after %d points; rows times columns is %d", (int)used,
+                   (int)count);
+    }
+    const bool is_good = file.faults == 0;
+    close_data(&file);
+    return is_good;
+}
+
 /* ---- values per node ------------------------------------------------------------------------- */
 
 /* A fault for nodes without a value, if there are any. */

@@ -28,6 +28,10 @@ int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map);
 /* A value per node of `row`'s field, given by file or regions; false after a fault. */
 bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
                          double *out_value);
+/* Rows x,y,z in units of `metres`: exactly `count` of them, into out_position; false after a fault.
+ * Needs no mesh. */
+bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double metres, int32_t count,
+                          double (*out_position)[3]);
 /* Rows node,ux,uy,uz: out_displacement (3 per node of the mesh; NaN: an empty cell, a free axis),
  * and space->mask 1 for the nodes named. How many, or -1 after a fault. */
 int32_t ss_scene_read_displacement(ss_scene_space *space, ss_scene_node *node,

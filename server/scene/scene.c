@@ -19,6 +19,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scene/grid.h"
 #include "scene/region.h"
 #include "scene/source.h"
 
@@ -167,30 +168,44 @@ static void transform(loader *l, const ss_scene_node *object)
     }
 }
 
-/* Loads, transforms and judges the mesh; on success the regions can be resolved. */
-static bool take_mesh(loader *l)
+/* The object's mesh from its file. */
+static bool load_mesh(loader *l, ss_scene_node *file, const ss_scene_node *units)
 {
     char path[2048];
+    if (!find_file(l, file, path, sizeof path) || units == NULL) {
+        return false;
+    }
+    const int32_t before = l->mesh_error->fault_count;
+    const softsim_status status =
+        ss_mesh_load(path, metres_of(units), l->import_program, &l->scene->mesh, l->mesh_error);
+    if (status != SOFTSIM_OK && l->mesh_error->fault_count == before) {
+        softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
+                          softsim_status_text(status));
+    }
+    return status == SOFTSIM_OK;
+}
+
+static bool make_grid(loader *l, ss_scene_node *grid, const ss_scene_node *units)
+{
+    const double metres = units != NULL ? metres_of(units) : 0;
+    return ss_scene_make_grid(&l->space, grid, metres, &l->scene->mesh, l->mesh_error);
+}
+
+/* Loads or makes, transforms and judges the mesh; on success the regions can be resolved. */
+static bool take_mesh(loader *l)
+{
     ss_scene_node *object = ss_scene_node_find(l->root, "object");
     ss_scene_node *file = good(ss_scene_node_find(object, "mesh"));
+    ss_scene_node *grid = good(ss_scene_node_find(object, "grid"));
     ss_scene_node *units = good(ss_scene_node_find(object, "units"));
     ss_scene_node *map = ss_scene_node_find(object, "transform");
     ss_scene_node *repair = good(ss_scene_node_find(object, "repair"));
-    if (file == NULL || !find_file(l, file, path, sizeof path) || units == NULL ||
-        (map != NULL && map->is_faulty)) {
+    ss_scene_node *source = file != NULL ? file : grid;
+    if (source == NULL || (map != NULL && map->is_faulty) ||
+        (file != NULL ? !load_mesh(l, file, units) : !make_grid(l, grid, units))) {
         return false;
     }
     ss_scene *scene = l->scene;
-    const int32_t before = l->mesh_error->fault_count;
-    const softsim_status status =
-        ss_mesh_load(path, metres_of(units), l->import_program, &scene->mesh, l->mesh_error);
-    if (status != SOFTSIM_OK || scene->mesh == NULL) {
-        if (l->mesh_error->fault_count == before) {
-            softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
-                              softsim_status_text(status));
-        }
-        return false;
-    }
     transform(l, object);
     if (repair != NULL && strcmp(repair->text, "true") == 0) {
         scene->turned_triangles = ss_mesh_orient(scene->mesh);
@@ -200,13 +215,16 @@ static bool take_mesh(loader *l)
         }
     }
     if (l->model != NULL && l->model->needs_volume && scene->mesh->tetrahedron_count == 0) {
-        ss_scene_node_fault(l->report, file,
+        ss_scene_node_fault(l->report, source,
                             "%s needs a volume, and '%.100s' is a surface; make tetrahedra with "
                             "softsim-mesh tetrahedralize",
-                            l->model->name, file->text);
+                            l->model->name, file != NULL ? file->text : "object.grid");
     }
+    char name[2048];
+    ss_scene_join_path(l->space.folder, file != NULL ? file->text : "object.grid", name,
+                       sizeof name);
     const int32_t node_count = scene->mesh->node_count;
-    if (ss_mesh_accept(scene->mesh, path, l->mesh_error) != SOFTSIM_OK || node_count < 1) {
+    if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK) {
         return false;
     }
     l->space.mesh = scene->mesh;

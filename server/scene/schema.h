@@ -43,6 +43,8 @@ struct ss_scene_row {
     bool is_required;
     char one_of;          /* keys of a table with the same letter: A..Z exactly one of them must be
                              given, a..z at most one; 0: independent */
+    const char *needs;    /* a key of the same mapping without which this one means nothing */
+    const char *unless;   /* a key of the same mapping beside which this one is not required */
     double fallback;      /* of numbers, choices (index) and each component of a vector */
     const char *choices;  /* "a|b|c" */
     const char *help;     /* NULL: the key is described by its table */
