@@ -255,6 +255,7 @@ static uint64_t hash_plan(const ss_world *world)
     hash = ss_world_fnv(hash, mesh->position, nodes * sizeof *mesh->position);
     hash =
         ss_world_fnv(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof *mesh->triangle);
+    hash = ss_world_fnv(hash, mesh->quad, (size_t)mesh->quad_count * sizeof *mesh->quad);
     hash = ss_world_fnv(hash, scene->fixed, nodes);
     hash = ss_world_fnv(hash, world->model_class->name, strlen(world->model_class->name));
     for (int32_t i = 0; i < world->model_class->row_count; ++i) {
@@ -262,6 +263,11 @@ static uint64_t hash_plan(const ss_world *world)
         hash = ss_world_fnv(hash, &value->number, sizeof value->number);
         if (value->per_node) {
             hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
+        }
+        hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
+        if (value->per_element) {
+            hash = ss_world_fnv(hash, value->per_element,
+                                (size_t)ss_mesh_element_count(mesh) * sizeof *value->per_element);
         }
     }
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {

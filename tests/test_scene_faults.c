@@ -88,6 +88,14 @@ static const bad bad_row[] = {
     {8, "  modulus_j: 5\n  rho: [{where: {group: top}, value: 2}]", "9:8", "{value: ...}"},
     {8, "  modulus_j: 5\n  rho: [{value: 2}, {where: {group: top}, value: 1}]", "9:9", "last"},
     {8, "  modulus_j: 5\n  rho: [{value: 20}]", "9:17", "out of range"},
+    {8, "  modulus_j: 5\n  grain: [0, 0, 0]", "9:10", "has no length"},
+    {8, "  modulus_j: 5\n  grain: [0, 1]", "9:10", "has 2 values"},
+    {8, "  modulus_j: 5\n  grain: 3", "9:10", "is a single value; give [x, y, z] of any length"},
+    {8, "  modulus_j: 5\n  grain: [0, .inf, 1]", "9:14", "not finite"},
+    {8, "  modulus_j: 5\n  grain: {fil: a.csv}", "9:11", "did you mean 'file'?"},
+    {8, "  modulus_j: 5\n  grain: {file: lost.csv}", "9:17", "cannot open 'lost.csv'"},
+    {8, "  modulus_j: 5\n  grain: {file: grain_short.csv}", "9:17",
+     "no value to 10 elements, the first is 1"},
     {10, "  tools: [{probe: 8, shape: {sphere: {radius_mm: 5}}}]", "10:19", "from 0 to 7"},
     {10, "  tools: [{probe: 1, shape: {sphere: {radius_m: 5}}}]", "10:39", "radius_mm"},
     {10, "  tools: [{probe: 1, shape: {ball: {}}}]", "10:30", "known here: sphere, capsule"},
@@ -176,6 +184,20 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
     assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: range.csv}"), NULL, 0));
     assert_non_null(strstr(error.text, "range.csv:3: error: the value is 11, out of range"));
     assert_non_null(strstr(error.text, "range.csv:4: error: the value is 'nan'"));
+    assert_null(
+        load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: grain_bad.csv}"), NULL, 0));
+    assert_non_null(
+        strstr(error.text, "grain_bad.csv:2: error: the direction of element 0 has no"));
+    assert_non_null(
+        strstr(error.text, "grain_bad.csv:3: error: there is no element 12; the mesh has"));
+    assert_non_null(strstr(error.text, "grain_bad.csv:4: error: 'inf' is not a finite number"));
+    assert_null(
+        load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: grain_twice.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "grain_twice.csv:2: error: '1.5' is not an element number"));
+    assert_non_null(strstr(error.text, "grain_twice.csv:3: error: not four cells"));
+    assert_non_null(strstr(error.text, "grain_twice.csv:5: error: element 3 is given twice"));
+    assert_null(load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: rho.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "rho.csv:1: error: the first line is 'node,value'"));
     static const struct {
         const char *grid, *says;
     } table[] = {

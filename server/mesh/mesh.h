@@ -67,6 +67,15 @@ softsim_status ss_mesh_create_quads(int32_t node_count, const double (*position)
                                     ss_mesh **out_mesh, softsim_error *error);
 void ss_mesh_destroy(ss_mesh **mesh);
 
+/* What a file with a value for each element counts: tetrahedra of a volume, else quads, else
+ * triangles. */
+static inline int32_t ss_mesh_element_count(const ss_mesh *mesh)
+{
+    return mesh->tetrahedron_count > 0 ? mesh->tetrahedron_count
+           : mesh->quad_count > 0      ? mesh->quad_count
+                                       : mesh->triangle_count;
+}
+
 /* Grids of quads, rows times columns of nodes. Node r columns + c is row r's c-th; u runs along the
  * rows' numbers r, w along c. Element r m + c (m: columns of quads) has the nodes
  * (r, c + 1), (r + 1, c + 1), (r + 1, c), (r, c): outside is where, looking from, columns run to

@@ -182,6 +182,9 @@ void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
         snprintf(out, size, "a number%s, {file: NAME.csv}, or a list of {where: ..., value: ...}",
                  range);
         break;
+    case SS_SCENE_DIRECTION:
+        snprintf(out, size, "[x, y, z] of any length but 0, or {file: NAME.csv}");
+        break;
     case SS_SCENE_KEYS: {
         char names[160];
         join(row_name, row->child.row, row->child.count, names, sizeof names);
@@ -450,6 +453,34 @@ static void check_field(ss_scene_check *check, const ss_scene_row *row, ss_scene
     }
 }
 
+bool ss_scene_normalise(double v[3])
+{
+    /* By its largest number first, so that no square leaves the range of doubles. */
+    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    double square = 0;
+    for (int k = 0; k < 3 && largest > 0; k++) {
+        v[k] /= largest;
+        square += v[k] * v[k];
+    }
+    for (int k = 0; k < 3 && largest > 0; k++) {
+        v[k] /= sqrt(square);
+    }
+    return largest > 0;
+}
+
+/* [x, y, z], or {file: NAME.csv}. */
+static void check_direction(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
+{
+    if (node->kind == SS_SCENE_MAP) {
+        check_keys(check, node, ss_scene_directions);
+        return;
+    }
+    double direction[3];
+    if (check_vector(check, row, node, direction) && !ss_scene_normalise(direction)) {
+        fault_value(check, row, node, "has no length");
+    }
+}
+
 /* The model's name picks the table for the other keys. */
 static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
 {
@@ -497,11 +528,19 @@ static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene
 
 ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
 {
-    static const ss_scene_kind kind[] = {[SS_PARAM_NUMBER] = SS_SCENE_NUMBER,
-                                         [SS_PARAM_INTEGER] = SS_SCENE_INTEGER,
-                                         [SS_PARAM_BOOL] = SS_SCENE_BOOL,
-                                         [SS_PARAM_CHOICE] = SS_SCENE_CHOICE,
-                                         [SS_PARAM_FIELD] = SS_SCENE_FIELD};
+    static const ss_scene_kind kind[] = {
+        [SS_PARAM_NUMBER] = SS_SCENE_NUMBER, [SS_PARAM_INTEGER] = SS_SCENE_INTEGER,
+        [SS_PARAM_BOOL] = SS_SCENE_BOOL,     [SS_PARAM_CHOICE] = SS_SCENE_CHOICE,
+        [SS_PARAM_FIELD] = SS_SCENE_FIELD,   [SS_PARAM_DIRECTION] = SS_SCENE_DIRECTION};
+    if (param->kind == SS_PARAM_DIRECTION) {
+        return (ss_scene_row){.name = param->name,
+                              .kind = SS_SCENE_DIRECTION,
+                              .min = -INFINITY,
+                              .max = INFINITY,
+                              .is_required = param->is_required,
+                              .fallback = NAN,
+                              .help = param->help};
+    }
     return (ss_scene_row){.name = param->name,
                           .kind = kind[param->kind],
                           .min = param->min,
@@ -577,6 +616,9 @@ static void check_value(ss_scene_check *check, const ss_scene_row *row, ss_scene
         break;
     case SS_SCENE_FIELD:
         check_field(check, row, node);
+        break;
+    case SS_SCENE_DIRECTION:
+        check_direction(check, row, node);
         break;
     case SS_SCENE_MODEL:
         check_model(check, row, node);

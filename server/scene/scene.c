@@ -265,7 +265,24 @@ static void take_fixed(loader *l)
     }
 }
 
-/* Rows of the model's table; those that vary over the nodes need the mesh. */
+/* A uniform direction, or one per element. */
+static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value, bool has_mesh)
+{
+    if (node->kind == SS_SCENE_LIST) {
+        ss_scene_get_vector(node, value->direction);
+        ss_scene_normalise(value->direction);
+    } else if (has_mesh) {
+        const size_t count = (size_t)ss_mesh_element_count(l->scene->mesh);
+        value->per_element = calloc(count, sizeof *value->per_element);
+        if (value->per_element == NULL) {
+            fault_memory(l);
+            return;
+        }
+        ss_scene_read_directions(&l->space, node, value->per_element);
+    }
+}
+
+/* Rows of the model's table; those that vary over the mesh need it. */
 static void take_parameters(loader *l, bool has_mesh)
 {
     ss_scene *scene = l->scene;
@@ -284,7 +301,9 @@ static void take_parameters(loader *l, bool has_mesh)
         if (good(node) == NULL) {
             continue;
         }
-        if (node->kind == SS_SCENE_SCALAR) {
+        if (row->kind == SS_SCENE_DIRECTION) {
+            take_direction(l, node, value, has_mesh);
+        } else if (node->kind == SS_SCENE_SCALAR) {
             char why[96];
             ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
         } else if (has_mesh) {
@@ -544,6 +563,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
     }
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
         free(scene->param[i].per_node);
+        free(scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
         if (scene->tool[i].is_used) {

@@ -96,6 +96,14 @@ static const ss_scene_row values_row[] = {
 };
 const ss_scene_table ss_scene_values = TABLE(values_row);
 
+static const ss_scene_row directions_row[] = {
+    {.name = "file",
+     .kind = SS_SCENE_FILE,
+     .is_required = true,
+     .help = "CSV with the header element,x,y,z and a row for every element"},
+};
+const ss_scene_table ss_scene_directions = TABLE(directions_row);
+
 static const ss_scene_row fixed_row[] = {REGION_ROWS('R'), AXES_ROW};
 
 /* ---- object -------------------------------------------------------------------------------------
