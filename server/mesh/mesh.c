@@ -122,6 +122,8 @@ void ss_mesh_destroy(ss_mesh **mesh)
     ss_memory_free((*mesh)->position);
     ss_memory_free((*mesh)->triangle);
     ss_memory_free((*mesh)->quad);
+    ss_memory_free((*mesh)->file_node);
+    ss_memory_free((*mesh)->file_element);
     ss_memory_free((*mesh)->tetrahedron);
     ss_memory_free(*mesh);
     *mesh = NULL;

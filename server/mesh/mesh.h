@@ -42,6 +42,9 @@ typedef struct ss_mesh {
     /* Faces of more than three corners that were cut into triangles as the file was read, because
      * not all of its faces are quads. */
     int32_t cut_face_count;
+    /* After ss_mesh_renumber: the file's number of each node, and of each element as
+     * ss_mesh_element_count counts them; NULL where every number is the file's. */
+    int32_t *file_node, *file_element;
 } ss_mesh;
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
@@ -137,6 +140,21 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
  * parts enclose a positive volume (cavities, whose box lies inside another part's, are left as
  * they are). Returns how many triangles were turned, -1 when out of memory. */
 int32_t ss_mesh_orient(ss_mesh *mesh);
+
+/* Gives nodes and elements, groups too, the numbers that keep neighbours near in memory
+ * (renumber.c); file_node and file_element lead back. Once, on a mesh with good indices and finite
+ * positions (ss_mesh_accept); false when out of memory: the mesh is then of no use. */
+bool ss_mesh_renumber(ss_mesh *mesh);
+static inline int32_t ss_mesh_file_node(const ss_mesh *mesh, int32_t node)
+{
+    return mesh->file_node != NULL ? mesh->file_node[node] : node;
+}
+static inline int32_t ss_mesh_file_element(const ss_mesh *mesh, int32_t element)
+{
+    return mesh->file_element != NULL ? mesh->file_element[element] : element;
+}
+/* Where x lies on the Hilbert curve through the cube of edge `size` at `low`. */
+uint64_t ss_mesh_curve_place(const double x[3], const double low[3], double size);
 
 /* A third of the area of the triangles around each node, m^2: out has node_count values. Quads
  * count as the mean of both ways of cutting them: a rectangle gives each corner a quarter. */

@@ -19,7 +19,7 @@
  *      stiffer along one slant. Where the colours do not close (a ring of an odd number) rule 3;
  *   3. that is shorter; of equal ones (to 1e-9) that of the quad's lowest node.
  * The halves of quad q are triangles 2q and 2q + 1, which start at the two ends of the diagonal,
- * the lower node first: (p0, p1, p2) and (p2, p3, p0).
+ * first the one with the lower number in the file: (p0, p1, p2) and (p2, p3, p0).
  */
 #include "mesh/topology.h"
 #include "rt/memory.h"
