@@ -179,7 +179,8 @@ uint64_t ss_world_hash(ss_world *world)
     const ss_real *u = world->model_class->displacement(world->model);
     const ss_real *v = world->model_class->velocity(world->model);
     uint64_t hash = 0xcbf29ce484222325u;
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
+    for (int32_t file = 0; file < mesh->node_count; ++file) {
+        const int32_t i = world->node_of_file ? world->node_of_file[file] : file;
         double state[6];
         for (int32_t axis = 0; axis < 3; ++axis) {
             state[axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
@@ -286,15 +287,16 @@ void softsim_read_nodes(softsim_world *public_world, double (*out_position)[3],
     const ss_real *u = world->model_class->displacement(world->model);
     const ss_real *v = world->model_class->velocity(world->model);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const int32_t file = ss_mesh_file_node(mesh, i);
         for (int32_t axis = 0; axis < 3; ++axis) {
             if (out_position) {
-                out_position[i][axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
+                out_position[file][axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
             }
             if (out_displacement) {
-                out_displacement[i][axis] = (double)u[4 * i + axis];
+                out_displacement[file][axis] = (double)u[4 * i + axis];
             }
             if (out_velocity) {
-                out_velocity[i][axis] = (double)v[4 * i + axis];
+                out_velocity[file][axis] = (double)v[4 * i + axis];
             }
         }
     }
@@ -307,7 +309,9 @@ int32_t softsim_triangle_count(const softsim_world *world)
 
 const int32_t (*softsim_triangles(const softsim_world *world))[3]
 {
-    return (const int32_t(*)[3])((const ss_world *)world)->scene->mesh->triangle;
+    const ss_world *inner = (const ss_world *)world;
+    return (const int32_t(*)[3])(inner->file_triangle ? inner->file_triangle
+                                                      : inner->scene->mesh->triangle);
 }
 
 /* The scene's entries: one with a displacement file may be several sets, one per pattern of axes.

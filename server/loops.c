@@ -297,8 +297,7 @@ static void send_status(ss_loops *loops)
         .threads = world->threads,
         .nodes = scene->mesh->node_count,
         .active_nodes = info->active_nodes,
-        .elements = scene->mesh->tetrahedron_count > 0 ? scene->mesh->tetrahedron_count
-                                                       : scene->mesh->triangle_count,
+        .elements = ss_mesh_element_count(scene->mesh),
         .worst_element = info->worst_element,
         .substeps = info->substeps,
         .probes = __builtin_popcount(world->used_probes),
@@ -562,6 +561,7 @@ static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
                                      .triangle_count = mesh->triangle_count,
                                      .rest = (const double(*)[3])mesh->position,
                                      .triangle = (const int32_t(*)[3])mesh->triangle,
+                                     .file_node = mesh->file_node,
                                      .fixed = scene->fixed,
                                      .diagonal = ss_mesh_diagonal(mesh)};
     return ss_publisher_open(&config, &surface, &loops->publisher, error);

@@ -255,6 +255,7 @@ static uint64_t hash_plan(const ss_world *world)
     hash = ss_world_fnv(hash, mesh->position, nodes * sizeof *mesh->position);
     hash =
         ss_world_fnv(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof *mesh->triangle);
+    hash = ss_world_fnv(hash, mesh->quad, (size_t)mesh->quad_count * sizeof *mesh->quad);
     hash = ss_world_fnv(hash, scene->fixed, nodes);
     hash = ss_world_fnv(hash, world->model_class->name, strlen(world->model_class->name));
     for (int32_t i = 0; i < world->model_class->row_count; ++i) {
@@ -262,6 +263,11 @@ static uint64_t hash_plan(const ss_world *world)
         hash = ss_world_fnv(hash, &value->number, sizeof value->number);
         if (value->per_node) {
             hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
+        }
+        hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
+        if (value->per_element) {
+            hash = ss_world_fnv(hash, value->per_element,
+                                (size_t)ss_mesh_element_count(mesh) * sizeof *value->per_element);
         }
     }
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -295,6 +301,12 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     softsim_status status =
         ss_scene_load(options->scene_path, options->set, options->set_count, models, model_count,
                       options->import_program, &world->scene, error);
+    if (status == SOFTSIM_OK && !ss_scene_renumber(world->scene)) {
+        status = SOFTSIM_ERROR_MEMORY;
+    }
+    if (status == SOFTSIM_OK) {
+        status = ss_world_plan_numbers(world);
+    }
     if (status != SOFTSIM_OK) {
         goto fail;
     }
@@ -352,6 +364,8 @@ void ss_world_destroy(ss_world **world_pointer)
     ss_memory_free(world->step_time);
     ss_memory_free(world->load);
     ss_memory_free(world->prescribed);
+    ss_memory_free(world->node_of_file);
+    ss_memory_free(world->file_triangle);
     ss_scene_destroy(&world->scene);
     ss_memory_free(world);
     *world_pointer = NULL;
@@ -380,6 +394,18 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
     say(line, sink, "mesh: %d nodes, %d surface triangles, %d tetrahedra%s",
         scene->mesh->node_count, scene->mesh->triangle_count, scene->mesh->tetrahedron_count,
         scene->mesh->is_closed ? ", closed" : ", open");
+    if (scene->mesh->quad_count > 0) {
+        say(line, sink, "grid: %d quads, whose halves are the triangles", scene->mesh->quad_count);
+    }
+    if (scene->mesh->cut_face_count > 0) {
+        say(line, sink,
+            "mesh: %d faces of more than three corners were cut into triangles, since not all "
+            "faces are quads",
+            scene->mesh->cut_face_count);
+    }
+    say(line, sink, "numbers: %s",
+        scene->mesh->file_node ? "by place in memory, the file's in all that is read or written"
+                               : "the file's, whose neighbours are near in memory");
     say(line, sink, "model: %s", world->model_class->name);
     world->model_class->explain(world->model, line, sink);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -703,7 +729,14 @@ void ss_world_step_compute(ss_world *world)
 
 void ss_world_info(const ss_world *world, ss_model_info *out_info)
 {
+    const ss_mesh *mesh = world->scene->mesh;
     world->model_class->info(world->model, out_info);
+    /* The limiting tetrahedron, or node of a model that has nodes only: in the file's numbers. */
+    if (out_info->worst_element >= 0) {
+        out_info->worst_element = world->model_class->needs_volume
+                                      ? ss_mesh_file_element(mesh, out_info->worst_element)
+                                      : ss_mesh_file_node(mesh, out_info->worst_element);
+    }
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         const ss_world_probe *probe = &world->probe[p];
         if (probe->is_used && out_info->verdict == SOFTSIM_VERDICT_GOOD &&

@@ -101,6 +101,8 @@ typedef struct ss_world {
     uint64_t plan_hash;
     ss_load *load;
     ss_prescribed *prescribed;
+    int32_t *node_of_file;       /* our number of each node of the file; NULL: the same */
+    int32_t (*file_triangle)[3]; /* the surface in the file's numbers; NULL: the mesh's */
 
     ss_ring *forces;              /* haptic -> net: ss_force_record */
     ss_ring *haptic_commands;     /* net -> haptic: ss_command_record */
@@ -151,6 +153,8 @@ void ss_world_destroy(ss_world **world);
 /* The plan, one line per fact: what the scene uses, what is left out, bytes, threads. */
 void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
                       void *sink);
+/* Fills in node_of_file and file_triangle. Thread: set-up only. */
+softsim_status ss_world_plan_numbers(ss_world *world);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(const ss_scene_model **out_models);
 

@@ -32,7 +32,7 @@
 
 /* ---- a model, a mesh, a folder --------------------------------------------------------------- */
 
-enum { MODULUS, RHO, CELLS, PER_AREA, SOLVER, SATURATION, DAMPING };
+enum { MODULUS, RHO, CELLS, PER_AREA, SOLVER, SATURATION, DAMPING, GRAIN };
 
 static const ss_param_row jelly_row[] = {
     {.name = "modulus_j",
@@ -75,6 +75,7 @@ static const ss_param_row jelly_row[] = {
      .is_live = true,
      .fallback = 1725,
      .help = "gamma"},
+    {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
 };
 static const ss_param_row block_row[] = {
     {.name = "density_kg_m3",
@@ -151,6 +152,12 @@ static int make_folder(void **state)
     write_file("header.csv", "element,value\n0,1\n");
     write_file("range.csv", "node,value\n0,1\n1,11\n2,nan\n");
     write_file("lift.csv", "node,ux,uy,uz\n4,0,0,0.001\n5,0,0,0.002\n6,,,0.003\n");
+    write_file("points.csv",
+               "x,y,z\n0,0,0\n10, 0, 0\n0,20,0\n# the last row\n10,20,0\n0,40,0\n10,40,0\n");
+    write_file("points_bad.csv", "x,y,z\n0,0,0\n10,0\n0,nan,0\n0,0,0,0\n");
+    write_file("grain_short.csv", "element,x,y,z\n0,1,0,0\n11,0,0,1\n");
+    write_file("grain_bad.csv", "element,x,y,z\n0,0,-0,0\n12,1,0,0\n1,1,inf,0\n");
+    write_file("grain_twice.csv", "element,x,y,z\n1.5,1,0,0\n2,1,0\n3,1,0,0\n3,1,0,0\n");
     write_file("lift_bad.csv", "node,ux,uy,uz\n4,0,0\n5,x,0,1\n");
     return 0;
 }

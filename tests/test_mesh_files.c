@@ -356,8 +356,11 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
         {"#!/bin/sh\nexit 3\n", "gave no reason"},
         {"#!/bin/sh\nexit 0\n", "cut off"},
         {"#!/bin/sh\nhead -c 4000 /dev/zero\n", "makes no sense"},
-        {"#!/bin/sh\nprintf 'softsim1\\377\\377\\377\\377\\377\\377\\377\\177'\n"
-         "printf '\\377\\377\\377\\377\\377\\377\\377\\177aaaaaaaaaaaa'\n",
+        {"#!/bin/sh\nprintf 'softsim2\\377\\377\\377\\377\\377\\377\\377\\177'\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 28 /dev/zero\n",
+         "makes no sense"},
+        {"#!/bin/sh\nprintf 'softsim2\\3\\0\\0\\0\\0\\0\\0\\0'; head -c 8 /dev/zero\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 96 /dev/zero\n",
          "makes no sense"},
         {"not a program", "cannot start"},
     };
@@ -389,7 +392,8 @@ static void an_answer_with_bad_contents_is_refused(void **state)
     const char *says[] = {"does not exist", "not finite"};
     for (int i = 0; i < 2; ++i) {
         char answer[sizeof(ss_import_header) + 72 + 12];
-        const ss_import_header header = {SS_IMPORT_MAGIC, 3, 1};
+        const ss_import_header header = {
+            .magic = SS_IMPORT_MAGIC, .node_count = 3, .triangle_count = 1};
         memcpy(answer, &header, sizeof header);
         memcpy(answer + sizeof header, positions[i], 72);
         memcpy(answer + sizeof header + 72, triangles[i], 12);

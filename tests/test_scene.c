@@ -224,6 +224,153 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
     ss_scene_destroy(&s);
 }
 
+/* ---- grids ----------------------------------------------------------------------------------- */
+
+#define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
+
+static void a_grid_is_made_in_the_scene_itself(void **state)
+{
+    (void)state;
+    ss_scene *s =
+        load_good(GRID("  grid: {cylinder: {rows: 15, columns: 24, radius_m: 1, length_m: 4}}\n"
+                       "  fixed: [{plane: {point_m: [0, 0, -2], normal: [0, 0, 1]}}]\n"),
+                  NULL, 0);
+    assert_int_equal(s->mesh->node_count, 360);
+    assert_int_equal(s->mesh->quad_count, 14 * 24);
+    assert_int_equal(s->mesh->triangle_count, 2 * 14 * 24);
+    for (int i = 0; i < 360; i++) {
+        const double phi = 2 * 3.14159265358979323846 * (i % 24) / 24;
+        assert_near(s->mesh->position[i][0], cos(phi), 1e-15);
+        assert_near(s->mesh->position[i][1], sin(phi), 1e-15);
+        assert_near(s->mesh->position[i][2], 4.0 / 14 * (i / 24) - 2, 1e-14);
+        assert_int_equal(s->fixed[i], i < 24 ? 7 : 0);
+    }
+    ss_scene_destroy(&s);
+
+    /* A transform acts on it; a unit beside it means nothing, and does no harm. */
+    s = load_good(
+        GRID("  grid: {plane: {rows: 3, columns: 4, width_m: 3, height_m: 2}}\n  units: mm\n"
+             "  transform: {scale: 2, translate_m: [0, 0, 1]}\n"),
+        NULL, 0);
+    assert_int_equal(s->mesh->node_count, 12);
+    assert_near(s->mesh->position[11][0], 3, 1e-15);
+    assert_near(s->mesh->position[11][1], 2, 1e-15);
+    assert_near(s->mesh->position[11][2], 1, 1e-15);
+    ss_scene_destroy(&s);
+}
+
+static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
+{
+    (void)state;
+    FILE *stream = open_file("ring.csv");
+    fprintf(stream, "x,y,z\n");
+    for (int i = 0; i < 20; i++) {
+        const double phi = 2 * 3.14159265358979323846 * (i % 5) / 5;
+        fprintf(stream, "%.17g,%.17g,%d\n", 10 * cos(phi), 10 * sin(phi), 5 * (i / 5));
+    }
+    fclose(stream);
+    static const struct {
+        const char *closed;
+        int32_t quads;
+    } row[] = {{"", 12}, {", closed: none", 12}, {", closed: columns", 15}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 GRID("  units: mm\n  grid: {file: ring.csv, rows: 4, columns: 5%s}\n"),
+                 row[i].closed);
+        ss_scene *s = load_good(text, NULL, 0);
+        assert_int_equal(s->mesh->quad_count, row[i].quads);
+        assert_near(s->mesh->position[19][2], 0.015, 1e-17);
+        assert_near(s->mesh->position[0][0], 0.01, 1e-17);
+        ss_scene_destroy(&s);
+    }
+    ss_scene *s =
+        load_good(replace_line(3, "  grid: {file: points.csv, rows: 3, columns: 2, closed: none}"),
+                  (const char *const[]){"loads.0.nodes=[5]"}, 1);
+    assert_near(s->mesh->position[5][1], 0.04, 1e-17);
+    ss_scene_destroy(&s);
+}
+
+/* ---- directions ------------------------------------------------------------------------------ */
+
+static void a_direction_is_normalised_whatever_its_length(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double v[3];
+    } row[] = {
+        {"[0, 0, 1]", {0, 0, 1}},
+        {"[3, 0, -4]", {0.6, 0, -0.8}},
+        {"[1e-300, 0, 1e-300]", {0.70710678118654752, 0, 0.70710678118654752}},
+        {"[-1.0e+308, 1.0e+308, 1.0e+308]",
+         {-0.57735026918962576, 0.57735026918962576, 0.57735026918962576}},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char line[120];
+        snprintf(line, sizeof line, "  modulus_j: 5\n  grain: %s", row[i].text);
+        ss_scene *s = load_good(replace_line(8, line), NULL, 0);
+        assert_true(s->param[GRAIN].is_given);
+        assert_null(s->param[GRAIN].per_element);
+        for (int k = 0; k < 3; k++) {
+            assert_near(s->param[GRAIN].direction[k], row[i].v[k], 1e-15);
+        }
+        ss_scene_destroy(&s);
+    }
+    ss_scene *s = load_good(small, (const char *const[]){"model.grain=[0, 2, 0]"}, 1);
+    assert_near(s->param[GRAIN].direction[1], 1, 0);
+    ss_scene_destroy(&s);
+    s = load_good(small, NULL, 0);
+    assert_false(s->param[GRAIN].is_given);
+    assert_near(s->param[GRAIN].direction[0], 0, 0);
+    ss_scene_destroy(&s);
+}
+
+/* Writes a direction for each of `count` elements, the last first. */
+static void write_directions(const char *name, int count)
+{
+    FILE *stream = open_file(name);
+    fprintf(stream, "element,x,y,z\n");
+    for (int e = count - 1; e >= 0; e--) {
+        fprintf(stream, "%d,%d,0,2\n", e, e);
+    }
+    fclose(stream);
+}
+
+static void directions_by_file_are_of_quads_or_triangles_or_tetrahedra(void **state)
+{
+    (void)state;
+    write_directions("grain_12.csv", 12);
+    write_directions("grain_6.csv", 6);
+    write_directions("grain_1.csv", 1);
+    write_file("tet.msh",
+               "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+               "3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n");
+    static const struct {
+        const char *object;
+        int count;
+    } row[] = {
+        {"mesh: cube.msh, units: mm", 12},
+        {"grid: {plane: {rows: 3, columns: 4, width_m: 0.3, height_m: 2}}", 6},
+        {"mesh: tet.msh, units: mm", 1},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char text[320];
+        snprintf(text, sizeof text,
+                 "softsim: 1\nobject: {%s}\n"
+                 "model: {name: jelly, modulus_j: 1, grain: {file: grain_%d.csv}}\n",
+                 row[i].object, row[i].count);
+        ss_scene *s = load_good(text, NULL, 0);
+        assert_int_equal(ss_mesh_element_count(s->mesh), row[i].count);
+        assert_non_null(s->param[GRAIN].per_element);
+        for (int e = 0; e < row[i].count; e++) {
+            assert_near(s->param[GRAIN].per_element[e][0], e / sqrt(e * e + 4.0), 1e-15);
+            assert_near(s->param[GRAIN].per_element[e][2], 2 / sqrt(e * e + 4.0), 1e-15);
+        }
+        ss_scene_destroy(&s);
+    }
+}
+
 /* ---- the bundled scenes ---------------------------------------------------------------------- */
 
 /* The keys of the model that the bundled scenes use; their values are the model's own business. */
@@ -292,17 +439,21 @@ static void the_bundled_scenes_hold_what_they_should(void **state)
     assert_true(s->mesh->is_closed);
     ss_scene_destroy(&s);
 
-    s = load_bundled("cylinder.yaml");
-    assert_int_equal(s->mesh->node_count, 360);
-    for (int32_t i = 0; i < 360; i++) {
-        assert_int_equal(s->fixed[i], fabs(s->mesh->position[i][2]) > 1.99 ? 7 : 0);
+    static const char *const cylinders[] = {"cylinder.yaml", "cylinder-grid.yaml"};
+    for (int k = 0; k < 2; k++) {
+        s = load_bundled(cylinders[k]);
+        assert_int_equal(s->mesh->node_count, 360);
+        assert_int_equal(s->mesh->quad_count, k == 1 ? 336 : 0);
+        for (int32_t i = 0; i < 360; i++) {
+            assert_int_equal(s->fixed[i], fabs(s->mesh->position[i][2]) > 1.99 ? 7 : 0);
+        }
+        assert_int_equal(s->load_count, 1);
+        const double *top = s->mesh->position[s->load[0].node[0]];
+        assert_near(top[0], 0, 1e-6);
+        assert_near(top[1], 1, 1e-6);
+        assert_near(top[2], 0, 1e-6);
+        ss_scene_destroy(&s);
     }
-    assert_int_equal(s->load_count, 1);
-    const double *top = s->mesh->position[s->load[0].node[0]];
-    assert_near(top[0], 0, 1e-6);
-    assert_near(top[1], 1, 1e-6);
-    assert_near(top[2], 0, 1e-6);
-    ss_scene_destroy(&s);
 }
 
 /* ---- overrides ------------------------------------------------------------------------------- */
@@ -403,6 +554,12 @@ static void assert_same_scene(const ss_scene *a, const ss_scene *b)
         if (p->per_node != NULL) {
             assert_memory_equal(p->per_node, q->per_node, (size_t)n * sizeof(double));
         }
+        assert_memory_equal(p->direction, q->direction, sizeof p->direction);
+        assert_int_equal(p->per_element != NULL, q->per_element != NULL);
+        if (p->per_element != NULL) {
+            assert_memory_equal(p->per_element, q->per_element,
+                                (size_t)ss_mesh_element_count(a->mesh) * sizeof(double[3]));
+        }
     }
     assert_memory_equal(a->tool, b->tool, sizeof a->tool);
     assert_int_equal(a->load_count, b->load_count);
@@ -423,8 +580,18 @@ static void what_is_printed_loads_again(void **state)
     (void)state;
     static char text[65536];
     static char again[65536];
-    const char *const scene_text[] = {full, small,
-                                      replace_line(10, "  stiffness_n_per_m3: 123456789.125")};
+    write_directions("grain_12.csv", 12);
+    char grain[4096];
+    snprintf(grain, sizeof grain, "%s",
+             replace_line(8, "  modulus_j: 5\n  grain: {file: grain_12.csv}"));
+    const char *const scene_text[] = {
+        full,
+        small,
+        grain,
+        replace_line(10, "  stiffness_n_per_m3: 123456789.125"),
+        "softsim: 1\nobject: {grid: {plane: {rows: 3, columns: 4, width_m: 0.3, height_m: 2}}}\n"
+        "model: {name: jelly, modulus_j: 1, grain: [1, -2.5, 0]}\n",
+        GRID("  grid: {file: points.csv, rows: 3, columns: 2, closed: rows}\n  units: mm\n")};
     for (size_t i = 0; i < sizeof scene_text / sizeof *scene_text; i++) {
         ss_scene *a =
             load_good(scene_text[i], (const char *const[]){"haptic.max_slew_n_per_s=0.1"}, 1);
@@ -536,6 +703,10 @@ int main(void)
         cmocka_unit_test(regions_take_the_nodes_on_their_border),
         cmocka_unit_test(the_first_matching_region_gives_the_value),
         cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
+        cmocka_unit_test(a_grid_is_made_in_the_scene_itself),
+        cmocka_unit_test(a_grid_of_a_table_has_its_units_and_closes_where_told),
+        cmocka_unit_test(a_direction_is_normalised_whatever_its_length),
+        cmocka_unit_test(directions_by_file_are_of_quads_or_triangles_or_tetrahedra),
         cmocka_unit_test(the_bundled_scenes_hold_what_they_should),
         cmocka_unit_test(overrides_reach_every_scalar),
         cmocka_unit_test(a_bad_override_names_the_option),

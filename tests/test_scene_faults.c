@@ -28,10 +28,33 @@ static const bad bad_row[] = {
     {3, "  mesh: none.obj", "3:9", "No such file"},
     {3, "  mesh: .", "3:9", "not a file"},
     {3, "  mesh: [cube.msh]", "3:9", "is a list"},
-    {3, "", "2:1", "object.mesh is missing"},
+    {3, "", "2:1", "object needs one of: mesh, grid"},
+    {3, "  mesh: cube.msh\n  grid: {plane: {rows: 2, columns: 2, width_m: 1, height_m: 1}}", "4:3",
+     "object takes one of: mesh, grid"},
+    {3, "  grid: {}", "3:3", "needs one of: cylinder, plane, file"},
+    {3,
+     "  grid: {file: p.csv, plane: {rows: 2, columns: 2, width_m: 1, height_m: 1}, rows: 2, "
+     "columns: 2}",
+     "3:23", "remove 'plane' or 'file'"},
+    {3, "  grid: {plane: {rows: 1, columns: 2, width_m: 1, height_m: 1}}", "3:24", "from 2 to"},
+    {3, "  grid: {plane: {rows: 2, columns: 2, width_m: 1}}", "3:10", "height_m is missing"},
+    {3, "  grid: {plane: {rows: 2000, columns: 501, width_m: 1, height_m: 1}}", "3:18",
+     "at most 1000000 nodes"},
+    {3, "  grid: {cylinder: {rows: 2, columns: 2, radius_m: 1, length_m: 1}}", "3:39", "from 3 to"},
+    {3, "  grid: {cylinder: {rows: 2, columns: 3, radius_m: 0, length_m: 1}}", "3:52", "above 0"},
+    {3, "  grid: {cylinder: {rows: 2, around: 3, radius_m: 1, length_m: 1, columns: 3}}", "3:30",
+     "unknown key 'around'"},
+    {3, "  grid: {plane: {rows: 2, columns: 2, width_m: 1, height_m: 1}, closed: rows}", "3:65",
+     "'closed' goes with 'file'"},
+    {3, "  grid: {file: points.csv, columns: 3}", "3:3", "object.grid.rows is missing"},
+    {3, "  grid: {file: points.csv, rows: 3, columns: 2, closed: all}", "3:57",
+     "none rows columns"},
+    {3, "  grid: {file: points.csv, rows: 3, columns: 2, closed: columns}", "3:28",
+     "at least 3 of"},
+    {3, "  grid: {file: lost.csv, rows: 3, columns: 2}", "3:16", "cannot open 'lost.csv'"},
     {4, "", "2:1", "object.units is missing"},
     {4, "  units: miles", "4:10", "one of mm cm m in um dm"},
-    {4, "  units: mm\n  grid: {}", "5:3", "unknown key 'grid'"},
+    {4, "  units: mm\n  shell: {}", "5:3", "unknown key 'shell'"},
     {4, "  units: mm\n  transform: {scale: 0}", "5:22", "above 0"},
     {5, "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.001]]}]", "5:12", "takes no node"},
     {5, "  fixed: [{box_m: [[1, -1, -1], [-1, 1, 0]]}]", "5:19", "wrong way round"},
@@ -65,6 +88,14 @@ static const bad bad_row[] = {
     {8, "  modulus_j: 5\n  rho: [{where: {group: top}, value: 2}]", "9:8", "{value: ...}"},
     {8, "  modulus_j: 5\n  rho: [{value: 2}, {where: {group: top}, value: 1}]", "9:9", "last"},
     {8, "  modulus_j: 5\n  rho: [{value: 20}]", "9:17", "out of range"},
+    {8, "  modulus_j: 5\n  grain: [0, 0, 0]", "9:10", "has no length"},
+    {8, "  modulus_j: 5\n  grain: [0, 1]", "9:10", "has 2 values"},
+    {8, "  modulus_j: 5\n  grain: 3", "9:10", "is a single value; give [x, y, z] of any length"},
+    {8, "  modulus_j: 5\n  grain: [0, .inf, 1]", "9:14", "not finite"},
+    {8, "  modulus_j: 5\n  grain: {fil: a.csv}", "9:11", "did you mean 'file'?"},
+    {8, "  modulus_j: 5\n  grain: {file: lost.csv}", "9:17", "cannot open 'lost.csv'"},
+    {8, "  modulus_j: 5\n  grain: {file: grain_short.csv}", "9:17",
+     "no value to 10 elements, the first is 1"},
     {10, "  tools: [{probe: 8, shape: {sphere: {radius_mm: 5}}}]", "10:19", "from 0 to 7"},
     {10, "  tools: [{probe: 1, shape: {sphere: {radius_m: 5}}}]", "10:39", "radius_mm"},
     {10, "  tools: [{probe: 1, shape: {ball: {}}}]", "10:30", "known here: sphere, capsule"},
@@ -153,6 +184,43 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
     assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: range.csv}"), NULL, 0));
     assert_non_null(strstr(error.text, "range.csv:3: error: the value is 11, out of range"));
     assert_non_null(strstr(error.text, "range.csv:4: error: the value is 'nan'"));
+    assert_null(
+        load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: grain_bad.csv}"), NULL, 0));
+    assert_non_null(
+        strstr(error.text, "grain_bad.csv:2: error: the direction of element 0 has no"));
+    assert_non_null(
+        strstr(error.text, "grain_bad.csv:3: error: there is no element 12; the mesh has"));
+    assert_non_null(strstr(error.text, "grain_bad.csv:4: error: 'inf' is not a finite number"));
+    assert_null(
+        load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: grain_twice.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "grain_twice.csv:2: error: '1.5' is not an element number"));
+    assert_non_null(strstr(error.text, "grain_twice.csv:3: error: not four cells"));
+    assert_non_null(strstr(error.text, "grain_twice.csv:5: error: element 3 is given twice"));
+    assert_null(load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: rho.csv}"), NULL, 0));
+    assert_non_null(strstr(error.text, "rho.csv:1: error: the first line is 'node,value'"));
+    static const struct {
+        const char *grid, *says;
+    } table[] = {
+        {"points.csv, rows: 3, columns: 3", "points.csv:8: error: the file ends after 6 points"},
+        {"points.csv, rows: 2, columns: 2", "points.csv:7: error: more points than the grid has"},
+        {"points_bad.csv, rows: 2, columns: 2", "points_bad.csv:3: error: not a point"},
+        {"points_bad.csv, rows: 2, columns: 2", "points_bad.csv:4: error: not a point"},
+        {"points_bad.csv, rows: 2, columns: 2", "points_bad.csv:5: error: not a point"},
+        {"rho.csv, rows: 2, columns: 4", "rho.csv:1: error: the first line is 'node,value'"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        char line[120];
+        snprintf(line, sizeof line, "  grid: {file: %s}", table[i].grid);
+        assert_null(load_with(replace_line(3, line), NULL, 0));
+        if (strstr(error.text, table[i].says) == NULL) {
+            fail_msg("no '%s' in:\n%s", table[i].says, error.text);
+        }
+    }
+    assert_null(load_with("softsim: 1\nobject: {grid: {file: points.csv, rows: 3, columns: 2}}\n"
+                          "model: {name: jelly, modulus_j: 1}\n",
+                          NULL, 0));
+    assert_int_equal(error.fault_count, 1);
+    assert_non_null(strstr(error.text, ":2:17: error: object.units is missing"));
     assert_null(load_with(
         replace_line(13, "prescribed: [{displacement_file: lift_bad.csv}]\nloads:"), NULL, 0));
     assert_non_null(strstr(error.text, "lift_bad.csv:2: error: not four cells"));
@@ -197,7 +265,7 @@ static void counts_faults_beyond_what_can_be_shown(void **state)
         strcat(text, line);
     }
     assert_null(load_with(text, NULL, 0));
-    assert_int_equal(error.fault_count, 200 + 3); /* mesh, units and model are missing too */
+    assert_int_equal(error.fault_count, 200 + 2); /* units and model are missing too */
     assert_non_null(strstr(error.text, "more faults)"));
 }
 

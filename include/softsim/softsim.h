@@ -59,7 +59,7 @@ void softsim_read(softsim_world *world, softsim_state *out_state);
  * triples; any may be NULL. */
 void softsim_read_nodes(softsim_world *world, double (*out_position)[3],
                         double (*out_displacement)[3], double (*out_velocity)[3]);
-/* The surface's triangles. */
+/* The surface's triangles, of nodes in file order. */
 int32_t softsim_triangle_count(const softsim_world *world);
 const int32_t (*softsim_triangles(const softsim_world *world))[3];
 

@@ -241,22 +241,19 @@ static bool indices_are_good(const ss_mesh *mesh, const int32_t *node, int count
     return true;
 }
 
-/* Area; *inout_angle is lowered to the smallest angle in degrees, by tan a = |u x v| / u . v. */
-static double measure_triangle(const ss_mesh *mesh, const int32_t *node, double *inout_angle)
+/* Area of a triangle; *inout_angle is lowered to the angle at its first node in degrees, by
+ * tan a = |u x v| / u . v. */
+static double measure_corner(const ss_mesh *mesh, const int32_t *node, double *inout_angle)
 {
-    double area = 0.0;
-    for (int c = 0; c < 3; ++c) {
-        const double *x = mesh->position[node[c]];
-        double u[3];
-        double v[3];
-        double uv[3];
-        ss_sub3(u, mesh->position[node[(c + 1) % 3]], x);
-        ss_sub3(v, mesh->position[node[(c + 2) % 3]], x);
-        ss_cross3(uv, u, v);
-        area = 0.5 * ss_norm3(uv);
-        *inout_angle =
-            fmin(*inout_angle, atan2(2.0 * area, ss_dot3(u, v)) * (180.0 / 3.14159265358979323846));
-    }
+    double u[3];
+    double v[3];
+    double uv[3];
+    ss_sub3(u, mesh->position[node[1]], mesh->position[node[0]]);
+    ss_sub3(v, mesh->position[node[2]], mesh->position[node[0]]);
+    ss_cross3(uv, u, v);
+    const double area = 0.5 * ss_norm3(uv);
+    *inout_angle =
+        fmin(*inout_angle, atan2(2.0 * area, ss_dot3(u, v)) * (180.0 / 3.14159265358979323846));
     return area;
 }
 
@@ -270,12 +267,50 @@ static void check_triangles(const ss_mesh *mesh, ss_mesh_report *report)
             add_fault(&report->bad_index, t);
             continue;
         }
-        const double area = measure_triangle(mesh, node, &report->angle_min);
+        double area = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            const int32_t corner[3] = {node[c], node[(c + 1) % 3], node[(c + 2) % 3]};
+            area = measure_corner(mesh, corner, &report->angle_min);
+        }
         if (isfinite(area)) {
             report->area += area;
         }
         if (area <= least) {
             add_fault(&report->zero_area, t);
+        }
+    }
+}
+
+/* Areas as ss_mesh_node_areas sums them; flat where a half is. */
+static void check_quads(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    report->angle_min = 180.0;
+    const double least = flat_area * report->edge_mean * report->edge_mean;
+    for (int32_t q = 0; q < mesh->quad_count; ++q) {
+        const int32_t *node = mesh->quad[q];
+        if (!indices_are_good(mesh, node, 4)) {
+            add_fault(&report->bad_index, q);
+            continue;
+        }
+        double unused = 180.0;
+        double area[4];
+        double vector[4][3];
+        bool is_flat = false;
+        for (int c = 0; c < 4; ++c) {
+            const int32_t corner[3] = {node[c], node[(c + 1) % 4], node[(c + 3) % 4]};
+            (void)measure_corner(mesh, corner, &report->angle_min);
+        }
+        ss_mesh_share_quad(mesh, node, area, vector);
+        for (int half = 0; half < 2; ++half) {
+            is_flat =
+                measure_corner(mesh, mesh->triangle[2 * q + half], &unused) <= least || is_flat;
+        }
+        const double sum = area[0] + area[1] + area[2] + area[3];
+        if (isfinite(sum)) {
+            report->area += sum;
+        }
+        if (is_flat) {
+            add_fault(&report->zero_area, q);
         }
     }
 }
@@ -389,16 +424,24 @@ static bool check_surface_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges
 static bool measure_mean_edge(const ss_mesh *mesh, const ss_mesh_tuples *edges,
                               ss_mesh_report *report)
 {
-    if (mesh->tetrahedron_count == 0) {
+    if (mesh->tetrahedron_count == 0 && mesh->quad_count == 0) {
         measure_edges(mesh, edges, report);
         return true;
     }
-    ss_mesh_tuples inner = {0};
-    if (!ss_mesh_list_tetrahedron_edges(mesh, &inner)) {
+    ss_mesh_tuples own = {0};
+    if (mesh->quad_count > 0 ? !ss_mesh_list_quad_edges(mesh, &own)
+                             : !ss_mesh_list_tetrahedron_edges(mesh, &own)) {
         return false;
     }
-    measure_edges(mesh, &inner, report);
-    ss_mesh_tuples_fini(&inner);
+    measure_edges(mesh, &own, report);
+    for (int64_t i = 0; i < own.count && mesh->quad_count > 0;) {
+        const int64_t end = ss_mesh_run_end(&own, i);
+        if (end - i == 2 && ((own.tuple[i].id ^ own.tuple[i + 1].id) & 1) != 0) {
+            add_fault(&report->mixed_direction, own.tuple[i].node[0]);
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&own);
     return true;
 }
 
@@ -406,20 +449,27 @@ softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
 {
     *out_report = (ss_mesh_report){0};
     ss_mesh_tuples edges = {0};
-    ss_mesh_tuples triangles = {0};
+    ss_mesh_tuples elements = {0};
+    const bool has_quads = mesh->quad_count > 0;
     check_positions(mesh, out_report);
     const bool is_done =
-        ss_mesh_list_triangle_edges(mesh, &edges) && ss_mesh_list_triangles(mesh, &triangles) &&
+        ss_mesh_list_triangle_edges(mesh, &edges) &&
+        (has_quads ? ss_mesh_list_quads(mesh, &elements)
+                   : ss_mesh_list_triangles(mesh, &elements)) &&
         measure_mean_edge(mesh, &edges, out_report) &&
         check_surface_edges(mesh, &edges, out_report) && find_coincident(mesh, out_report) &&
         check_parts(mesh, &edges, out_report) && check_shared_tetrahedra(mesh, out_report);
     if (is_done) {
-        check_triangles(mesh, out_report);
-        check_duplicates(&triangles, &out_report->duplicate_triangle);
+        if (has_quads) {
+            check_quads(mesh, out_report);
+        } else {
+            check_triangles(mesh, out_report);
+        }
+        check_duplicates(&elements, &out_report->duplicate_triangle);
         check_tetrahedra(mesh, out_report);
     }
     ss_mesh_tuples_fini(&edges);
-    ss_mesh_tuples_fini(&triangles);
+    ss_mesh_tuples_fini(&elements);
     return is_done ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
@@ -453,6 +503,8 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory while checking it", name);
         return SOFTSIM_ERROR_MEMORY;
     }
+    const bool has_quads = mesh->quad_count > 0;
+    const char *element = has_quads ? "quad" : "triangle";
     const struct {
         const ss_mesh_fault *fault;
         const char *what, *where, *remedy;
@@ -460,18 +512,24 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
         {&r.non_finite, "nodes that are not finite", "node", "correct or remove them"},
         {&r.bad_index, "elements of nodes that do not exist", "element",
          "the file is damaged: write it again"},
-        {&r.zero_area, "flat triangles", "triangle",
+        {&r.zero_area, has_quads ? "quads that are flat or half flat" : "flat triangles", element,
          "merge nearby vertices and dissolve degenerate faces"},
-        {&r.duplicate_triangle, "triangles that are there already", "triangle", "remove them"},
+        {&r.duplicate_triangle,
+         has_quads ? "quads of nodes that have one already" : "triangles that are there already",
+         element, "remove them"},
         {&r.loose_node, "nodes without an element", "node", "remove them"},
         {&r.coincident_node, "nodes on top of others", "node", "merge vertices by distance"},
         {&r.short_edge, "edges shorter than 1/1000 of the mean", "at node",
          "merge vertices by distance, or remesh"},
-        {&r.non_manifold_edge, "edges of more than two triangles", "at node",
-         "remove inner faces, or remesh"},
+        {&r.non_manifold_edge,
+         has_quads ? "edges of more than two quads, or diagonals of more than one"
+                   : "edges of more than two triangles",
+         "at node", "remove inner faces, or remesh"},
         {&r.non_manifold_node, "nodes where surfaces touch in a point only", "node",
          "separate the surfaces, or join them by more than a point"},
-        {&r.inconsistent_winding, "edges whose two triangles are wound against each other",
+        {&r.inconsistent_winding,
+         has_quads ? "edges whose two quads are wound against each other"
+                   : "edges whose two triangles are wound against each other",
          "at node", "recalculate the normals to point outside"},
         {&r.duplicate_tetrahedron, "tetrahedra that are there already", "tetrahedron",
          "remove them"},

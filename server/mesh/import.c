@@ -272,14 +272,19 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
     memcpy(&header, im->out.data, sizeof header);
     const size_t rest = im->out.size - sizeof header;
     const int64_t bound = (int64_t)rest;
+    const bool has_quads = header.quad_count > 0;
+    const int64_t face_count = has_quads ? header.quad_count : header.triangle_count;
+    const size_t corners = has_quads ? 4 : 3;
     if (memcmp(header.magic, SS_IMPORT_MAGIC, sizeof header.magic) != 0 || header.node_count < 1 ||
-        header.node_count > bound || header.triangle_count < 1 || header.triangle_count > bound ||
-        (size_t)header.node_count * 24 + (size_t)header.triangle_count * 12 != rest) {
+        header.node_count > bound || face_count < 1 || face_count > bound ||
+        (has_quads ? header.triangle_count != 0 : header.quad_count != 0) ||
+        header.cut_face_count < 0 || header.cut_face_count > (has_quads ? 0 : bound) ||
+        (size_t)header.node_count * 24 + (size_t)face_count * 4 * corners != rest) {
         return refuse(im, "the importer's answer makes no sense");
     }
-    /* 24-byte header, so both arrays are aligned in the allocation. */
+    /* 40-byte header, so both arrays are aligned in the allocation. */
     double(*position)[3] = (double(*)[3])(void *)(im->out.data + sizeof header);
-    int32_t(*triangle)[3] = (int32_t(*)[3])(void *)(position + header.node_count);
+    const int32_t *node = (const int32_t *)(const void *)(position + header.node_count);
     int64_t bad_count = 0;
     int64_t first_bad = -1;
     for (int64_t i = 0; i < header.node_count; ++i) {
@@ -295,16 +300,23 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
                           im->path, (long long)bad_count, (long long)first_bad);
         return SOFTSIM_ERROR_FORMAT;
     }
-    for (int64_t t = 0; t < header.triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            if (triangle[t][k] < 0 || triangle[t][k] >= header.node_count) {
-                return refuse(im, "a triangle has a vertex that does not exist");
-            }
+    for (size_t i = 0; i < (size_t)face_count * corners; ++i) {
+        if (node[i] < 0 || node[i] >= header.node_count) {
+            return refuse(im, "a face has a vertex that does not exist");
         }
     }
-    return ss_mesh_create((int32_t)header.node_count, (const double(*)[3])position,
-                          (int32_t)header.triangle_count, (const int32_t(*)[3])triangle, 0, NULL,
-                          out_mesh, im->error);
+    if (has_quads) {
+        return ss_mesh_create_quads((int32_t)header.node_count, (const double(*)[3])position,
+                                    (int32_t)face_count, (const int32_t(*)[4])node, out_mesh,
+                                    im->error);
+    }
+    const softsim_status status = ss_mesh_create(
+        (int32_t)header.node_count, (const double(*)[3])position, (int32_t)face_count,
+        (const int32_t(*)[3])node, 0, NULL, out_mesh, im->error);
+    if (status == SOFTSIM_OK) {
+        (*out_mesh)->cut_face_count = (int32_t)header.cut_face_count;
+    }
+    return status;
 }
 
 static softsim_status import_file(const char *path, double metres_per_unit,

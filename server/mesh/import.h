@@ -3,17 +3,20 @@
 #pragma once
 /*
  * What softsim-import writes to stdout: this header, node_count times x y z (double, in the
- * file's unit), triangle_count times three node numbers from 0 (int32), in the machine's own byte
- * order, and nothing else. On failure: nothing there, one line on stderr, exit status 2.
+ * file's unit), then the faces as node numbers from 0 (int32), three for each of triangle_count or
+ * four for each of quad_count, in the machine's own byte order, and nothing else. Quads when all
+ * the file's faces are quads, else triangles, of which cut_face_count faces of more corners were
+ * made. On failure: nothing there, one line on stderr, exit status 2.
  */
 #include <stdint.h>
 
-#define SS_IMPORT_MAGIC "softsim1"
+#define SS_IMPORT_MAGIC "softsim2"
 
 typedef struct ss_import_header {
     char magic[8];
     int64_t node_count;
-    int64_t triangle_count;
+    int64_t triangle_count, quad_count; /* one of them 0 */
+    int64_t cut_face_count;             /* 0 beside quads */
 } ss_import_header;
 
 /* Limits that softsim-import sets itself: bytes of address space, seconds of CPU time. */

@@ -5,6 +5,13 @@
  * A = (b - a) x (c - a) / 2, a third of it to each corner: the areas of the nodes sum to the
  * area of the surface exactly. (Voronoi areas, which a paper may use for curvature, go negative on
  * obtuse triangles and were rejected.)
+ *
+ * A quad with the corner vectors A_k = (p_k+1 - p_k) x (p_k-1 - p_k) / 2 is A_1 and A_3 when cut
+ * along 0-2, A_0 and A_2 along 1-3. The mean of the two cuts gives corner k
+ *   (A_0 + A_1 + A_2 + A_3 - A_k+2) / 6,
+ * with areas for vectors likewise: A/4 on a rectangle, and no node is favoured for the diagonals
+ * that end in it (thirds of one cut alone give the nodes of a grid 4A/3 and 2A/3 in turn). A dart
+ * has one cut inside it, and that one counts.
  */
 #include "mesh/mesh.h"
 
@@ -26,6 +33,14 @@ static void *copy_of(const void *data, int32_t count, size_t size)
     return copy;
 }
 
+static softsim_status fail_create(ss_mesh **mesh, int32_t node_count, softsim_error *error)
+{
+    ss_mesh_destroy(mesh);
+    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for a mesh of %d nodes",
+                      node_count);
+    return SOFTSIM_ERROR_MEMORY;
+}
+
 softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t triangle_count, const int32_t (*triangle)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
@@ -43,32 +58,56 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
     }
     ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
     if (mesh == NULL) {
-        goto fail;
+        return fail_create(&mesh, node_count, error);
     }
     mesh->node_count = node_count;
     mesh->tetrahedron_count = tetrahedron_count;
     mesh->position = copy_of(position, node_count, sizeof *position);
     mesh->tetrahedron = copy_of(tetrahedron, tetrahedron_count, sizeof *tetrahedron);
     if (mesh->position == NULL || mesh->tetrahedron == NULL) {
-        goto fail;
+        return fail_create(&mesh, node_count, error);
     }
     if (triangle_count > 0) {
         mesh->triangle_count = triangle_count;
         mesh->triangle = copy_of(triangle, triangle_count, sizeof *triangle);
     } else if (!ss_mesh_extract_surface(mesh)) {
-        goto fail;
+        return fail_create(&mesh, node_count, error);
     }
     if (mesh->triangle == NULL || !ss_mesh_find_closed(mesh)) {
-        goto fail;
+        return fail_create(&mesh, node_count, error);
     }
     *out_mesh = mesh;
     return SOFTSIM_OK;
+}
 
-fail:
-    ss_mesh_destroy(&mesh);
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for a mesh of %d nodes",
-                      node_count);
-    return SOFTSIM_ERROR_MEMORY;
+softsim_status ss_mesh_create_quads(int32_t node_count, const double (*position)[3],
+                                    int32_t quad_count, const int32_t (*quad)[4],
+                                    ss_mesh **out_mesh, softsim_error *error)
+{
+    *out_mesh = NULL;
+    if (node_count < 1 || node_count > MAX_COUNT || quad_count < 1 || quad_count > MAX_COUNT / 2) {
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "a mesh of %d nodes and %d quads: give 1 to %d nodes and 1 to %d quads",
+                          node_count, quad_count, MAX_COUNT, MAX_COUNT / 2);
+        return SOFTSIM_ERROR_MESH;
+    }
+    ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
+    if (mesh == NULL) {
+        return fail_create(&mesh, node_count, error);
+    }
+    mesh->node_count = node_count;
+    mesh->quad_count = quad_count;
+    mesh->triangle_count = 2 * quad_count;
+    mesh->position = copy_of(position, node_count, sizeof *position);
+    mesh->quad = copy_of(quad, quad_count, sizeof *quad);
+    mesh->tetrahedron = ss_memory_get(0, sizeof *mesh->tetrahedron);
+    mesh->triangle = ss_memory_get((size_t)mesh->triangle_count, sizeof *mesh->triangle);
+    if (mesh->position == NULL || mesh->quad == NULL || mesh->tetrahedron == NULL ||
+        mesh->triangle == NULL || !ss_mesh_arrange_quads(mesh) || !ss_mesh_find_closed(mesh)) {
+        return fail_create(&mesh, node_count, error);
+    }
+    *out_mesh = mesh;
+    return SOFTSIM_OK;
 }
 
 void ss_mesh_destroy(ss_mesh **mesh)
@@ -82,6 +121,9 @@ void ss_mesh_destroy(ss_mesh **mesh)
     ss_memory_free((*mesh)->group);
     ss_memory_free((*mesh)->position);
     ss_memory_free((*mesh)->triangle);
+    ss_memory_free((*mesh)->quad);
+    ss_memory_free((*mesh)->file_node);
+    ss_memory_free((*mesh)->file_element);
     ss_memory_free((*mesh)->tetrahedron);
     ss_memory_free(*mesh);
     *mesh = NULL;
@@ -120,47 +162,62 @@ void ss_mesh_transform(ss_mesh *mesh, double scale, const double rotate_deg[3],
     }
 }
 
-/* A third of the area vector; false for a triangle that cannot be measured. */
-static bool third_area(const ss_mesh *mesh, const int32_t *node, double out[3])
+/* What an element gives its corners; their count, 0 for an element that cannot be measured. */
+static int share(const ss_mesh *mesh, const int32_t *node, double out_area[4],
+                 double out_vector[4][3])
 {
-    if (!ss_mesh_has_good_nodes(mesh, node, 3)) {
-        return false;
+    const int corners = mesh->quad_count > 0 ? 4 : 3;
+    if (!ss_mesh_has_good_nodes(mesh, node, corners)) {
+        return 0;
+    }
+    if (corners == 4) {
+        ss_mesh_share_quad(mesh, node, out_area, out_vector);
+        return corners;
     }
     double ab[3];
     double ac[3];
+    double third[3];
     ss_sub3(ab, mesh->position[node[1]], mesh->position[node[0]]);
     ss_sub3(ac, mesh->position[node[2]], mesh->position[node[0]]);
-    ss_cross3(out, ab, ac);
-    ss_scale3(out, out, 1.0 / 6.0);
-    return true;
+    ss_cross3(third, ab, ac);
+    ss_scale3(third, third, 1.0 / 6.0);
+    for (int k = 0; k < 3; ++k) {
+        out_area[k] = ss_norm3(third);
+        ss_copy3(out_vector[k], third);
+    }
+    return corners;
+}
+
+/* Either output may be NULL. */
+static void sum_shares(const ss_mesh *mesh, double *out_area, double (*out_vector)[3])
+{
+    const int32_t count = mesh->quad_count > 0 ? mesh->quad_count : mesh->triangle_count;
+    for (int32_t e = 0; e < count; ++e) {
+        const int32_t *node = mesh->quad_count > 0 ? mesh->quad[e] : mesh->triangle[e];
+        double area[4];
+        double vector[4][3];
+        const int corners = share(mesh, node, area, vector);
+        for (int k = 0; k < corners; ++k) {
+            if (out_area != NULL) {
+                out_area[node[k]] += area[k];
+            }
+            if (out_vector != NULL) {
+                ss_add3(out_vector[node[k]], out_vector[node[k]], vector[k]);
+            }
+        }
+    }
 }
 
 void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area)
 {
     memset(out_area, 0, (size_t)mesh->node_count * sizeof *out_area);
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        double third[3];
-        if (third_area(mesh, mesh->triangle[t], third)) {
-            const double area = ss_norm3(third);
-            for (int k = 0; k < 3; ++k) {
-                out_area[mesh->triangle[t][k]] += area;
-            }
-        }
-    }
+    sum_shares(mesh, out_area, NULL);
 }
 
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3])
 {
     memset(out_vector, 0, (size_t)mesh->node_count * sizeof *out_vector);
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        double third[3];
-        if (third_area(mesh, mesh->triangle[t], third)) {
-            for (int k = 0; k < 3; ++k) {
-                double *vector = out_vector[mesh->triangle[t][k]];
-                ss_add3(vector, vector, third);
-            }
-        }
-    }
+    sum_shares(mesh, NULL, out_vector);
 }
 
 double ss_mesh_diagonal(const ss_mesh *mesh)

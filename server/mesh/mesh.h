@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * Meshes at rest: nodes, triangles and tetrahedra, fixed after load.
+ * Meshes at rest: nodes, triangles, quads and tetrahedra, fixed after load.
  *
  * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
  * process of its own with limits on memory and time; Gmsh MSH 2.2 ASCII by our own bounded
@@ -39,6 +39,12 @@ typedef struct ss_mesh {
     int32_t (*quad)[4];
     ss_mesh_group *group;
     bool is_closed; /* every edge has two triangles */
+    /* Faces of more than three corners that were cut into triangles as the file was read, because
+     * not all of its faces are quads. */
+    int32_t cut_face_count;
+    /* After ss_mesh_renumber: the file's number of each node, and of each element as
+     * ss_mesh_element_count counts them; NULL where every number is the file's. */
+    int32_t *file_node, *file_element;
 } ss_mesh;
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
@@ -56,15 +62,53 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t triangle_count, const int32_t (*triangle)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
                               ss_mesh **out_mesh, softsim_error *error);
+/* A surface of quads alone, each wound counter-clockwise seen from outside. The first quad of each
+ * connected part keeps its first corner; others are turned so that u and w run on over their common
+ * sides (quad.c: also what happens where that cannot be, and where quads are cut). */
+softsim_status ss_mesh_create_quads(int32_t node_count, const double (*position)[3],
+                                    int32_t quad_count, const int32_t (*quad)[4],
+                                    ss_mesh **out_mesh, softsim_error *error);
 void ss_mesh_destroy(ss_mesh **mesh);
+
+/* What a file with a value for each element counts: tetrahedra of a volume, else quads, else
+ * triangles. */
+static inline int32_t ss_mesh_element_count(const ss_mesh *mesh)
+{
+    return mesh->tetrahedron_count > 0 ? mesh->tetrahedron_count
+           : mesh->quad_count > 0      ? mesh->quad_count
+                                       : mesh->triangle_count;
+}
+
+/* Grids of quads, rows times columns of nodes. Node r columns + c is row r's c-th; u runs along the
+ * rows' numbers r, w along c. Element r m + c (m: columns of quads) has the nodes
+ * (r, c + 1), (r + 1, c + 1), (r + 1, c), (r, c): outside is where, looking from, columns run to
+ * the right and rows up. A closed direction has a last quad back to its first node. */
+typedef enum ss_mesh_closed {
+    SS_MESH_CLOSED_NONE,
+    SS_MESH_CLOSED_ROWS,
+    SS_MESH_CLOSED_COLUMNS
+} ss_mesh_closed;
+enum { SS_MESH_MAX_GRID = 1000000 }; /* nodes */
+/* 2 rows and columns at least, 3 of a closed direction, or SOFTSIM_ERROR_ARGUMENT. */
+softsim_status ss_mesh_create_grid(int32_t rows, int32_t columns, ss_mesh_closed closed,
+                                   const double (*position)[3], ss_mesh **out_mesh,
+                                   softsim_error *error);
+/* An open tube about z: rows are rings from z = -length/2 to length/2, columns start at +x and
+ * turn towards +y. */
+softsim_status ss_mesh_create_cylinder(int32_t rows, int32_t columns, double radius, double length,
+                                       ss_mesh **out_mesh, softsim_error *error);
+/* A rectangle about the origin in z = 0, seen from +z: columns along x, rows along y. */
+softsim_status ss_mesh_create_plane(int32_t rows, int32_t columns, double width, double height,
+                                    ss_mesh **out_mesh, softsim_error *error);
 
 /* x := R (scale x) + translate, R about the world's x, then y, then z. */
 void ss_mesh_transform(ss_mesh *mesh, double scale, const double rotate_deg[3],
                        const double translate_m[3]);
 
 /* What is wrong with a mesh: counts, and the first few numbers of each kind: of nodes, triangles
- * or tetrahedra as the name says (bad_index: triangles, then tetrahedra); of an edge or face its
- * lowest node. All tolerances are relative to the mean edge (of the tetrahedra, if there are any):
+ * or tetrahedra as the name says (bad_index: triangles, then tetrahedra; quads where the surface
+ * is of quads); of an edge or face its lowest node. Edges of quads are their sides, not their
+ * diagonals. All tolerances are relative to the mean edge (of the tetrahedra, if there are any):
  * areas 1e-6 and volumes 1e-9 of its square and cube, coincidence 1e-6, short edges 1e-3. */
 enum { SS_MESH_FIRST = 5 };
 typedef struct ss_mesh_fault {
@@ -77,11 +121,12 @@ typedef struct ss_mesh_report {
         short_edge, non_manifold_edge, open_edge, inconsistent_winding, inverted_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
-    int32_t component_count; /* connected parts, loose nodes not counted */
-    bool is_inside_out;      /* a closed part encloses a negative volume and is no cavity */
-    double volume;           /* enclosed by the surface; means nothing when it is open */
+    ss_mesh_fault mixed_direction; /* sides along u of one quad and w of the other; no fault */
+    int32_t component_count;       /* connected parts, loose nodes not counted */
+    bool is_inside_out;            /* a closed part encloses a negative volume and is no cavity */
+    double volume;                 /* enclosed by the surface; means nothing when it is open */
     double area, edge_min, edge_mean, edge_max;
-    double angle_min; /* degrees, smallest angle of a triangle */
+    double angle_min; /* degrees, smallest angle of a triangle, or quad */
     double box_min[3], box_max[3];
 } ss_mesh_report;
 
@@ -96,13 +141,30 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
  * they are). Returns how many triangles were turned, -1 when out of memory. */
 int32_t ss_mesh_orient(ss_mesh *mesh);
 
-/* A third of the area of the triangles around each node, m^2: out has node_count values. */
+/* Gives nodes and elements, groups too, the numbers that keep neighbours near in memory
+ * (renumber.c); file_node and file_element lead back. Once, on a mesh with good indices and finite
+ * positions (ss_mesh_accept); false when out of memory: the mesh is then of no use. */
+bool ss_mesh_renumber(ss_mesh *mesh);
+static inline int32_t ss_mesh_file_node(const ss_mesh *mesh, int32_t node)
+{
+    return mesh->file_node != NULL ? mesh->file_node[node] : node;
+}
+static inline int32_t ss_mesh_file_element(const ss_mesh *mesh, int32_t element)
+{
+    return mesh->file_element != NULL ? mesh->file_element[element] : element;
+}
+/* Where x lies on the Hilbert curve through the cube of edge `size` at `low`. */
+uint64_t ss_mesh_curve_place(const double x[3], const double low[3], double size);
+
+/* A third of the area of the triangles around each node, m^2: out has node_count values. Quads
+ * count as the mean of both ways of cutting them: a rectangle gives each corner a quarter. */
 void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
-/* A third of the area vectors of the triangles around each node. */
+/* A third of the area vectors of the triangles around each node; quads likewise. */
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
 
-/* Writers: OBJ of the surface, MSH 2.2 of everything; written to a temporary file, synced, renamed.
+/* Writers: OBJ of the surface (quads as such), MSH 2.2 of everything; written to a temporary file,
+ * synced, renamed.
  */
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);

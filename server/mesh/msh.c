@@ -9,15 +9,17 @@
  *   $Elements / n / tag type tag-count physical ... nodes   (1: tag type physical region n nodes)
  *
  * Nodes and elements are numbered from 0 in the order of the file; tags may be any positive
- * numbers with any gaps. Triangles and tetrahedra are kept; points and lines only name nodes for
- * their physical group; anything else is refused. With tetrahedra the file's triangles only serve
- * the groups and the surface is extracted from the tetrahedra.
+ * numbers with any gaps. Triangles, quads and tetrahedra are kept; points and lines only name nodes
+ * for their physical group; anything else is refused. With tetrahedra the file's triangles and
+ * quads only serve the groups and the surface is extracted from the tetrahedra. Quads beside
+ * triangles are cut in two, at their place in the file's order.
  *
  * Nothing in the text is trusted: a count larger than the rest of the text could hold is refused
  * before anything is allocated, so memory stays within a small multiple of the file. The whole
  * text is in memory; a streaming parser would save that but could not bound counts beforehand.
  */
 #include "mesh/mesh.h"
+#include "mesh/topology.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -376,7 +378,7 @@ static int32_t find_node(const reader *r, int64_t tag)
     return low < r->node_count && r->tag[low].tag == tag ? r->tag[low].index : -1;
 }
 
-enum { TYPE_LINE = 1, TYPE_TRIANGLE = 2, TYPE_TETRAHEDRON = 4, TYPE_POINT = 15 };
+enum { TYPE_LINE = 1, TYPE_TRIANGLE = 2, TYPE_QUAD = 3, TYPE_TETRAHEDRON = 4, TYPE_POINT = 15 };
 
 /* Nodes of the element types that are read; 0 for others. */
 static int type_nodes(int64_t type)
@@ -384,6 +386,7 @@ static int type_nodes(int64_t type)
     return type == TYPE_POINT         ? 1
            : type == TYPE_LINE        ? 2
            : type == TYPE_TRIANGLE    ? 3
+           : type == TYPE_QUAD        ? 4
            : type == TYPE_TETRAHEDRON ? 4
                                       : 0;
 }
@@ -447,8 +450,8 @@ static bool read_element(reader *r, int32_t index)
     const int count = type_nodes(type);
     if (count == 0) {
         FAULT_LINE(r,
-                   "element %d is of type %lld (%s): only triangles and tetrahedra of first order "
-                   "are read, mesh it so",
+                   "element %d is of type %lld (%s): only triangles, quadrangles and tetrahedra of "
+                   "first order are read, mesh it so",
                    index, (long long)type, type_name(type));
         return r->fault_count < MAX_FAULTS;
     }
@@ -550,7 +553,10 @@ static bool read_sections(reader *r)
 
 static int32_t dimension_of(const element *e)
 {
-    return e->type == TYPE_POINT ? 0 : e->type == TYPE_LINE ? 1 : e->type == TYPE_TRIANGLE ? 2 : 3;
+    return e->type == TYPE_POINT         ? 0
+           : e->type == TYPE_LINE        ? 1
+           : e->type == TYPE_TETRAHEDRON ? 3
+                                         : 2;
 }
 
 /* Where (dimension, number) is in the sorted list, or where it belongs. */
@@ -696,42 +702,84 @@ static bool build_groups(reader *r, ss_mesh *mesh)
 /* ---- the mesh ---------------------------------------------------------------------------------
  */
 
-static softsim_status build_mesh(reader *r, ss_mesh **out_mesh)
+/* The elements by kind. */
+typedef struct element_lists {
+    int32_t (*triangle)[3], (*quad)[4], (*tetrahedron)[4];
+    int32_t triangles, quads, tetrahedra;
+} element_lists;
+
+/* Quads are cut where the surface has triangles too: file order, two triangles for each quad. */
+static void fill_lists(const reader *r, bool is_mixed, element_lists *out)
 {
-    int32_t triangles = 0;
-    int32_t tetrahedra = 0;
-    int32_t(*triangle)[3] = ss_memory_get((size_t)r->element_count, sizeof *triangle);
-    int32_t(*tetrahedron)[4] = ss_memory_get((size_t)r->element_count, sizeof *tetrahedron);
-    softsim_status status = SOFTSIM_ERROR_FORMAT;
-    if (triangle == NULL || tetrahedron == NULL) {
-        (void)out_of_memory(r);
-        status = SOFTSIM_ERROR_MEMORY;
-        goto done;
-    }
+    const ss_mesh nodes = {.node_count = r->node_count, .position = r->position};
     for (int32_t i = 0; i < r->element_count; ++i) {
         const element *e = &r->element[i];
         if (e->type == TYPE_TRIANGLE) {
-            memcpy(triangle[triangles++], e->node, sizeof *triangle);
+            memcpy(out->triangle[out->triangles++], e->node, sizeof *out->triangle);
+        } else if (e->type == TYPE_QUAD && is_mixed) {
+            ss_mesh_cut_quad(&nodes, e->node, &out->triangle[out->triangles]);
+            out->triangles += 2;
+            ++out->quads;
+        } else if (e->type == TYPE_QUAD) {
+            memcpy(out->quad[out->quads++], e->node, sizeof *out->quad);
         } else if (e->type == TYPE_TETRAHEDRON) {
-            memcpy(tetrahedron[tetrahedra++], e->node, sizeof *tetrahedron);
+            memcpy(out->tetrahedron[out->tetrahedra++], e->node, sizeof *out->tetrahedron);
         }
     }
-    if (r->node_count == 0 || (triangles == 0 && tetrahedra == 0)) {
-        FAULT(r, SOFTSIM_ERROR_FORMAT, "%s: no triangles and no tetrahedra in it: mesh it first",
-              r->name);
-        goto done;
-    }
-    status = ss_mesh_create(r->node_count, (const double(*)[3])r->position,
-                            tetrahedra > 0 ? 0 : triangles, (const int32_t(*)[3])triangle,
-                            tetrahedra, (const int32_t(*)[4])tetrahedron, out_mesh, r->error);
-    if (status == SOFTSIM_OK && !build_groups(r, *out_mesh)) {
-        ss_mesh_destroy(out_mesh);
-        status = SOFTSIM_ERROR_FORMAT;
-    }
+}
 
-done:
-    ss_memory_free(triangle);
-    ss_memory_free(tetrahedron);
+static softsim_status create_mesh(const reader *r, const element_lists *lists, ss_mesh **out_mesh)
+{
+    const double(*position)[3] = (const double(*)[3])r->position;
+    if (lists->tetrahedra == 0 && lists->triangles == 0) {
+        return ss_mesh_create_quads(r->node_count, position, lists->quads,
+                                    (const int32_t(*)[4])lists->quad, out_mesh, r->error);
+    }
+    const bool is_volume = lists->tetrahedra > 0;
+    const softsim_status status =
+        ss_mesh_create(r->node_count, position, is_volume ? 0 : lists->triangles,
+                       (const int32_t(*)[3])lists->triangle, lists->tetrahedra,
+                       (const int32_t(*)[4])lists->tetrahedron, out_mesh, r->error);
+    if (status == SOFTSIM_OK && !is_volume) {
+        (*out_mesh)->cut_face_count = lists->quads;
+    }
+    return status;
+}
+
+static softsim_status build_mesh(reader *r, ss_mesh **out_mesh)
+{
+    int32_t triangles = 0;
+    int32_t quads = 0;
+    int32_t tetrahedra = 0;
+    for (int32_t i = 0; i < r->element_count; ++i) {
+        triangles += r->element[i].type == TYPE_TRIANGLE;
+        quads += r->element[i].type == TYPE_QUAD;
+        tetrahedra += r->element[i].type == TYPE_TETRAHEDRON;
+    }
+    const bool is_mixed = quads > 0 && triangles > 0 && tetrahedra == 0;
+    element_lists lists = {0};
+    lists.triangle = ss_memory_get((size_t)triangles + (is_mixed ? 2 * (size_t)quads : 0),
+                                   sizeof *lists.triangle);
+    lists.quad = ss_memory_get((size_t)quads, sizeof *lists.quad);
+    lists.tetrahedron = ss_memory_get((size_t)tetrahedra, sizeof *lists.tetrahedron);
+    softsim_status status = SOFTSIM_ERROR_FORMAT;
+    if (lists.triangle == NULL || lists.quad == NULL || lists.tetrahedron == NULL) {
+        (void)out_of_memory(r);
+        status = SOFTSIM_ERROR_MEMORY;
+    } else if (r->node_count == 0 || triangles + quads + tetrahedra == 0) {
+        FAULT(r, SOFTSIM_ERROR_FORMAT, "%s: no triangles, quads or tetrahedra in it: mesh it first",
+              r->name);
+    } else {
+        fill_lists(r, is_mixed, &lists);
+        status = create_mesh(r, &lists, out_mesh);
+        if (status == SOFTSIM_OK && !build_groups(r, *out_mesh)) {
+            ss_mesh_destroy(out_mesh);
+            status = SOFTSIM_ERROR_FORMAT;
+        }
+    }
+    ss_memory_free(lists.triangle);
+    ss_memory_free(lists.quad);
+    ss_memory_free(lists.tetrahedron);
     return status;
 }
 

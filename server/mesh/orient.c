@@ -5,7 +5,8 @@
  * then closed parts that enclose a negative volume, and are no cavity, are turned whole. An open
  * part keeps the sense that most of its triangles had. Edges of more than two triangles join
  * nothing: no sense is right there. A one-sided (Moebius) part keeps a seam, which ss_mesh_check
- * names.
+ * names. Quads are turned whole: their halves are neighbours across the diagonal, whatever else
+ * has that edge.
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
@@ -61,6 +62,11 @@ static bool orienter_init(orienter *o, const ss_mesh *mesh)
         }
         i = end;
     }
+    for (int32_t t = 0; t + 1 < mesh->triangle_count && mesh->quad_count > 0; t += 2) {
+        /* (p0, p1, p2) and (p2, p3, p0): the diagonal is the last edge of both. */
+        o->neighbour[t][2] = 3 * (t + 1) + 2;
+        o->neighbour[t + 1][2] = 3 * t + 2;
+    }
     return true;
 }
 
@@ -91,8 +97,15 @@ static void flood(orienter *o, const ss_mesh *mesh, int32_t seed)
     }
 }
 
+/* A quad is turned with its first half. */
 static void turn(ss_mesh *mesh, int32_t t)
 {
+    if (mesh->quad_count > 0) {
+        if (t % 2 == 0) {
+            ss_mesh_turn_quad(mesh, t / 2);
+        }
+        return;
+    }
     int32_t *node = mesh->triangle[t];
     const int32_t second = node[1];
     node[1] = node[2];
@@ -141,7 +154,7 @@ int32_t ss_mesh_orient(ss_mesh *mesh)
         if (turn_parts(&o, mesh)) {
             turned = 0;
             for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-                turned += o.is_turned[t];
+                turned += o.is_turned[mesh->quad_count > 0 ? t - t % 2 : t];
             }
         }
     }

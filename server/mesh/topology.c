@@ -124,6 +124,7 @@ static bool list(const ss_mesh *mesh, const int32_t *element, int32_t element_co
 
 static const int8_t whole[1][4] = {{0, 1, 2, 3}};
 static const int8_t triangle_edge[3][4] = {{0, 1}, {1, 2}, {2, 0}};
+static const int8_t quad_edge[4][4] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
 static const int8_t tetrahedron_edge[6][4] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 /* Face opposite corner c, counter-clockwise from outside when the volume is positive. */
 static const int8_t tetrahedron_face[4][4] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -138,6 +139,16 @@ bool ss_mesh_list_triangles(const ss_mesh *mesh, ss_mesh_tuples *out)
 {
     return list(mesh, (const int32_t *)mesh->triangle, mesh->triangle_count, 3, whole, 1, 3, false,
                 out);
+}
+
+bool ss_mesh_list_quad_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->quad, mesh->quad_count, 4, quad_edge, 4, 2, true, out);
+}
+
+bool ss_mesh_list_quads(const ss_mesh *mesh, ss_mesh_tuples *out)
+{
+    return list(mesh, (const int32_t *)mesh->quad, mesh->quad_count, 4, whole, 1, 4, false, out);
 }
 
 bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out)

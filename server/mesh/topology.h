@@ -27,6 +27,8 @@ bool ss_mesh_has_good_nodes(const ss_mesh *mesh, const int32_t *node, int count)
 /* All of these return false when out of memory; release with ss_mesh_tuples_fini. */
 bool ss_mesh_list_triangle_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 3 t + corner */
 bool ss_mesh_list_triangles(const ss_mesh *mesh, ss_mesh_tuples *out);
+bool ss_mesh_list_quad_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 4 q + corner */
+bool ss_mesh_list_quads(const ss_mesh *mesh, ss_mesh_tuples *out);
 bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id e */
 bool ss_mesh_list_tetrahedron_faces(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 4 e + corner */
 bool ss_mesh_list_tetrahedra(const ss_mesh *mesh, ss_mesh_tuples *out);
@@ -37,6 +39,18 @@ int64_t ss_mesh_run_end(const ss_mesh_tuples *tuples, int64_t begin);
 
 /* Node of corner c of triangle t runs to the node of corner c + 1; is that ascending? */
 bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id);
+
+/* Thirds of the areas of a quad's halves, and of their vectors, to its corners: the mean of both
+ * ways of cutting, or the one that leaves no half flat or folded. The nodes must be good. */
+void ss_mesh_share_quad(const ss_mesh *mesh, const int32_t *quad, double out_area[4],
+                        double out_vector[4][3]);
+/* The halves of a quad by its shape alone. */
+void ss_mesh_cut_quad(const ss_mesh *mesh, const int32_t *quad, int32_t out_triangle[2][3]);
+/* Winds quad q and its halves the other way; u, w and the diagonal stay. */
+void ss_mesh_turn_quad(ss_mesh *mesh, int32_t q);
+/* Turns the quads' corners so that u and w run on over shared sides, and fills in the triangles,
+ * for which there is room. False when out of memory. */
+bool ss_mesh_arrange_quads(ss_mesh *mesh);
 
 /* Union-find with path halving over 0 .. count - 1. */
 void ss_mesh_union_init(int32_t *parent, int32_t count);

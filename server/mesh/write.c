@@ -105,7 +105,12 @@ softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_
                 (void)fprintf(out.file, "v %.9g %.9g %.9g\n", x[0], x[1], x[2]);
             }
         }
-        for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int32_t q = 0; q < mesh->quad_count; ++q) {
+            const int32_t *node = mesh->quad[q];
+            (void)fprintf(out.file, "f %d %d %d %d\n", number[node[0]], number[node[1]],
+                          number[node[2]], number[node[3]]);
+        }
+        for (int32_t t = 0; t < mesh->triangle_count && mesh->quad_count == 0; ++t) {
             const int32_t *node = mesh->triangle[t];
             (void)fprintf(out.file, "f %d %d %d\n", number[node[0]], number[node[1]],
                           number[node[2]]);
@@ -148,14 +153,20 @@ softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_
         const double *x = mesh->position[i];
         (void)fprintf(out.file, "%d %.17g %.17g %.17g\n", i + 1, x[0], x[1], x[2]);
     }
-    int64_t count = (int64_t)mesh->triangle_count + mesh->tetrahedron_count;
+    const int32_t triangle_count = mesh->quad_count > 0 ? 0 : mesh->triangle_count;
+    int64_t count = (int64_t)mesh->quad_count + triangle_count + mesh->tetrahedron_count;
     for (int32_t g = 0; g < mesh->group_count; ++g) {
         count += mesh->group[g].node_count;
     }
     (void)fprintf(out.file, "$EndNodes\n$Elements\n%lld\n", (long long)count);
     int64_t element = 1;
     write_groups(out.file, mesh, &element);
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+    for (int32_t q = 0; q < mesh->quad_count; ++q) {
+        const int32_t *node = mesh->quad[q];
+        (void)fprintf(out.file, "%lld 3 2 0 1 %d %d %d %d\n", (long long)element++, node[0] + 1,
+                      node[1] + 1, node[2] + 1, node[3] + 1);
+    }
+    for (int32_t t = 0; t < triangle_count; ++t) {
         const int32_t *node = mesh->triangle[t];
         (void)fprintf(out.file, "%lld 2 2 0 1 %d %d %d\n", (long long)element++, node[0] + 1,
                       node[1] + 1, node[2] + 1);

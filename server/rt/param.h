@@ -10,13 +10,15 @@
 #include <stdint.h>
 
 typedef enum ss_param_kind {
-    SS_PARAM_NUMBER,   /* one double */
-    SS_PARAM_INTEGER,  /* one integer, kept as a double */
-    SS_PARAM_BOOL,     /* 0 or 1 */
-    SS_PARAM_CHOICE,   /* index into `choices` */
-    SS_PARAM_FIELD,    /* a number, or a value per node by region list or file */
-    SS_PARAM_DIRECTION /* [x, y, z], or a unit vector per surface element (quad or triangle) by file
-                        */
+    SS_PARAM_NUMBER,  /* one double */
+    SS_PARAM_INTEGER, /* one integer, kept as a double */
+    SS_PARAM_BOOL,    /* 0 or 1 */
+    SS_PARAM_CHOICE,  /* index into `choices` */
+    SS_PARAM_FIELD,   /* a number, or a value per node by region list or file */
+    /* [x, y, z] of any length but 0, or one per element by file: normalised. Elements are the
+     * tetrahedra of a volume mesh, else the quads, else the triangles (ss_mesh_element_count). min,
+     * max and fallback mean nothing, and it cannot be live. */
+    SS_PARAM_DIRECTION
 } ss_param_kind;
 
 typedef struct ss_param_row {
@@ -35,7 +37,7 @@ typedef struct ss_param_row {
 typedef struct ss_param_value {
     double number;            /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
     double *per_node;         /* of a FIELD that varies: node_count values; NULL when uniform */
-    double direction[3];      /* of a uniform DIRECTION, a unit vector */
-    double (*per_element)[3]; /* of a DIRECTION by file; NULL when uniform */
+    double direction[3];      /* of a uniform DIRECTION, a unit vector; 0 when not given */
+    double (*per_element)[3]; /* of a DIRECTION by file, unit vectors; NULL when uniform */
     bool is_given;
 } ss_param_value;

@@ -182,6 +182,9 @@ void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
         snprintf(out, size, "a number%s, {file: NAME.csv}, or a list of {where: ..., value: ...}",
                  range);
         break;
+    case SS_SCENE_DIRECTION:
+        snprintf(out, size, "[x, y, z] of any length but 0, or {file: NAME.csv}");
+        break;
     case SS_SCENE_KEYS: {
         char names[160];
         join(row_name, row->child.row, row->child.count, names, sizeof names);
@@ -450,6 +453,34 @@ static void check_field(ss_scene_check *check, const ss_scene_row *row, ss_scene
     }
 }
 
+bool ss_scene_normalise(double v[3])
+{
+    /* By its largest number first, so that no square leaves the range of doubles. */
+    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    double square = 0;
+    for (int k = 0; k < 3 && largest > 0; k++) {
+        v[k] /= largest;
+        square += v[k] * v[k];
+    }
+    for (int k = 0; k < 3 && largest > 0; k++) {
+        v[k] /= sqrt(square);
+    }
+    return largest > 0;
+}
+
+/* [x, y, z], or {file: NAME.csv}. */
+static void check_direction(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
+{
+    if (node->kind == SS_SCENE_MAP) {
+        check_keys(check, node, ss_scene_directions);
+        return;
+    }
+    double direction[3];
+    if (check_vector(check, row, node, direction) && !ss_scene_normalise(direction)) {
+        fault_value(check, row, node, "has no length");
+    }
+}
+
 /* The model's name picks the table for the other keys. */
 static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
 {
@@ -500,7 +531,16 @@ ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
     static const ss_scene_kind kind[] = {
         [SS_PARAM_NUMBER] = SS_SCENE_NUMBER, [SS_PARAM_INTEGER] = SS_SCENE_INTEGER,
         [SS_PARAM_BOOL] = SS_SCENE_BOOL,     [SS_PARAM_CHOICE] = SS_SCENE_CHOICE,
-        [SS_PARAM_FIELD] = SS_SCENE_FIELD,   [SS_PARAM_DIRECTION] = SS_SCENE_VECTOR};
+        [SS_PARAM_FIELD] = SS_SCENE_FIELD,   [SS_PARAM_DIRECTION] = SS_SCENE_DIRECTION};
+    if (param->kind == SS_PARAM_DIRECTION) {
+        return (ss_scene_row){.name = param->name,
+                              .kind = SS_SCENE_DIRECTION,
+                              .min = -INFINITY,
+                              .max = INFINITY,
+                              .is_required = param->is_required,
+                              .fallback = NAN,
+                              .help = param->help};
+    }
     return (ss_scene_row){.name = param->name,
                           .kind = kind[param->kind],
                           .min = param->min,
@@ -576,6 +616,9 @@ static void check_value(ss_scene_check *check, const ss_scene_row *row, ss_scene
         break;
     case SS_SCENE_FIELD:
         check_field(check, row, node);
+        break;
+    case SS_SCENE_DIRECTION:
+        check_direction(check, row, node);
         break;
     case SS_SCENE_MODEL:
         check_model(check, row, node);
@@ -664,7 +707,10 @@ static void check_required(ss_scene_check *check, ss_scene_node *node, ss_scene_
     ss_scene_node_path(node, path, sizeof path);
     for (int32_t i = 0; i < table.count; i++) {
         const ss_scene_row *row = &table.row[i];
-        if (row->is_required && ss_scene_node_find(node, row->name) == NULL &&
+        const bool is_excused =
+            (row->needs != NULL && ss_scene_node_find(node, row->needs) == NULL) ||
+            (row->unless != NULL && ss_scene_node_find(node, row->unless) != NULL);
+        if (row->is_required && !is_excused && ss_scene_node_find(node, row->name) == NULL &&
             (ss_scene_report_is_full(check->report) || !is_misspelt(node, table, row->name))) {
             ss_scene_describe(row, expected, sizeof expected);
             ss_scene_key_fault(check->report, node, "%s%s%s is missing; give %s", path,
@@ -724,6 +770,9 @@ static void check_keys(ss_scene_check *check, ss_scene_node *node, ss_scene_tabl
                                (long long)ss_scene_report_line(check->report, earlier->key_offset));
         } else if (row == NULL) {
             fault_unknown(check, child, table);
+        } else if (row->needs != NULL && ss_scene_node_find(node, row->needs) == NULL) {
+            ss_scene_key_fault(check->report, child, "'%s' goes with '%s', which is not given",
+                               row->name, row->needs);
         } else {
             check_value(check, row, child);
         }

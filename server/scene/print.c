@@ -235,6 +235,12 @@ static void print_row(printer *p, int indent, const ss_scene_row *row, const ss_
 /* Keys that exclude one another: the working force is silent beside a given stiffness. */
 static bool is_printed(const ss_scene_row *row, const ss_scene_node *node, const ss_scene_node *map)
 {
+    if (row->needs != NULL && ss_scene_node_find(map, row->needs) == NULL) {
+        return false;
+    }
+    if (row->one_of != 0 && row->kind == SS_SCENE_KEYS) {
+        return node != NULL;
+    }
     if (row->kind == SS_SCENE_ENTRIES) {
         return node != NULL && node->count > 0;
     }
@@ -263,9 +269,11 @@ static void print_model(printer *p, const ss_scene_node *map)
         const ss_param_value *value = &p->scene->param[i - 1];
         comment_of(row, comment, sizeof comment);
         begin(p, 1);
-        if (value->per_node == NULL && isnan(value->number)) {
+        const bool is_direction = row->kind == SS_SCENE_DIRECTION;
+        const bool is_flow = value->per_node != NULL || (is_direction && value->is_given);
+        if (!is_flow && isnan(value->number)) {
             fprintf(p->stream, "# %s:", row->name);
-        } else if (value->per_node != NULL) {
+        } else if (is_flow) {
             fprintf(p->stream, "%s: ", row->name);
             put_flow(p, ss_scene_node_find(map, row->name));
         } else {

@@ -151,27 +151,34 @@ static int split(char *line, char *cell[MAX_CELLS])
     return count;
 }
 
-/* A node number in a data file; -1 after a fault. Marks it in the mask: twice is a fault. */
-static int32_t take_node(data_file *file, const char *text)
+/* The number of a node or element (`what`) below `count` in a data file; -1 after a fault. Marks it
+ * in `mask`: twice is a fault. */
+static int32_t take_number(data_file *file, const char *text, const char *what, int32_t count,
+                           uint8_t *mask)
 {
-    const ss_mesh *mesh = file->space->mesh;
     double value = 0;
     if (ss_scene_parse_number(text, &value) != SS_SCENE_GOOD || value != floor(value)) {
-        fault_line(file, "'%.40s' is not a node number", text);
+        fault_line(file, "'%.40s' is not %s number", text,
+                   what[0] == 'e' ? "an element" : "a node");
         return -1;
     }
-    if (value < 0 || value >= mesh->node_count) {
-        fault_line(file, "there is no node %.40s; the mesh has nodes 0 to %d", text,
-                   (int)mesh->node_count - 1);
+    if (value < 0 || value >= count) {
+        fault_line(file, "there is no %s %.40s; the mesh has %ss 0 to %d", what, text, what,
+                   (int)count - 1);
         return -1;
     }
-    const int32_t node = (int32_t)value;
-    if (file->space->mask[node]) {
-        fault_line(file, "node %d is given twice; remove one", (int)node);
+    const int32_t number = (int32_t)value;
+    if (mask[number]) {
+        fault_line(file, "%s %d is given twice; remove one", what, (int)number);
         return -1;
     }
-    file->space->mask[node] = 1;
-    return node;
+    mask[number] = 1;
+    return number;
+}
+
+static int32_t take_node(data_file *file, const char *text)
+{
+    return take_number(file, text, "node", file->space->mesh->node_count, file->space->mask);
 }
 
 /* The header line must be the one that names the columns. */
@@ -342,14 +349,55 @@ int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map)
     return count;
 }
 
+/* ---- the nodes of a grid --------------------------------------------------------------------- */
+
+bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double metres, int32_t count,
+                          double (*out_position)[3])
+{
+    data_file file;
+    if (!open_data(&file, space, node)) {
+        return false;
+    }
+    int32_t used = 0;
+    char *line = take_header(&file, "x,y,z") ? next_line(&file) : NULL;
+    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+        char *cell[MAX_CELLS];
+        double x[3] = {0, 0, 0};
+        bool is_good = split(line, cell) == 3;
+        for (int k = 0; k < 3 && is_good; k++) {
+            is_good = ss_scene_parse_number(cell[k], &x[k]) == SS_SCENE_GOOD;
+        }
+        if (!is_good) {
+            fault_line(&file, "not a point; each row is x,y,z: three finite numbers");
+        } else if (used == count) {
+            fault_line(&file, "more points than the grid has: rows times columns is %d",
+                       (int)count);
+            break;
+        } else {
+            for (int k = 0; k < 3; k++) {
+                out_position[used][k] = metres * x[k];
+            }
+            used++;
+        }
+    }
+    if (file.faults == 0 && used < count) {
+        fault_line(&file, "the file ends after %d points; rows times columns is %d", (int)used,
+                   (int)count);
+    }
+    const bool is_good = file.faults == 0;
+    close_data(&file);
+    return is_good;
+}
+
 /* ---- values per node ------------------------------------------------------------------------- */
 
-/* A fault for nodes without a value, if there are any. */
-static bool has_all(ss_scene_space *space, ss_scene_node *node, const uint8_t *has)
+/* A fault for nodes or elements (`what`) without a value, if there are any. */
+static bool has_all(ss_scene_space *space, ss_scene_node *node, const char *what, int32_t count,
+                    const uint8_t *has)
 {
     int32_t missing = 0;
     int32_t first = -1;
-    for (int32_t i = 0; i < space->mesh->node_count; i++) {
+    for (int32_t i = 0; i < count; i++) {
         if (!has[i]) {
             first = first < 0 ? i : first;
             missing++;
@@ -358,11 +406,10 @@ static bool has_all(ss_scene_space *space, ss_scene_node *node, const uint8_t *h
     if (missing > 0) {
         char path[256];
         ss_scene_node_path(node, path, sizeof path);
-        ss_scene_node_fault(space->report, node,
-                            "%s gives no value to %d nodes, the first is %d; %s", path,
-                            (int)missing, (int)first,
+        ss_scene_node_fault(space->report, node, "%s gives no value to %d %ss, the first is %d; %s",
+                            path, (int)missing, what, (int)first,
                             node->kind == SS_SCENE_LIST ? "end the list with {value: ...}"
-                                                        : "give every node a row");
+                                                        : "give every one a row");
     }
     return missing == 0;
 }
@@ -398,7 +445,7 @@ static bool read_field_file(ss_scene_space *space, const ss_scene_row *row, ss_s
     }
     const bool is_good = file.faults == 0;
     close_data(&file);
-    return is_good && has_all(space, name, space->mask);
+    return is_good && has_all(space, name, "node", space->mesh->node_count, space->mask);
 }
 
 /* First match wins. */
@@ -427,7 +474,7 @@ static bool read_field_regions(ss_scene_space *space, ss_scene_node *list, doubl
             }
         }
     }
-    is_good = is_good && has_all(space, list, has);
+    is_good = is_good && has_all(space, list, "node", node_count, has);
     free(has);
     return is_good;
 }
@@ -437,6 +484,50 @@ bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scen
 {
     return node->kind == SS_SCENE_MAP ? read_field_file(space, row, node, out_value)
                                       : read_field_regions(space, node, out_value);
+}
+
+bool ss_scene_read_directions(ss_scene_space *space, ss_scene_node *node,
+                              double (*out_direction)[3])
+{
+    data_file file;
+    ss_scene_node *name = ss_scene_node_find(node, "file");
+    const int32_t count = ss_mesh_element_count(space->mesh);
+    uint8_t *has = calloc((size_t)count, 1);
+    if (has == NULL) {
+        ss_scene_node_fault(space->report, name, "out of memory");
+        return false;
+    }
+    if (!open_data(&file, space, name)) {
+        free(has);
+        return false;
+    }
+    char *line = take_header(&file, "element,x,y,z") ? next_line(&file) : NULL;
+    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+        char *cell[MAX_CELLS];
+        double v[3] = {0, 0, 0};
+        if (split(line, cell) != 4) {
+            fault_line(&file, "not four cells; each row is element,x,y,z");
+            continue;
+        }
+        const int32_t e = take_number(&file, cell[0], "element", count, has);
+        bool is_good = e >= 0;
+        for (int k = 0; k < 3 && is_good; k++) {
+            is_good = ss_scene_parse_number(cell[k + 1], &v[k]) == SS_SCENE_GOOD;
+            if (!is_good) {
+                fault_line(&file, "'%.40s' is not a finite number", cell[k + 1]);
+            }
+        }
+        if (is_good && !ss_scene_normalise(v)) {
+            fault_line(&file, "the direction of element %d has no length", (int)e);
+        } else if (is_good) {
+            memcpy(out_direction[e], v, sizeof v);
+        }
+    }
+    const bool is_good = file.faults == 0;
+    close_data(&file);
+    const bool is_whole = is_good && has_all(space, name, "element", count, has);
+    free(has);
+    return is_whole;
 }
 
 int32_t ss_scene_read_displacement(ss_scene_space *space, ss_scene_node *node,

@@ -19,6 +19,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scene/grid.h"
 #include "scene/region.h"
 #include "scene/source.h"
 
@@ -167,30 +168,44 @@ static void transform(loader *l, const ss_scene_node *object)
     }
 }
 
-/* Loads, transforms and judges the mesh; on success the regions can be resolved. */
-static bool take_mesh(loader *l)
+/* The object's mesh from its file. */
+static bool load_mesh(loader *l, ss_scene_node *file, const ss_scene_node *units)
 {
     char path[2048];
+    if (!find_file(l, file, path, sizeof path) || units == NULL) {
+        return false;
+    }
+    const int32_t before = l->mesh_error->fault_count;
+    const softsim_status status =
+        ss_mesh_load(path, metres_of(units), l->import_program, &l->scene->mesh, l->mesh_error);
+    if (status != SOFTSIM_OK && l->mesh_error->fault_count == before) {
+        softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
+                          softsim_status_text(status));
+    }
+    return status == SOFTSIM_OK;
+}
+
+static bool make_grid(loader *l, ss_scene_node *grid, const ss_scene_node *units)
+{
+    const double metres = units != NULL ? metres_of(units) : 0;
+    return ss_scene_make_grid(&l->space, grid, metres, &l->scene->mesh, l->mesh_error);
+}
+
+/* Loads or makes, transforms and judges the mesh; on success the regions can be resolved. */
+static bool take_mesh(loader *l)
+{
     ss_scene_node *object = ss_scene_node_find(l->root, "object");
     ss_scene_node *file = good(ss_scene_node_find(object, "mesh"));
+    ss_scene_node *grid = good(ss_scene_node_find(object, "grid"));
     ss_scene_node *units = good(ss_scene_node_find(object, "units"));
     ss_scene_node *map = ss_scene_node_find(object, "transform");
     ss_scene_node *repair = good(ss_scene_node_find(object, "repair"));
-    if (file == NULL || !find_file(l, file, path, sizeof path) || units == NULL ||
-        (map != NULL && map->is_faulty)) {
+    ss_scene_node *source = file != NULL ? file : grid;
+    if (source == NULL || (map != NULL && map->is_faulty) ||
+        (file != NULL ? !load_mesh(l, file, units) : !make_grid(l, grid, units))) {
         return false;
     }
     ss_scene *scene = l->scene;
-    const int32_t before = l->mesh_error->fault_count;
-    const softsim_status status =
-        ss_mesh_load(path, metres_of(units), l->import_program, &scene->mesh, l->mesh_error);
-    if (status != SOFTSIM_OK || scene->mesh == NULL) {
-        if (l->mesh_error->fault_count == before) {
-            softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
-                              softsim_status_text(status));
-        }
-        return false;
-    }
     transform(l, object);
     if (repair != NULL && strcmp(repair->text, "true") == 0) {
         scene->turned_triangles = ss_mesh_orient(scene->mesh);
@@ -200,13 +215,16 @@ static bool take_mesh(loader *l)
         }
     }
     if (l->model != NULL && l->model->needs_volume && scene->mesh->tetrahedron_count == 0) {
-        ss_scene_node_fault(l->report, file,
+        ss_scene_node_fault(l->report, source,
                             "%s needs a volume, and '%.100s' is a surface; make tetrahedra with "
                             "softsim-mesh tetrahedralize",
-                            l->model->name, file->text);
+                            l->model->name, file != NULL ? file->text : "object.grid");
     }
+    char name[2048];
+    ss_scene_join_path(l->space.folder, file != NULL ? file->text : "object.grid", name,
+                       sizeof name);
     const int32_t node_count = scene->mesh->node_count;
-    if (ss_mesh_accept(scene->mesh, path, l->mesh_error) != SOFTSIM_OK || node_count < 1) {
+    if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK) {
         return false;
     }
     l->space.mesh = scene->mesh;
@@ -247,7 +265,24 @@ static void take_fixed(loader *l)
     }
 }
 
-/* Rows of the model's table; those that vary over the nodes need the mesh. */
+/* A uniform direction, or one per element. */
+static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value, bool has_mesh)
+{
+    if (node->kind == SS_SCENE_LIST) {
+        ss_scene_get_vector(node, value->direction);
+        ss_scene_normalise(value->direction);
+    } else if (has_mesh) {
+        const size_t count = (size_t)ss_mesh_element_count(l->scene->mesh);
+        value->per_element = calloc(count, sizeof *value->per_element);
+        if (value->per_element == NULL) {
+            fault_memory(l);
+            return;
+        }
+        ss_scene_read_directions(&l->space, node, value->per_element);
+    }
+}
+
+/* Rows of the model's table; those that vary over the mesh need it. */
 static void take_parameters(loader *l, bool has_mesh)
 {
     ss_scene *scene = l->scene;
@@ -266,7 +301,9 @@ static void take_parameters(loader *l, bool has_mesh)
         if (good(node) == NULL) {
             continue;
         }
-        if (node->kind == SS_SCENE_SCALAR) {
+        if (row->kind == SS_SCENE_DIRECTION) {
+            take_direction(l, node, value, has_mesh);
+        } else if (node->kind == SS_SCENE_SCALAR) {
             char why[96];
             ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
         } else if (has_mesh) {
@@ -526,6 +563,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
     }
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
         free(scene->param[i].per_node);
+        free(scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
         if (scene->tool[i].is_used) {

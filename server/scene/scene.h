@@ -93,6 +93,11 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
                                   softsim_error *error);
 void ss_scene_destroy(ss_scene **scene);
 
+/* Numbers nodes and elements of a loaded scene by place (ss_mesh_renumber), and with them all that
+ * is kept by number here: a world's memory. What a user reads or writes stays in the file's
+ * numbers, by the mesh's file_node and file_element. Once. False when out of memory. */
+bool ss_scene_renumber(ss_scene *scene);
+
 /* Effective values as YAML, each with its unit, range, default and whether `set` reaches it. */
 void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
                     void (*line)(void *sink, const char *text), void *sink);

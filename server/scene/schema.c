@@ -96,6 +96,14 @@ static const ss_scene_row values_row[] = {
 };
 const ss_scene_table ss_scene_values = TABLE(values_row);
 
+static const ss_scene_row directions_row[] = {
+    {.name = "file",
+     .kind = SS_SCENE_FILE,
+     .is_required = true,
+     .help = "CSV with the header element,x,y,z and a row for every element"},
+};
+const ss_scene_table ss_scene_directions = TABLE(directions_row);
+
 static const ss_scene_row fixed_row[] = {REGION_ROWS('R'), AXES_ROW};
 
 /* ---- object -------------------------------------------------------------------------------------
@@ -121,16 +129,68 @@ static const ss_scene_row transform_row[] = {
      .max = FAR,
      .help = "moved by this, last"},
 };
+/* Grids: mesh.h says how their nodes and elements are numbered. */
+#define COUNT_ROW(key, least, text)                                                                \
+    {                                                                                              \
+        .name = (key), .kind = SS_SCENE_INTEGER, .min = (least), .max = SS_MESH_MAX_GRID,          \
+        .is_required = true, .help = (text)                                                        \
+    }
+#define SIZE_ROW(key, text)                                                                        \
+    {                                                                                              \
+        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "m", .max = FAR, .exclusive_min = true,    \
+        .is_required = true, .help = (text)                                                        \
+    }
+static const ss_scene_row cylinder_grid_row[] = {
+    COUNT_ROW("rows", 2, "rings of nodes, from z = -length/2 to length/2; the direction u"),
+    COUNT_ROW("columns", 3, "nodes of a ring, from +x towards +y; the direction w"),
+    SIZE_ROW("radius_m", "its radius, about z"),
+    SIZE_ROW("length_m", "along z, open at both ends"),
+};
+static const ss_scene_row plane_grid_row[] = {
+    COUNT_ROW("rows", 2, "nodes along y; the direction u"),
+    COUNT_ROW("columns", 2, "nodes along x; the direction w"),
+    SIZE_ROW("width_m", "along x, about the origin"),
+    SIZE_ROW("height_m", "along y, about the origin"),
+};
+static const ss_scene_row grid_row[] = {
+    {.name = "cylinder", .kind = SS_SCENE_KEYS, .one_of = 'G', .child = TABLE(cylinder_grid_row)},
+    {.name = "plane", .kind = SS_SCENE_KEYS, .one_of = 'G', .child = TABLE(plane_grid_row)},
+    {.name = "file",
+     .kind = SS_SCENE_FILE,
+     .one_of = 'G',
+     .help = "CSV with the header x,y,z: rows times columns nodes in object.units, row by row"},
+    {.name = "rows",
+     .kind = SS_SCENE_INTEGER,
+     .min = 2,
+     .max = SS_MESH_MAX_GRID,
+     .is_required = true,
+     .needs = "file",
+     .help = "of the file's nodes; the direction u runs from row to row"},
+    {.name = "columns",
+     .kind = SS_SCENE_INTEGER,
+     .min = 2,
+     .max = SS_MESH_MAX_GRID,
+     .is_required = true,
+     .needs = "file",
+     .help = "nodes of a row; the direction w"},
+    {.name = "closed",
+     .kind = SS_SCENE_CHOICE,
+     .choices = "none|rows|columns",
+     .needs = "file",
+     .help = "what runs back to its first: the last row, or the last column"},
+};
 static const ss_scene_row object_row[] = {
     {.name = "mesh",
      .kind = SS_SCENE_FILE,
-     .is_required = true,
-     .help = "surface (OBJ STL PLY GLB) or volume (MSH)"},
+     .one_of = 'M',
+     .help = "surface (OBJ STL PLY GLB MSH) or volume (MSH)"},
+    {.name = "grid", .kind = SS_SCENE_KEYS, .one_of = 'M', .child = TABLE(grid_row)},
     {.name = "units",
      .kind = SS_SCENE_CHOICE,
      .choices = UNITS,
      .is_required = true,
-     .help = "of the mesh file"},
+     .unless = "grid",
+     .help = "of the file of the mesh, or of a grid's nodes"},
     {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
     {.name = "repair",
      .kind = SS_SCENE_BOOL,

@@ -16,15 +16,16 @@ typedef enum ss_scene_kind {
     SS_SCENE_CHOICE,
     SS_SCENE_RATE, /* a number, or the word auto (kept as 0) */
     SS_SCENE_TEXT,
-    SS_SCENE_FILE,   /* a path relative to the scene */
-    SS_SCENE_VECTOR, /* [x, y, z] */
-    SS_SCENE_BOX,    /* [[x, y, z], [x, y, z]], the lower corner first */
-    SS_SCENE_AXES,   /* a subset of xyz */
-    SS_SCENE_NODES,  /* [0, 1, 2], or a file with one number a line */
-    SS_SCENE_FIELD,  /* a number, {file: ...} or a list of regions */
-    SS_SCENE_KEYS,   /* a mapping, keys from `child` */
-    SS_SCENE_MODEL,  /* a mapping, keys from the chosen model */
-    SS_SCENE_ENTRIES /* a list of mappings, keys from `child` */
+    SS_SCENE_FILE,      /* a path relative to the scene */
+    SS_SCENE_VECTOR,    /* [x, y, z] */
+    SS_SCENE_BOX,       /* [[x, y, z], [x, y, z]], the lower corner first */
+    SS_SCENE_AXES,      /* a subset of xyz */
+    SS_SCENE_NODES,     /* [0, 1, 2], or a file with one number a line */
+    SS_SCENE_FIELD,     /* a number, {file: ...} or a list of regions */
+    SS_SCENE_DIRECTION, /* [x, y, z] of a length, or {file: ...} */
+    SS_SCENE_KEYS,      /* a mapping, keys from `child` */
+    SS_SCENE_MODEL,     /* a mapping, keys from the chosen model */
+    SS_SCENE_ENTRIES    /* a list of mappings, keys from `child` */
 } ss_scene_kind;
 
 typedef struct ss_scene_row ss_scene_row;
@@ -43,6 +44,8 @@ struct ss_scene_row {
     bool is_required;
     char one_of;          /* keys of a table with the same letter: A..Z exactly one of them must be
                              given, a..z at most one; 0: independent */
+    const char *needs;    /* a key of the same mapping without which this one means nothing */
+    const char *unless;   /* a key of the same mapping beside which this one is not required */
     double fallback;      /* of numbers, choices (index) and each component of a vector */
     const char *choices;  /* "a|b|c" */
     const char *help;     /* NULL: the key is described by its table */
@@ -51,9 +54,10 @@ struct ss_scene_row {
     int32_t live;         /* 1 + ss_scene_live_key, 0: not while running */
 };
 
-extern const ss_scene_table ss_scene_root;   /* of the file */
-extern const ss_scene_table ss_scene_where;  /* of a region list's `where` */
-extern const ss_scene_table ss_scene_values; /* of a field given by file */
+extern const ss_scene_table ss_scene_root;       /* of the file */
+extern const ss_scene_table ss_scene_where;      /* of a region list's `where` */
+extern const ss_scene_table ss_scene_values;     /* of a field given by file */
+extern const ss_scene_table ss_scene_directions; /* of a direction given by file */
 
 /* Metres of choice k of a `units` key. */
 extern const double ss_scene_unit_metres[];
@@ -95,3 +99,5 @@ ss_scene_row ss_scene_row_of_param(const ss_param_row *param);
 /* Values of checked nodes: `fallback` when the key is absent. */
 double ss_scene_get_number(const ss_scene_node *map, const char *key, double fallback);
 bool ss_scene_get_vector(const ss_scene_node *list, double out[3]);
+/* Makes v a unit vector; false when it has no length. Its numbers are finite. */
+bool ss_scene_normalise(double v[3]);

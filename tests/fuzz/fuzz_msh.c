@@ -30,6 +30,13 @@ static void examine(ss_mesh *mesh)
     free(area);
     require(ss_mesh_check(mesh, &report) == SOFTSIM_OK);
     require(report.non_finite.count == 0 && report.bad_index.count == 0);
+    require(mesh->quad_count == 0 || mesh->triangle_count == 2 * mesh->quad_count);
+    require(mesh->quad_count == 0 || (mesh->tetrahedron_count == 0 && mesh->cut_face_count == 0));
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            require(mesh->triangle[t][k] >= 0 && mesh->triangle[t][k] < mesh->node_count);
+        }
+    }
     for (int32_t g = 0; g < mesh->group_count; ++g) {
         const ss_mesh_group *group = &mesh->group[g];
         require(group->node_count > 0 && memchr(group->name, '\0', sizeof group->name) != NULL);

@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * libFuzzer over scenes: the text, and after a byte 0xff the overrides, each ended by another. The
- * folder holds a mesh (cube.msh), a list of nodes (nodes.txt) and values (values.csv). A scene is
+ * folder holds a mesh (cube.msh), a list of nodes (nodes.txt), values (values.csv), directions
+ * (grain.csv) and the nodes of a grid (points.csv). A scene is
  * either refused with a fault, or printed; what was printed must load, and print the same again.
  * Build: clang -fsanitize=fuzzer,address,undefined, with ss_scene.
  */
@@ -52,6 +53,7 @@ static const ss_param_row jelly_row[] = {
      .is_live = true,
      .fallback = NAN,
      .help = "bound"},
+    {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
 };
 static const ss_scene_model model = {
     .name = "jelly", .row = jelly_row, .row_count = sizeof jelly_row / sizeof *jelly_row};
@@ -89,7 +91,9 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
         const char *name, *text;
     } file[] = {{"cube.msh", cube},
                 {"nodes.txt", "1\n2\n"},
-                {"values.csv", "node,value\n0,1\n1,2\n2,3\n3,4\n"}};
+                {"values.csv", "node,value\n0,1\n1,2\n2,3\n3,4\n"},
+                {"points.csv", "x,y,z\n0,0,0\n9,0,0\n0,9,0\n9,9,1\n"},
+                {"grain.csv", "element,x,y,z\n0,1,0,0\n1,0,1,0\n2,0,0,1\n3,1,1,1\n"}};
     for (size_t i = 0; i < sizeof file / sizeof *file; i++) {
         snprintf(name, sizeof name, "%s/%s", folder, file[i].name);
         write_file(name, file[i].text);

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-mesh generate: organs (shape.h, spread.h) and the two open grids of triangles with
- * alternating diagonals. The cylinder's axis is z, its rows are rings from -length/2 to length/2,
- * its columns start at +x and turn towards +y; the plane lies in z = 0, rows along y. Node
- * row * columns + column of a grid stays that through OBJ and import.
+ * softsim-mesh generate: organs (shape.h, spread.h) and the two open grids (mesh.h: their places
+ * and numbers), as quads or as their triangles with alternating diagonals. Node row * columns +
+ * column of a grid stays that through OBJ and import.
  */
 #include "command.h"
 #include "mesh/mesh.h"
 #include "rt/args.h"
-#include "rt/memory.h"
 #include "rt/vec.h"
 #include "spread.h"
 
@@ -35,96 +33,29 @@ typedef struct request {
     double size_mm[3], radius_m, length_m, width_m, height_m;
     const char *out;
     int32_t units;
+    bool keeps_quads;
 } request;
 
 /* ---- grids -------------------------------------------------------------------------------------
  */
 
-typedef struct grid {
-    int32_t rows, columns;
-    bool is_ring; /* the last column is beside the first */
-    double (*position)[3];
-    int32_t (*triangle)[3];
-    int32_t triangle_count;
-} grid;
-
-static bool grid_init(grid *g, int64_t rows, int64_t columns, bool is_ring)
-{
-    const int64_t quads = (rows - 1) * (columns - (is_ring ? 0 : 1));
-    *g = (grid){.rows = (int32_t)rows, .columns = (int32_t)columns, .is_ring = is_ring};
-    g->position = ss_memory_get((size_t)(rows * columns), sizeof *g->position);
-    g->triangle = ss_memory_get(2 * (size_t)quads, sizeof *g->triangle);
-    return g->position != NULL && g->triangle != NULL;
-}
-
-static void grid_fini(grid *g)
-{
-    ss_memory_free(g->position);
-    ss_memory_free(g->triangle);
-}
-
-/* Quads (row, column) .. (row + 1, column + 1), wound counter-clockwise where columns run right
- * and rows run up; the diagonal turns with row + column. */
-static void grid_triangulate(grid *g)
-{
-    for (int32_t r = 0; r + 1 < g->rows; ++r) {
-        for (int32_t c = 0; c < g->columns - (g->is_ring ? 0 : 1); ++c) {
-            const int32_t right = (c + 1) % g->columns;
-            const int32_t q[4] = {r * g->columns + c, r * g->columns + right,
-                                  (r + 1) * g->columns + right, (r + 1) * g->columns + c};
-            const int start = (r + c) % 2;
-            for (int half = 0; half < 2; ++half) {
-                int32_t *triangle = g->triangle[g->triangle_count++];
-                const int first = start + 2 * half;
-                triangle[0] = q[first % 4];
-                triangle[1] = q[(first + 1) % 4];
-                triangle[2] = q[(first + 2) % 4];
-            }
-        }
-    }
-}
-
-static void place_cylinder(grid *g, double radius, double length)
-{
-    for (int32_t r = 0; r < g->rows; ++r) {
-        for (int32_t c = 0; c < g->columns; ++c) {
-            const double phi = 2.0 * 3.14159265358979323846 * c / g->columns;
-            ss_set3(g->position[r * g->columns + c], radius * cos(phi), radius * sin(phi),
-                    length * r / (g->rows - 1) - 0.5 * length);
-        }
-    }
-}
-
-static void place_plane(grid *g, double width, double height)
-{
-    for (int32_t r = 0; r < g->rows; ++r) {
-        for (int32_t c = 0; c < g->columns; ++c) {
-            ss_set3(g->position[r * g->columns + c], width * c / (g->columns - 1) - 0.5 * width,
-                    height * r / (g->rows - 1) - 0.5 * height, 0.0);
-        }
-    }
-}
-
 static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *error)
 {
-    grid g;
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    const bool is_ring = q->shape == SHAPE_CYLINDER;
-    if (grid_init(&g, q->rows, q->columns, is_ring)) {
-        if (is_ring) {
-            place_cylinder(&g, q->radius_m, q->length_m);
-        } else {
-            place_plane(&g, q->width_m, q->height_m);
-        }
-        grid_triangulate(&g);
-        status =
-            ss_mesh_create(g.rows * g.columns, (const double(*)[3])g.position, g.triangle_count,
-                           (const int32_t(*)[3])g.triangle, 0, NULL, out, error);
-    } else {
-        softsim_error_add(error, status, "out of memory for %lld points",
-                          (long long)(q->rows * q->columns));
+    const int32_t rows = (int32_t)q->rows;
+    const int32_t columns = (int32_t)q->columns;
+    ss_mesh *grid = NULL;
+    softsim_status status =
+        q->shape == SHAPE_CYLINDER
+            ? ss_mesh_create_cylinder(rows, columns, q->radius_m, q->length_m, &grid, error)
+            : ss_mesh_create_plane(rows, columns, q->width_m, q->height_m, &grid, error);
+    if (status != SOFTSIM_OK || q->keeps_quads) {
+        *out = grid;
+        return status;
     }
-    grid_fini(&g);
+    status =
+        ss_mesh_create(grid->node_count, (const double(*)[3])grid->position, grid->triangle_count,
+                       (const int32_t(*)[3])grid->triangle, 0, NULL, out, error);
+    ss_mesh_destroy(&grid);
     return status;
 }
 
@@ -196,6 +127,7 @@ static void complete(request *q, const char *size, softsim_error *error)
     need(q->length_m != 0.0, is_cylinder, "--length-m", name, error);
     need(q->width_m != 0.0, is_plane, "--width-m", name, error);
     need(q->height_m != 0.0, is_plane, "--height-m", name, error);
+    need(q->keeps_quads, is_grid, "--grid", name, error);
     if (size != NULL && !parse_size(size, q->size_mm)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--size-mm: '%s' is not X,Y,Z: three lengths of 1 to 1e6, none more "
@@ -241,13 +173,15 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         {"--length-m", SS_ARG_NUMBER, &q->length_m, 1e-6, 1e3, "L", "cylinder (4)"},
         {"--width-m", SS_ARG_NUMBER, &q->width_m, 1e-6, 1e3, "W", "plane: along x (0.1)"},
         {"--height-m", SS_ARG_NUMBER, &q->height_m, 1e-6, 1e3, "H", "plane: along y (0.1)"},
+        {"--grid", SS_ARG_FLAG, &q->keeps_quads, 0, 0, "",
+         "cylinder, plane: as quads, not as triangles"},
         {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS,
          "of the file (organs: mm; cylinder, plane: m)"},
         {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE", ".obj or .msh (SHAPE.obj)"},
     };
     const ss_args_result result =
         ss_args_parse(argc, argv, "kidney|liver|ellipsoid|cylinder|plane [options]",
-                      "Writes a surface of well-shaped triangles.", rows,
+                      "Writes a surface of well-shaped triangles or quads.", rows,
                       (int32_t)(sizeof rows / sizeof rows[0]), &shape, 1, 1, &count, error);
     if (result == SS_ARGS_DONE || count < 1) {
         return result;
@@ -313,8 +247,10 @@ int command_generate(int argc, char **argv)
         status = write_mesh(mesh, &q, path, &error);
     }
     if (status == SOFTSIM_OK) {
-        (void)printf("%s: %d nodes, %d triangles, in %s\n", path, mesh->node_count,
-                     mesh->triangle_count, unit_name(q.units));
+        const bool has_quads = mesh->quad_count > 0;
+        (void)printf("%s: %d nodes, %d %s, in %s\n", path, mesh->node_count,
+                     has_quads ? mesh->quad_count : mesh->triangle_count,
+                     has_quads ? "quads" : "triangles", unit_name(q.units));
     }
     ss_mesh_destroy(&mesh);
     return status == SOFTSIM_OK ? 0 : fail("softsim-mesh", &error, 1);

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-import FILE: reads a surface with assimp and writes its triangles to stdout as
- * mesh/import.h says. A program of its own because assimp ends the process or runs for ever on
- * some damaged files: it sets itself limits on memory and CPU time before it opens anything.
+ * softsim-import FILE: reads a surface with assimp and writes its faces to stdout as mesh/import.h
+ * says: quads when all are quads, else triangles, which assimp cuts. A program of its own because
+ * assimp ends the process or runs for ever on some damaged files: it sets itself limits on memory
+ * and CPU time before it opens anything.
  *
  * Vertices are joined where their positions are equal, across all the file's meshes. (assimp's own
  * joining stays within one mesh, so that a body of two materials would fall apart, and takes a NaN
  * for equal to anything.) Those of an OBJ file keep
- * the file's order and digits (obj.h), the others assimp's: that in which triangles first use
- * them. Vertices without a triangle are left out. Normals, texture coordinates and the like are
+ * the file's order and digits (obj.h), the others assimp's: that in which faces first use
+ * them. Vertices without a face are left out. Normals, texture coordinates and the like are
  * removed first, or they would keep vertices apart.
  */
 #include "mesh/import.h"
@@ -40,11 +41,13 @@
 #define IS_SANITIZED 0
 #endif
 
-/* Before joining: `position` as read, triangles of numbers into it. */
+/* Before joining: `position` as read, faces of `corners` numbers into it. */
 typedef struct surface {
     double (*position)[3];
-    int32_t (*triangle)[3];
-    int64_t node_count, triangle_count;
+    int32_t *node;
+    unsigned corners; /* 3 or 4 */
+    int64_t node_count, face_count;
+    int64_t cut_face_count;
 } surface;
 
 static void set_limits(void)
@@ -69,12 +72,24 @@ static bool is_obj(const char *path)
     return length >= 4 && strcasecmp(path + length - 4, ".obj") == 0;
 }
 
-/* `obj`: the prepared text, whose colours are numbers; NULL: the file itself. */
-static const struct aiScene *read_scene(const char *path, const obj_text *obj)
+/* How many faces have three corners, four, more; points and lines are none. */
+static void count_faces(const struct aiScene *scene, int64_t out_count[3])
 {
-    const unsigned flags = aiProcess_RemoveComponent | aiProcess_Triangulate |
-                           aiProcess_SortByPType | aiProcess_PreTransformVertices |
-                           aiProcess_ValidateDataStructure;
+    memset(out_count, 0, 3 * sizeof *out_count);
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+        for (unsigned f = 0; f < scene->mMeshes[m]->mNumFaces; ++f) {
+            const unsigned corners = scene->mMeshes[m]->mFaces[f].mNumIndices;
+            if (corners >= 3) {
+                ++out_count[corners > 4 ? 2 : corners - 3];
+            }
+        }
+    }
+}
+
+/* `obj`: the prepared text, whose colours are numbers; NULL: the file itself. Faces are counted
+ * before anything is done to them, and cut unless all are quads; s->corners tells. */
+static const struct aiScene *read_scene(const char *path, const obj_text *obj, surface *s)
+{
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
                                aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
@@ -85,28 +100,40 @@ static const struct aiScene *read_scene(const char *path, const obj_text *obj)
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const struct aiScene *scene =
-        obj != NULL ? aiImportFileFromMemoryWithProperties(obj->text, (unsigned)obj->size, flags,
-                                                           "obj", properties)
-                    : aiImportFileExWithProperties(path, flags, NULL, properties);
+        obj != NULL
+            ? aiImportFileFromMemoryWithProperties(obj->text, (unsigned)obj->size,
+                                                   aiProcess_ValidateDataStructure, "obj",
+                                                   properties)
+            : aiImportFileExWithProperties(path, aiProcess_ValidateDataStructure, NULL, properties);
     aiReleasePropertyStore(properties);
-    return scene;
+    if (scene == NULL) {
+        return NULL;
+    }
+    int64_t faces[3];
+    count_faces(scene, faces);
+    const bool are_quads = faces[0] == 0 && faces[1] > 0 && faces[2] == 0;
+    s->corners = are_quads ? 4 : 3;
+    s->cut_face_count = are_quads ? 0 : faces[1] + faces[2];
+    return aiApplyPostProcessing(scene, aiProcess_RemoveComponent | aiProcess_SortByPType |
+                                            aiProcess_PreTransformVertices |
+                                            (are_quads ? 0U : (unsigned)aiProcess_Triangulate));
 }
 
 static bool allocate(surface *s, const struct aiScene *scene, const obj_text *obj)
 {
     int64_t nodes = 0;
-    int64_t triangles = 0;
+    int64_t faces = 0;
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         nodes += scene->mMeshes[m]->mNumVertices;
-        triangles += scene->mMeshes[m]->mNumFaces;
+        faces += scene->mMeshes[m]->mNumFaces;
     }
-    if (nodes > INT32_MAX / 4 || triangles > INT32_MAX / 4) {
+    if (nodes > INT32_MAX / 4 || faces > INT32_MAX / 4) {
         return false;
     }
     s->position = obj != NULL ? obj->position : calloc((size_t)nodes + 1, sizeof *s->position);
     s->node_count = obj != NULL ? obj->count : 0;
-    s->triangle = calloc((size_t)triangles + 1, sizeof *s->triangle);
-    return s->position != NULL && s->triangle != NULL;
+    s->node = calloc((size_t)faces + 1, s->corners * sizeof *s->node);
+    return s->position != NULL && s->node != NULL;
 }
 
 /* Did assimp read vertex `number` where we read it? Both count vertex lines, and must agree. */
@@ -138,9 +165,9 @@ static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
     }
     for (unsigned f = 0; f < mesh->mNumFaces; ++f) {
         const struct aiFace *face = &mesh->mFaces[f];
-        int32_t *triangle = s->triangle[s->triangle_count++];
-        for (unsigned k = 0; k < 3; ++k) {
-            if (face->mNumIndices != 3 || face->mIndices[k] >= mesh->mNumVertices) {
+        int32_t *node = s->node + s->corners * s->face_count++;
+        for (unsigned k = 0; k < s->corners; ++k) {
+            if (face->mNumIndices != s->corners || face->mIndices[k] >= mesh->mNumVertices) {
                 return false;
             }
             int64_t number = base + face->mIndices[k];
@@ -152,7 +179,7 @@ static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
                 (obj != NULL && !is_same(s, number, &mesh->mVertices[face->mIndices[k]]))) {
                 return false;
             }
-            triangle[k] = (int32_t)number;
+            node[k] = (int32_t)number;
         }
     }
     return true;
@@ -173,7 +200,7 @@ static uint64_t hash_position(const double x[3])
     return hash;
 }
 
-/* Numbers the positions that triangles use, in order, equal ones (by their bits: NaN too) alike,
+/* Numbers the positions that faces use, in order, equal ones (by their bits: NaN too) alike,
  * and packs them. False when out of memory. */
 static bool join_nodes(surface *s)
 {
@@ -187,10 +214,9 @@ static bool join_nodes(surface *s)
         return false;
     }
     memset(slot, 0xff, slots * sizeof *slot);
-    for (int64_t t = 0; t < s->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            number[s->triangle[t][k]] = 1;
-        }
+    const int64_t corner_count = s->face_count * s->corners;
+    for (int64_t i = 0; i < corner_count; ++i) {
+        number[s->node[i]] = 1;
     }
     int32_t count = 0;
     for (int64_t i = 0; i < s->node_count; ++i) {
@@ -209,10 +235,8 @@ static bool join_nodes(surface *s)
         }
         number[i] = slot[at];
     }
-    for (int64_t t = 0; t < s->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            s->triangle[t][k] = number[s->triangle[t][k]];
-        }
+    for (int64_t i = 0; i < corner_count; ++i) {
+        s->node[i] = number[s->node[i]];
     }
     s->node_count = count;
     free(slot);
@@ -225,14 +249,16 @@ static bool join_nodes(surface *s)
 
 static bool write_surface(const surface *s, FILE *out)
 {
-    ss_import_header header = {.node_count = s->node_count, .triangle_count = s->triangle_count};
+    const size_t corner_count = (size_t)s->face_count * s->corners;
+    ss_import_header header = {.node_count = s->node_count,
+                               .triangle_count = s->corners == 3 ? s->face_count : 0,
+                               .quad_count = s->corners == 4 ? s->face_count : 0,
+                               .cut_face_count = s->cut_face_count};
     memcpy(header.magic, SS_IMPORT_MAGIC, sizeof header.magic);
     return fwrite(&header, sizeof header, 1, out) == 1 &&
            fwrite(s->position, sizeof *s->position, (size_t)s->node_count, out) ==
                (size_t)s->node_count &&
-           fwrite(s->triangle, sizeof *s->triangle, (size_t)s->triangle_count, out) ==
-               (size_t)s->triangle_count &&
-           fflush(out) == 0;
+           fwrite(s->node, sizeof *s->node, corner_count, out) == corner_count && fflush(out) == 0;
 }
 
 static int fail(const char *what)
@@ -251,7 +277,7 @@ static const char *read_surface(const char *path, surface *s)
     if (problem != NULL) {
         return problem;
     }
-    const struct aiScene *scene = read_scene(path, obj);
+    const struct aiScene *scene = read_scene(path, obj, s);
     if (scene == NULL) {
         (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ",
                        aiGetErrorString());
@@ -265,7 +291,7 @@ static const char *read_surface(const char *path, surface *s)
             return "a face has vertices that do not exist: write the mesh again as OBJ";
         }
     }
-    if (s->triangle_count == 0) {
+    if (s->face_count == 0) {
         return "no triangles in it: give a surface mesh";
     }
     return join_nodes(s) ? NULL : "too large for 1 GiB of memory: simplify the mesh first";

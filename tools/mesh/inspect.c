@@ -67,6 +67,15 @@ static void print_summary(const inspection *in)
     const ss_mesh_report *r = &in->report;
     (void)printf("nodes       %d\ntriangles   %d\ntetrahedra  %d\nparts       %d\n", m->node_count,
                  m->triangle_count, m->tetrahedron_count, r->component_count);
+    if (m->quad_count > 0) {
+        (void)printf("quads       %d (the triangles are their halves)\n", m->quad_count);
+        (void)printf("directions  %lld sides where u of one quad meets w of the other\n",
+                     (long long)r->mixed_direction.count);
+    }
+    if (m->cut_face_count > 0) {
+        (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",
+                     m->cut_face_count);
+    }
     (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
     (void)printf("box_mm      %g %g %g to %g %g %g\n", 1e3 * r->box_min[0], 1e3 * r->box_min[1],
                  1e3 * r->box_min[2], 1e3 * r->box_max[0], 1e3 * r->box_max[1],
@@ -104,7 +113,7 @@ int command_info(int argc, char **argv)
     return 0;
 }
 
-/* Smallest angle of a triangle below which results get coarse, degrees. */
+/* Smallest angle of a triangle or quad below which results get coarse, degrees. */
 static const double poor_angle = 10.0;
 
 static int print_warnings(const inspection *in)
@@ -124,9 +133,10 @@ static int print_warnings(const inspection *in)
     }
     if (r->angle_min < poor_angle) {
         ++count;
-        (void)printf("warning: %s: the smallest angle of a triangle is %.2g degrees: remesh for "
+        (void)printf("warning: %s: the smallest angle of a %s is %.2g degrees: remesh for "
                      "%g or more\n",
-                     in->path, r->angle_min, poor_angle);
+                     in->path, in->mesh->quad_count > 0 ? "quad" : "triangle", r->angle_min,
+                     poor_angle);
     }
     return count;
 }

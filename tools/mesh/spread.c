@@ -15,6 +15,7 @@
  */
 #include "spread.h"
 
+#include "mesh/mesh.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -440,42 +441,6 @@ typedef struct place_on_curve {
     int32_t node;
 } place_on_curve;
 
-/* Index along the three-dimensional Hilbert curve of order 16 (Skilling 2004): Gray code by
- * undoing the rotations and reflections from the top bit down, then the bits interleaved. */
-static uint64_t hilbert(const double x[3], const double low[3], double size)
-{
-    enum { ORDER = 16 };
-    uint32_t cell[3];
-    for (int k = 0; k < 3; ++k) {
-        cell[k] = (uint32_t)fmin(65535.0, (x[k] - low[k]) / size * 65536.0);
-    }
-    for (uint32_t bit = 1u << (ORDER - 1); bit > 1; bit >>= 1) {
-        const uint32_t below = bit - 1;
-        for (int k = 0; k < 3; ++k) {
-            if ((cell[k] & bit) != 0) {
-                cell[0] ^= below;
-            } else {
-                const uint32_t swap = (cell[0] ^ cell[k]) & below;
-                cell[0] ^= swap;
-                cell[k] ^= swap;
-            }
-        }
-    }
-    cell[1] ^= cell[0];
-    cell[2] ^= cell[1];
-    uint32_t reflect = 0;
-    for (uint32_t bit = 1u << (ORDER - 1); bit > 1; bit >>= 1) {
-        reflect ^= (cell[2] & bit) != 0 ? bit - 1 : 0;
-    }
-    uint64_t key = 0;
-    for (int b = ORDER - 1; b >= 0; --b) {
-        for (int k = 0; k < 3; ++k) {
-            key = key << 1 | ((cell[k] ^ reflect) >> b & 1u);
-        }
-    }
-    return key;
-}
-
 static int compare_places(const void *left, const void *right)
 {
     const place_on_curve *a = left;
@@ -516,7 +481,7 @@ static bool number_nodes(const net *t, spread *s)
             }
         }
         for (int32_t i = 0; i < t->node_count; ++i) {
-            order[i] = (place_on_curve){hilbert(t->x[i], low, size), i};
+            order[i] = (place_on_curve){ss_mesh_curve_place(t->x[i], low, size), i};
         }
         qsort(order, (size_t)t->node_count, sizeof *order, compare_places);
         for (int32_t i = 0; i < t->node_count; ++i) {
