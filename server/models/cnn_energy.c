@@ -258,6 +258,7 @@ static void reset(ss_model *model)
         tool->is_present = tool->was_touching = false;
         tool->grasp.is_pressed = false;
         tool->grasp.count = tool->count = 0;
+        ss_cnn_source_let_go(tool);
         tool->source.is_on = false;
         tool->felt = 0.0;
         tool->penalty = 0.0;
@@ -367,6 +368,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
         model->node_count = plan->mesh->node_count;
         model->kernels = ss_cnn_kernels_get();
         model->has_gravity = ss_norm3(plan->gravity) > 0.0;
+        model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
         status = build(model, error ? error : own);
         model->plan.param = NULL;
     }
@@ -441,6 +443,8 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         if (!tool->is_used) {
             continue;
         }
+        hash = add_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
+        hash = add_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
         hash = add_bytes(hash, tool->shape_y, quads);
         hash = add_bytes(hash, &tool->felt, sizeof tool->felt);
         hash = add_bytes(hash, &grasp->count, sizeof grasp->count);

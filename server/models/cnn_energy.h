@@ -30,6 +30,7 @@ enum {
     SS_CNN_DAMPING,
     SS_CNN_REST_STIFFNESS,
     SS_CNN_SATURATION,
+    SS_CNN_SOURCE,
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
@@ -50,6 +51,10 @@ typedef struct ss_cnn_source {
     bool is_on;
     bool is_tool;
     double from; /* s: a load's source is on from here */
+    /* of loads and patches: the cells, increasing, and their weights, sum 1 */
+    int32_t cell_count;
+    int32_t *cell;
+    double *cell_weight;
     /* constant during a sub-step */
     ss_real *kap_edge, *kap, *b; /* edges; entries; quads with the row sum in the fourth lane */
     ss_real *b_turned;           /* free bodies: R b */
@@ -75,6 +80,12 @@ typedef struct ss_cnn_grasp {
     double (*offset)[3]; /* in the tool's frame */
 } ss_cnn_grasp;
 
+/* The cell that carries the whole source of a tool, and has the tool pressed on it yet? */
+typedef struct ss_cnn_contact_cell {
+    int32_t node; /* -1: none, nothing is touched */
+    bool has_pressed;
+} ss_cnn_contact_cell;
+
 typedef struct ss_cnn_tool {
     bool is_used; /* has a row in the scene */
     const ss_shape *shape;
@@ -92,6 +103,7 @@ typedef struct ss_cnn_tool {
     const int32_t *node;
     const double *weight;
     double *mu, *eps, *eta, *share;
+    ss_cnn_contact_cell cell, cell_before; /* one-cell sources; before: at the sub-step's start */
     double weight_sum, amplitude_slope;
     bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
     double *fading_mu;     /* da/dW psi of every touched cell */
@@ -130,6 +142,7 @@ struct ss_model {
     ss_surface *surface;
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
+    bool is_one_cell;        /* a source is the contact cell alone, equation (10) */
     double diagonal, volume; /* m, m^3 */
     double small_energy;     /* J: a thousandth of the working force over an edge */
     double smallest_sigma;   /* kg/m^2 */
@@ -202,6 +215,11 @@ void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
  * weights, which are added to model->base. */
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
+/* The tool has let go, or jumped: its next touch chooses a cell anew. */
+void ss_cnn_source_let_go(ss_cnn_tool *tool);
+/* Which cells carry the tools' sources, put aside and put back around a sub-step. */
+void ss_cnn_source_keep_cells(ss_model *model);
+void ss_cnn_source_restore_cells(ss_model *model);
 /* While a tool is_fading: W and a at a stage, before its source is evaluated; the force through W
  * after it, added to model->force and the tool's; and its stiffness: rows added to model->stiff,
  * and the square of a rate (1/s^2) returned. */

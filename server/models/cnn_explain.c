@@ -125,6 +125,9 @@ static void explain_material(const ss_model *model, const printer *out)
     } else {
         say(out, "left out: saturation of cells (none given)");
     }
+    if (model->is_one_cell) {
+        say(out, "source: the contact cell alone; under a tool it stays where the touch began");
+    }
     if (model->is_held) {
         say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
     } else {

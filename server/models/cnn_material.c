@@ -100,6 +100,12 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                            .fallback = ABSENT,
                            .help = "largest output K of a cell, in the potential's unit; absent: "
                                    "none"},
+    [SS_CNN_SOURCE] = {.name = "source",
+                       .kind = SS_PARAM_CHOICE,
+                       .max = 1.0,
+                       .choices = "footprint|contact",
+                       .help = "where energy enters: on every cell under a tool or of a load, or "
+                               "on the one contact cell"},
 };
 
 /* ---- values a node ------------------------------------------------------------------------ */

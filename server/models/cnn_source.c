@@ -22,6 +22,16 @@
  * an old dent has left energy: frozen over a sub-step, it feeds the tissue's motion with energy. So
  * W, a and this term are then taken at every stage, with w^ held: a potential again, and the step
  * bound knows its stiffness.
+ *
+ * `source: contact` is the paper's literal reading (Zhong et al. 2006, equation 10): one contact
+ * cell carries the whole source and every other cell none, w^ = 1 there, mu_i = (da/dW) psi. It is
+ * the cell of largest weight under the tool, chosen anew between sub-steps while the tool only
+ * nears (the energy of a change is booked as work; tissue at rest has none), and kept from the
+ * first sub-step that ends with the tool pressed in until it lets go (W = 0), jumps or disappears:
+ * a cell that followed the tool would be the nearest node that jumps, with the force. The price:
+ * the source stays behind a tool that slides. Further than its reach from the cell the tool feels
+ * little but ks, and the network goes on pulling where the touch began. Use it for pokes and for
+ * the paper's figures, footprints for hands.
  */
 #include <math.h>
 #include <string.h>
@@ -54,6 +64,8 @@ void ss_cnn_source_fini(ss_cnn_source *source)
     ss_memory_free(source->b);
     ss_memory_free(source->r);
     ss_memory_free(source->b_turned);
+    ss_memory_free(source->cell);
+    ss_memory_free(source->cell_weight);
     *source = (ss_cnn_source){0};
 }
 
@@ -62,8 +74,15 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
 {
     ss_cnn_network *network = model->network;
     double *kap = ss_memory_get((size_t)network->edges.padded_count, sizeof *kap);
-    softsim_status status = kap ? ss_cnn_source_init(model, source) : SOFTSIM_ERROR_MEMORY;
+    source->cell = ss_memory_get((size_t)count, sizeof *source->cell);
+    source->cell_weight = ss_memory_get((size_t)count, sizeof *source->cell_weight);
+    softsim_status status = kap && source->cell && source->cell_weight
+                                ? ss_cnn_source_init(model, source)
+                                : SOFTSIM_ERROR_MEMORY;
     if (status == SOFTSIM_OK) {
+        source->cell_count = count;
+        memcpy(source->cell, node, (size_t)count * sizeof *node);
+        memcpy(source->cell_weight, weight, (size_t)count * sizeof *weight);
         status = ss_cnn_network_superpose(network, count, node, weight, kap);
     }
     if (status == SOFTSIM_OK) {
@@ -277,6 +296,62 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
            model->kernels->weighted_square(model->node_count, tool->weight_slope, model->mobility);
 }
 
+void ss_cnn_source_let_go(ss_cnn_tool *tool)
+{
+    tool->cell = (ss_cnn_contact_cell){.node = -1};
+}
+
+void ss_cnn_source_keep_cells(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].cell_before = model->tool[k].cell;
+    }
+}
+
+void ss_cnn_source_restore_cells(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].cell = model->tool[k].cell_before;
+    }
+}
+
+/* kap of one cell. */
+static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
+{
+    const ss_cnn_network *network = model->network;
+    const ss_real *column;
+    ss_cnn_network_columns(model->network, 1, &node, &column);
+    memcpy(tool->source.kap_edge, column, (size_t)network->edges.padded_count * sizeof *column);
+    model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
+                            tool->source.b);
+    tool->source.eps_limit =
+        isfinite(model->material.saturation) ? cell_limit(model, node) : (double)INFINITY;
+}
+
+/* The contact cell: kept once the tool has pressed on it, until then the one of largest weight. */
+static void weigh_one_cell(ss_model *model, ss_cnn_tool *tool)
+{
+    ss_cnn_contact_cell *cell = &tool->cell;
+    cell->has_pressed = cell->node >= 0 && (cell->has_pressed || tool->penalty > 0.0);
+    int32_t best = 0;
+    for (int32_t k = 1; k < tool->count; ++k) {
+        best = tool->weight[k] > tool->weight[best] ? k : best;
+    }
+    const int32_t node = cell->has_pressed ? cell->node : tool->node[best];
+    const bool is_moved = cell->node >= 0 && node != cell->node;
+    double before = 0.0;
+    if (is_moved) {
+        ss_cnn_source_evaluate(model, &tool->source, model->d);
+        before = ss_cnn_source_energy(model, &tool->source);
+    }
+    cell->node = node;
+    take_cell(model, tool, node);
+    if (is_moved) {
+        ss_cnn_source_evaluate(model, &tool->source, model->d);
+        model->work += ss_cnn_source_energy(model, &tool->source) - before;
+    }
+}
+
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose)
 {
     ss_set3(tool->frozen_force, 0.0, 0.0, 0.0);
@@ -288,10 +363,15 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     tool->mu_largest = 0.0;
     if (!tool->source.is_on) {
         tool->count = 0;
+        ss_cnn_source_let_go(tool);
         return;
     }
     set_amplitude(tool);
     tool->is_fading = tool->weight_sum < tool->full_weight;
+    if (model->is_one_cell) {
+        weigh_one_cell(model, tool);
+        return;
+    }
     if (!model->has_strain) {
         ready_strain(model);
     }

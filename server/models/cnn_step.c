@@ -525,11 +525,13 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
             if (!is_present ||
                 ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
                 own->grasp.count = 0;
+                ss_cnn_source_let_go(own);
             }
         }
         if (!is_present) {
             own->grasp.count = 0;
             own->grasp.is_pressed = false;
+            ss_cnn_source_let_go(own);
             own->source.is_on = false;
             own->count = 0;
         }
@@ -634,6 +636,7 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
     settle_grasps(model, false);
+    ss_cnn_source_restore_cells(model);
     gather(model, p->path, p->path);
     model->has_totals = false;
     prepare(model, p->path);
@@ -655,6 +658,7 @@ static bool try_substep(ss_model *model, progress *p)
     const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
     const ledger before = {model->work, model->dissipated, model->elastic};
+    ss_cnn_source_keep_cells(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
     fade_grasps(model, h);
@@ -698,11 +702,11 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     take_loads(model, time + 0.5 * dt);
     ss_cnn_driven_update(model, time + dt);
     if (!model->is_ready) {
-        const double before = model->elastic;
+        const double before = model->elastic, work = model->work;
         gather(model, 0.0, 0.0);
         model->has_totals = false;
         prepare(model, 0.0);
-        model->work += model->elastic - before;
+        model->work = work + model->elastic - before;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tool[k].is_present) {
