@@ -293,6 +293,28 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
     return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
+softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
+                                        const int32_t *node, const double *scale,
+                                        double *out_potential)
+{
+    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
+    const bool is_ready = x && ghat;
+    memset(out_potential, 0, (size_t)network->node_count * sizeof *out_potential);
+    for (int32_t first = 0; is_ready && first < count; first += WIDTH) {
+        const int32_t some = count - first < WIDTH ? count - first : WIDTH;
+        solve_cells(network, some, node + first, x, ghat);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            for (int32_t k = 0; k < some; ++k) {
+                out_potential[i] += scale[first + k] * ghat[i][k];
+            }
+        }
+    }
+    ss_memory_free(x);
+    ss_memory_free(ghat);
+    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
 /* ---- reading columns while running -------------------------------------------------------- */
 
 /* The slot of `node`'s column: as it is, or rebuilt from ghat in the slot used longest ago. */

@@ -22,7 +22,8 @@
  * Pi is one potential of positions and tool poses, without memory: for fixed weights it is convex
  * (one equilibrium for each load, full return after it), all work is the tools' and the loads',
  * and touching, sliding, letting go and second tools need no case of their own. A cell saturates
- * at the output K: psi then grows linearly beyond eps_s (cnn_source.c).
+ * at the output K: psi then grows linearly beyond eps_s (cnn_source.c); the cells of several
+ * loads share what K leaves them (cnn_saturate.c).
  *
  * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
  * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
@@ -314,6 +315,7 @@ static void destroy(ss_model *model)
         ss_memory_free(owned[k]);
     }
     ss_memory_free(model->column);
+    ss_memory_free(model->saturation);
     ss_memory_free(model);
 }
 
@@ -349,6 +351,9 @@ static softsim_status build(ss_model *model, softsim_error *error)
     set_geometry(model);
     status = set_volume(model, error);
     status = status == SOFTSIM_OK ? create_tools(model, error) : status;
+    if (status == SOFTSIM_OK) {
+        status = ss_cnn_saturation_create(model, error);
+    }
     if (status == SOFTSIM_OK) {
         ss_cnn_source_moduli(model);
         ss_cnn_set_rest_felt(model);

@@ -65,9 +65,20 @@ typedef struct ss_cnn_source {
     /* at the last evaluation */
     ss_real *r;
     double eps, eta;
-    double c1, c2; /* T + a T0, a T0 */
-    double rank;   /* a E^ where the strain term acts, else 0 */
+    double stretch; /* the part of eps+ that acts: I_eff / E^ */
+    double c1, c2;  /* T + a T0, a T0 */
+    double rank;    /* a E^ where the strain term acts, else 0 */
 } ss_cnn_source;
+
+/* Sources of loads and patches that may saturate together; more are refused. */
+enum { SS_CNN_MAX_SATURATED = 16 };
+/* Conditions of a complementarity problem: two a source. */
+enum { SS_CNN_LCP_MAX = 2 * SS_CNN_MAX_SATURATED };
+
+typedef struct ss_cnn_saturation {
+    /* G: mean potential at the cells of one source (row) for another of 1 J (column) */
+    double potential[SS_CNN_MAX_SATURATED][SS_CNN_MAX_SATURATED];
+} ss_cnn_saturation;
 
 typedef struct ss_cnn_grasp {
     bool is_pressed;
@@ -159,7 +170,8 @@ struct ss_model {
     ss_cnn_driven *driven;
     ss_cnn_source *source; /* of loads and driven patches */
     int32_t source_count;
-    int32_t *loaded; /* nodes that loads or gravity push */
+    ss_cnn_saturation *saturation; /* NULL: none, or too few sources to share cells */
+    int32_t *loaded;               /* nodes that loads or gravity push */
     int32_t loaded_count;
     /* state */
     ss_real *u, *v, *u_low;
@@ -227,13 +239,37 @@ void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
                         const ss_tool_pose *pose);
 void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool);
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool);
-/* r = b + L d, then eps, eta and the tensions c1, c2. */
+/* r = b + L d, then eps, eta and the tensions c1, c2, saturated as if it were alone. */
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d);
+/* Tensions for a stretch that acts; `is_free`: it still grows with eps. */
+void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, double stretch,
+                               bool is_free);
 /* Energy of the source at its last evaluation: a psi, J. */
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
 /* Source `index` of source_count + SOFTSIM_MAX_PROBES (loads and patches first, then tools), or
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
+
+/* ---- cnn_saturate.c: several sources at the output K -------------------------------------- */
+
+/* Solves z >= 0, w = q + M z >= 0, z.w = 0 for a symmetric positive semidefinite M of n x n (at
+ * most SS_CNN_LCP_MAX) whose entries are of order 1. Exact to rounding; false where there is no
+ * solution. Thread: any, RT-safe. */
+bool ss_cnn_lcp(int32_t n, const double *matrix, const double *q, double *out_z);
+/* X = argmin sum (X_k - wish_k)^2 / metric_k with X >= 0 and G X <= limit, for count at most
+ * SS_CNN_MAX_SATURATED, not all wishes 0; G (potential) is count x count, >= 0. out_bound: how
+ * many conditions hold X where it is. False: not solved to rounding. Thread: any, RT-safe. */
+bool ss_cnn_project(int32_t count, const double *metric, const double *potential, double limit,
+                    const double *wish, double *out_strength, int32_t *out_bound);
+/* G of the model's sources, where K is finite and there are several. Thread: set-up only. */
+softsim_status ss_cnn_saturation_create(ss_model *model, softsim_error *error);
+/* After all sources are evaluated: those of loads and patches share what K leaves them. */
+void ss_cnn_saturate(ss_model *model);
+/* The literal |y| <= K for given currents >= 0 on `count` (at most SS_CNN_LCP_MAX) cells of parts
+ * that have a cell held at zero: the network's settled outputs, a value a node. For comparison
+ * with the network in its own time. Thread: set-up only. */
+softsim_status ss_cnn_obstacle(ss_cnn_network *network, int32_t count, const int32_t *node,
+                               const double *current, double saturation, double *out_potential);
 
 /* ---- cnn_step.c: time --------------------------------------------------------------------- */
 

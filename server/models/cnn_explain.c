@@ -121,7 +121,8 @@ static void explain_material(const ss_model *model, const printer *out)
         say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
     }
     if (isfinite(m->saturation)) {
-        say(out, "saturation: cells at %.6g", m->saturation);
+        say(out, "saturation: cells at %.6g%s", m->saturation,
+            model->saturation ? ", shared by the sources without a tool" : "");
     } else {
         say(out, "left out: saturation of cells (none given)");
     }

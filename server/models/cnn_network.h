@@ -81,6 +81,11 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads
 softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
                                         const double *weight, double *out_kap);
 
+/* Potentials sum_k scale[k] ghat_node[k] of every node, in double. Thread: set-up only. */
+softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
+                                        const int32_t *node, const double *scale,
+                                        double *out_potential);
+
 /* Readies the columns of at most SS_CNN_CACHE_SLOTS cells and returns them in `out_column`, valid
  * until the next call; a cell without a column gets NULL. RT-safe. */
 void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_t *node,

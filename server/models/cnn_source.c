@@ -109,6 +109,10 @@ void ss_cnn_source_moduli(ss_model *model)
         source->modulus = m->is_modulus_energy ? m->modulus : m->modulus * source->qhat;
         source->eps_limit = m->saturation / m->modulus *
                             (m->is_modulus_energy ? source->qhat_over_own : source->inverse_own);
+        if (model->saturation) { /* alone it saturates cell by cell, not at their mean potential */
+            model->saturation->potential[k][k] =
+                m->saturation / (source->modulus * source->eps_limit);
+        }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].source.modulus =
@@ -118,14 +122,13 @@ void ss_cnn_source_moduli(ss_model *model)
 
 /* ---- evaluation --------------------------------------------------------------------------- */
 
-static void set_tensions(const ss_model *model, ss_cnn_source *source)
+void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, double stretch,
+                               bool is_free)
 {
-    const double stretch = fmin(fmax(source->eps, 0.0), source->eps_limit);
+    source->stretch = stretch;
     source->c2 = source->amplitude * model->material.pretension;
     source->c1 = source->amplitude * source->modulus * stretch + source->c2;
-    source->rank = source->eps > 0.0 && source->eps < source->eps_limit
-                       ? source->amplitude * source->modulus
-                       : 0.0;
+    source->rank = is_free ? source->amplitude * source->modulus : 0.0;
 }
 
 /* b R^T of a free body: L (R P0 + t) = R L P0. */
@@ -154,19 +157,20 @@ void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const 
                             source->r, &ub, &ur);
     source->eps = 0.5 * (ub + ur);
     source->eta = 0.5 * (ur - ub);
-    set_tensions(model, source);
+    ss_cnn_source_set_stretch(model, source, fmin(fmax(source->eps, 0.0), source->eps_limit),
+                              source->eps > 0.0 && source->eps < source->eps_limit);
 }
 
-static double psi_of(const ss_model *model, const ss_cnn_source *source, double eps, double eta)
+/* psi at the last evaluation. */
+static double psi_of(const ss_model *model, const ss_cnn_source *source)
 {
-    const double stretch = fmin(fmax(eps, 0.0), source->eps_limit);
-    const double over = eps > source->eps_limit ? eps - source->eps_limit : 0.0;
-    return source->modulus * stretch * (0.5 * stretch + over) + model->material.pretension * eta;
+    return source->modulus * source->stretch * (source->eps - 0.5 * source->stretch) +
+           model->material.pretension * source->eta;
 }
 
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source)
 {
-    return source->amplitude * psi_of(model, source, source->eps, source->eta);
+    return source->amplitude * psi_of(model, source);
 }
 
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
@@ -271,8 +275,7 @@ void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
 
 void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
 {
-    const double mu =
-        tool->amplitude_slope * psi_of(model, &tool->source, tool->source.eps, tool->source.eta);
+    const double mu = tool->amplitude_slope * psi_of(model, &tool->source);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = mu;
     }
@@ -284,7 +287,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     /* d(a psi)/dW changes by |a''| psi <= 6 psi / W1^2 along dW/dP, and dW/dP itself by
      * phi'' = 2 / delta^2 over the areas of the touched cells. */
     double force[3] = {0.0}, torque[3] = {0.0};
-    const double psi = fabs(psi_of(model, &tool->source, tool->source.eps, tool->source.eta));
+    const double psi = fabs(psi_of(model, &tool->source));
     const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {

@@ -211,10 +211,18 @@ static void evaluate_sources(ss_model *model)
     bool is_clean = false;
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (source) {
+            ss_cnn_source_evaluate(model, source, model->d);
+        }
+    }
+    if (model->saturation) {
+        ss_cnn_saturate(model);
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_source *source = ss_cnn_source_on(model, k);
         if (!source) {
             continue;
         }
-        ss_cnn_source_evaluate(model, source, model->d);
         if (!model->first) {
             model->first = source;
             continue;
