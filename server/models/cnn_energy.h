@@ -13,6 +13,7 @@
 
 #include "models/cnn_kernels.h"
 #include "models/cnn_network.h"
+#include "models/cnn_relax.h"
 #include "models/model.h"
 
 /* Rows of the parameter table, in its order. */
@@ -31,6 +32,8 @@ enum {
     SS_CNN_REST_STIFFNESS,
     SS_CNN_SATURATION,
     SS_CNN_SOURCE,
+    SS_CNN_SOLVER,
+    SS_CNN_RELAXATION_STEPS,
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
@@ -154,6 +157,8 @@ struct ss_model {
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
     bool is_one_cell;        /* a source is the contact cell alone, equation (10) */
+    bool is_relaxed;         /* the network in its own time, equation (2) */
+    ss_cnn_relax *relax;     /* NULL at equilibrium */
     double diagonal, volume; /* m, m^3 */
     double small_energy;     /* J: a thousandth of the working force over an edge */
     double smallest_sigma;   /* kg/m^2 */
@@ -222,6 +227,9 @@ void ss_cnn_source_fini(ss_cnn_source *source);
 /* A source of fixed weights (they sum to 1) over `node`. Thread: set-up only. */
 softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *node,
                                  const double *weight, ss_cnn_source *source);
+/* With the network in its own time: kap of the loads' sources from what their cells have spread;
+ * begins a new look at the cells in use. Before the tools are weighed. */
+void ss_cnn_source_relax(ss_model *model);
 /* Moduli and saturation of all sources from the material's present values. */
 void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
@@ -311,7 +319,7 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 /* ---- cnn_contact.c: what the hand is told ------------------------------------------------- */
 
 /* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
-void ss_cnn_set_rest_felt(ss_model *model);
+softsim_status ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
 /* ---- cnn_explain.c ------------------------------------------------------------------------ */

@@ -201,6 +201,17 @@ static void ready_strain(ss_model *model)
     model->has_strain = true;
 }
 
+/* Columns of at most SS_CNN_CACHE_SLOTS cells into model->column: settled, or as far as they are.
+ */
+static void ready_columns(ss_model *model, int32_t count, const int32_t *node)
+{
+    if (model->relax) {
+        ss_cnn_relax_columns(model->relax, count, node, model->column);
+    } else {
+        ss_cnn_network_columns(model->network, count, node, model->column);
+    }
+}
+
 /* kap = sum w^_i kap_i, and eps_i, eta_i of every touched cell, in one pass over the columns. */
 static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
 {
@@ -214,13 +225,43 @@ static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
     for (int32_t first = 0; first < tool->count; first += SS_CNN_CACHE_SLOTS) {
         const int32_t left = tool->count - first;
         const int32_t some = left < SS_CNN_CACHE_SLOTS ? left : SS_CNN_CACHE_SLOTS;
-        ss_cnn_network_columns(network, some, tool->node + first, model->column);
+        ready_columns(model, some, tool->node + first);
         model->kernels->combine(network->edges.padded_count, some, model->column,
                                 tool->share + first, model->strain, model->stretch,
                                 tool->source.kap_edge, tool->eps + first, tool->eta + first);
     }
     model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
+}
+
+/* kap of a source of fixed weights. */
+static void superpose_fixed(ss_model *model, ss_cnn_source *source)
+{
+    const ss_cnn_network *network = model->network;
+    const int32_t padded = network->edges.padded_count;
+    memset(source->kap_edge, 0, (size_t)padded * sizeof *source->kap_edge);
+    for (int32_t k = 0; k < source->cell_count; ++k) {
+        const ss_real weight = (ss_real)source->cell_weight[k];
+        ready_columns(model, 1, &source->cell[k]);
+        const ss_real *column = model->column[0];
+        for (int32_t e = 0; e < padded; ++e) {
+            source->kap_edge[e] += weight * column[e];
+        }
+    }
+    model->kernels->scatter(&network->rows, source->kap_edge, source->kap, source->b);
+}
+
+void ss_cnn_source_relax(ss_model *model)
+{
+    if (!model->relax) {
+        return;
+    }
+    ss_cnn_relax_look(model->relax);
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        if (model->source[k].is_on) {
+            superpose_fixed(model, &model->source[k]);
+        }
+    }
 }
 
 /* eps_s,i: where cell i alone would saturate. */
@@ -322,9 +363,9 @@ void ss_cnn_source_restore_cells(ss_model *model)
 static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
 {
     const ss_cnn_network *network = model->network;
-    const ss_real *column;
-    ss_cnn_network_columns(model->network, 1, &node, &column);
-    memcpy(tool->source.kap_edge, column, (size_t)network->edges.padded_count * sizeof *column);
+    ready_columns(model, 1, &node);
+    memcpy(tool->source.kap_edge, model->column[0],
+           (size_t)network->edges.padded_count * sizeof *tool->source.kap_edge);
     model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
     tool->source.eps_limit =

@@ -22,6 +22,8 @@
  * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
  * also give the energies at that moment, and hold through the next one. Work and dissipation are
  * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
+ * A network in its own time takes its steps after each accepted sub-step; the energy that its new
+ * flux densities bring or take is its work, and stands in the ledger as such.
  */
 #include <float.h>
 #include <math.h>
@@ -327,6 +329,7 @@ static void prepare(ss_model *model, double path)
     const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
     model->has_strain = false;
     model->d = ss_cnn_fit(model, model->u);
+    ss_cnn_source_relax(model);
     memcpy(model->base, model->load_force, bytes);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
@@ -658,6 +661,15 @@ static double ledger_sum(const ss_model *model)
     return model->kinetic + model->elastic - model->work + model->dissipated;
 }
 
+/* The network goes on in its own time; what its changed flux densities bring or take is work. */
+static void relax_network(ss_model *model, double path)
+{
+    const double before = model->elastic, work = model->work;
+    ss_cnn_relax_advance(model->relax);
+    prepare(model, path);
+    model->work = work + model->elastic - before;
+}
+
 /* One attempt; false when the model is at fault. */
 static bool try_substep(ss_model *model, progress *p)
 {
@@ -691,6 +703,9 @@ static bool try_substep(ss_model *model, progress *p)
     settle_grasps(model, true);
     damp_gain(model, gain);
     model->work += loads;
+    if (model->relax) {
+        relax_network(model, next);
+    }
     p->left -= h;
     p->path = next;
     p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);
