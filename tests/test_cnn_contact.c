@@ -115,7 +115,8 @@ static double node_force(const setup *s, int32_t node, int axis)
 }
 
 /* A closed body, deformed at random, with a sphere near its top. */
-static void setup_deformed(setup *s, ss_model_tool *tool, double height, double saturation)
+static void setup_deformed(setup *s, ss_model_tool *tool, double height, double saturation,
+                           const char *choice)
 {
     setup_init(s, "cnn-energy", make_ellipsoid(4, 0.05, 0.04, 0.03));
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
@@ -129,6 +130,9 @@ static void setup_deformed(setup *s, ss_model_tool *tool, double height, double 
     give(s, "area_density_kg_m2", 11.5);
     give(s, "damping_n_s_per_m3", 1725.0);
     give(s, "rest_stiffness_n_per_m3", 5e4);
+    if (choice) {
+        give(s, choice, 1.0);
+    }
     add_sphere(s, 0, 0.012);
     s->plan.contact_stiffness = 2e6;
     create(s);
@@ -142,12 +146,18 @@ static void setup_deformed(setup *s, ss_model_tool *tool, double height, double 
     go(tool, 0.003, -0.002, height);
 }
 
-static void check_gradient(double height, double saturation, double wanted_amplitude)
+static void check_gradient(double height, double saturation, double wanted_amplitude,
+                           const char *choice)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_deformed(&s, tool, height, saturation);
+    setup_deformed(&s, tool, height, saturation, choice);
     tool_potential(&s, tool);
+    if (s.model->relax) { /* as far as one touch has brought it, and no further */
+        tool_potential(&s, tool);
+        s.model->relax->steps = 0;
+        tool_potential(&s, tool);
+    }
     const ss_cnn_tool *own = &s.model->tool[0];
     assert_true(own->source.eps > 0.0);
     assert_true(wanted_amplitude == 1.0
@@ -198,9 +208,13 @@ static void check_gradient(double height, double saturation, double wanted_ampli
 static void all_forces_are_the_gradient_of_one_potential(void **state)
 {
     (void)state;
-    check_gradient(0.0415, 0.0, 1.0);  /* pressed in */
-    check_gradient(0.0475, 0.0, 0.5);  /* near: the push of the amplitude */
-    check_gradient(0.0415, 1e-6, 1.0); /* saturated */
+    /* Footprint, the contact cell, and a network that is still on its way. */
+    static const char *const choice[3] = {NULL, "source", "solver"};
+    for (int k = 0; k < 3; ++k) {
+        check_gradient(0.0415, 0.0, 1.0, choice[k]);  /* pressed in */
+        check_gradient(0.0475, 0.0, 0.5, choice[k]);  /* near: the push of the amplitude */
+        check_gradient(0.0415, 1e-6, 1.0, choice[k]); /* saturated */
+    }
 }
 
 static void forces_balance_and_move_with_body_and_tool(void **state)
@@ -208,7 +222,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_deformed(&s, tool, 0.0415, 0.0);
+    setup_deformed(&s, tool, 0.0415, 0.0, NULL);
     tool_potential(&s, tool);
     double sum[3], reaction[3];
     ss_copy3(sum, s.model->tool[0].force);
@@ -266,7 +280,7 @@ typedef struct slide {
 } slide;
 
 /* Press 6 mm, slide 30 mm from `x0` along x, lift off; over the largest stored energy. */
-static slide run_slide(double dt, double x0, double speed)
+static slide run_slide(double dt, double x0, double speed, bool is_one_cell)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -274,6 +288,7 @@ static slide run_slide(double dt, double x0, double speed)
     const double press_time = 0.2, slide_time = 0.03 / fabs(speed);
     slide out = {0};
     setup_plate(&s, 1, PLATE_EDGE, 0.0);
+    give(&s, "source", is_one_cell ? 1.0 : 0.0);
     s.plan.step = dt;
     create(&s);
     double largest = 0.0, last[3] = {0.0, 0.0, 0.0};
@@ -319,7 +334,7 @@ static slide run_slide(double dt, double x0, double speed)
 static void a_sliding_tool_feels_no_jumps(void **state)
 {
     (void)state;
-    const slide s = run_slide(5e-4, -0.015, 0.05);
+    const slide s = run_slide(5e-4, -0.015, 0.05, false);
     assert_true(s.mean > 0.08 && s.mean < 0.14);
     assert_true(s.jump < 0.005);
     assert_true(s.residual < 1e-8);
@@ -332,12 +347,105 @@ static void closed_loops_gain_nothing_in_either_direction(void **state)
      * weights this gains and loses a third of the stored energy. */
     for (int way = -1; way <= 1; way += 2) {
         const double x0 = way > 0 ? -0.03 : 0.0;
-        const slide coarse = run_slide(1e-3, x0, 0.05 * way);
-        const slide fine = run_slide(5e-4, x0, 0.05 * way);
+        const slide coarse = run_slide(1e-3, x0, 0.05 * way, false);
+        const slide fine = run_slide(5e-4, x0, 0.05 * way, false);
         assert_near(coarse.end_ledger, 0.0, 3e-3);
         assert_near(fine.end_ledger, 0.0, 1.5e-3);
         assert_near(fine.end_ledger / coarse.end_ledger, 0.5, 0.1); /* first order in the step */
     }
+}
+
+/* ---- the contact cell alone --------------------------------------------------------------- */
+
+static void one_cell_carries_the_whole_source_of_a_load(void **state)
+{
+    (void)state;
+    /* Seven nodes pushed: the force is on all of them, the source on the one in their middle. */
+    int32_t pushed[7] = {12 * 25 + 12, 12 * 25 + 13, 12 * 25 + 11, 13 * 25 + 12,
+                         11 * 25 + 12, 13 * 25 + 13, 11 * 25 + 11};
+    setup many, one;
+    setup_plate(&many, 0, PLATE_EDGE, 0.0);
+    setup_plate(&one, 0, PLATE_EDGE, 0.0);
+    give(&many, "source", 1.0);
+    push(&many, pushed, 0.0, 0.0, -0.7);
+    many.load[0].node_count = 7;
+    push(&one, pushed, 0.0, 0.0, -0.1);
+    many.load[0].ramp = 0.1;
+    create(&many);
+    create(&one);
+    const ss_cnn_source *source = many.model->source;
+    assert_int_equal(many.model->source_count, 1);
+    assert_int_equal(source->cell_count, 1);
+    assert_int_equal(source->cell[0], pushed[0]);
+    for (int32_t e = 0; e < many.model->network->edges.count; ++e) {
+        assert_true(source->kap_edge[e] == one.model->source[0].kap_edge[e]);
+    }
+    steps(&many, 200, 1e-3);
+    for (int k = 0; k < 7; ++k) {
+        assert_near((double)many.model->load_force[4 * (ptrdiff_t)pushed[k] + 2], -0.1, 1e-7);
+    }
+    assert_true(source->eps > 0.0 && moved(&many, pushed[0], 2) < 0.0);
+    assert_near(ledger(&many) / info_of(&many).work, 0.0, 1e-5);
+    setup_fini(&many);
+    setup_fini(&one);
+}
+
+static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 1, PLATE_EDGE, 0.1);
+    give(&s, "source", 1.0);
+    create(&s);
+    const ss_cnn_tool *own = &s.model->tool[0];
+    const double h = 0.1 / 24.0;
+    go(tool, 0.0, 0.0, PLATE_EDGE + 0.01); /* too far */
+    settle(&s, 1e-3, tool, 2);
+    assert_int_equal(own->cell.node, -1);
+    go(tool, 0.0, 0.0, PLATE_EDGE + 0.002); /* near */
+    settle(&s, 1e-3, tool, 2);
+    assert_int_equal(own->cell.node, 12 * 25 + 12);
+    for (int n = 1; n <= 100; ++n) { /* and on to the third node from the middle */
+        go(tool, 3.0 * h * n / 100.0, 0.0, PLATE_EDGE + 0.002);
+        step(&s, 1e-3, tool);
+    }
+    assert_int_equal(own->cell.node, 12 * 25 + 15);
+    const double before = ledger(&s);
+    for (int n = 1; n <= 100; ++n) {
+        go(tool, 3.0 * h, 0.0, PLATE_EDGE + 0.002 - 5e-5 * n);
+        step(&s, 1e-3, tool);
+    }
+    const double pressed = info_of(&s).elastic;
+    assert_true(own->cell.has_pressed && own->source.eps > 0.0);
+    for (int n = 1; n <= 100; ++n) { /* it stays where the touch began */
+        go(tool, 3.0 * h - 2.0 * h * n / 100.0, 0.0, PLATE_EDGE - 0.003);
+        step(&s, 1e-3, tool);
+    }
+    assert_int_equal(own->cell.node, 12 * 25 + 15);
+    assert_near(ledger(&s) - before, 0.0, 1e-4 * pressed); /* no weights move, nothing is frozen */
+    for (int n = 1; n <= 100; ++n) {
+        go(tool, h, 0.0, PLATE_EDGE - 0.003 + 2e-4 * n);
+        step(&s, 1e-3, tool);
+    }
+    settle(&s, 1e-3, tool, 200);
+    assert_int_equal(own->cell.node, -1);
+    assert_true(info_of(&s).fault_bits == 0);
+    assert_near(ledger(&s) - before, 0.0, 5e-4 * pressed);
+    go(tool, h, 0.0, PLATE_EDGE - 0.001); /* a jump to another place is a new touch */
+    step(&s, 1e-3, tool);
+    assert_int_equal(own->cell.node, 12 * 25 + 13);
+    setup_fini(&s);
+}
+
+static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
+{
+    (void)state;
+    const slide s = run_slide(5e-4, -0.015, 0.05, true);
+    assert_true(s.mean < 0.5 * run_slide(5e-4, -0.015, 0.05, false).mean); /* left behind */
+    assert_true(s.jump < 0.05);
+    assert_near(s.end_ledger, 0.0, 1e-4);
+    assert_true(s.residual < 1e-8);
 }
 
 static void two_starts_lead_to_one_answer(void **state)
@@ -715,6 +823,9 @@ int main(void)
         cmocka_unit_test(forces_balance_and_move_with_body_and_tool),
         cmocka_unit_test(a_sliding_tool_feels_no_jumps),
         cmocka_unit_test(closed_loops_gain_nothing_in_either_direction),
+        cmocka_unit_test(one_cell_carries_the_whole_source_of_a_load),
+        cmocka_unit_test(the_contact_cell_follows_until_pressed_and_stays_until_let_go),
+        cmocka_unit_test(a_slide_with_one_cell_is_smooth_and_gains_nothing),
         cmocka_unit_test(two_starts_lead_to_one_answer),
         cmocka_unit_test(second_tools_add_their_own_potential),
         cmocka_unit_test(strained_tissue_holds_no_tool_off),

@@ -116,6 +116,9 @@ static void store_column(ss_cnn_network *network, const double (*ghat)[WIDTH], i
     const double qhat = block_qhat(network, ghat, k);
     network->qhat[node] = qhat;
     network->own[node] = ghat[node][k];
+    if (!network->kap && !network->ghat) {
+        return; /* the network relaxes in its own time */
+    }
     if (network->is_compact) {
         ss_real *out = network->ghat + (size_t)column * (size_t)network->node_count;
         for (int32_t i = 0; i < network->node_count; ++i) {
@@ -185,8 +188,8 @@ int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
     return count * length * (int64_t)sizeof(ss_real);
 }
 
-/* Memory for the columns in whole or compact form; *out_node lists their cells. */
-static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_node,
+/* Memory for the columns in whole or compact form, or none; *out_node lists their cells. */
+static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, int32_t **out_node,
                                        softsim_error *error)
 {
     const size_t n = (size_t)network->node_count, padded = (size_t)network->edges.padded_count;
@@ -199,6 +202,9 @@ static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_no
             network->column_of[i] = network->column_count;
             node[network->column_count++] = i;
         }
+    }
+    if (!is_kept) {
+        return SOFTSIM_OK;
     }
     network->is_compact = wants_compact(network, network->column_count);
     if (!network->is_compact) {
@@ -248,7 +254,7 @@ static softsim_status allocate_columns(ss_cnn_network *network, int32_t **out_no
     return SOFTSIM_OK;
 }
 
-softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads,
+softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, int32_t threads,
                                         softsim_error *error)
 {
     enum { MAX_THREADS = 64 };
@@ -256,7 +262,7 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads
     solve_job job[MAX_THREADS] = {0};
     ss_thread *thread[MAX_THREADS] = {0};
     int32_t *node = NULL;
-    softsim_status status = allocate_columns(network, &node, error);
+    softsim_status status = allocate_columns(network, is_kept, &node, error);
     for (int32_t k = 0; status == SOFTSIM_OK && k < count; ++k) {
         job[k] = (solve_job){.network = network, .node = node, .first = k, .stride = count};
         job[k].x = ss_memory_get((size_t)network->factor->n, sizeof *job[k].x);
@@ -277,6 +283,10 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads
     if (status == SOFTSIM_OK) {
         status = find_median_qhat(network, node);
     }
+    for (int32_t i = 0; !is_kept && i < network->node_count; ++i) {
+        network->column_of[i] = -1;
+    }
+    network->column_count = is_kept ? network->column_count : 0;
     ss_memory_free(node);
     return status;
 }
@@ -306,6 +316,94 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
     }
     ss_memory_free(x);
     ss_memory_free(ghat);
+    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
+                                        const int32_t *node, const double *scale,
+                                        double *out_potential)
+{
+    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
+    const bool is_ready = x && ghat;
+    memset(out_potential, 0, (size_t)network->node_count * sizeof *out_potential);
+    for (int32_t first = 0; is_ready && first < count; first += WIDTH) {
+        const int32_t some = count - first < WIDTH ? count - first : WIDTH;
+        solve_cells(network, some, node + first, x, ghat);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            for (int32_t k = 0; k < some; ++k) {
+                out_potential[i] += scale[first + k] * ghat[i][k];
+            }
+        }
+    }
+    ss_memory_free(x);
+    ss_memory_free(ghat);
+    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* x := x minus its mean by S / rho over every drained part. */
+static void take_out_means(const ss_cnn_network *network, double *sum, double *x)
+{
+    const ss_cnn_factor *factor = network->factor;
+    memset(sum, 0, 2 * (size_t)network->component_count * sizeof *sum);
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        const int32_t c = factor->component[i];
+        if (c >= 0 && factor->is_drained[c]) {
+            sum[2 * c] += network->size[i] / factor->rho[i] * x[i];
+            sum[2 * c + 1] += network->size[i] / factor->rho[i];
+        }
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        const int32_t c = factor->component[i];
+        x[i] -= c >= 0 && factor->is_drained[c] ? sum[2 * c] / sum[2 * c + 1] : 0.0;
+    }
+}
+
+softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, double *out_time)
+{
+    enum { ROUNDS = 100 };
+    const ss_cnn_factor *factor = network->factor;
+    double(*y)[WIDTH] = ss_memory_get((size_t)factor->n, sizeof *y);
+    double *x = ss_memory_get((size_t)network->node_count, sizeof *x);
+    double *sum = ss_memory_get(2 * (size_t)network->component_count, sizeof *sum);
+    const bool is_ready = x && y && sum;
+    uint32_t random = 1;
+    *out_time = 0.0;
+    for (int32_t i = 0; is_ready && i < network->node_count; ++i) {
+        random = random * 1664525u + 1013904223u;
+        x[i] = factor->component[i] >= 0 &&
+                       (factor->unknown[i] >= 0 || factor->is_drained[factor->component[i]])
+                   ? 1.0 + (double)(random >> 8) / 16777216.0
+                   : 0.0;
+    }
+    /* x := W^-1 (S / rho) x, whose largest eigenvalue is the time constant. */
+    for (int round = 0; is_ready && factor->n > 0 && round < ROUNDS; ++round) {
+        double before = 0.0, after = 0.0;
+        take_out_means(network, sum, x);
+        memset(y, 0, (size_t)factor->n * sizeof *y);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            before += network->size[i] / factor->rho[i] * x[i] * x[i];
+        }
+        if (!(before > 0.0)) {
+            break;
+        }
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            x[i] /= sqrt(before);
+            if (factor->unknown[i] >= 0) {
+                y[factor->unknown[i]][0] = network->size[i] / factor->rho[i] * x[i];
+            }
+        }
+        solve_wide(factor, y);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            const double next = factor->unknown[i] >= 0 ? y[factor->unknown[i]][0] : 0.0;
+            after += network->size[i] / factor->rho[i] * x[i] * next;
+            x[i] = next;
+        }
+        *out_time = after;
+    }
+    ss_memory_free(x);
+    ss_memory_free(y);
+    ss_memory_free(sum);
     return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 

@@ -28,6 +28,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* Conjugate gradients per step, and in the first step of a contact. */
@@ -252,7 +253,7 @@ static int32_t usual_cell(const ss_cnn_network *network)
 {
     int32_t best = -1;
     for (int32_t i = 0; i < network->node_count; ++i) {
-        if (network->column_of[i] >= 0 &&
+        if (network->is_source[i] &&
             (best < 0 || fabs(network->qhat[i] - network->median_qhat) <
                              fabs(network->qhat[best] - network->median_qhat))) {
             best = i;
@@ -299,13 +300,14 @@ static bool push_cell(ss_model *model, int32_t cell)
     return true;
 }
 
-/* 1 / stiffness of the body for a push at `cell`, at rest, with the cell's pretension. */
-static double rest_compliance(ss_model *model, ss_cnn_tool *tool, int32_t cell)
+/* 1 / stiffness of the body for a push at the cell of the column `kap`, at rest, with the
+ * pretension that it has once the network has settled. */
+static double rest_compliance(ss_model *model, ss_cnn_tool *tool, const double *kap)
 {
-    const ss_real *column;
     ss_cnn_source *source = &tool->source;
-    ss_cnn_network_columns(model->network, 1, &cell, &column);
-    memcpy(source->kap_edge, column, (size_t)model->network->edges.padded_count * sizeof *column);
+    for (int32_t e = 0; e < model->network->edges.padded_count; ++e) {
+        source->kap_edge[e] = (ss_real)kap[e];
+    }
     model->kernels->scatter(&model->network->rows, source->kap_edge, source->kap, source->b);
     source->c1 = source->c2 = model->material.pretension;
     source->rank = 0.0;
@@ -318,12 +320,21 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, int32_t cell)
     return model->kernels->dot(model->node_count, tool->shape_y, model->push);
 }
 
-void ss_cnn_set_rest_felt(ss_model *model)
+softsim_status ss_cnn_set_rest_felt(ss_model *model)
 {
+    if (!model->surface) {
+        return SOFTSIM_OK;
+    }
+    const double one = 1.0;
     const int32_t cell = usual_cell(model->network);
+    double *kap = ss_memory_get((size_t)model->network->edges.padded_count, sizeof *kap);
+    const softsim_status status =
+        !kap       ? SOFTSIM_ERROR_MEMORY
+        : cell < 0 ? SOFTSIM_OK
+                   : ss_cnn_network_superpose(model->network, 1, &cell, &one, kap);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (!tool->is_used) {
+        if (!tool->is_used || status != SOFTSIM_OK) {
             continue;
         }
         /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
@@ -331,9 +342,11 @@ void ss_cnn_set_rest_felt(ss_model *model)
             0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
         tool->rest_felt = contact;
         if (cell >= 0 && push_cell(model, cell)) {
-            const double compliance = rest_compliance(model, tool, cell);
+            const double compliance = rest_compliance(model, tool, kap);
             tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
         }
         memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
     }
+    ss_memory_free(kap);
+    return status;
 }

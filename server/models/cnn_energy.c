@@ -12,7 +12,8 @@
  * after unloading, whether there is a memory of rest, and whose lengths count. Taken literally
  * the body collapses or stays dented. The closure used here, with rest-geometry templates:
  *
- *   kap_i   normalised flux densities of a source on cell i alone (cnn_network.c, cnn_columns.c)
+ *   kap_i   normalised flux densities of a source on cell i alone (cnn_network.c, cnn_columns.c),
+ *           at equilibrium or as far as the network has come in its own time (cnn_relax.c)
  *   kap     = sum_i w^_i kap_i over the cells that are touched
  *   eps     = 1/2 sum_e kap_e (|P_e|^2 - L0_e^2)        the flux-weighted mean Green strain, so
  *   psi     = E^ eps+^2 / 2 + T0 eta                    the source is modulus x strain (equation 5)
@@ -23,7 +24,8 @@
  * Pi is one potential of positions and tool poses, without memory: for fixed weights it is convex
  * (one equilibrium for each load, full return after it), all work is the tools' and the loads',
  * and touching, sliding, letting go and second tools need no case of their own. A cell saturates
- * at the output K: psi then grows linearly beyond eps_s (cnn_source.c).
+ * at the output K: psi then grows linearly beyond eps_s (cnn_source.c); the cells of several
+ * loads share what K leaves them (cnn_saturate.c).
  *
  * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
  * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
@@ -38,7 +40,7 @@
  * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (the inner
  * nodes of a volume mesh whose surface alone is simulated stay at rest). Everything else is
  * derived. Displacements, never positions, so that single precision loses nothing far from the
- * origin. Not built: relaxation in place of equilibrium, an active window.
+ * origin. Not built: an active window.
  */
 #include <math.h>
 #include <string.h>
@@ -233,13 +235,40 @@ static softsim_status create_tools(ss_model *model, softsim_error *error)
     softsim_status status =
         ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
     if (status == SOFTSIM_OK) {
-        status = ss_cnn_network_solve_all(model->network, plan->threads, error);
+        status = ss_cnn_network_solve_all(model->network, !model->is_relaxed, plan->threads, error);
     }
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
             status = create_tool(model, &model->tool[k], &model->plan.tool[k].shape);
         }
     }
+    return status;
+}
+
+/* The network in its own time, for the cells that tools and loads may use. */
+static softsim_status create_relaxation(ss_model *model, softsim_error *error)
+{
+    if (!model->is_relaxed) {
+        return SOFTSIM_OK;
+    }
+    uint8_t *is_cell = ss_memory_get((size_t)model->node_count, sizeof *is_cell);
+    if (!is_cell) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->plan.tool[k].is_used) {
+            memcpy(is_cell, model->network->is_source, (size_t)model->node_count);
+        }
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        for (int32_t c = 0; c < model->source[k].cell_count; ++c) {
+            is_cell[model->source[k].cell[c]] = 1;
+        }
+    }
+    const int32_t steps = (int32_t)model->plan.param[SS_CNN_RELAXATION_STEPS].number;
+    const softsim_status status =
+        ss_cnn_relax_create(model->network, model->held, is_cell, steps, &model->relax, error);
+    ss_memory_free(is_cell);
     return status;
 }
 
@@ -265,13 +294,16 @@ static void reset(ss_model *model)
         tool->is_present = tool->was_touching = false;
         tool->grasp.is_pressed = false;
         tool->grasp.count = tool->count = 0;
+        ss_cnn_source_let_go(tool);
         tool->source.is_on = false;
-        tool->source.reference = 0.0;
         tool->felt = 0.0;
         tool->penalty = 0.0;
         if (tool->is_used) {
             memset(tool->shape_y, 0, bytes);
         }
+    }
+    if (model->relax) {
+        ss_cnn_relax_reset(model->relax);
     }
     ss_cnn_loads_build(model);
     model->step = 0;
@@ -306,6 +338,7 @@ static void destroy(ss_model *model)
         }
     }
     ss_surface_destroy(&model->surface);
+    ss_cnn_relax_destroy(&model->relax);
     ss_cnn_network_destroy(&model->network);
     ss_cnn_material_fini(&model->material);
     void *const owned[] = {
@@ -321,6 +354,7 @@ static void destroy(ss_model *model)
         ss_memory_free(owned[k]);
     }
     ss_memory_free(model->column);
+    ss_memory_free(model->saturation);
     ss_memory_free(model);
 }
 
@@ -355,10 +389,14 @@ static softsim_status build(ss_model *model, softsim_error *error)
     set_extremes(model);
     set_geometry(model);
     status = set_volume(model, error);
+    status = status == SOFTSIM_OK ? create_relaxation(model, error) : status;
     status = status == SOFTSIM_OK ? create_tools(model, error) : status;
     if (status == SOFTSIM_OK) {
+        status = ss_cnn_saturation_create(model, error);
+    }
+    if (status == SOFTSIM_OK) {
         ss_cnn_source_moduli(model);
-        ss_cnn_set_rest_felt(model);
+        status = ss_cnn_set_rest_felt(model);
         reset(model);
     }
     return status;
@@ -375,6 +413,8 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
         model->node_count = plan->mesh->node_count;
         model->kernels = ss_cnn_kernels_get();
         model->has_gravity = ss_norm3(plan->gravity) > 0.0;
+        model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
+        model->is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
         status = build(model, error ? error : own);
         model->plan.param = NULL;
     }
@@ -442,6 +482,13 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     for (int32_t k = 0; k < model->source_count; ++k) {
         hash = add_bytes(hash, &model->source[k].is_on, sizeof(bool));
     }
+    for (int32_t i = 0; model->relax && i < model->node_count; ++i) {
+        const int32_t slot = model->relax->slot_of[i];
+        for (int32_t j = 0; slot >= 0 && j < model->node_count; ++j) {
+            const double potential = ss_cnn_relax_potential(model->relax, slot, j);
+            hash = add_bytes(hash, &potential, sizeof potential);
+        }
+    }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
         const ss_cnn_grasp *grasp = &tool->grasp;
@@ -449,6 +496,8 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         if (!tool->is_used) {
             continue;
         }
+        hash = add_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
+        hash = add_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
         hash = add_bytes(hash, tool->shape_y, quads);
         hash = add_bytes(hash, &tool->felt, sizeof tool->felt);
         hash = add_bytes(hash, &tool->source.reference, sizeof tool->source.reference);

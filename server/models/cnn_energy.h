@@ -13,6 +13,7 @@
 
 #include "models/cnn_kernels.h"
 #include "models/cnn_network.h"
+#include "models/cnn_relax.h"
 #include "models/model.h"
 
 /* Rows of the parameter table, in its order. */
@@ -38,6 +39,9 @@ enum {
     SS_CNN_DAMPING,
     SS_CNN_REST_STIFFNESS,
     SS_CNN_SATURATION,
+    SS_CNN_SOURCE,
+    SS_CNN_SOLVER,
+    SS_CNN_RELAXATION_STEPS,
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
@@ -68,6 +72,10 @@ typedef struct ss_cnn_source {
     bool is_on;
     bool is_tool;
     double from; /* s: a load's source is on from here */
+    /* of loads and patches: the cells, increasing, and their weights, sum 1 */
+    int32_t cell_count;
+    int32_t *cell;
+    double *cell_weight;
     /* constant during a sub-step */
     ss_real *kap_edge, *kap, *b; /* edges; entries; quads with the row sum in the fourth lane */
     ss_real *b_turned;           /* free bodies: R b */
@@ -79,9 +87,20 @@ typedef struct ss_cnn_source {
     /* at the last evaluation */
     ss_real *r;
     double eps, eta;
-    double c1, c2; /* T + a T0, a T0 */
-    double rank;   /* a E^ where the strain term acts, else 0 */
+    double stretch; /* the part of eps+ that acts: I_eff / E^ */
+    double c1, c2;  /* T + a T0, a T0 */
+    double rank;    /* a E^ where the strain term acts, else 0 */
 } ss_cnn_source;
+
+/* Sources of loads and patches that may saturate together; more are refused. */
+enum { SS_CNN_MAX_SATURATED = 16 };
+/* Conditions of a complementarity problem: two a source. */
+enum { SS_CNN_LCP_MAX = 2 * SS_CNN_MAX_SATURATED };
+
+typedef struct ss_cnn_saturation {
+    /* G: mean potential at the cells of one source (row) for another of 1 J (column) */
+    double potential[SS_CNN_MAX_SATURATED][SS_CNN_MAX_SATURATED];
+} ss_cnn_saturation;
 
 typedef struct ss_cnn_grasp {
     bool is_pressed;
@@ -93,6 +112,12 @@ typedef struct ss_cnn_grasp {
     double *stiffness;   /* N/m */
     double (*offset)[3]; /* in the tool's frame */
 } ss_cnn_grasp;
+
+/* The cell that carries the whole source of a tool, and has the tool pressed on it yet? */
+typedef struct ss_cnn_contact_cell {
+    int32_t node; /* -1: none, nothing is touched */
+    bool has_pressed;
+} ss_cnn_contact_cell;
 
 typedef struct ss_cnn_tool {
     bool is_used; /* has a row in the scene */
@@ -111,6 +136,8 @@ typedef struct ss_cnn_tool {
     const int32_t *node;
     const double *weight;
     double *mu, *eps, *eta, *share;
+    ss_cnn_contact_cell cell, cell_before; /* one-cell sources; before: at the sub-step's start */
+    double reference_before;
     double weight_sum, amplitude_slope;
     bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
     double *fading_mu;     /* da/dW psi of every touched cell */
@@ -149,6 +176,9 @@ struct ss_model {
     ss_surface *surface;
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
+    bool is_one_cell;        /* a source is the contact cell alone, equation (10) */
+    bool is_relaxed;         /* the network in its own time, equation (2) */
+    ss_cnn_relax *relax;     /* NULL at equilibrium */
     double diagonal, volume; /* m, m^3 */
     double small_energy;     /* J: a thousandth of the working force over an edge */
     double smallest_sigma;   /* kg/m^2 of the surface */
@@ -165,7 +195,8 @@ struct ss_model {
     ss_cnn_driven *driven;
     ss_cnn_source *source; /* of loads and driven patches */
     int32_t source_count;
-    int32_t *loaded; /* nodes that loads or gravity push */
+    ss_cnn_saturation *saturation; /* NULL: none, or too few sources to share cells */
+    int32_t *loaded;               /* nodes that loads or gravity push */
     int32_t loaded_count;
     /* state */
     ss_real *u, *v, *u_low;
@@ -217,11 +248,19 @@ void ss_cnn_source_fini(ss_cnn_source *source);
 /* A source of fixed weights (they sum to 1) over `node`. Thread: set-up only. */
 softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *node,
                                  const double *weight, ss_cnn_source *source);
+/* With the network in its own time: kap of the loads' sources from what their cells have spread;
+ * begins a new look at the cells in use. Before the tools are weighed. */
+void ss_cnn_source_relax(ss_model *model);
 /* Moduli and saturation of all sources from the material's present values. */
 void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
  * weights, which are added to model->base. */
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
+/* The tool has let go, or jumped: its next touch begins anew. */
+void ss_cnn_source_let_go(ss_cnn_tool *tool);
+/* What the tools' sources remember of their touch, put aside and put back around a sub-step. */
+void ss_cnn_source_keep(ss_model *model);
+void ss_cnn_source_restore(ss_model *model);
 /* While a tool is_fading: W and a at a stage, before its source is evaluated; the force through W
  * after it, added to model->force and the tool's; and its stiffness: rows added to model->stiff,
  * and the square of a rate (1/s^2) returned. */
@@ -229,13 +268,37 @@ void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
                         const ss_tool_pose *pose);
 void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool);
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool);
-/* r = b + L d, then eps, eta and the tensions c1, c2. */
+/* r = b + L d, then eps, eta and the tensions c1, c2, saturated as if it were alone. */
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d);
+/* Tensions for a stretch that acts; `is_free`: it still grows with eps. */
+void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, double stretch,
+                               bool is_free);
 /* Energy of the source at its last evaluation: a (psi - psi_0), J. */
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
 /* Source `index` of source_count + SOFTSIM_MAX_PROBES (loads and patches first, then tools), or
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
+
+/* ---- cnn_saturate.c: several sources at the output K -------------------------------------- */
+
+/* Solves z >= 0, w = q + M z >= 0, z.w = 0 for a symmetric positive semidefinite M of n x n (at
+ * most SS_CNN_LCP_MAX) whose entries are of order 1. Exact to rounding; false where there is no
+ * solution. Thread: any, RT-safe. */
+bool ss_cnn_lcp(int32_t n, const double *matrix, const double *q, double *out_z);
+/* X = argmin sum (X_k - wish_k)^2 / metric_k with X >= 0 and G X <= limit, for count at most
+ * SS_CNN_MAX_SATURATED, not all wishes 0; G (potential) is count x count, >= 0. out_bound: how
+ * many conditions hold X where it is. False: not solved to rounding. Thread: any, RT-safe. */
+bool ss_cnn_project(int32_t count, const double *metric, const double *potential, double limit,
+                    const double *wish, double *out_strength, int32_t *out_bound);
+/* G of the model's sources, where K is finite and there are several. Thread: set-up only. */
+softsim_status ss_cnn_saturation_create(ss_model *model, softsim_error *error);
+/* After all sources are evaluated: those of loads and patches share what K leaves them. */
+void ss_cnn_saturate(ss_model *model);
+/* The literal |y| <= K for given currents >= 0 on `count` (at most SS_CNN_LCP_MAX) cells of parts
+ * that have a cell held at zero: the network's settled outputs, a value a node. For comparison
+ * with the network in its own time. Thread: set-up only. */
+softsim_status ss_cnn_obstacle(ss_cnn_network *network, int32_t count, const int32_t *node,
+                               const double *current, double saturation, double *out_potential);
 
 /* ---- cnn_step.c: time --------------------------------------------------------------------- */
 
@@ -277,7 +340,7 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 /* ---- cnn_contact.c: what the hand is told ------------------------------------------------- */
 
 /* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
-void ss_cnn_set_rest_felt(ss_model *model);
+softsim_status ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
 /* ---- cnn_explain.c ------------------------------------------------------------------------ */

@@ -11,6 +11,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "rt/vec.h"
+
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
  * sub-step, of which a step in contact is planned to take five: one would leave the contact so soft
  * that the surface slips past a tool at a few newtons. */
@@ -52,6 +54,53 @@ static double edge_count(const ss_model_plan *plan)
                                   : 1.5 * mesh->triangle_count;
 }
 
+/* With the network in its own time: a node of each cell in use, for a network step and for its
+ * column; on plates of 400 and 1156 nodes, 26 to 111 cells under a tool, 1 to 100 steps. */
+#define COST_NETWORK_STEP 0.00075
+#define COST_COLUMN       0.0025
+
+/* Cells under a tool of radius R pressed in by about R: twice those that one would reach that just
+ * touches flat ground. */
+static double touched_cells(const ss_model_plan *plan, const ss_shape *shape)
+{
+    const ss_mesh *mesh = plan->mesh;
+    double area = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        double u[3], v[3], n[3];
+        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+        ss_cross3(n, u, v);
+        area += 0.5 * ss_norm3(n);
+    }
+    const double share = area / mesh->node_count, edge = 1.1 * sqrt(share);
+    const double radius = ss_shape_curvature_radius(shape);
+    const double reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(edge, 0.5 * radius);
+    const double cells = 6.28318530717959 * reach * (2.0 * radius + reach) / share;
+    return fmin(fmax(cells, 1.0), mesh->node_count);
+}
+
+/* A sub-step of the network in its own time. */
+static double network_cost_us(const ss_model_plan *plan)
+{
+    const bool is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
+    double cells = 0.0;
+    for (int32_t k = 0; k < plan->load_count; ++k) {
+        cells += is_one_cell ? 1.0 : plan->load[k].node_count;
+    }
+    for (int32_t k = 0; k < plan->prescribed_count; ++k) {
+        cells += is_one_cell ? 1.0 : plan->prescribed[k].node_count;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            cells += is_one_cell ? 1.0 : touched_cells(plan, &plan->tool[k].shape);
+        }
+    }
+    const double lanes = SS_CNN_RELAX_WIDTH * ceil(cells / SS_CNN_RELAX_WIDTH);
+    return lanes * plan->mesh->node_count *
+           (COST_COLUMN + COST_NETWORK_STEP * plan->param[SS_CNN_RELAXATION_STEPS].number);
+}
+
 double ss_cnn_step_cost_us(const ss_model_plan *plan)
 {
     const double nodes = plan->mesh->node_count, edges = edge_count(plan);
@@ -60,7 +109,10 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
         tools += plan->tool[k].is_used;
     }
     const double sources = plan->load_count + plan->prescribed_count;
-    return COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
+    const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
+    const double network =
+        is_relaxed ? network_cost_us(plan) * (tools > 0 ? COST_CONTACT : 1.0) : 0.0;
+    return network + COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
            COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
 }
 
@@ -86,6 +138,19 @@ static double megabytes(double bytes)
     return bytes / 1048576.0;
 }
 
+static void explain_relaxation(const ss_cnn_relax *relax, const printer *out)
+{
+    const double good = ss_cnn_relax_steps_to(relax, 1e-3);
+    const double exact = ss_cnn_relax_steps_to(relax, 1e-6);
+    say(out,
+        "network in its own time (C = 1): step %.4g, slowest time constant %.4g, %d steps a "
+        "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
+        "1e-6 after %.0f",
+        relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
+    say(out, "network states: at most %d cells, %.1f MB", relax->cell_count,
+        megabytes((double)relax->bytes));
+}
+
 static void explain_network(const ss_model *model, const printer *out)
 {
     const ss_cnn_network *network = model->network;
@@ -109,7 +174,14 @@ static void explain_network(const ss_model *model, const printer *out)
     } else if (inner > 0) {
         say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest", inner);
     }
-    if (network->column_count > 0) {
+    if (model->relax) {
+        explain_relaxation(model->relax, out);
+    } else {
+        say(out, "left out: the network's own time (solver is equilibrium)");
+    }
+    if (model->relax) {
+        say(out, "left out: settled columns (solver is relaxation)");
+    } else if (network->column_count > 0) {
         say(out, "columns: %d, %s, %.1f MB", network->column_count,
             network->is_compact ? "as potentials, rebuilt when a cell is touched"
                                 : "as flux densities",
@@ -171,9 +243,13 @@ static void explain_material(const ss_model *model, const printer *out)
         say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
     }
     if (isfinite(m->saturation)) {
-        say(out, "saturation: cells at %.6g", m->saturation);
+        say(out, "saturation: cells at %.6g%s", m->saturation,
+            model->saturation ? ", shared by the sources without a tool" : "");
     } else {
         say(out, "left out: saturation of cells (none given)");
+    }
+    if (model->is_one_cell) {
+        say(out, "source: the contact cell alone; under a tool it stays where the touch began");
     }
     if (model->is_held) {
         say(out, "left out: rigid fit of the rest shape (the supports hold the body)");

@@ -6,7 +6,9 @@
  * nodes; and what the supports answer.
  *
  * A load's nodes, or a driven patch, are a source of the network with fixed weights: equal ones
- * for a force, by area for a pressure. It is switched on when the load first acts and stays on
+ * for a force, by area for a pressure; or, with `source: contact`, the one cell among them that
+ * lies nearest their centre (Zhong et al. 2006, equation 10), while the force stays on all of
+ * them. It is switched on when the load first acts and stays on
  * (the strain it has caused must be undone after the force is gone); what it holds at that moment
  * is booked as work. Loads on the same nodes share one source: a force and the force that takes
  * it back are one contact. Pressure follows the deformed surface, once per step. Driven axes
@@ -49,6 +51,34 @@ static void free_patch(patch *gone)
     ss_memory_free(gone->weight);
 }
 
+/* Leaves the cell nearest the centre of raw[node] > 0; the lower number where two are as near. */
+static void keep_contact_cell(const ss_model *model, const double *raw, patch *out)
+{
+    const double(*rest)[3] = (const double(*)[3])model->plan.mesh->position;
+    double centre[3] = {0.0}, sum = 0.0, nearest = (double)INFINITY;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        sum += raw[i] > 0.0 ? raw[i] : 0.0;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (raw[i] > 0.0) {
+            ss_madd3(centre, centre, raw[i] / sum, rest[i]);
+        }
+    }
+    int32_t contact = -1;
+    for (int32_t k = 0; k < out->count; ++k) {
+        double away[3];
+        ss_sub3(away, rest[out->node[k]], centre);
+        const double distance = ss_norm3(away);
+        contact = distance < nearest ? out->node[k] : contact;
+        nearest = fmin(nearest, distance);
+    }
+    if (contact >= 0) {
+        out->node[0] = contact;
+        out->weight[0] = 1.0;
+        out->count = 1;
+    }
+}
+
 /* Turns raw[node] > 0 into a patch over the cells that can carry a source. */
 static void fill_patch(const ss_model *model, const double *raw, patch *out)
 {
@@ -63,6 +93,9 @@ static void fill_patch(const ss_model *model, const double *raw, patch *out)
     }
     for (int32_t k = 0; k < out->count; ++k) {
         out->weight[k] /= sum;
+    }
+    if (model->is_one_cell) {
+        keep_contact_cell(model, raw, out);
     }
 }
 
@@ -115,7 +148,7 @@ static void check_rho(const ss_model *model, const patch *cells, int32_t which,
 }
 
 /* The source over `cells`: one that exists already over the same nodes, or a new one. */
-static softsim_status find_source(ss_model *model, const patch *cells, double from, patch *known,
+static softsim_status find_source(ss_model *model, const patch *cells, double from,
                                   int32_t *out_source)
 {
     *out_source = -1;
@@ -125,9 +158,10 @@ static softsim_status find_source(ss_model *model, const patch *cells, double fr
     for (int32_t k = 0; k < model->source_count; ++k) {
         const size_t bytes = (size_t)cells->count * sizeof *cells->node;
         const size_t weights = (size_t)cells->count * sizeof *cells->weight;
-        if (known[k].count == cells->count && memcmp(known[k].node, cells->node, bytes) == 0 &&
-            memcmp(known[k].weight, cells->weight, weights) == 0) {
-            model->source[k].from = fmin(model->source[k].from, from);
+        ss_cnn_source *known = &model->source[k];
+        if (known->cell_count == cells->count && memcmp(known->cell, cells->node, bytes) == 0 &&
+            memcmp(known->cell_weight, cells->weight, weights) == 0) {
+            known->from = fmin(known->from, from);
             *out_source = k;
             return SOFTSIM_OK;
         }
@@ -135,19 +169,12 @@ static softsim_status find_source(ss_model *model, const patch *cells, double fr
     const int32_t index = model->source_count++;
     model->source[index].from = from;
     *out_source = index;
-    softsim_status status = allocate_patch(model, &known[index]);
-    if (status == SOFTSIM_OK) {
-        known[index].count = cells->count;
-        memcpy(known[index].node, cells->node, (size_t)cells->count * sizeof *cells->node);
-        memcpy(known[index].weight, cells->weight, (size_t)cells->count * sizeof *cells->weight);
-        status = ss_cnn_source_fix(model, cells->count, cells->node, cells->weight,
-                                   &model->source[index]);
-    }
-    return status;
+    return ss_cnn_source_fix(model, cells->count, cells->node, cells->weight,
+                             &model->source[index]);
 }
 
 static softsim_status create_load(ss_model *model, int32_t which, patch *cells, double *raw,
-                                  patch *known, softsim_error *error)
+                                  softsim_error *error)
 {
     ss_cnn_load *load = &model->load[which];
     load->plan = &model->plan.load[which];
@@ -178,11 +205,10 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
         return SOFTSIM_ERROR_SCENE;
     }
     check_rho(model, cells, which, error);
-    return find_source(model, cells, load->plan->from, known, &load->source);
+    return find_source(model, cells, load->plan->from, &load->source);
 }
 
-static softsim_status create_driven(ss_model *model, int32_t which, patch *cells, double *raw,
-                                    patch *known)
+static softsim_status create_driven(ss_model *model, int32_t which, patch *cells, double *raw)
 {
     ss_cnn_driven *driven = &model->driven[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
@@ -202,7 +228,7 @@ static softsim_status create_driven(ss_model *model, int32_t which, patch *cells
         }
     }
     fill_patch(model, raw, cells);
-    return find_source(model, cells, set->from, known, &driven->source);
+    return find_source(model, cells, set->from, &driven->source);
 }
 
 static softsim_status list_loaded(ss_model *model)
@@ -232,26 +258,22 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
     const ss_model_plan *plan = &model->plan;
     const size_t limit = (size_t)plan->load_count + (size_t)plan->prescribed_count;
     const int32_t before = error->fault_count;
-    patch cells = {0}, *known = ss_memory_get(limit, sizeof *known);
+    patch cells = {0};
     double *raw = ss_memory_get((size_t)model->node_count, sizeof *raw);
     softsim_status status = allocate_patch(model, &cells);
     model->load = ss_memory_get((size_t)plan->load_count, sizeof *model->load);
     model->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *model->driven);
     model->source = ss_memory_get(limit, sizeof *model->source);
-    if (!known || !raw || !model->load || !model->driven || !model->source) {
+    if (!raw || !model->load || !model->driven || !model->source) {
         status = SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
-        status = create_load(model, k, &cells, raw, known, error);
+        status = create_load(model, k, &cells, raw, error);
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
-        status = create_driven(model, k, &cells, raw, known);
-    }
-    for (size_t k = 0; known && k < limit; ++k) {
-        free_patch(&known[k]);
+        status = create_driven(model, k, &cells, raw);
     }
     free_patch(&cells);
-    ss_memory_free(known);
     ss_memory_free(raw);
     status = status == SOFTSIM_OK ? list_loaded(model) : status;
     return status == SOFTSIM_OK && error->fault_count > before ? SOFTSIM_ERROR_SCENE : status;

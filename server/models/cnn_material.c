@@ -152,6 +152,24 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                            .fallback = ABSENT,
                            .help = "largest output K of a cell, in the potential's unit; absent: "
                                    "none"},
+    [SS_CNN_SOURCE] = {.name = "source",
+                       .kind = SS_PARAM_CHOICE,
+                       .max = 1.0,
+                       .choices = "footprint|contact",
+                       .help = "where energy enters: on every cell under a tool or of a load, or "
+                               "on the one contact cell"},
+    [SS_CNN_SOLVER] = {.name = "solver",
+                       .kind = SS_PARAM_CHOICE,
+                       .max = 1.0,
+                       .choices = "equilibrium|relaxation",
+                       .help = "the network settled, or in its own time from the first touch on"},
+    [SS_CNN_RELAXATION_STEPS] = {.name = "relaxation_steps",
+                                 .kind = SS_PARAM_INTEGER,
+                                 .min = 1.0,
+                                 .max = 10000.0,
+                                 .fallback = 10.0,
+                                 .help = "steps of the network's own time a sub-step, with solver: "
+                                         "relaxation"},
 };
 
 /* ---- values a node ------------------------------------------------------------------------ */
@@ -297,6 +315,12 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     read_modulus(plan, material, error);
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
+    if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "
+            "equilibrium");
+    }
     const double k = param[SS_CNN_SATURATION].number;
     material->saturation = param[SS_CNN_SATURATION].is_given ? k : (double)INFINITY;
     if (!(material->pretension >= 0.0 && material->pretension <= 1e9) ||

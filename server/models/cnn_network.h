@@ -11,7 +11,7 @@
  * kap_i = q_i / Qhat_i of normalised flux densities on the edges. Memory belongs to the network.
  * Set-up is by any one thread; reading columns is for one simulation thread at a time, since the
  * compact form keeps a cache.
- * Not done: relaxation of the cells in time.
+ * The cells' own time is in cnn_relax.h.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -102,13 +102,23 @@ softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t 
 void ss_cnn_network_destroy(ss_cnn_network **network);
 
 /* Solves the column of every cell that can carry a source on `threads` threads; the result does
- * not depend on their number. Thread: set-up only. */
-softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, int32_t threads,
+ * not depend on their number. Without `is_kept` only qhat, own and median_qhat are left of them.
+ * Thread: set-up only. */
+softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, int32_t threads,
                                         softsim_error *error);
 /* kap = sum_k weight[k] kap_node[k] on the edges, in double; fills qhat and own of these cells.
  * Thread: set-up only. */
 softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
                                         const double *weight, double *out_kap);
+
+/* Potentials sum_k scale[k] ghat_node[k] of every node, in double. Thread: set-up only. */
+softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
+                                        const int32_t *node, const double *scale,
+                                        double *out_potential);
+
+/* The slowest time constant of v' = -(rho/S) W v, with C = 1: 1 / (the least eigenvalue), over all
+ * parts; of a drained part the least that is not 0. Thread: set-up only. */
+softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, double *out_time);
 
 /* Readies the columns of at most SS_CNN_CACHE_SLOTS cells and returns them in `out_column`, valid
  * until the next call; a cell without a column gets NULL. RT-safe. */

@@ -31,6 +31,16 @@
  * feeds the tissue's motion with energy. So
  * W, a and this term are then taken at every stage, with w^ held: a potential again, and the step
  * bound knows its stiffness.
+ *
+ * `source: contact` is the paper's literal reading (Zhong et al. 2006, equation 10): one contact
+ * cell carries the whole source and every other cell none, w^ = 1 there, mu_i = (da/dW) (psi -
+ * psi_0). It is the cell of largest weight under the tool, chosen anew between sub-steps while the
+ * tool only nears (the energy of a change is booked as work; tissue at rest has none), and kept
+ * from the first sub-step that ends with the tool pressed in until it lets go (W = 0), jumps or
+ * disappears: a cell that followed the tool would be the nearest node that jumps, with the force.
+ * The price: the source stays behind a tool that slides. Further than its reach from the cell the
+ * tool feels little but ks, and the network goes on pulling where the touch began. Use it for pokes
+ * and for the paper's figures, footprints for hands.
  */
 #include <math.h>
 #include <string.h>
@@ -66,6 +76,8 @@ void ss_cnn_source_fini(ss_cnn_source *source)
     ss_memory_free(source->b);
     ss_memory_free(source->r);
     ss_memory_free(source->b_turned);
+    ss_memory_free(source->cell);
+    ss_memory_free(source->cell_weight);
     *source = (ss_cnn_source){0};
 }
 
@@ -74,8 +86,15 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
 {
     ss_cnn_network *network = model->network;
     double *kap = ss_memory_get((size_t)network->edges.padded_count, sizeof *kap);
-    softsim_status status = kap ? ss_cnn_source_init(model, source) : SOFTSIM_ERROR_MEMORY;
+    source->cell = ss_memory_get((size_t)count, sizeof *source->cell);
+    source->cell_weight = ss_memory_get((size_t)count, sizeof *source->cell_weight);
+    softsim_status status = kap && source->cell && source->cell_weight
+                                ? ss_cnn_source_init(model, source)
+                                : SOFTSIM_ERROR_MEMORY;
     if (status == SOFTSIM_OK) {
+        source->cell_count = count;
+        memcpy(source->cell, node, (size_t)count * sizeof *node);
+        memcpy(source->cell_weight, weight, (size_t)count * sizeof *weight);
         status = ss_cnn_network_superpose(network, count, node, weight, kap);
     }
     if (status == SOFTSIM_OK) {
@@ -102,6 +121,10 @@ void ss_cnn_source_moduli(ss_model *model)
         source->modulus = m->is_modulus_energy ? m->modulus : m->modulus * source->qhat;
         source->eps_limit = m->saturation / m->modulus *
                             (m->is_modulus_energy ? source->qhat_over_own : source->inverse_own);
+        if (model->saturation) { /* alone it saturates cell by cell, not at their mean potential */
+            model->saturation->potential[k][k] =
+                m->saturation / (source->modulus * source->eps_limit);
+        }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].source.modulus =
@@ -111,14 +134,13 @@ void ss_cnn_source_moduli(ss_model *model)
 
 /* ---- evaluation --------------------------------------------------------------------------- */
 
-static void set_tensions(const ss_model *model, ss_cnn_source *source)
+void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, double stretch,
+                               bool is_free)
 {
-    const double stretch = fmin(fmax(source->eps, 0.0), source->eps_limit);
+    source->stretch = stretch;
     source->c2 = source->amplitude * model->material.pretension;
     source->c1 = source->amplitude * source->modulus * stretch + source->c2;
-    source->rank = source->eps > 0.0 && source->eps < source->eps_limit
-                       ? source->amplitude * source->modulus
-                       : 0.0;
+    source->rank = is_free ? source->amplitude * source->modulus : 0.0;
 }
 
 /* b R^T of a free body: L (R P0 + t) = R L P0. */
@@ -147,20 +169,20 @@ void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const 
                             source->r, &ub, &ur);
     source->eps = 0.5 * (ub + ur);
     source->eta = 0.5 * (ur - ub);
-    set_tensions(model, source);
+    ss_cnn_source_set_stretch(model, source, fmin(fmax(source->eps, 0.0), source->eps_limit),
+                              source->eps > 0.0 && source->eps < source->eps_limit);
 }
 
-static double psi_of(const ss_model *model, const ss_cnn_source *source, double eps, double eta)
+/* psi at the last evaluation. */
+static double psi_of(const ss_model *model, const ss_cnn_source *source)
 {
-    const double stretch = fmin(fmax(eps, 0.0), source->eps_limit);
-    const double over = eps > source->eps_limit ? eps - source->eps_limit : 0.0;
-    return source->modulus * stretch * (0.5 * stretch + over) + model->material.pretension * eta;
+    return source->modulus * source->stretch * (source->eps - 0.5 * source->stretch) +
+           model->material.pretension * source->eta;
 }
 
 double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source)
 {
-    return source->amplitude *
-           (psi_of(model, source, source->eps, source->eta) - source->reference);
+    return source->amplitude * (psi_of(model, source) - source->reference);
 }
 
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
@@ -191,6 +213,17 @@ static void ready_strain(ss_model *model)
     model->has_strain = true;
 }
 
+/* Columns of at most SS_CNN_CACHE_SLOTS cells into model->column: settled, or as far as they are.
+ */
+static void ready_columns(ss_model *model, int32_t count, const int32_t *node)
+{
+    if (model->relax) {
+        ss_cnn_relax_columns(model->relax, count, node, model->column);
+    } else {
+        ss_cnn_network_columns(model->network, count, node, model->column);
+    }
+}
+
 /* kap = sum w^_i kap_i, and eps_i, eta_i of every touched cell, in one pass over the columns. */
 static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
 {
@@ -204,13 +237,43 @@ static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
     for (int32_t first = 0; first < tool->count; first += SS_CNN_CACHE_SLOTS) {
         const int32_t left = tool->count - first;
         const int32_t some = left < SS_CNN_CACHE_SLOTS ? left : SS_CNN_CACHE_SLOTS;
-        ss_cnn_network_columns(network, some, tool->node + first, model->column);
+        ready_columns(model, some, tool->node + first);
         model->kernels->combine(network->edges.padded_count, some, model->column,
                                 tool->share + first, model->strain, model->stretch,
                                 tool->source.kap_edge, tool->eps + first, tool->eta + first);
     }
     model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
+}
+
+/* kap of a source of fixed weights. */
+static void superpose_fixed(ss_model *model, ss_cnn_source *source)
+{
+    const ss_cnn_network *network = model->network;
+    const int32_t padded = network->edges.padded_count;
+    memset(source->kap_edge, 0, (size_t)padded * sizeof *source->kap_edge);
+    for (int32_t k = 0; k < source->cell_count; ++k) {
+        const ss_real weight = (ss_real)source->cell_weight[k];
+        ready_columns(model, 1, &source->cell[k]);
+        const ss_real *column = model->column[0];
+        for (int32_t e = 0; e < padded; ++e) {
+            source->kap_edge[e] += weight * column[e];
+        }
+    }
+    model->kernels->scatter(&network->rows, source->kap_edge, source->kap, source->b);
+}
+
+void ss_cnn_source_relax(ss_model *model)
+{
+    if (!model->relax) {
+        return;
+    }
+    ss_cnn_relax_look(model->relax);
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        if (model->source[k].is_on) {
+            superpose_fixed(model, &model->source[k]);
+        }
+    }
 }
 
 /* eps_s,i: where cell i alone would saturate. */
@@ -244,9 +307,11 @@ static void set_mu(ss_model *model, ss_cnn_tool *tool)
         limit += is_limited ? tool->share[k] * cell_limit(model, tool->node[k]) : 0.0;
     }
     source->eps_limit = is_limited ? limit : (double)INFINITY;
-    set_reference(model, source, psi_of(model, source, eps, eta));
     const double spread = source->amplitude / tool->weight_sum;
-    const double tension = source->modulus * fmin(fmax(eps, 0.0), source->eps_limit);
+    const double stretch = fmin(fmax(eps, 0.0), source->eps_limit);
+    const double tension = source->modulus * stretch;
+    set_reference(model, source,
+                  tension * (eps - 0.5 * stretch) + model->material.pretension * eta);
     const double over = eps > source->eps_limit ? source->modulus * (eps - source->eps_limit) : 0.0;
     for (int32_t k = 0; k < tool->count; ++k) {
         double change =
@@ -278,8 +343,7 @@ void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
 void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
 {
     const ss_cnn_source *source = &tool->source;
-    const double mu = tool->amplitude_slope *
-                      (psi_of(model, source, source->eps, source->eta) - source->reference);
+    const double mu = tool->amplitude_slope * (psi_of(model, source) - source->reference);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = mu;
     }
@@ -292,7 +356,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
      * phi'' = 2 / delta^2 over the areas of the touched cells. */
     double force[3] = {0.0}, torque[3] = {0.0};
     const ss_cnn_source *source = &tool->source;
-    const double psi = fabs(psi_of(model, source, source->eps, source->eta) - source->reference);
+    const double psi = fabs(psi_of(model, source) - source->reference);
     const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {
@@ -302,6 +366,66 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *
            model->kernels->weighted_square(model->node_count, tool->weight_slope, model->mobility);
+}
+
+void ss_cnn_source_let_go(ss_cnn_tool *tool)
+{
+    tool->cell = (ss_cnn_contact_cell){.node = -1};
+    tool->source.reference = 0.0;
+}
+
+void ss_cnn_source_keep(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].cell_before = model->tool[k].cell;
+        model->tool[k].reference_before = model->tool[k].source.reference;
+    }
+}
+
+void ss_cnn_source_restore(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].cell = model->tool[k].cell_before;
+        model->tool[k].source.reference = model->tool[k].reference_before;
+    }
+}
+
+/* kap of one cell. */
+static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
+{
+    const ss_cnn_network *network = model->network;
+    ready_columns(model, 1, &node);
+    memcpy(tool->source.kap_edge, model->column[0],
+           (size_t)network->edges.padded_count * sizeof *tool->source.kap_edge);
+    model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
+                            tool->source.b);
+    tool->source.eps_limit =
+        isfinite(model->material.saturation) ? cell_limit(model, node) : (double)INFINITY;
+}
+
+/* The contact cell: kept once the tool has pressed on it, until then the one of largest weight. */
+static void weigh_one_cell(ss_model *model, ss_cnn_tool *tool)
+{
+    ss_cnn_contact_cell *cell = &tool->cell;
+    cell->has_pressed = cell->node >= 0 && (cell->has_pressed || tool->penalty > 0.0);
+    int32_t best = 0;
+    for (int32_t k = 1; k < tool->count; ++k) {
+        best = tool->weight[k] > tool->weight[best] ? k : best;
+    }
+    const int32_t node = cell->has_pressed ? cell->node : tool->node[best];
+    const bool is_moved = cell->node >= 0 && node != cell->node;
+    double before = 0.0;
+    if (is_moved) {
+        ss_cnn_source_evaluate(model, &tool->source, model->d);
+        before = ss_cnn_source_energy(model, &tool->source);
+    }
+    cell->node = node;
+    take_cell(model, tool, node);
+    if (is_moved || tool->is_fading) {
+        ss_cnn_source_evaluate(model, &tool->source, model->d);
+        model->work += is_moved ? ss_cnn_source_energy(model, &tool->source) - before : 0.0;
+        set_reference(model, &tool->source, psi_of(model, &tool->source));
+    }
 }
 
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose)
@@ -315,11 +439,15 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     tool->mu_largest = 0.0;
     if (!tool->source.is_on) {
         tool->count = 0;
-        tool->source.reference = 0.0;
+        ss_cnn_source_let_go(tool);
         return;
     }
     set_amplitude(tool);
     tool->is_fading = tool->weight_sum < tool->full_weight;
+    if (model->is_one_cell) {
+        weigh_one_cell(model, tool);
+        return;
+    }
     if (!model->has_strain) {
         ready_strain(model);
     }

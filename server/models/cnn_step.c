@@ -22,6 +22,8 @@
  * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
  * also give the energies at that moment, and hold through the next one. Work and dissipation are
  * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
+ * A network in its own time takes its steps after each accepted sub-step; the energy that its new
+ * flux densities bring or take is its work, and stands in the ledger as such.
  */
 #include <float.h>
 #include <math.h>
@@ -211,10 +213,18 @@ static void evaluate_sources(ss_model *model)
     bool is_clean = false;
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (source) {
+            ss_cnn_source_evaluate(model, source, model->d);
+        }
+    }
+    if (model->saturation) {
+        ss_cnn_saturate(model);
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_source *source = ss_cnn_source_on(model, k);
         if (!source) {
             continue;
         }
-        ss_cnn_source_evaluate(model, source, model->d);
         if (!model->first) {
             model->first = source;
             continue;
@@ -319,6 +329,7 @@ static void prepare(ss_model *model, double path)
     const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
     model->has_strain = false;
     model->d = ss_cnn_fit(model, model->u);
+    ss_cnn_source_relax(model);
     memcpy(model->base, model->load_force, bytes);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
@@ -525,13 +536,14 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
             if (!is_present ||
                 ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
                 own->grasp.count = 0;
+                ss_cnn_source_let_go(own);
             }
         }
         if (!is_present) {
             own->grasp.count = 0;
             own->grasp.is_pressed = false;
+            ss_cnn_source_let_go(own);
             own->source.is_on = false;
-            own->source.reference = 0.0;
             own->count = 0;
         }
         own->is_present = is_present;
@@ -627,17 +639,7 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
 /* What a sub-step that is taken back must put back beside u and v. */
 typedef struct ledger {
     double work, dissipated, elastic;
-    double reference[SOFTSIM_MAX_PROBES]; /* of the tools' sources */
 } ledger;
-
-static ledger open_ledger(const ss_model *model)
-{
-    ledger now = {.work = model->work, .dissipated = model->dissipated, .elastic = model->elastic};
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        now.reference[k] = model->tool[k].source.reference;
-    }
-    return now;
-}
 
 static void take_back(ss_model *model, progress *p, const ledger *before, double h)
 {
@@ -645,11 +647,9 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
     settle_grasps(model, false);
+    ss_cnn_source_restore(model);
     gather(model, p->path, p->path);
     model->has_totals = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        model->tool[k].source.reference = before->reference[k];
-    }
     prepare(model, p->path);
     model->work = before->work;
     model->dissipated = before->dissipated;
@@ -661,6 +661,15 @@ static double ledger_sum(const ss_model *model)
     return model->kinetic + model->elastic - model->work + model->dissipated;
 }
 
+/* The network goes on in its own time; what its changed flux densities bring or take is work. */
+static void relax_network(ss_model *model, double path)
+{
+    const double before = model->elastic, work = model->work;
+    ss_cnn_relax_advance(model->relax);
+    prepare(model, path);
+    model->work = work + model->elastic - before;
+}
+
 /* One attempt; false when the model is at fault. */
 static bool try_substep(ss_model *model, progress *p)
 {
@@ -668,7 +677,8 @@ static bool try_substep(ss_model *model, progress *p)
     plan_substep(model, p, &h, &fraction);
     const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
-    const ledger before = open_ledger(model);
+    const ledger before = {model->work, model->dissipated, model->elastic};
+    ss_cnn_source_keep(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
     fade_grasps(model, h);
@@ -693,6 +703,9 @@ static bool try_substep(ss_model *model, progress *p)
     settle_grasps(model, true);
     damp_gain(model, gain);
     model->work += loads;
+    if (model->relax) {
+        relax_network(model, next);
+    }
     p->left -= h;
     p->path = next;
     p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);
