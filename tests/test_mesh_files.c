@@ -621,6 +621,7 @@ static void check_and_info_exit_as_promised(void **state)
     (void)write_text("good.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"
                                         "f 2 4 8 6\n");
     (void)write_text("open.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n");
+    (void)write_text("mixed.obj", CUBE_V "f 1 3 4 2\nf 5 6 8\nf 5 8 7\n");
     (void)write_text("twice.obj", CUBE_V "f 1 3 4\nf 1 3 4\nf 3 1 2\n");
     const struct {
         const char *arguments;
@@ -645,6 +646,13 @@ static void check_and_info_exit_as_promised(void **state)
         {"generate ellipsoid --size-mm 1,2", 2, "--size-mm: '1,2'"},
         {"generate ellipsoid --size-mm 100,2,2", 2, "10 times another"},
         {"generate cylinder --columns 2", 2, "at least 3"},
+        {"generate cylinder --grid --out grid.obj", 0, "grid.obj: 360 nodes, 336 quads, in m"},
+        {"info grid.obj --units m", 0, "\nquads       336 "},
+        {"info grid.obj --units m", 0, "\ndirections  0 sides"},
+        {"generate plane --grid --out grid.msh", 0, "grid.msh: 441 nodes, 400 quads, in m"},
+        {"info grid.msh --units m", 0, "\nquads       400 "},
+        {"info mixed.obj", 0, "\ncut_faces   1 of more than three corners"},
+        {"generate liver --grid", 2, "--grid means nothing for a liver"},
         {"generate cylinder --rows 1000 --columns 1000000", 2, "--columns"},
         {"generate plane --out plane.stl", 2, "neither .obj nor .msh"},
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},

@@ -295,7 +295,7 @@ static void check_quads(const ss_mesh *mesh, ss_mesh_report *report)
         double unused = 180.0;
         double area[4];
         double vector[4][3];
-        bool is_flat = false;
+        bool is_flat = !ss_mesh_has_good_nodes(mesh, node, 4); /* a corner twice */
         for (int c = 0; c < 4; ++c) {
             const int32_t corner[3] = {node[c], node[(c + 1) % 4], node[(c + 3) % 4]};
             (void)measure_corner(mesh, corner, &report->angle_min);

@@ -45,11 +45,15 @@ static void examine(ss_mesh *mesh)
             require(i == 0 || group->node[i] > group->node[i - 1]);
         }
     }
-    (void)ss_mesh_accept(mesh, "fuzz", &error);
+    const bool is_usable = ss_mesh_accept(mesh, "fuzz", &error) == SOFTSIM_OK;
     require(ss_mesh_orient(mesh) >= 0);
     require(ss_mesh_orient(mesh) == 0 || report.non_manifold_edge.count > 0 ||
             report.inconsistent_winding.count > 0 || report.zero_area.count > 0 ||
             !isfinite(report.volume));
+    if (is_usable) {
+        require(ss_mesh_renumber(mesh));
+        require(ss_mesh_accept(mesh, "renumbered", &error) == SOFTSIM_OK);
+    }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -16,7 +16,18 @@ for program in "$build"/tests/fuzz_*; do
   corpus="$build/corpus/$name"
   mkdir -p "$corpus"
   case "$name" in
-    fuzz_scene) cp server/scenes/*.yaml "$corpus"/ ;;
+    fuzz_scene)
+      cp server/scenes/*.yaml "$corpus"/
+      printf 'softsim: 1\nobject: {grid: {file: points.csv, rows: 2, columns: 2}, units: mm}\n%s\n' \
+        'model: {name: jelly, modulus_j: 1, grain: [0, 1, 0]}' >"$corpus/grid.yaml"
+      printf 'softsim: 1\nobject: {mesh: cube.msh, units: mm}\n%s\n' \
+        'model: {name: jelly, modulus_j: 1, grain: {file: grain.csv}}' >"$corpus/grain.yaml"
+      ;;
+    fuzz_msh)
+      printf '%s\n' '$MeshFormat' '2.2 0 8' '$EndMeshFormat' '$Nodes' 6 '1 0 0 0' '2 1 0 0' '3 2 0 0' \
+        '4 0 1 0' '5 1 1 0' '6 2 1 0' '$EndNodes' '$Elements' 2 '1 3 2 1 0 1 2 5 4' \
+        '2 3 2 0 0 2 3 6 5' '$EndElements' >"$corpus/quads.msh"
+      ;;
     fuzz_lcmlog) head -c 20000 server/scenes/kidney-poke.lcmlog >"$corpus/poke" ;;
   esac
   echo "== $name, $seconds s"

@@ -26,6 +26,7 @@
 #include "softsim/types.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
+#include "softsim_mesh_topology_t.h"
 #include "softsim_reply_t.h"
 #include "softsim_server_status_t.h"
 
@@ -435,6 +436,74 @@ static void obeys_commands(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* ---- the topology ------------------------------------------------------------------------------
+ */
+
+enum { GRID_ROWS = 15, GRID_COLUMNS = 24, GRID_NODES = GRID_ROWS * GRID_COLUMNS };
+
+typedef struct topology {
+    int node_count;
+    int seen[GRID_NODES]; /* by the file's number */
+    int moved;            /* nodes whose number on the wire is another */
+    double worst;         /* m, from where that node of the file lies */
+    int wrong_flags;
+} topology;
+
+static void on_topology(const lcm_recv_buf_t *buffer, const char *channel,
+                        const softsim_mesh_topology_t *m, void *user)
+{
+    (void)buffer;
+    (void)channel;
+    topology *t = user;
+    t->node_count = m->node_count;
+    for (int k = 0; k < m->node_chunk; ++k) {
+        const int file = m->file_node[k];
+        if (file < 0 || file >= GRID_NODES) {
+            t->worst = INFINITY;
+            return;
+        }
+        const int ring = file / GRID_COLUMNS;
+        const double phi = 2.0 * 3.14159265358979323846 * (file % GRID_COLUMNS) / GRID_COLUMNS;
+        const double x[3] = {cos(phi), sin(phi), 4.0 * ring / (GRID_ROWS - 1) - 2.0};
+        for (int axis = 0; axis < 3; ++axis) {
+            t->worst = fmax(t->worst, fabs((double)m->rest[3 * k + axis] - x[axis]));
+        }
+        t->seen[file] = 1;
+        t->moved += file != m->first_node + k;
+        t->wrong_flags += (m->node_flag[k] & 1) != (ring == 0 || ring == GRID_ROWS - 1);
+    }
+}
+
+/* The body is numbered by place inside; on the wire each node says its number in the file. */
+static void the_topology_leads_back_to_the_files_numbers(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsimd", SCENES "cylinder-grid.yaml", NULL};
+    topology t = {0};
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    softsim_mesh_topology_t_subscription_t *subscription =
+        softsim_mesh_topology_t_subscribe(lcm, "SOFTSIM_MESH_TOPOLOGY", on_topology, &t);
+    process_start(&daemon_process, argv, NULL);
+    assert_true(process_wait_for(&daemon_process, "softsimd: ready"));
+    int seen = 0;
+    for (int tries = 0; tries < 100 && seen < GRID_NODES; ++tries) {
+        lcm_handle_timeout(lcm, 200);
+        seen = 0;
+        for (int i = 0; i < GRID_NODES; ++i) {
+            seen += t.seen[i];
+        }
+    }
+    softsim_mesh_topology_t_unsubscribe(lcm, subscription);
+    lcm_destroy(lcm);
+    assert_int_equal(stop_daemon(), 0);
+    assert_int_equal(t.node_count, GRID_NODES);
+    assert_int_equal(seen, GRID_NODES);
+    assert_true(t.worst < 1e-6);
+    assert_true(t.moved > GRID_NODES / 2);
+    assert_int_equal(t.wrong_flags, 0);
+}
+
 static void monitor_prints_one_status(void **state)
 {
     (void)state;
@@ -495,6 +564,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(killed_bridge_is_let_go, set_up, tear_down),
         cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, set_up, tear_down),
         cmocka_unit_test_setup_teardown(obeys_commands, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(monitor_prints_one_status, set_up, tear_down),
         cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, set_up, tear_down),
     };
