@@ -100,6 +100,13 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                            .fallback = ABSENT,
                            .help = "largest output K of a cell, in the potential's unit; absent: "
                                    "none"},
+    [SS_CNN_WINDOW_TOLERANCE] = {.name = "window_tolerance",
+                                 .kind = SS_PARAM_NUMBER,
+                                 .max = 0.01,
+                                 .fallback = 8e-5,
+                                 .help = "nodes of a large body that follow the far field within "
+                                         "this share of the largest displacement take no step of "
+                                         "their own; 0: all nodes do"},
 };
 
 /* ---- values a node ------------------------------------------------------------------------ */
@@ -235,13 +242,16 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
     const double k = param[SS_CNN_SATURATION].number;
+    material->window_tolerance = param[SS_CNN_WINDOW_TOLERANCE].number;
     material->saturation = param[SS_CNN_SATURATION].is_given ? k : (double)INFINITY;
     if (((has_energy || has_modulus) && !(material->modulus > 0.0 && material->modulus <= 1e12)) ||
         !(material->pretension >= 0.0 && material->pretension <= 1e9) ||
-        !(material->bulk >= 0.0 && material->bulk <= 1e12) || !(material->saturation > 0.0)) {
+        !(material->bulk >= 0.0 && material->bulk <= 1e12) || !(material->saturation > 0.0) ||
+        !(material->window_tolerance >= 0.0 && material->window_tolerance <= 0.01)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: modulus and saturation must be greater than 0, pretension_j "
-                          "and enclosed_bulk_pa at least 0, all of them finite");
+                          "and enclosed_bulk_pa at least 0, all of them finite, and "
+                          "window_tolerance 0 to 0.01");
     }
 }
 

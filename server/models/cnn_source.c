@@ -33,7 +33,7 @@
 
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
 {
-    const size_t quads = (size_t)model->node_count * 4;
+    const size_t quads = ss_cnn_padded(model->node_count) * 4;
     const size_t edges = (size_t)model->network->edges.padded_count;
     const size_t entries = (size_t)model->network->rows.entry_count;
     source->kap_edge = ss_memory_get(edges, sizeof(ss_real));
@@ -70,7 +70,8 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
         for (int32_t e = 0; e < network->edges.padded_count; ++e) {
             source->kap_edge[e] = (ss_real)kap[e];
         }
-        model->kernels->scatter(&network->rows, source->kap_edge, source->kap, source->b);
+        model->kernels->scatter(&network->rows, &model->whole, source->kap_edge, source->kap,
+                                source->b);
         for (int32_t k = 0; k < count; ++k) {
             source->qhat += weight[k] * network->qhat[node[k]];
             source->qhat_over_own += weight[k] * network->qhat[node[k]] / network->own[node[k]];
@@ -131,9 +132,9 @@ static const ss_real *turned_b(const ss_model *model, ss_cnn_source *source)
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d)
 {
     double ub, ur;
-    model->kernels->product(&model->network->rows, source->kap, turned_b(model, source), d,
-                            source->r, &ub, &ur);
-    source->eps = 0.5 * (ub + ur);
+    model->kernels->product(&model->network->rows, model->part, source->kap,
+                            turned_b(model, source), d, source->r, &ub, &ur);
+    source->eps = 0.5 * (ub + ur) + source->far;
     source->eta = 0.5 * (ur - ub);
     set_tensions(model, source);
 }
@@ -196,7 +197,7 @@ static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
                                 tool->share + first, model->strain, model->stretch,
                                 tool->source.kap_edge, tool->eps + first, tool->eta + first);
     }
-    model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
+    model->kernels->scatter(&network->rows, &model->whole, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
 }
 
@@ -274,7 +275,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     }
     ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *
-           model->kernels->weighted_square(model->node_count, tool->weight_slope, model->mobility);
+           model->kernels->weighted_square(model->part, tool->weight_slope, model->mobility);
 }
 
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose)
