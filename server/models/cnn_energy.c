@@ -451,6 +451,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         hash = add_bytes(hash, window->y, sizeof window->y);
         hash = add_bytes(hash, window->w, sizeof window->w);
         hash = add_bytes(hash, &window->age, sizeof window->age);
+        hash = add_bytes(hash, &window->tension, sizeof window->tension);
     }
     for (int32_t k = 0; k < model->source_count; ++k) {
         hash = add_bytes(hash, &model->source[k].is_on, sizeof(bool));

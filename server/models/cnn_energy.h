@@ -147,6 +147,7 @@ typedef struct ss_cnn_window {
     uint8_t *is_seam;                       /* by node */
     int32_t active_nodes;
     int32_t age;    /* sub-steps since the blocks were looked at */
+    double tension; /* of all sources then, N */
     bool is_filled; /* u and v of still nodes are as they should be */
     /* modes: sources in their order, then the enclosed volume */
     int32_t mode_count;

@@ -22,7 +22,8 @@
  * of the far field are therefore all there, and the ledger closes; what is neglected is the force
  * c1 L u on still nodes alone.
  *
- * Blocks of 64 consecutive nodes are active or still as a whole. At every fourth sub-step each
+ * Blocks of 64 consecutive nodes are active or still as a whole. At every fourth sub-step, and at a
+ * blow sooner, each
  * active block, and each still one beside an active one, is asked how far its nodes are from their
  * places in the far field, |u - u_far|^2 + (m/ks) |v - v_far|^2, and how far the neglected force
  * would take them, |F| / ks; for all others the latter is known from what it is in modes of unit
@@ -32,8 +33,9 @@
  * than that. What this changes in the energy is booked as loss. Blocks with loaded, driven or
  * partly fixed nodes stay active.
  *
- * A front moves one block (8 edges) in four sub-steps, while a sub-step of Runge-Kutta within its
- * bound moves anything felt by less than an edge.
+ * While blocks change they are looked at after every sub-step, and a front then moves one block (8
+ * edges) in each; a sub-step of Runge-Kutta within its bound moves anything felt by less than an
+ * edge.
  *
  * Rejected: still nodes that keep their displacement (on an organ with 20,000 nodes, pushed 7 mm,
  * all 17,062 free ones are above 1e-4, and above 1e-5; after the modes are taken out those near the
@@ -47,6 +49,8 @@
 
 /* Sub-steps from one look at the blocks to the next. */
 enum { LOOK_EVERY = 4 };
+/* Or as soon as the tension of all sources is so many times what it was at the last look. */
+#define GROWN 1.5
 /* Of the tolerance, where an active block becomes still. */
 #define STILL_SHARE 0.5
 /* Mean edges: below this displacement the tolerance no longer shrinks (float holds it well). */
@@ -416,6 +420,7 @@ void ss_cnn_window_reset(ss_model *model)
     memset(window->now_y, 0, sizeof window->now_y);
     memset(window->now_w, 0, sizeof window->now_w);
     window->age = 0;
+    window->tension = 0.0;
     set_parts(model);
     model->part = &window->active;
 }
@@ -617,13 +622,28 @@ static double far_drive(const ss_model *model, int32_t k)
     return fmax(rough, mean) * fmax(rough, mean);
 }
 
-bool ss_cnn_window_look(ss_model *model)
+/* Is it time to look at the blocks, or has the tension grown since? */
+static bool is_due(const ss_model *model)
 {
     ss_cnn_window *window = model->window;
-    if (!window || ++window->age < LOOK_EVERY) {
+    double tension = 0.0;
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        tension += model->source[k].is_on ? model->source[k].c1 : 0.0;
+    }
+    if (++window->age < LOOK_EVERY && !(tension > GROWN * window->tension)) {
         return false;
     }
     window->age = 0;
+    window->tension = tension;
+    return true;
+}
+
+bool ss_cnn_window_look(ss_model *model)
+{
+    ss_cnn_window *window = model->window;
+    if (!window || !is_due(model)) {
+        return false;
+    }
     find_unrest(model);
     double largest = window->floor * window->floor;
     for (int32_t k = 0; k < window->block_count; ++k) {
@@ -648,6 +668,7 @@ bool ss_cnn_window_look(ss_model *model)
     }
     if (is_changed) {
         set_parts(model);
+        window->age = LOOK_EVERY - 1; /* while a front moves it is followed */
     }
     return is_changed;
 }
