@@ -638,8 +638,8 @@ static void all_simd_paths_agree(void **state)
     double ub[2] = {0.0, 0.0}, ur[2] = {0.0, 0.0}, scale = 0.0;
     int paths = 0;
     for (; paths < 2 && ss_cnn_kernels_path(paths); ++paths) {
-        ss_cnn_kernels_path(paths)->product(&network->rows, source->kap, source->b, m->u, r[paths],
-                                            &ub[paths], &ur[paths]);
+        ss_cnn_kernels_path(paths)->product(&network->rows, &m->whole, source->kap, source->b, m->u,
+                                            r[paths], &ub[paths], &ur[paths]);
     }
     for (size_t k = 0; k < quads; ++k) {
         scale = fmax(scale, fabs((double)r[0][k]));

@@ -43,8 +43,8 @@ static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
 {
     static const double still[3] = {0.0, 0.0, 0.0};
     const ss_cnn_kernels *kernels = model->kernels;
-    const int32_t n = model->node_count;
-    memset(out, 0, (size_t)n * 4 * sizeof *out);
+    const ss_cnn_part *part = model->part;
+    memset(out, 0, (size_t)model->node_count * 4 * sizeof *out);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* minus the contact's part */
         const ss_cnn_tool *tool = &model->tool[k];
         if (tool->is_present && tool->penalty > 0.0) {
@@ -68,26 +68,26 @@ static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
         }
         double unused, stretch;
         ss_real *lx = first ? model->vs[0] : model->us;
-        kernels->product(&model->network->rows, source->kap, NULL, x, lx, &unused, &stretch);
+        kernels->product(&model->network->rows, part, source->kap, NULL, x, lx, &unused, &stretch);
         if (first) {
-            kernels->axpy(n, -source->c1, lx, out);
+            kernels->axpy(part, -source->c1, lx, out);
         }
         first = first ? first : source;
     }
-    square += kernels->tangent(n, model->rest_stiffness, x, first ? first->c1 : 0.0,
+    square += kernels->tangent(part, model->rest_stiffness, x, first ? first->c1 : 0.0,
                                first ? model->us : NULL, out);
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
         if (source && source->rank > 0.0) {
-            const double along = kernels->dot(n, source->r, x);
-            kernels->axpy(n, source->rank * along, source->r, out);
+            const double along = kernels->dot(part, source->r, x);
+            kernels->axpy(part, source->rank * along, source->r, out);
             square += source->rank * along * along;
         }
     }
     if (model->normal) {
         const double rate = model->material.bulk / model->volume;
-        const double change = kernels->dot(n, model->normal, x);
-        kernels->axpy(n, rate * change, model->normal, out);
+        const double change = kernels->dot(part, model->normal, x);
+        kernels->axpy(part, rate * change, model->normal, out);
         square += rate * change * change;
     }
     return square;
@@ -110,11 +110,11 @@ static void set_inverse(ss_model *model)
 static void solve_some(ss_model *model, ss_real *y, int iterations)
 {
     const ss_cnn_kernels *kernels = model->kernels;
-    const int32_t n = model->node_count;
-    const size_t bytes = (size_t)n * 4 * sizeof *y;
+    const ss_cnn_part *part = model->part;
+    const size_t bytes = (size_t)model->node_count * 4 * sizeof *y;
     (void)apply_tangent(model, y, model->product);
     memcpy(model->residual, model->push, bytes);
-    double rho = kernels->descend(n, 1.0, model->product, model->product, model->inverse,
+    double rho = kernels->descend(part, 1.0, model->product, model->product, model->inverse,
                                   model->scaled, model->residual, model->search);
     /* Beyond the precision of the scalars there is nothing left to improve. */
     const double enough = rho * (sizeof *y == sizeof(float) ? 1e-13 : 1e-26);
@@ -123,10 +123,10 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
         if (!(curvature > 0.0)) {
             break;
         }
-        const double next = kernels->descend(n, rho / curvature, model->search, model->product,
+        const double next = kernels->descend(part, rho / curvature, model->search, model->product,
                                              model->inverse, y, model->residual, model->scaled);
         if (k + 1 < iterations) { /* the next direction */
-            kernels->axpy(n, next / rho, model->search, model->scaled);
+            kernels->axpy(part, next / rho, model->search, model->scaled);
             ss_real *t = model->search;
             model->search = model->scaled;
             model->scaled = t;
@@ -158,23 +158,23 @@ static double push_along(ss_model *model, const ss_cnn_tool *tool, const double 
 static double damping_met(const ss_model *model, const ss_real *y)
 {
     ss_cnn_totals totals;
-    model->kernels->total(model->node_count, y, y, model->rest_stiffness, model->damping, &totals);
+    model->kernels->total(model->part, y, y, model->rest_stiffness, model->damping, &totals);
     return totals.kinetic;
 }
 
 /* Fills tool->felt for a push along `normal`; returns the viscosity. */
 static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
 {
-    const int32_t n = model->node_count;
+    const ss_cnn_part *part = model->part;
     const double k_cc = push_along(model, tool, normal);
     set_inverse(model);
     if (!tool->was_touching) {
-        memset(tool->shape_y, 0, (size_t)n * 4 * sizeof(ss_real));
+        memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
     }
     solve_some(model, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS);
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
-    const double felt = k_cc - model->kernels->dot(n, tool->shape_y, model->push) -
-                        model->kernels->dot(n, tool->shape_y, model->residual);
+    const double felt = k_cc - model->kernels->dot(part, tool->shape_y, model->push) -
+                        model->kernels->dot(part, tool->shape_y, model->residual);
     tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
     const double viscosity = tool->was_touching ? damping_met(model, tool->shape_y) : 0.0;
     return fmin(viscosity, MAX_VISCOUS_TIME * tool->felt);
@@ -308,7 +308,8 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, const double *
     for (int32_t e = 0; e < model->network->edges.padded_count; ++e) {
         source->kap_edge[e] = (ss_real)kap[e];
     }
-    model->kernels->scatter(&model->network->rows, source->kap_edge, source->kap, source->b);
+    model->kernels->scatter(&model->network->rows, &model->whole, source->kap_edge, source->kap,
+                            source->b);
     source->c1 = source->c2 = model->material.pretension;
     source->rank = 0.0;
     source->is_on = true;
@@ -317,7 +318,7 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, const double *
     memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
     solve_some(model, tool->shape_y, REST_ITERATIONS);
     source->is_on = false;
-    return model->kernels->dot(model->node_count, tool->shape_y, model->push);
+    return model->kernels->dot(model->part, tool->shape_y, model->push);
 }
 
 softsim_status ss_cnn_set_rest_felt(ss_model *model)

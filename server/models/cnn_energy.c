@@ -40,7 +40,7 @@
  * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (the inner
  * nodes of a volume mesh whose surface alone is simulated stay at rest). Everything else is
  * derived. Displacements, never positions, so that single precision loses nothing far from the
- * origin. Not built: an active window.
+ * origin.
  */
 #include <math.h>
 #include <string.h>
@@ -52,13 +52,13 @@
 
 static bool get_quads(const ss_model *model, ss_real **out)
 {
-    *out = ss_memory_get((size_t)model->node_count * 4, sizeof **out);
+    *out = ss_memory_get(ss_cnn_padded(model->node_count) * 4, sizeof **out);
     return *out != NULL;
 }
 
 static bool get_node_reals(const ss_model *model, const double *from, ss_real **out)
 {
-    *out = ss_memory_get((size_t)model->node_count, sizeof **out);
+    *out = ss_memory_get(ss_cnn_padded(model->node_count), sizeof **out);
     for (int32_t i = 0; *out && i < model->node_count; ++i) {
         (*out)[i] = (ss_real)from[i];
     }
@@ -82,7 +82,7 @@ static softsim_status allocate_state(ss_model *model)
     is_good = is_good && get_node_reals(model, model->material.mass, &model->mass) &&
               get_node_reals(model, model->material.damping, &model->damping) &&
               get_node_reals(model, model->material.rest_stiffness, &model->rest_stiffness);
-    const size_t n = (size_t)model->node_count;
+    const size_t n = ss_cnn_padded(model->node_count);
     const size_t edges = (size_t)model->network->edges.padded_count;
     model->stiff = ss_memory_get(n, sizeof *model->stiff);
     model->mobility_max = ss_memory_get(n, sizeof *model->mobility_max);
@@ -159,7 +159,7 @@ static softsim_status set_volume(ss_model *model, softsim_error *error)
     }
     model->bulk_rate =
         model->material.bulk / model->volume *
-        model->kernels->weighted_square(model->node_count, model->normal, model->mobility);
+        model->kernels->weighted_square(&model->whole, model->normal, model->mobility);
     return SOFTSIM_OK;
 }
 
@@ -311,8 +311,10 @@ static void reset(ss_model *model)
     model->work = model->dissipated = model->kinetic = model->elastic = 0.0;
     model->pressure = 0.0;
     model->is_ready = false;
+    model->has_loads_only = false;
     model->first = NULL;
     model->d = model->u;
+    ss_cnn_window_reset(model);
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
@@ -325,6 +327,7 @@ static void destroy(ss_model *model)
         return;
     }
     ss_cnn_loads_fini(model);
+    ss_cnn_window_destroy(&model->window);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         ss_touch_destroy(&tool->touch);
@@ -377,7 +380,14 @@ static softsim_status build(ss_model *model, softsim_error *error)
     }
     const ss_cnn_fabric fabric = ss_cnn_material_fabric(plan, &model->material);
     status = ss_cnn_network_create(&fabric, model->held, &model->network, error);
-    status = status == SOFTSIM_OK ? allocate_state(model) : status;
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    model->whole_span = (ss_cnn_span){.node_end = (int32_t)ss_cnn_padded(model->node_count),
+                                      .group_end = model->network->rows.group_count};
+    model->whole = (ss_cnn_part){.count = 1, .span = &model->whole_span};
+    model->part = &model->whole;
+    status = allocate_state(model);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -391,6 +401,7 @@ static softsim_status build(ss_model *model, softsim_error *error)
     status = set_volume(model, error);
     status = status == SOFTSIM_OK ? create_relaxation(model, error) : status;
     status = status == SOFTSIM_OK ? create_tools(model, error) : status;
+    status = status == SOFTSIM_OK ? ss_cnn_window_create(model) : status;
     if (status == SOFTSIM_OK) {
         status = ss_cnn_saturation_create(model, error);
     }
@@ -444,7 +455,8 @@ static void info(const ss_model *model, ss_model_info *out)
 {
     *out = (ss_model_info){.step = model->step,
                            .substeps = model->substeps,
-                           .active_nodes = model->network->cell_count,
+                           .active_nodes = model->window ? model->window->active_nodes
+                                                         : model->network->cell_count,
                            .worst_element = limiting_node(model),
                            .fault_bits = model->fault_bits,
                            .verdict = model->verdict,
@@ -458,11 +470,13 @@ static void info(const ss_model *model, ss_model_info *out)
 
 static const ss_real *displacement(const ss_model *model)
 {
+    ss_cnn_window_fill(model);
     return model->u;
 }
 
 static const ss_real *velocity(const ss_model *model)
 {
+    ss_cnn_window_fill(model);
     return model->v;
 }
 
@@ -479,6 +493,14 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
     uint64_t hash = add_bytes(seed, model->u_low, quads);
+    if (model->window) {
+        const ss_cnn_window *window = model->window;
+        hash = add_bytes(hash, window->rank, (size_t)window->block_count);
+        hash = add_bytes(hash, window->y, sizeof window->y);
+        hash = add_bytes(hash, window->w, sizeof window->w);
+        hash = add_bytes(hash, &window->age, sizeof window->age);
+        hash = add_bytes(hash, &window->tension, sizeof window->tension);
+    }
     for (int32_t k = 0; k < model->source_count; ++k) {
         hash = add_bytes(hash, &model->source[k].is_on, sizeof(bool));
     }

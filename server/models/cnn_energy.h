@@ -42,6 +42,7 @@ enum {
     SS_CNN_SOURCE,
     SS_CNN_SOLVER,
     SS_CNN_RELAXATION_STEPS,
+    SS_CNN_WINDOW_TOLERANCE,
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
@@ -57,6 +58,7 @@ typedef struct ss_cnn_material {
     double *rho_across;                      /* NULL: isotropic */
     bool is_modulus_energy;                  /* modulus is E^ in J, else E in N/m (volumes: Pa) */
     double modulus, pretension, bulk, saturation; /* saturation INFINITY: none */
+    double window_tolerance; /* a share of the largest displacement; 0: no window */
 } ss_cnn_material;
 
 /* The best rho with which a cell conducts. */
@@ -86,6 +88,7 @@ typedef struct ss_cnn_source {
     double qhat, qhat_over_own, inverse_own; /* of loads: means by weight */
     /* at the last evaluation */
     ss_real *r;
+    double far; /* u.b of the nodes that do not move by themselves */
     double eps, eta;
     double stretch; /* the part of eps+ that acts: I_eff / E^ */
     double c1, c2;  /* T + a T0, a T0 */
@@ -167,6 +170,43 @@ typedef struct ss_cnn_driven {
     double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
 } ss_cnn_driven;
 
+/* Sources, and the enclosed volume, whose forces lead the far nodes; see cnn_window.c. */
+enum { SS_CNN_MAX_MODES = 8 };
+
+/* Of a block: the largest |L_k u| / ks and |L_k u| / D_k, and their mean over its nodes, for the u
+ * of a mode of unit size. */
+typedef struct ss_cnn_bend {
+    double alone, shared, mean;
+} ss_cnn_bend;
+
+typedef struct ss_cnn_window {
+    int32_t block_count, block_size;
+    double tolerance;           /* a share of the largest displacement */
+    double floor;               /* m: a largest displacement below counts as this */
+    double damping_rate, rate2; /* gamma/m and ks/m of every node, 1/s and 1/s^2 */
+    int32_t *near_first, *near; /* blocks that share an edge with a block; block_count + 1 */
+    uint8_t *is_pinned;         /* blocks with loaded or driven nodes */
+    uint8_t *rank;              /* 0 a block that moves by itself, 1 and 2 beside such, else 3 */
+    ss_cnn_unrest *unrest;      /* of blocks of rank 0 and 1, when looked at */
+    ss_cnn_part active, beside, rim, still; /* rank 0; 1; 1 and 2; 1 to 3 */
+    int32_t seam_count, *seam;              /* still nodes beside an active one, number x 4 */
+    uint8_t *is_seam;                       /* by node */
+    int32_t active_nodes;
+    int32_t age;    /* sub-steps since the blocks were looked at */
+    double tension; /* of all sources then, N */
+    bool is_filled; /* u and v of still nodes are as they should be */
+    /* modes: sources in their order, then the enclosed volume */
+    int32_t mode_count;
+    const ss_real *f[SS_CNN_MAX_MODES]; /* force for a unit tension or pressure, quads */
+    double y[SS_CNN_MAX_MODES], w[SS_CNN_MAX_MODES]; /* N s^2 or Pa s^2, and its rate */
+    double old_y[SS_CNN_MAX_MODES], old_w[SS_CNN_MAX_MODES];
+    double now_y[SS_CNN_MAX_MODES], now_w[SS_CNN_MAX_MODES]; /* at the evaluation under way */
+    double sum_y[SS_CNN_MAX_MODES], sum_w[SS_CNN_MAX_MODES]; /* of the stages */
+    double *gram;      /* sum f_m.f_l / m of a block, mode_count^2 of each */
+    ss_cnn_bend *bend; /* source_count x mode_count of each block */
+    double shared[SS_CNN_MAX_MODES][SS_CNN_MAX_MODES]; /* the same of all still blocks */
+} ss_cnn_window;
+
 struct ss_model {
     ss_model_plan plan;
     int32_t node_count;
@@ -185,6 +225,11 @@ struct ss_model {
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
     double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */
     uint8_t *held;                             /* cells held at zero: fixed on all axes */
+    ss_cnn_span whole_span;
+    ss_cnn_part whole;         /* all nodes and rows that may move */
+    const ss_cnn_part *part;   /* those that a step works on: all, or the window's */
+    ss_cnn_window *window;     /* NULL: none */
+    const char *window_reason; /* why there is none */
     /* per node, for the kernels */
     ss_real *mass, *damping, *rest_stiffness;
     ss_real *mobility, *normal; /* quads; normal NULL without B */
@@ -204,7 +249,9 @@ struct ss_model {
     double work, dissipated;
     /* derived from the state; valid while is_ready */
     bool is_ready, has_strain, has_totals;
+    bool has_loads_only;            /* base and force are load_force: no tool, no second source */
     ss_cnn_totals totals;           /* of u and v, where has_totals */
+    double volume_change;           /* sum N.u, likewise; not where nodes are driven */
     double kinetic, elastic, bound; /* J, J, s */
     double pressure;                /* Pa */
     const ss_real *d;               /* P - P* at the last evaluation: u, or fitted */
@@ -309,6 +356,32 @@ void ss_cnn_step(ss_model *model, double time, double dt,
 double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
 /* model->stiff and model->bound from the last evaluation. */
 void ss_cnn_set_bound(ss_model *model);
+
+/* ---- cnn_window.c: parts of a large body that need no step of their own -------------------- */
+
+/* Fills model->whole and, where the plan allows it, model->window; model->part is either of them
+ * afterwards. Thread: set-up only. */
+softsim_status ss_cnn_window_create(ss_model *model);
+void ss_cnn_window_destroy(ss_cnn_window **window);
+/* Only the pinned blocks are active, and the modes at rest. */
+void ss_cnn_window_reset(ss_model *model);
+/* Everything below does nothing in a model without a window.
+ * The far field into `u` beside the active blocks, and into the sources, at the evaluation under
+ * way; returns its share of sum N.u. */
+double ss_cnn_window_evaluate(ss_model *model, ss_real *u);
+/* The modes' part of Runge-Kutta stage `index` of `h` seconds; returns the damping's power. */
+double ss_cnn_window_stage(ss_model *model, int index, double h);
+void ss_cnn_window_swap(ss_model *model);
+/* The far field's velocities times `factor`. */
+void ss_cnn_window_damp(ss_model *model, double factor);
+/* Adds what the still nodes have of kinetic and rest energy. */
+void ss_cnn_window_add_totals(const ss_model *model, ss_cnn_totals *totals);
+/* sum |f|^2/m of mode `index` over the still nodes. */
+double ss_cnn_window_stiffness(const ss_model *model, int32_t index);
+/* After a sub-step: true when other blocks are active than before. */
+bool ss_cnn_window_look(ss_model *model);
+/* u and v of every node. */
+void ss_cnn_window_fill(const ss_model *model);
 
 /* ---- cnn_fit.c: free bodies -------------------------------------------------------------- */
 

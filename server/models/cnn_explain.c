@@ -189,6 +189,15 @@ static void explain_network(const ss_model *model, const printer *out)
     } else {
         say(out, "left out: columns (no tool)");
     }
+    if (model->window) {
+        say(out,
+            "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "
+            "displacement",
+            model->window->block_count, model->window->block_size, model->window->active_nodes,
+            model->window->tolerance);
+    } else {
+        say(out, "left out: active window (%s)", model->window_reason);
+    }
     say(out, "kernels: %s, %s", model->kernels->name,
         sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
 }

@@ -62,65 +62,72 @@ SS_INLINE void product_group(const ss_cnn_rows *rows, const ss_cnn_group *group,
     }
 }
 
-SS_INLINE void product_rows(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b,
-                            const ss_real *u, ss_real *r, double *out_ub, double *out_ur)
+SS_INLINE void product_rows(const ss_cnn_rows *rows, const ss_cnn_span *span, const ss_real *kap,
+                            const ss_real *b, const ss_real *u, ss_real *r, double *ub, double *ur)
 {
-    double ub = 0.0, ur = 0.0;
-    for (int32_t g = 0; g < rows->group_count; ++g) {
+    for (int32_t g = span->group; g < span->group_end; ++g) {
         const ss_cnn_group *group = &rows->group[g];
         switch (group->degree) { /* constant degrees unroll */
         case 4:
-            product_group(rows, group, 4, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, 4, kap, b, u, r, ub, ur);
             break;
         case 5:
-            product_group(rows, group, 5, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, 5, kap, b, u, r, ub, ur);
             break;
         case 6:
-            product_group(rows, group, 6, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, 6, kap, b, u, r, ub, ur);
             break;
         case 7:
-            product_group(rows, group, 7, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, 7, kap, b, u, r, ub, ur);
             break;
         case 8:
-            product_group(rows, group, 8, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, 8, kap, b, u, r, ub, ur);
             break;
         default:
-            product_group(rows, group, group->degree, kap, b, u, r, &ub, &ur);
+            product_group(rows, group, group->degree, kap, b, u, r, ub, ur);
             break;
+        }
+    }
+}
+
+static void product(const ss_cnn_rows *rows, const ss_cnn_part *part, const ss_real *kap,
+                    const ss_real *b, const ss_real *u, ss_real *r, double *out_ub, double *out_ur)
+{
+    double ub = 0.0, ur = 0.0;
+    for (int32_t k = 0; k < part->count; ++k) {
+        if (b) {
+            product_rows(rows, &part->span[k], kap, b, u, r, &ub, &ur);
+        } else {
+            product_rows(rows, &part->span[k], kap, NULL, u, r, &ub, &ur);
         }
     }
     *out_ub = ub;
     *out_ur = ur;
 }
 
-static void product(const ss_cnn_rows *rows, const ss_real *kap, const ss_real *b, const ss_real *u,
-                    ss_real *r, double *out_ub, double *out_ur)
+static void scatter(const ss_cnn_rows *rows, const ss_cnn_part *part, const ss_real *kap_edge,
+                    ss_real *kap, ss_real *b)
 {
-    if (b) {
-        product_rows(rows, kap, b, u, r, out_ub, out_ur);
-    } else {
-        product_rows(rows, kap, NULL, u, r, out_ub, out_ur);
-    }
-}
-
-static void scatter(const ss_cnn_rows *rows, const ss_real *kap_edge, ss_real *kap, ss_real *b)
-{
-    const int32_t *edge = rows->edge;
-    const ss_real *arm = rows->arm;
-    for (int32_t g = 0; g < rows->group_count; ++g) {
-        const int32_t degree = rows->group[g].degree;
-        const int32_t *node = rows->node + rows->group[g].first_row;
-        for (int32_t row = 0; row < rows->group[g].row_count; ++row) {
-            ss_quad bi = ss_quad_all(0);
-            for (int32_t k = 0; k < degree; ++k) {
-                const ss_real value = kap_edge[edge[k]];
-                kap[k] = value;
-                bi = ss_quad_fma(ss_quad_all(value), ss_quad_load(arm + 4 * k), bi);
+    for (int32_t s = 0; s < part->count; ++s) {
+        for (int32_t g = part->span[s].group; g < part->span[s].group_end; ++g) {
+            const ss_cnn_group *group = &rows->group[g];
+            const int32_t degree = group->degree;
+            const int32_t *node = rows->node + group->first_row;
+            const int32_t *edge = rows->edge + group->first_entry;
+            const ss_real *arm = rows->arm + 4 * (ptrdiff_t)group->first_entry;
+            ss_real *out = kap + group->first_entry;
+            for (int32_t row = 0; row < group->row_count; ++row) {
+                ss_quad bi = ss_quad_all(0);
+                for (int32_t k = 0; k < degree; ++k) {
+                    const ss_real value = kap_edge[edge[k]];
+                    out[k] = value;
+                    bi = ss_quad_fma(ss_quad_all(value), ss_quad_load(arm + 4 * k), bi);
+                }
+                ss_quad_store(b + node[row], bi);
+                edge += degree;
+                out += degree;
+                arm += 4 * (ptrdiff_t)degree;
             }
-            ss_quad_store(b + node[row], bi);
-            edge += degree;
-            kap += degree;
-            arm += 4 * (ptrdiff_t)degree;
         }
     }
 }
@@ -198,66 +205,87 @@ static void combine(int32_t padded_count, int32_t count, const ss_real *const *c
 
 /* ---- nodes -------------------------------------------------------------------------------- */
 
-/* Sums of a block of rows: of the damping's power, and of what the totals need. */
+/* The nodes of a part, BLOCK at a time: start with {.part}. */
+typedef struct block_range {
+    const ss_cnn_part *part;
+    int32_t span, first, end;
+} block_range;
+
+SS_INLINE bool next_block(block_range *at)
+{
+    while (at->span < at->part->count) {
+        const ss_cnn_span *span = &at->part->span[at->span];
+        at->first = at->end > span->node ? at->end : span->node;
+        if (at->first < span->node_end) {
+            at->end = least(at->first + BLOCK, span->node_end);
+            return true;
+        }
+        ++at->span;
+    }
+    return false;
+}
+
+/* Sums of a block of nodes: of the damping's power, of N.u, and of what the totals need. */
 typedef struct block_sums {
-    ss_quad power, kinetic, rest, square;
+    ss_pair power, volume, kinetic, rest, most;
 } block_sums;
 
-/* a of one node. */
-SS_INLINE ss_quad acceleration(const ss_cnn_stage *s, int32_t i, ss_quad v, bool has_source,
-                               bool has_pretension, bool has_pressure, ss_quad *power)
+/* a of two nodes. */
+SS_INLINE ss_pair acceleration(const ss_cnn_stage *s, int32_t i, ss_pair v, bool has_source,
+                               bool has_pretension, bool has_pressure, ss_pair *power)
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)i;
-    const ss_quad gamma_v = ss_quad_mul(ss_quad_all(s->damping[i]), v);
-    ss_quad f = ss_quad_sub(ss_quad_load(s->force + at), gamma_v);
-    f = ss_quad_fnma(ss_quad_all(s->rest_stiffness[i]), ss_quad_load(s->d + at), f);
+    const ss_pair gamma_v = ss_pair_mul(ss_pair_each(s->damping + i), v);
+    ss_pair f = ss_pair_sub(ss_pair_load(s->force + at), gamma_v);
+    f = ss_pair_fnma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);
     if (has_source) {
-        f = ss_quad_fnma(ss_quad_all((ss_real)s->c1), ss_quad_load(s->r + at), f);
+        f = ss_pair_fnma(ss_pair_all((ss_real)s->c1), ss_pair_load(s->r + at), f);
     }
     if (has_pretension) {
-        f = ss_quad_fma(ss_quad_all((ss_real)s->c2), ss_quad_load(s->b + at), f);
+        f = ss_pair_fma(ss_pair_all((ss_real)s->c2), ss_pair_load(s->b + at), f);
     }
     if (has_pressure) {
-        f = ss_quad_fnma(ss_quad_all((ss_real)s->pressure), ss_quad_load(s->normal + at), f);
+        f = ss_pair_fnma(ss_pair_all((ss_real)s->pressure), ss_pair_load(s->normal + at), f);
     }
-    *power = ss_quad_fma(gamma_v, v, *power);
-    return ss_quad_mul(ss_quad_load(s->mobility + at), f);
+    *power = ss_pair_fma(gamma_v, v, *power);
+    return ss_pair_mul(ss_pair_load(s->mobility + at), f);
 }
 
 /* The step's end. With v_1 = v0, v_2 to v_4 the stages' velocities, h a_1 = 2 (v_2 - v0),
  * h a_2 = 2 (v_3 - v0) and h a_3 = v_4 - v0:
  *   u = u0 + h/6 (v0 + 2 v_2 + 2 v_3 + v_4),  v = v0 + (h a_1 + 2 h a_2 + 2 h a_3 + h a_4) / 6
  * u is summed with its rounding error kept (Kahan): a slow return moves less than the last digit
- * of u in a step, and would stop short of rest without it. */
-SS_INLINE void finish_node(const ss_cnn_stage *s, int32_t i, ss_quad a, ss_quad v4, ss_quad h6,
-                           block_sums *sums)
+ * of u in a step, and would stop short of rest without it. Returns u. */
+SS_INLINE ss_pair finish_nodes(const ss_cnn_stage *s, int32_t i, ss_pair a, ss_pair v4, ss_pair h6,
+                               block_sums *sums)
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)i;
-    const ss_quad third = ss_quad_all((ss_real)(1.0 / 3.0)), two = ss_quad_all((ss_real)2);
-    const ss_quad u0 = ss_quad_load(s->u0 + at), v0 = ss_quad_load(s->v0 + at);
-    const ss_quad v2 = ss_quad_load(s->vs[0] + at), v3 = ss_quad_load(s->vs[1] + at);
-    const ss_quad middle = ss_quad_fma(two, v3, ss_quad_add(v2, v4)); /* v2 + 2 v3 + v4 */
-    const ss_quad du =
-        ss_quad_fma(h6, ss_quad_add(ss_quad_add(v0, v2), middle), ss_quad_load(s->low0 + at));
-    const ss_quad u = ss_quad_add(u0, du);
-    const ss_quad dv = ss_quad_fma(two, ss_quad_sub(v3, v0),
-                                   ss_quad_add(ss_quad_sub(v2, v0), ss_quad_sub(v4, v0)));
-    const ss_quad v = ss_quad_add(v0, ss_quad_fma(third, dv, ss_quad_mul(h6, a)));
-    ss_quad_store(s->low + at, ss_quad_sub(du, ss_quad_sub(u, u0)));
-    ss_quad_store(s->u + at, u);
-    ss_quad_store(s->v + at, v);
-    const ss_quad uu = ss_quad_mul(u, u);
-    sums->kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(s->mass[i]), v), v, sums->kinetic);
-    sums->rest = ss_quad_fma(ss_quad_all(s->rest_stiffness[i]), uu, sums->rest);
-    sums->square = ss_quad_add(sums->square, uu);
+    const ss_pair third = ss_pair_all((ss_real)(1.0 / 3.0)), two = ss_pair_all((ss_real)2);
+    const ss_pair u0 = ss_pair_load(s->u0 + at), v0 = ss_pair_load(s->v0 + at);
+    const ss_pair v2 = ss_pair_load(s->vs[0] + at), v3 = ss_pair_load(s->vs[1] + at);
+    const ss_pair middle = ss_pair_fma(two, v3, ss_pair_add(v2, v4)); /* v2 + 2 v3 + v4 */
+    const ss_pair du =
+        ss_pair_fma(h6, ss_pair_add(ss_pair_add(v0, v2), middle), ss_pair_load(s->low0 + at));
+    const ss_pair u = ss_pair_add(u0, du);
+    const ss_pair dv = ss_pair_fma(two, ss_pair_sub(v3, v0),
+                                   ss_pair_add(ss_pair_sub(v2, v0), ss_pair_sub(v4, v0)));
+    const ss_pair v = ss_pair_add(v0, ss_pair_fma(third, dv, ss_pair_mul(h6, a)));
+    ss_pair_store(s->low + at, ss_pair_sub(du, ss_pair_sub(u, u0)));
+    ss_pair_store(s->u + at, u);
+    ss_pair_store(s->v + at, v);
+    const ss_pair uu = ss_pair_mul(u, u);
+    sums->kinetic = ss_pair_fma(ss_pair_mul(ss_pair_each(s->mass + i), v), v, sums->kinetic);
+    sums->rest = ss_pair_fma(ss_pair_each(s->rest_stiffness + i), uu, sums->rest);
+    sums->most = ss_pair_most(uu, sums->most);
+    return u;
 }
 
 static void add_totals(const block_sums *sums, ss_cnn_totals *totals)
 {
-    const double square = ss_quad_sum(sums->square);
-    totals->kinetic += ss_quad_sum(sums->kinetic);
-    totals->rest += ss_quad_sum(sums->rest);
-    totals->largest = square > totals->largest || square != square ? square : totals->largest;
+    const double square = ss_quad_sum(ss_pair_fold(sums->most));
+    totals->kinetic += ss_pair_sum(sums->kinetic);
+    totals->rest += ss_pair_sum(sums->rest);
+    totals->largest = square > totals->largest ? square : totals->largest;
 }
 
 /* The stage loop for one combination of what this body uses. */
@@ -265,28 +293,35 @@ SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pretensi
                              bool has_pressure, int32_t index)
 {
     const ss_real *v_now = index == 0 ? s->v0 : s->vs[index - 1];
-    const ss_quad step = ss_quad_all((ss_real)(index == 2 ? s->h : 0.5 * s->h));
-    const ss_quad h6 = ss_quad_all((ss_real)(s->h / 6.0));
+    const ss_pair step = ss_pair_all((ss_real)(index == 2 ? s->h : 0.5 * s->h));
+    const ss_pair h6 = ss_pair_all((ss_real)(s->h / 6.0));
     double power = 0.0;
+    s->volume = 0.0;
     s->totals = (ss_cnn_totals){0};
-    for (int32_t first = 0; first < s->node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, s->node_count);
-        const ss_quad zero = ss_quad_all(0);
-        block_sums sums = {zero, zero, zero, zero};
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = s->part};
+    while (next_block(&at_block)) {
+        const ss_pair zero = ss_pair_all(0);
+        block_sums sums = {zero, zero, zero, zero, zero};
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad v = ss_quad_load(v_now + at);
-            const ss_quad a =
+            const ss_pair v = ss_pair_load(v_now + at);
+            const ss_pair a =
                 acceleration(s, i, v, has_source, has_pretension, has_pressure, &sums.power);
+            ss_pair u;
             if (index == 3) {
-                finish_node(s, i, a, v, h6, &sums);
+                u = finish_nodes(s, i, a, v, h6, &sums);
             } else {
-                ss_quad_store(s->us + at, ss_quad_fma(step, v, ss_quad_load(s->u0 + at)));
-                ss_quad_store(s->vs[index] + at,
-                              ss_quad_fma(step, a, index == 0 ? v : ss_quad_load(s->v0 + at)));
+                u = ss_pair_fma(step, v, ss_pair_load(s->u0 + at));
+                ss_pair_store(s->us + at, u);
+                ss_pair_store(s->vs[index] + at,
+                              ss_pair_fma(step, a, index == 0 ? v : ss_pair_load(s->v0 + at)));
+            }
+            if (has_pressure) {
+                sums.volume = ss_pair_fma(ss_pair_load(s->normal + at), u, sums.volume);
             }
         }
-        power += ss_quad_sum(sums.power);
+        power += ss_pair_sum(sums.power);
+        s->volume += has_pressure ? ss_pair_sum(sums.volume) : 0.0;
         if (index == 3) {
             add_totals(&sums, &s->totals);
         }
@@ -323,146 +358,215 @@ static double stage(ss_cnn_stage *s)
     }
 }
 
-static void total(int32_t node_count, const ss_real *u, const ss_real *v,
+static void total(const ss_cnn_part *part, const ss_real *u, const ss_real *v,
                   const ss_real *rest_stiffness, const ss_real *mass, ss_cnn_totals *out)
 {
     *out = (ss_cnn_totals){0};
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        const ss_quad zero = ss_quad_all(0);
-        block_sums sums = {zero, zero, zero, zero};
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        const ss_pair zero = ss_pair_all(0);
+        block_sums sums = {zero, zero, zero, zero, zero};
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad vi = ss_quad_load(v + at), ui = ss_quad_load(u + at);
-            const ss_quad uu = ss_quad_mul(ui, ui);
-            sums.kinetic = ss_quad_fma(ss_quad_mul(ss_quad_all(mass[i]), vi), vi, sums.kinetic);
-            sums.rest = ss_quad_fma(ss_quad_all(rest_stiffness[i]), uu, sums.rest);
-            sums.square = ss_quad_add(sums.square, uu);
+            const ss_pair vi = ss_pair_load(v + at), ui = ss_pair_load(u + at);
+            const ss_pair uu = ss_pair_mul(ui, ui);
+            sums.kinetic = ss_pair_fma(ss_pair_mul(ss_pair_each(mass + i), vi), vi, sums.kinetic);
+            sums.rest = ss_pair_fma(ss_pair_each(rest_stiffness + i), uu, sums.rest);
+            sums.most = ss_pair_most(uu, sums.most);
         }
         add_totals(&sums, out);
     }
 }
 
-static void axpy(int32_t node_count, double s, const ss_real *x, ss_real *y)
+static void axpy(const ss_cnn_part *part, double s, const ss_real *x, ss_real *y)
 {
-    const ss_quad factor = ss_quad_all((ss_real)s);
-    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)node_count; at += 4) {
-        ss_quad_store(y + at, ss_quad_fma(factor, ss_quad_load(x + at), ss_quad_load(y + at)));
+    const ss_pair factor = ss_pair_all((ss_real)s);
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            ss_pair_store(y + at, ss_pair_fma(factor, ss_pair_load(x + at), ss_pair_load(y + at)));
+        }
     }
 }
 
-static double dot(int32_t node_count, const ss_real *x, const ss_real *y)
+static double dot(const ss_cnn_part *part, const ss_real *x, const ss_real *y)
 {
     double sum = 0.0;
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        ss_quad block = ss_quad_all(0);
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        ss_pair block = ss_pair_all(0);
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            block = ss_quad_fma(ss_quad_load(x + at), ss_quad_load(y + at), block);
+            block = ss_pair_fma(ss_pair_load(x + at), ss_pair_load(y + at), block);
         }
-        sum += ss_quad_sum(block);
+        sum += ss_pair_sum(block);
     }
     return sum;
 }
 
-static double scale(int32_t node_count, const ss_real *a, const ss_real *b, ss_real *out)
+static double weighted_square(const ss_cnn_part *part, const ss_real *r, const ss_real *mobility)
 {
     double sum = 0.0;
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        ss_quad block = ss_quad_all(0);
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        ss_pair block = ss_pair_all(0);
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad bi = ss_quad_load(b + at);
-            const ss_quad product_i = ss_quad_mul(ss_quad_load(a + at), bi);
-            block = ss_quad_fma(bi, product_i, block);
-            ss_quad_store(out + at, product_i);
+            const ss_pair ri = ss_pair_load(r + at);
+            block = ss_pair_fma(ss_pair_mul(ri, ri), ss_pair_load(mobility + at), block);
         }
-        sum += ss_quad_sum(block);
+        sum += ss_pair_sum(block);
     }
     return sum;
 }
 
-static double weighted_square(int32_t node_count, const ss_real *r, const ss_real *mobility)
+static double tangent(const ss_cnn_part *part, const ss_real *rest_stiffness, const ss_real *x,
+                      double c, const ss_real *y, ss_real *out)
 {
+    const ss_pair factor = ss_pair_all((ss_real)c);
     double sum = 0.0;
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        ss_quad block = ss_quad_all(0);
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        ss_pair block = ss_pair_all(0);
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad ri = ss_quad_load(r + at);
-            block = ss_quad_fma(ss_quad_mul(ri, ri), ss_quad_load(mobility + at), block);
-        }
-        sum += ss_quad_sum(block);
-    }
-    return sum;
-}
-
-static double tangent(int32_t node_count, const ss_real *rest_stiffness, const ss_real *x, double c,
-                      const ss_real *y, ss_real *out)
-{
-    const ss_quad factor = ss_quad_all((ss_real)c);
-    double sum = 0.0;
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        ss_quad block = ss_quad_all(0);
-        for (int32_t i = first; i < end; ++i) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad xi = ss_quad_load(x + at);
-            const ss_quad ks_x = ss_quad_mul(ss_quad_all(rest_stiffness[i]), xi);
-            ss_quad value = ss_quad_sub(ks_x, ss_quad_load(out + at));
+            const ss_pair xi = ss_pair_load(x + at);
+            const ss_pair ks_x = ss_pair_mul(ss_pair_each(rest_stiffness + i), xi);
+            ss_pair value = ss_pair_sub(ks_x, ss_pair_load(out + at));
             if (y) {
-                value = ss_quad_fma(factor, ss_quad_load(y + at), value);
+                value = ss_pair_fma(factor, ss_pair_load(y + at), value);
             }
-            ss_quad_store(out + at, value);
-            block = ss_quad_fma(xi, value, block);
+            ss_pair_store(out + at, value);
+            block = ss_pair_fma(xi, value, block);
         }
-        sum += ss_quad_sum(block);
+        sum += ss_pair_sum(block);
     }
     return sum;
 }
 
-static double descend(int32_t node_count, double s, const ss_real *p, const ss_real *q,
+static double descend(const ss_cnn_part *part, double s, const ss_real *p, const ss_real *q,
                       const ss_real *inverse, ss_real *y, ss_real *res, ss_real *z)
 {
-    const ss_quad factor = ss_quad_all((ss_real)s);
+    const ss_pair factor = ss_pair_all((ss_real)s);
     double sum = 0.0;
-    for (int32_t first = 0; first < node_count; first += BLOCK) {
-        const int32_t end = least(first + BLOCK, node_count);
-        ss_quad block = ss_quad_all(0);
-        for (int32_t i = first; i < end; ++i) {
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        ss_pair block = ss_pair_all(0);
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_quad left = ss_quad_fnma(factor, ss_quad_load(q + at), ss_quad_load(res + at));
-            const ss_quad zi = ss_quad_mul(ss_quad_load(inverse + at), left);
-            ss_quad_store(y + at, ss_quad_fma(factor, ss_quad_load(p + at), ss_quad_load(y + at)));
-            ss_quad_store(res + at, left);
-            ss_quad_store(z + at, zi);
-            block = ss_quad_fma(left, zi, block);
+            const ss_pair left = ss_pair_fnma(factor, ss_pair_load(q + at), ss_pair_load(res + at));
+            const ss_pair zi = ss_pair_mul(ss_pair_load(inverse + at), left);
+            ss_pair_store(y + at, ss_pair_fma(factor, ss_pair_load(p + at), ss_pair_load(y + at)));
+            ss_pair_store(res + at, left);
+            ss_pair_store(z + at, zi);
+            block = ss_pair_fma(left, zi, block);
         }
-        sum += ss_quad_sum(block);
+        sum += ss_pair_sum(block);
     }
     return sum;
 }
 
-static void add_rows(int32_t node_count, double c, const ss_real *b, double *stiff)
+static void add_rows(const ss_cnn_part *part, double c, const ss_real *b, double *stiff)
 {
-    for (int32_t i = 0; i < node_count; ++i) {
-        stiff[i] += c * (double)b[4 * (ptrdiff_t)i + 3];
+    for (int32_t k = 0; k < part->count; ++k) {
+        for (int32_t i = part->span[k].node; i < part->span[k].node_end; ++i) {
+            stiff[i] += c * (double)b[4 * (ptrdiff_t)i + 3];
+        }
     }
 }
 
-static double largest(int32_t node_count, const double *a, const double *b)
+static double largest(const ss_cnn_part *part, const double *a, const double *b)
 {
     double most[4] = {0.0, 0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < node_count; ++i) {
-        const double value = a[i] * b[i];
-        most[i % 4] = value > most[i % 4] ? value : most[i % 4];
+    for (int32_t k = 0; k < part->count; ++k) {
+        for (int32_t i = part->span[k].node; i < part->span[k].node_end; ++i) {
+            const double value = a[i] * b[i];
+            most[i % 4] = value > most[i % 4] ? value : most[i % 4];
+        }
     }
     const double x = most[0] > most[1] ? most[0] : most[1];
     const double y = most[2] > most[3] ? most[2] : most[3];
     return x > y ? x : y;
+}
+
+static void follow(const ss_cnn_part *part, int32_t count, const ss_real *const *f, const double *y,
+                   const double *w, const ss_real *mobility, ss_real *u, ss_real *v)
+{
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            ss_pair ui = ss_pair_all(0), vi = ss_pair_all(0);
+            for (int32_t m = 0; m < count; ++m) {
+                const ss_pair fi = ss_pair_load(f[m] + at);
+                ui = ss_pair_fnma(ss_pair_all((ss_real)y[m]), fi, ui);
+                vi = ss_pair_fnma(ss_pair_all((ss_real)w[m]), fi, vi);
+            }
+            const ss_pair inverse = ss_pair_load(mobility + at);
+            ss_pair_store(u + at, ss_pair_mul(inverse, ui));
+            ss_pair_store(v + at, ss_pair_mul(inverse, vi));
+        }
+    }
+}
+
+static void follow_nodes(int32_t node_count, const int32_t *node, int32_t count,
+                         const ss_real *const *f, const double *y, const ss_real *mobility,
+                         ss_real *u)
+{
+    for (int32_t k = 0; k < node_count; ++k) {
+        const int32_t at = node[k];
+        ss_quad ui = ss_quad_all(0);
+        for (int32_t m = 0; m < count; ++m) {
+            ui = ss_quad_fnma(ss_quad_all((ss_real)y[m]), ss_quad_load(f[m] + at), ui);
+        }
+        ss_quad_store(u + at, ss_quad_mul(ss_quad_load(mobility + at), ui));
+    }
+}
+
+static void neglect(const ss_cnn_part *part, double c, const ss_real *r, const ss_real *b,
+                    ss_real *out)
+{
+    static const _Alignas(32) ss_real first_three[8] = {1, 1, 1, 0, 1, 1, 1, 0};
+    const ss_pair factor = ss_pair_all((ss_real)c), mask = ss_pair_load(first_three);
+    block_range at_block = {.part = part};
+    while (next_block(&at_block)) {
+        for (int32_t i = at_block.first; i < at_block.end; i += 2) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            const ss_pair bi = ss_pair_load(b + at);
+            const ss_pair left = ss_pair_fnma(mask, ss_pair_load(r + at), bi);
+            ss_pair_store(out + at, ss_pair_fma(factor, left, ss_pair_load(out + at)));
+        }
+    }
+}
+
+static void watch(int32_t node, int32_t node_end, double rate2, const ss_real *u, const ss_real *v,
+                  const ss_real *far_u, const ss_real *far_v, const ss_real *force,
+                  const ss_real *mobility, ss_cnn_unrest *out)
+{
+    const ss_pair period2 = ss_pair_all((ss_real)(1.0 / rate2)), one = ss_pair_all(1);
+    ss_pair displacement = ss_pair_all(0), motion = displacement, drive = displacement;
+    ss_pair sum = displacement;
+    for (int32_t i = node; i < node_end; i += 2) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        const ss_pair ui = ss_pair_load(u + at), f = ss_pair_load(force + at);
+        const ss_pair du = ss_pair_sub(ui, ss_pair_load(far_u + at));
+        const ss_pair dv = ss_pair_sub(ss_pair_load(v + at), ss_pair_load(far_v + at));
+        const ss_pair moved = ss_pair_fma(ss_pair_mul(period2, dv), dv, ss_pair_mul(du, du));
+        const ss_pair compliance = ss_pair_mul(period2, ss_pair_load(mobility + at)); /* 1/ks */
+        const ss_pair alone = ss_pair_mul(compliance, f);
+        const ss_pair share = ss_pair_div(alone, ss_pair_fma(compliance, ss_pair_last(f), one));
+        displacement = ss_pair_most(ss_pair_mul(ui, ui), displacement);
+        motion = ss_pair_most(moved, motion);
+        drive = ss_pair_most(ss_pair_mul(share, share), drive);
+        sum = ss_pair_add(sum, alone);
+    }
+    const ss_quad mean =
+        ss_quad_mul(ss_quad_all((ss_real)(1.0 / (node_end - node))), ss_pair_both(sum));
+    const double together = ss_quad_sum(ss_quad_mul(mean, mean));
+    *out = (ss_cnn_unrest){ss_quad_sum(ss_pair_fold(displacement)),
+                           ss_quad_sum(ss_pair_fold(motion)), ss_quad_sum(ss_pair_fold(drive))};
+    out->drive = together > out->drive ? together : out->drive;
 }
 
 /* ---- the table ---------------------------------------------------------------------------- */
@@ -489,9 +593,12 @@ const ss_cnn_kernels PATH = {.name = PATH_NAME,
                              .total = total,
                              .axpy = axpy,
                              .dot = dot,
-                             .scale = scale,
                              .tangent = tangent,
                              .descend = descend,
                              .add_rows = add_rows,
                              .largest = largest,
-                             .weighted_square = weighted_square};
+                             .weighted_square = weighted_square,
+                             .follow = follow,
+                             .follow_nodes = follow_nodes,
+                             .neglect = neglect,
+                             .watch = watch};

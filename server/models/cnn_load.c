@@ -359,7 +359,9 @@ bool ss_cnn_loads_update(ss_model *model, double time)
 
 void ss_cnn_loads_build(ss_model *model)
 {
-    memset(model->load_force, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    for (int32_t k = 0; k < model->loaded_count; ++k) {
+        memset(model->load_force + 4 * (ptrdiff_t)model->loaded[k], 0, 4 * sizeof(ss_real));
+    }
     for (int32_t i = 0; model->has_gravity && i < model->node_count; ++i) {
         double f[3];
         ss_scale3(f, model->plan.gravity, model->material.mass[i]);
@@ -493,9 +495,12 @@ static void add_held_network(const ss_model *model, double out_force[3])
             continue;
         }
         const ss_cnn_rows *held = &model->network->held;
+        ss_cnn_span span = {.group_end = held->group_count};
+        const ss_cnn_part part = {.count = 1, .span = &span};
         double ub, ur;
-        model->kernels->scatter(held, source->kap_edge, model->held_kap, model->held_b);
-        model->kernels->product(held, model->held_kap, NULL, model->d, model->product, &ub, &ur);
+        model->kernels->scatter(held, &part, source->kap_edge, model->held_kap, model->held_b);
+        model->kernels->product(held, &part, model->held_kap, NULL, model->d, model->product, &ub,
+                                &ur);
         for (int32_t row = 0; row < held->row_count; ++row) {
             const ss_real *b = model->held_b + held->node[row];
             const ss_real *stretch = model->product + held->node[row];
@@ -517,6 +522,7 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3])
         return;
     }
     double support[3];
+    ss_cnn_window_fill(model);
     if (set >= 0) {
         const ss_prescribed *driven = model->driven[set].plan;
         for (int32_t i = 0; i < driven->node_count; ++i) {

@@ -170,6 +170,13 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                                  .fallback = 10.0,
                                  .help = "steps of the network's own time a sub-step, with solver: "
                                          "relaxation"},
+    [SS_CNN_WINDOW_TOLERANCE] = {.name = "window_tolerance",
+                                 .kind = SS_PARAM_NUMBER,
+                                 .max = 0.01,
+                                 .fallback = 8e-5,
+                                 .help = "nodes of a large body that follow the far field within "
+                                         "this share of the largest displacement take no step of "
+                                         "their own; 0: all nodes do"},
 };
 
 /* ---- values a node ------------------------------------------------------------------------ */
@@ -322,12 +329,15 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
             "equilibrium");
     }
     const double k = param[SS_CNN_SATURATION].number;
+    material->window_tolerance = param[SS_CNN_WINDOW_TOLERANCE].number;
     material->saturation = param[SS_CNN_SATURATION].is_given ? k : (double)INFINITY;
     if (!(material->pretension >= 0.0 && material->pretension <= 1e9) ||
-        !(material->bulk >= 0.0 && material->bulk <= 1e12) || !(material->saturation > 0.0)) {
+        !(material->bulk >= 0.0 && material->bulk <= 1e12) || !(material->saturation > 0.0) ||
+        !(material->window_tolerance >= 0.0 && material->window_tolerance <= 0.01)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: saturation must be greater than 0, pretension_j and "
-                          "enclosed_bulk_pa at least 0, all of them finite");
+                          "enclosed_bulk_pa at least 0, all of them finite, and window_tolerance 0 "
+                          "to 0.01");
     }
 }
 

@@ -25,6 +25,8 @@
 enum { SS_CNN_WHOLE_COLUMNS = 2000 };
 /* Bytes that compact columns may take; a tool on a larger mesh is refused. */
 #define SS_CNN_COLUMN_BYTES (INT64_C(256) << 20)
+/* Nodes from which a body is divided into blocks, so that parts of it can be left out of a step. */
+enum { SS_CNN_LARGE_BODY = 4096 };
 /* Columns rebuilt and kept in the compact form; more touched cells go in batches of this size. */
 enum { SS_CNN_CACHE_SLOTS = 512 };
 
@@ -138,8 +140,8 @@ void ss_cnn_element_share(const ss_cnn_fabric *fabric, int32_t element, ss_cnn_s
 void ss_cnn_cell_sizes(const ss_cnn_fabric *fabric, double *out_size);
 softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_fabric *fabric);
 bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_error *error);
-/* cnn_rows.c: rows of the cells with held[i] == wanted, in groups of equal degree, in node order
- * within. */
+/* cnn_rows.c: rows of the cells with held[i] == wanted, block by block in groups of equal degree,
+ * in node order within. */
 softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t *held, bool wanted,
                                          ss_cnn_rows *rows);
 void ss_cnn_rows_fini(ss_cnn_rows *rows);

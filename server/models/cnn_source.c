@@ -55,7 +55,7 @@
 
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
 {
-    const size_t quads = (size_t)model->node_count * 4;
+    const size_t quads = ss_cnn_padded(model->node_count) * 4;
     const size_t edges = (size_t)model->network->edges.padded_count;
     const size_t entries = (size_t)model->network->rows.entry_count;
     source->kap_edge = ss_memory_get(edges, sizeof(ss_real));
@@ -101,7 +101,8 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
         for (int32_t e = 0; e < network->edges.padded_count; ++e) {
             source->kap_edge[e] = (ss_real)kap[e];
         }
-        model->kernels->scatter(&network->rows, source->kap_edge, source->kap, source->b);
+        model->kernels->scatter(&network->rows, &model->whole, source->kap_edge, source->kap,
+                                source->b);
         for (int32_t k = 0; k < count; ++k) {
             source->qhat += weight[k] * network->qhat[node[k]];
             source->qhat_over_own += weight[k] * network->qhat[node[k]] / network->own[node[k]];
@@ -165,9 +166,9 @@ static const ss_real *turned_b(const ss_model *model, ss_cnn_source *source)
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d)
 {
     double ub, ur;
-    model->kernels->product(&model->network->rows, source->kap, turned_b(model, source), d,
-                            source->r, &ub, &ur);
-    source->eps = 0.5 * (ub + ur);
+    model->kernels->product(&model->network->rows, model->part, source->kap,
+                            turned_b(model, source), d, source->r, &ub, &ur);
+    source->eps = 0.5 * (ub + ur) + source->far;
     source->eta = 0.5 * (ur - ub);
     ss_cnn_source_set_stretch(model, source, fmin(fmax(source->eps, 0.0), source->eps_limit),
                               source->eps > 0.0 && source->eps < source->eps_limit);
@@ -242,7 +243,7 @@ static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
                                 tool->share + first, model->strain, model->stretch,
                                 tool->source.kap_edge, tool->eps + first, tool->eta + first);
     }
-    model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
+    model->kernels->scatter(&network->rows, &model->whole, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
 }
 
@@ -260,7 +261,8 @@ static void superpose_fixed(ss_model *model, ss_cnn_source *source)
             source->kap_edge[e] += weight * column[e];
         }
     }
-    model->kernels->scatter(&network->rows, source->kap_edge, source->kap, source->b);
+    model->kernels->scatter(&network->rows, &model->whole, source->kap_edge, source->kap,
+                            source->b);
 }
 
 void ss_cnn_source_relax(ss_model *model)
@@ -365,7 +367,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     }
     ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *
-           model->kernels->weighted_square(model->node_count, tool->weight_slope, model->mobility);
+           model->kernels->weighted_square(model->part, tool->weight_slope, model->mobility);
 }
 
 void ss_cnn_source_let_go(ss_cnn_tool *tool)
@@ -397,7 +399,7 @@ static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
     ready_columns(model, 1, &node);
     memcpy(tool->source.kap_edge, model->column[0],
            (size_t)network->edges.padded_count * sizeof *tool->source.kap_edge);
-    model->kernels->scatter(&network->rows, tool->source.kap_edge, tool->source.kap,
+    model->kernels->scatter(&network->rows, &model->whole, tool->source.kap_edge, tool->source.kap,
                             tool->source.b);
     tool->source.eps_limit =
         isfinite(model->material.saturation) ? cell_limit(model, node) : (double)INFINITY;

@@ -84,11 +84,11 @@ static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
 {
     const ss_cnn_kernels *kernels = model->kernels;
     if (source->c1 > 0.0) {
-        kernels->add_rows(model->node_count, 2.0 * source->c1, source->b, model->stiff);
+        kernels->add_rows(model->part, 2.0 * source->c1, source->b, model->stiff);
     }
-    return source->rank > 0.0 ? source->rank * kernels->weighted_square(model->node_count,
-                                                                        source->r, model->mobility)
-                              : 0.0;
+    return source->rank > 0.0
+               ? source->rank * kernels->weighted_square(model->part, source->r, model->mobility)
+               : 0.0;
 }
 
 /* The longest step over which forces through the weights may stay frozen: a force that is held
@@ -112,11 +112,17 @@ static double frozen_limit(const ss_model *model)
 void ss_cnn_set_bound(ss_model *model)
 {
     double omega2 = model->bulk_rate;
-    memcpy(model->stiff, model->material.rest_stiffness,
-           (size_t)model->node_count * sizeof *model->stiff);
+    for (int32_t s = 0; s < model->part->count; ++s) {
+        const ss_cnn_span *span = &model->part->span[s];
+        const int32_t end = span->node_end < model->node_count ? span->node_end : model->node_count;
+        memcpy(model->stiff + span->node, model->material.rest_stiffness + span->node,
+               (size_t)(end - span->node) * sizeof *model->stiff);
+    }
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
         omega2 += source ? add_source_stiffness(model, source) : 0.0;
+        omega2 +=
+            source && source->rank > 0.0 ? source->rank * ss_cnn_window_stiffness(model, k) : 0.0;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
@@ -129,7 +135,8 @@ void ss_cnn_set_bound(ss_model *model)
             model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
         }
     }
-    omega2 += model->kernels->largest(model->node_count, model->stiff, model->mobility_max);
+    omega2 += fmax(model->kernels->largest(model->part, model->stiff, model->mobility_max),
+                   model->window ? model->window->rate2 : 0.0);
     model->bound = fmin(ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2),
                         frozen_limit(model));
 }
@@ -205,6 +212,16 @@ static void clear_contact(ss_model *model)
     }
 }
 
+/* Quads of the nodes that a step works on. */
+static void copy_quads(const ss_cnn_part *part, const ss_real *from, ss_real *to)
+{
+    for (int32_t s = 0; s < part->count; ++s) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)part->span[s].node;
+        const ptrdiff_t end = 4 * (ptrdiff_t)part->span[s].node_end;
+        memcpy(to + at, from + at, (size_t)(end - at) * sizeof *to);
+    }
+}
+
 /* Sources beyond the first go into model->force as a whole; the first is left to the stage. */
 static void evaluate_sources(ss_model *model)
 {
@@ -230,21 +247,24 @@ static void evaluate_sources(ss_model *model)
             continue;
         }
         if (!is_clean) {
-            memcpy(model->force, model->base, (size_t)model->node_count * 4 * sizeof(ss_real));
+            copy_quads(model->part, model->base, model->force);
             is_clean = true;
+            model->has_loads_only = false;
         }
         const ss_real *b = model->is_held ? source->b : source->b_turned;
-        kernels->axpy(model->node_count, -source->c1, source->r, model->force);
+        kernels->axpy(model->part, -source->c1, source->r, model->force);
         if (source->c2 != 0.0) {
-            kernels->axpy(model->node_count, source->c2, b, model->force);
+            kernels->axpy(model->part, source->c2, b, model->force);
         }
     }
 }
 
-/* All forces at displacements `u` with the tools at `path`; model->force must hold no contact. */
-static void evaluate(ss_model *model, const ss_real *u, double path)
+/* All forces at displacements `u` with the tools at `path`; model->force must hold no contact, and
+ * model->volume_change belongs to u. */
+static void evaluate(ss_model *model, ss_real *u, double path)
 {
     model->d = ss_cnn_fit(model, u);
+    const double far_change = ss_cnn_window_evaluate(model, u);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         if (tool->is_present && tool->is_fading) {
@@ -255,8 +275,8 @@ static void evaluate(ss_model *model, const ss_real *u, double path)
     }
     evaluate_sources(model);
     if (model->normal) {
-        model->pressure = model->material.bulk / model->volume *
-                          model->kernels->dot(model->node_count, model->normal, model->d);
+        model->pressure =
+            model->material.bulk / model->volume * (model->volume_change + far_change);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tool[k].is_present) {
@@ -291,7 +311,7 @@ static int32_t gather(ss_model *model, double path, double next)
 
 static void set_totals(ss_model *model)
 {
-    model->kernels->total(model->node_count, model->u, model->v, model->rest_stiffness, model->mass,
+    model->kernels->total(model->part, model->u, model->v, model->rest_stiffness, model->mass,
                           &model->totals);
     model->has_totals = true;
 }
@@ -301,12 +321,13 @@ static void set_energies(ss_model *model)
     if (!model->has_totals) {
         set_totals(model);
     }
+    ss_cnn_window_add_totals(model, &model->totals);
     model->kinetic = 0.5 * model->totals.kinetic;
     double elastic = 0.5 * model->totals.rest;
     if (!model->is_held) {
         ss_cnn_totals fitted;
-        model->kernels->total(model->node_count, model->d, model->v, model->rest_stiffness,
-                              model->mass, &fitted);
+        model->kernels->total(model->part, model->d, model->v, model->rest_stiffness, model->mass,
+                              &fitted);
         elastic = 0.5 * fitted.rest;
     }
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
@@ -326,11 +347,16 @@ static void set_energies(ss_model *model)
 /* Everything at the present state with the tools at `path`: weights, forces, energies, bound. */
 static void prepare(ss_model *model, double path)
 {
-    const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
+    bool has_tool = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        has_tool = has_tool || model->tool[k].is_present;
+    }
     model->has_strain = false;
     model->d = ss_cnn_fit(model, model->u);
     ss_cnn_source_relax(model);
-    memcpy(model->base, model->load_force, bytes);
+    if (has_tool || !model->has_loads_only) {
+        copy_quads(model->part, model->load_force, model->base);
+    }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         if (tool->is_present) {
@@ -338,7 +364,13 @@ static void prepare(ss_model *model, double path)
             ss_cnn_source_weigh(model, tool, &tool->pose);
         }
     }
-    memcpy(model->force, model->base, bytes);
+    if (has_tool || !model->has_loads_only) {
+        copy_quads(model->part, model->base, model->force);
+        model->has_loads_only = !has_tool;
+    }
+    if (model->normal && (!model->has_totals || model->plan.prescribed_count > 0)) {
+        model->volume_change = model->kernels->dot(model->part, model->normal, model->u);
+    }
     evaluate(model, model->u, path);
     set_energies(model);
     ss_cnn_set_bound(model);
@@ -379,6 +411,7 @@ static void swap(ss_real **a, ss_real **b)
 
 static void swap_states(ss_model *model)
 {
+    ss_cnn_window_swap(model);
     swap(&model->u, &model->old_u);
     swap(&model->v, &model->old_v);
     swap(&model->u_low, &model->old_low);
@@ -389,7 +422,7 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
 {
     static const double place[4] = {0.0, 0.5, 0.5, 1.0};
     static const double share[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
-    ss_cnn_stage stage = {.node_count = model->node_count,
+    ss_cnn_stage stage = {.part = model->part,
                           .h = h,
                           .force = model->force,
                           .normal = model->normal,
@@ -424,6 +457,8 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
             model->work += ss_cnn_driven_work(model, stage.d, v, h, share[s]);
         }
         model->dissipated += h * share[s] * model->kernels->stage(&stage);
+        model->dissipated += h * share[s] * ss_cnn_window_stage(model, s, h);
+        model->volume_change = stage.volume;
         if (s == 0) {
             ready_contact(model, path, path + fraction);
         }
@@ -480,6 +515,7 @@ static void damp_gain(ss_model *model, double gain)
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         model->v[at] *= factor;
     }
+    ss_cnn_window_damp(model, sqrt(left));
     model->kinetic *= left;
     model->fault_bits |= SS_MODEL_FAULT_ENERGY;
     model->verdict = SOFTSIM_VERDICT_DEGRADED;
@@ -553,16 +589,17 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
 /* Loads that changed since the last step replace their old selves in base and force. */
 static void take_loads(ss_model *model, double time)
 {
-    const int32_t n = model->node_count;
+    const ss_cnn_part *part = model->part;
     if (model->loaded_count == 0 && model->source_count == 0) {
         return;
     }
     if (ss_cnn_loads_update(model, time)) {
-        model->kernels->axpy(n, -1.0, model->load_force, model->force);
-        model->kernels->axpy(n, -1.0, model->load_force, model->base);
+        model->kernels->axpy(part, -1.0, model->load_force, model->force);
+        model->kernels->axpy(part, -1.0, model->load_force, model->base);
         ss_cnn_loads_build(model);
-        model->kernels->axpy(n, 1.0, model->load_force, model->force);
-        model->kernels->axpy(n, 1.0, model->load_force, model->base);
+        model->has_loads_only = false; /* but for rounding */
+        model->kernels->axpy(part, 1.0, model->load_force, model->force);
+        model->kernels->axpy(part, 1.0, model->load_force, model->base);
     }
 }
 
@@ -664,10 +701,21 @@ static double ledger_sum(const ss_model *model)
 /* The network goes on in its own time; what its changed flux densities bring or take is work. */
 static void relax_network(ss_model *model, double path)
 {
-    const double before = model->elastic, work = model->work;
+    const double before = ledger_sum(model);
     ss_cnn_relax_advance(model->relax);
     prepare(model, path);
-    model->work = work + model->elastic - before;
+    model->work += ledger_sum(model) - before;
+}
+
+/* Blocks that became active or still; what that changes in the energy is lost. */
+static void move_window(ss_model *model, double path)
+{
+    if (ss_cnn_window_look(model)) {
+        const double before = ledger_sum(model);
+        model->has_totals = model->has_loads_only = false;
+        prepare(model, path);
+        model->dissipated += before - ledger_sum(model);
+    }
 }
 
 /* One attempt; false when the model is at fault. */
@@ -706,6 +754,7 @@ static bool try_substep(ss_model *model, progress *p)
     if (model->relax) {
         relax_network(model, next);
     }
+    move_window(model, next);
     p->left -= h;
     p->path = next;
     p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);

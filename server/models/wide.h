@@ -4,12 +4,12 @@
 /*
  * Short vectors of ss_real, so that a kernel is written once and compiled for every processor.
  *
- * ss_quad is one node: x y z and a fourth lane. ss_wide is as many scalars as the processor takes
- * at once (SS_WIDE_LANES). What the compiler is told decides: -mavx2 -mfma gives 256-bit vectors
- * and fused multiply-add, baseline x86-64 gives SSE2 without, SOFTSIM_SCALAR or any other
- * processor plain C. Only ss_*_fma and ss_*_fnma fuse, and only where they are written: results
- * depend on the path, never on what a compiler happens to contract.
- * Kernels include this header; nothing else does. RT-safe throughout.
+ * ss_quad is one node: x y z and a fourth lane; ss_pair is two nodes. ss_wide is as many scalars as
+ * the processor takes at once (SS_WIDE_LANES). What the compiler is told decides: -mavx2 -mfma
+ * gives 256-bit vectors and fused multiply-add, baseline x86-64 gives SSE2 without, SOFTSIM_SCALAR
+ * or any other processor plain C. Only ss_*_fma and ss_*_fnma fuse, and only where they are
+ * written: results depend on the path, never on what a compiler happens to contract. Kernels
+ * include this header; nothing else does. RT-safe throughout.
  */
 #include "rt/real.h"
 
@@ -71,6 +71,20 @@ SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
     return _mm_sub_ps(c, _mm_mul_ps(a, b));
 #endif
 }
+/* The larger of each lane; b's where a is not a number. */
+SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
+{
+    return _mm_max_ps(a, b);
+}
+SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
+{
+    return _mm_div_ps(a, b);
+}
+/* The fourth lane in all four. */
+SS_INLINE ss_quad ss_quad_last(ss_quad a)
+{
+    return _mm_shuffle_ps(a, a, 0xff);
+}
 /* Four rows become four columns. */
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
@@ -112,6 +126,18 @@ SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
 SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
 {
     return _mm256_fnmadd_pd(a, b, c);
+}
+SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
+{
+    return _mm256_max_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
+{
+    return _mm256_div_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_last(ss_quad a)
+{
+    return _mm256_permute4x64_pd(a, 0xff);
 }
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
@@ -170,6 +196,18 @@ SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
 {
     SS_QUAD_MAP(c.lane[k] - a.lane[k] * b.lane[k]);
 }
+SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] > b.lane[k] ? a.lane[k] : b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] / b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_last(ss_quad a)
+{
+    SS_QUAD_MAP(a.lane[3]);
+}
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
     ss_quad *const row[4] = {a, b, c, d};
@@ -192,6 +230,151 @@ SS_INLINE double ss_quad_sum(ss_quad a)
     ss_quad_store(lane, a);
     return ((double)lane[0] + (double)lane[1]) + ((double)lane[2] + (double)lane[3]);
 }
+
+/* ---- pairs --------------------------------------------------------------------------------- */
+
+/* Two nodes side by side: one register where the processor has 256 bits and a node is four floats,
+ * else two quads. */
+#if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
+
+typedef __m256 ss_pair;
+
+SS_INLINE ss_pair ss_pair_load(const ss_real *p)
+{
+    return _mm256_load_ps(p);
+}
+SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
+{
+    _mm256_store_ps(p, a);
+}
+SS_INLINE ss_pair ss_pair_all(ss_real s)
+{
+    return _mm256_set1_ps(s);
+}
+/* p[0] for the first node, p[1] for the second. */
+SS_INLINE ss_pair ss_pair_each(const ss_real *p)
+{
+    const __m256 both = _mm256_castpd_ps(_mm256_broadcast_sd((const double *)(const void *)p));
+    return _mm256_permutevar_ps(both, _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
+}
+SS_INLINE ss_pair ss_pair_add(ss_pair a, ss_pair b)
+{
+    return _mm256_add_ps(a, b);
+}
+SS_INLINE ss_pair ss_pair_sub(ss_pair a, ss_pair b)
+{
+    return _mm256_sub_ps(a, b);
+}
+SS_INLINE ss_pair ss_pair_mul(ss_pair a, ss_pair b)
+{
+    return _mm256_mul_ps(a, b);
+}
+SS_INLINE ss_pair ss_pair_fma(ss_pair a, ss_pair b, ss_pair c)
+{
+    return _mm256_fmadd_ps(a, b, c);
+}
+SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
+{
+    return _mm256_fnmadd_ps(a, b, c);
+}
+SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
+{
+    return _mm256_max_ps(a, b);
+}
+SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
+{
+    return _mm256_div_ps(a, b);
+}
+/* Each node's fourth lane in all four of it. */
+SS_INLINE ss_pair ss_pair_last(ss_pair a)
+{
+    return _mm256_permute_ps(a, 0xff);
+}
+/* One node after the other, added up. */
+SS_INLINE ss_quad ss_pair_both(ss_pair a)
+{
+    return _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+}
+SS_INLINE double ss_pair_sum(ss_pair a)
+{
+    return ss_quad_sum(ss_pair_both(a));
+}
+SS_INLINE ss_quad ss_pair_fold(ss_pair a) /* the larger node's value of each lane */
+{
+    return _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+}
+
+#else
+
+typedef struct ss_pair {
+    ss_quad first, second;
+} ss_pair;
+
+SS_INLINE ss_pair ss_pair_load(const ss_real *p)
+{
+    return (ss_pair){ss_quad_load(p), ss_quad_load(p + 4)};
+}
+SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
+{
+    ss_quad_store(p, a.first);
+    ss_quad_store(p + 4, a.second);
+}
+SS_INLINE ss_pair ss_pair_all(ss_real s)
+{
+    return (ss_pair){ss_quad_all(s), ss_quad_all(s)};
+}
+SS_INLINE ss_pair ss_pair_each(const ss_real *p)
+{
+    return (ss_pair){ss_quad_all(p[0]), ss_quad_all(p[1])};
+}
+SS_INLINE ss_pair ss_pair_add(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_add(a.first, b.first), ss_quad_add(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_sub(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_sub(a.first, b.first), ss_quad_sub(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_mul(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_mul(a.first, b.first), ss_quad_mul(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_fma(ss_pair a, ss_pair b, ss_pair c)
+{
+    return (ss_pair){ss_quad_fma(a.first, b.first, c.first),
+                     ss_quad_fma(a.second, b.second, c.second)};
+}
+SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
+{
+    return (ss_pair){ss_quad_fnma(a.first, b.first, c.first),
+                     ss_quad_fnma(a.second, b.second, c.second)};
+}
+SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_most(a.first, b.first), ss_quad_most(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_div(a.first, b.first), ss_quad_div(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_last(ss_pair a)
+{
+    return (ss_pair){ss_quad_last(a.first), ss_quad_last(a.second)};
+}
+SS_INLINE ss_quad ss_pair_both(ss_pair a)
+{
+    return ss_quad_add(a.first, a.second);
+}
+SS_INLINE double ss_pair_sum(ss_pair a)
+{
+    return ss_quad_sum(ss_pair_both(a));
+}
+SS_INLINE ss_quad ss_pair_fold(ss_pair a)
+{
+    return ss_quad_most(a.first, a.second);
+}
+
+#endif
 
 /* ---- wide --------------------------------------------------------------------------------- */
 
