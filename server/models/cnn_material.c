@@ -252,11 +252,17 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     material->modulus = param[has_energy ? SS_CNN_MODULUS_J : SS_CNN_MODULUS_N_PER_M].number;
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
+    const ss_param_row *steps = &ss_cnn_rows_table[SS_CNN_RELAXATION_STEPS];
     if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0) {
         softsim_error_add(
             error, SOFTSIM_ERROR_SCENE,
             "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "
             "equilibrium");
+    }
+    if (!(param[SS_CNN_RELAXATION_STEPS].number >= steps->min &&
+          param[SS_CNN_RELAXATION_STEPS].number <= steps->max)) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "cnn-energy: relaxation_steps must be %g to %g", steps->min, steps->max);
     }
     const double k = param[SS_CNN_SATURATION].number;
     material->saturation = param[SS_CNN_SATURATION].is_given ? k : (double)INFINITY;

@@ -337,8 +337,9 @@ static void build_columns(ss_cnn_relax *relax, int32_t b)
     }
 }
 
-void ss_cnn_relax_advance(ss_cnn_relax *relax)
+bool ss_cnn_relax_advance(ss_cnn_relax *relax)
 {
+    bool is_any = false;
     for (int32_t s = 0; s < relax->block_count * WIDTH; ++s) {
         if (relax->cell[s] >= 0 && relax->seen[s] != relax->look) {
             relax->slot_of[relax->cell[s]] = -1;
@@ -354,7 +355,9 @@ void ss_cnn_relax_advance(ss_cnn_relax *relax)
             advance_block(relax, b);
             build_columns(relax, b);
         }
+        is_any = is_any || is_used;
     }
+    return is_any;
 }
 
 /* ---- reading ------------------------------------------------------------------------------ */

@@ -55,8 +55,9 @@ void ss_cnn_relax_look(ss_cnn_relax *relax);
  * next reset; 0 everywhere before the first advance. */
 void ss_cnn_relax_columns(ss_cnn_relax *relax, int32_t count, const int32_t *node,
                           const ss_real **out_column);
-/* `steps` steps of every cell that the last look asked for; the others are let go. */
-void ss_cnn_relax_advance(ss_cnn_relax *relax);
+/* `steps` steps of every cell that the last look asked for; the others are let go. False when
+ * there was none, and no column has changed. */
+bool ss_cnn_relax_advance(ss_cnn_relax *relax);
 
 /* Potential at `node` for a unit source on the cell of `slot`. */
 double ss_cnn_relax_potential(const ss_cnn_relax *relax, int32_t slot, int32_t node);

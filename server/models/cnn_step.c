@@ -665,7 +665,9 @@ static double ledger_sum(const ss_model *model)
 static void relax_network(ss_model *model, double path)
 {
     const double before = model->elastic, work = model->work;
-    ss_cnn_relax_advance(model->relax);
+    if (!ss_cnn_relax_advance(model->relax)) {
+        return;
+    }
     prepare(model, path);
     model->work = work + model->elastic - before;
 }
