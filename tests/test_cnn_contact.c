@@ -438,6 +438,33 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
     setup_fini(&s);
 }
 
+static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 2, PLATE_EDGE, 0.1);
+    give(&s, "source", 1.0);
+    create(&s);
+    press(&s, tool, 1, 0.0, PLATE_EDGE, 0.006);
+    const double before = ledger(&s);
+    int32_t changes = 0, last = -1;
+    double most = 0.0;
+    for (int n = 0; n <= 200; ++n) { /* the second tool flies over the slope and touches nothing */
+        go(&tool[1], 0.03 - 0.018 * n / 200.0, 0.0, PLATE_EDGE + 0.0015);
+        step(&s, 1e-3, tool);
+        const int32_t node = s.model->tool[1].cell.node;
+        changes += last >= 0 && node >= 0 && node != last;
+        last = node;
+        most = fmax(most, ss_cnn_source_energy(s.model, &s.model->tool[1].source));
+        assert_true(s.model->tool[1].penalty == 0.0);
+    }
+    assert_true(changes >= 2);
+    assert_true(most > 0.03 * info_of(&s).elastic);
+    assert_near(ledger(&s) - before, 0.0, 1e-4 * info_of(&s).elastic);
+    setup_fini(&s);
+}
+
 static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
 {
     (void)state;
@@ -825,6 +852,7 @@ int main(void)
         cmocka_unit_test(closed_loops_gain_nothing_in_either_direction),
         cmocka_unit_test(one_cell_carries_the_whole_source_of_a_load),
         cmocka_unit_test(the_contact_cell_follows_until_pressed_and_stays_until_let_go),
+        cmocka_unit_test(a_cell_that_is_chosen_anew_beside_a_dent_is_booked),
         cmocka_unit_test(a_slide_with_one_cell_is_smooth_and_gains_nothing),
         cmocka_unit_test(two_starts_lead_to_one_answer),
         cmocka_unit_test(second_tools_add_their_own_potential),

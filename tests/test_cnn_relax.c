@@ -730,6 +730,16 @@ static void steps_without_relaxation_and_cells_without_area_are_refused(void **s
     assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_non_null(strstr(s.error.text, "relaxation_steps goes with solver: relaxation"));
     setup_fini(&s);
+    static const double bad[3] = {0.0, 1e6, (double)NAN};
+    for (int k = 0; k < 3; ++k) {
+        setup_cylinder(&s, 1.0);
+        give(&s, "solver", 1.0);
+        give(&s, "relaxation_steps", bad[k]);
+        push(&s, &top, 0.0, -0.1, 0.0);
+        assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
+        assert_non_null(strstr(s.error.text, "relaxation_steps must be 1 to 10000"));
+        setup_fini(&s);
+    }
 
     draft d;
     draft_init(&d, 5, 4);

@@ -57,8 +57,8 @@ static int32_t find_half(const ss_edges *edges, const int32_t *first_out, const 
     return half;
 }
 
-static softsim_status link_twins(ss_edges *edges, int32_t *first_out, int32_t *next_out,
-                                 softsim_error *error)
+static softsim_status link_twins(ss_edges *edges, const ss_mesh *mesh, int32_t *first_out,
+                                 int32_t *next_out, softsim_error *error)
 {
     const int32_t half_count = 3 * edges->triangle_count;
     for (int32_t half = 0; half < half_count; ++half) {
@@ -68,7 +68,7 @@ static softsim_status link_twins(ss_edges *edges, int32_t *first_out, int32_t *n
             softsim_error_add(error, SOFTSIM_ERROR_MESH,
                               "the edge from node %d to %d is used twice in the same direction: "
                               "make the surface manifold and its winding consistent",
-                              a, b);
+                              ss_mesh_file_node(mesh, a), ss_mesh_file_node(mesh, b));
             return SOFTSIM_ERROR_MESH;
         }
         next_out[half] = first_out[a];
@@ -102,13 +102,13 @@ softsim_status ss_edges_init(ss_edges *edges, const ss_mesh *mesh, softsim_error
         for (int32_t i = 0; i < mesh->node_count && status == SOFTSIM_OK; ++i) {
             if (edges->valence[i] > SS_MAX_VALENCE) {
                 softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                                  "node %d has %d triangles around it, more than %d: remesh", i,
-                                  edges->valence[i], SS_MAX_VALENCE);
+                                  "node %d has %d triangles around it, more than %d: remesh",
+                                  ss_mesh_file_node(mesh, i), edges->valence[i], SS_MAX_VALENCE);
                 status = SOFTSIM_ERROR_MESH;
             }
         }
         if (status == SOFTSIM_OK) {
-            status = link_twins(edges, first_out, next_out, error);
+            status = link_twins(edges, mesh, first_out, next_out, error);
         }
     }
     ss_memory_free(next_out);

@@ -266,8 +266,8 @@ static softsim_status create_relaxation(ss_model *model, softsim_error *error)
         }
     }
     const int32_t steps = (int32_t)model->plan.param[SS_CNN_RELAXATION_STEPS].number;
-    const softsim_status status =
-        ss_cnn_relax_create(model->network, model->held, is_cell, steps, &model->relax, error);
+    const softsim_status status = ss_cnn_relax_create(model->network, model->plan.mesh, model->held,
+                                                      is_cell, steps, &model->relax, error);
     ss_memory_free(is_cell);
     return status;
 }

@@ -111,7 +111,7 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
     const double sources = plan->load_count + plan->prescribed_count;
     const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
     const double network =
-        is_relaxed ? network_cost_us(plan) * (tools > 0 ? COST_CONTACT : 1.0) : 0.0;
+        is_relaxed ? network_cost_us(plan) * (tools > 0 ? CONTACT_SUBSTEPS : 1.0) : 0.0;
     return network + COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
            COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
 }
@@ -281,7 +281,7 @@ static void warn_rho(const ss_model *model, const printer *out)
         say(out,
             "warning: rho of %d nodes (first %d) is more than %g times below the largest: contact "
             "there is soft, and a load where it is ten times below is refused",
-            soft, first, RHO_RATIO_WARNING);
+            soft, ss_mesh_file_node(model->plan.mesh, first), RHO_RATIO_WARNING);
     }
 }
 

@@ -141,7 +141,7 @@ static void check_rho(const ss_model *model, const patch *cells, int32_t which,
                 error, SOFTSIM_ERROR_SCENE,
                 "cnn-energy: rho at node %d, where load %d acts, is %.3g times smaller "
                 "than elsewhere (at most %g): the contact would be without stiffness",
-                cells->node[k], which, ratio, RHO_RATIO_MAX);
+                ss_mesh_file_node(model->plan.mesh, cells->node[k]), which, ratio, RHO_RATIO_MAX);
             return;
         }
     }

@@ -213,7 +213,7 @@ static void fill_field(const ss_model_plan *plan, int row, const double *size, b
                              (spec->exclusive_min ? value > spec->min : value >= spec->min);
         const bool is_used = size[i] >= 0.0;
         if (is_used && !is_good) {
-            add_number(&bad, i);
+            add_number(&bad, ss_mesh_file_node(plan->mesh, i));
         }
         out[i] = !is_used ? 0.0 : is_scaled ? value * size[i] : value;
     }
@@ -233,10 +233,10 @@ static void check_sizes(const ss_model_plan *plan, const double *size, bool is_v
     const bool has_inner = !is_volume && plan->mesh->tetrahedron_count > 0;
     for (int32_t i = 0; i < plan->mesh->node_count; ++i) {
         if (size[i] < 0.0 && !has_inner) {
-            add_number(&loose, i);
+            add_number(&loose, ss_mesh_file_node(plan->mesh, i));
         }
         if (size[i] == 0.0 && is_scaled) {
-            add_number(&flat, i);
+            add_number(&flat, ss_mesh_file_node(plan->mesh, i));
         }
     }
     if (loose.count > 0) {
@@ -322,11 +322,17 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     read_modulus(plan, material, error);
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
+    const ss_param_row *steps = &ss_cnn_rows_table[SS_CNN_RELAXATION_STEPS];
     if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0) {
         softsim_error_add(
             error, SOFTSIM_ERROR_SCENE,
             "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "
             "equilibrium");
+    }
+    if (!(param[SS_CNN_RELAXATION_STEPS].number >= steps->min &&
+          param[SS_CNN_RELAXATION_STEPS].number <= steps->max)) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "cnn-energy: relaxation_steps must be %g to %g", steps->min, steps->max);
     }
     const double k = param[SS_CNN_SATURATION].number;
     material->window_tolerance = param[SS_CNN_WINDOW_TOLERANCE].number;
@@ -375,7 +381,7 @@ static void check_directions(const ss_model_plan *plan, const ss_cnn_material *m
     for (int32_t e = 0; e < count; ++e) {
         const double *d = value->per_element ? value->per_element[e] : value->direction;
         if (!(fabs(ss_norm3(d) - 1.0) <= 1e-6)) {
-            add_number(&bad, e);
+            add_number(&bad, ss_mesh_file_element(plan->mesh, e));
         }
     }
     if (bad.count > 0) {
@@ -509,7 +515,7 @@ static bool nodes_are_valid(const ss_model_plan *plan, const int32_t *node, int3
     number_list bad = {0};
     for (int32_t k = 0; k < count; ++k) {
         if (node[k] < 0 || node[k] >= plan->mesh->node_count) {
-            add_number(&bad, node[k]);
+            add_number(&bad, ss_mesh_file_node(plan->mesh, node[k]));
         }
     }
     if (count <= 0 || bad.count > 0) {
@@ -536,10 +542,10 @@ static void check_load(const ss_model_plan *plan, const ss_load *load, int32_t w
     number_list fixed = {0}, inner = {0};
     for (int32_t k = 0; !load->is_pressure && k < load->node_count; ++k) {
         if ((plan->fixed[load->node[k]] & 7) == 7) {
-            add_number(&fixed, load->node[k]);
+            add_number(&fixed, ss_mesh_file_node(plan->mesh, load->node[k]));
         }
         if (size[load->node[k]] < 0.0) {
-            add_number(&inner, load->node[k]);
+            add_number(&inner, ss_mesh_file_node(plan->mesh, load->node[k]));
         }
     }
     if (inner.count > 0 && plan->mesh->tetrahedron_count > 0) {
@@ -574,7 +580,7 @@ static void check_prescribed(const ss_model_plan *plan, int32_t which, uint8_t *
             }
         }
         if (is_clash) {
-            add_number(&clash, set->node[i]);
+            add_number(&clash, ss_mesh_file_node(plan->mesh, set->node[i]));
         }
     }
     if (clash.count > 0) {

@@ -236,7 +236,7 @@ static softsim_status build(ss_cnn_network *network, const ss_cnn_fabric *fabric
 {
     softsim_status status = build_sizes(network, fabric);
     status = status == SOFTSIM_OK ? ss_cnn_network_build_edges(network, fabric) : status;
-    if (status == SOFTSIM_OK && !ss_cnn_network_edges_are_usable(network, error)) {
+    if (status == SOFTSIM_OK && !ss_cnn_network_edges_are_usable(network, fabric->mesh, error)) {
         status = SOFTSIM_ERROR_MESH;
     }
     status = status == SOFTSIM_OK ? ss_cnn_network_build_rows(network, held, false, &network->rows)

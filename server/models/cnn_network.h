@@ -139,7 +139,8 @@ int32_t ss_cnn_element_count(const ss_cnn_fabric *fabric);
 void ss_cnn_element_share(const ss_cnn_fabric *fabric, int32_t element, ss_cnn_share *out_share);
 void ss_cnn_cell_sizes(const ss_cnn_fabric *fabric, double *out_size);
 softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_fabric *fabric);
-bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_error *error);
+bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, const ss_mesh *mesh,
+                                     softsim_error *error);
 /* cnn_rows.c: rows of the cells with held[i] == wanted, block by block in groups of equal degree,
  * in node order within. */
 softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t *held, bool wanted,

@@ -111,8 +111,8 @@ static void set_step(ss_cnn_relax *relax)
     }
 }
 
-static softsim_status check_areas(const ss_cnn_network *network, const uint8_t *held,
-                                  softsim_error *error)
+static softsim_status check_areas(const ss_cnn_network *network, const ss_mesh *mesh,
+                                  const uint8_t *held, softsim_error *error)
 {
     int32_t flat = 0, first = 0;
     for (int32_t i = 0; i < network->node_count; ++i) {
@@ -126,7 +126,7 @@ static softsim_status check_areas(const ss_cnn_network *network, const uint8_t *
             "cnn-energy: solver: relaxation needs an area at every cell, and %d nodes "
             "(first %d) have only triangles without area: repair the mesh, or take "
             "solver: equilibrium",
-            flat, first);
+            flat, ss_mesh_file_node(mesh, first));
     }
     return flat > 0 ? SOFTSIM_ERROR_MESH : SOFTSIM_OK;
 }
@@ -161,9 +161,9 @@ static softsim_status allocate_states(ss_cnn_relax *relax, softsim_error *error)
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const uint8_t *held,
-                                   const uint8_t *is_cell, int32_t steps, ss_cnn_relax **out_relax,
-                                   softsim_error *error)
+softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const ss_mesh *mesh,
+                                   const uint8_t *held, const uint8_t *is_cell, int32_t steps,
+                                   ss_cnn_relax **out_relax, softsim_error *error)
 {
     ss_cnn_relax *relax = ss_memory_get(1, sizeof *relax);
     *out_relax = NULL;
@@ -175,7 +175,7 @@ softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const uint8_t 
     for (int32_t i = 0; i < network->node_count; ++i) {
         relax->cell_count += is_cell[i] != 0;
     }
-    softsim_status status = check_areas(network, held, error);
+    softsim_status status = check_areas(network, mesh, held, error);
     status = status == SOFTSIM_OK ? allocate_states(relax, error) : status;
     status = status == SOFTSIM_OK ? build_templates(relax, held) : status;
     status = status == SOFTSIM_OK ? ss_cnn_network_time_constant(network, &relax->time_constant)
@@ -337,8 +337,9 @@ static void build_columns(ss_cnn_relax *relax, int32_t b)
     }
 }
 
-void ss_cnn_relax_advance(ss_cnn_relax *relax)
+bool ss_cnn_relax_advance(ss_cnn_relax *relax)
 {
+    bool is_any = false;
     for (int32_t s = 0; s < relax->block_count * WIDTH; ++s) {
         if (relax->cell[s] >= 0 && relax->seen[s] != relax->look) {
             relax->slot_of[relax->cell[s]] = -1;
@@ -354,7 +355,9 @@ void ss_cnn_relax_advance(ss_cnn_relax *relax)
             advance_block(relax, b);
             build_columns(relax, b);
         }
+        is_any = is_any || is_used;
     }
+    return is_any;
 }
 
 /* ---- reading ------------------------------------------------------------------------------ */

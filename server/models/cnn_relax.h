@@ -42,9 +42,9 @@ typedef struct ss_cnn_relax {
 
 /* `held`: cells at zero, as the network has them; `is_cell`: those that may be in use; `steps` of
  * the network an advance. Adds a line per fault to `error`. Thread: set-up only. */
-softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const uint8_t *held,
-                                   const uint8_t *is_cell, int32_t steps, ss_cnn_relax **out_relax,
-                                   softsim_error *error);
+softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const ss_mesh *mesh,
+                                   const uint8_t *held, const uint8_t *is_cell, int32_t steps,
+                                   ss_cnn_relax **out_relax, softsim_error *error);
 void ss_cnn_relax_destroy(ss_cnn_relax **relax);
 /* No cell is in use. */
 void ss_cnn_relax_reset(ss_cnn_relax *relax);
@@ -55,8 +55,9 @@ void ss_cnn_relax_look(ss_cnn_relax *relax);
  * next reset; 0 everywhere before the first advance. */
 void ss_cnn_relax_columns(ss_cnn_relax *relax, int32_t count, const int32_t *node,
                           const ss_real **out_column);
-/* `steps` steps of every cell that the last look asked for; the others are let go. */
-void ss_cnn_relax_advance(ss_cnn_relax *relax);
+/* `steps` steps of every cell that the last look asked for; the others are let go. False when
+ * there was none, and no column has changed. */
+bool ss_cnn_relax_advance(ss_cnn_relax *relax);
 
 /* Potential at `node` for a unit source on the cell of `slot`. */
 double ss_cnn_relax_potential(const ss_cnn_relax *relax, int32_t slot, int32_t node);

@@ -702,7 +702,9 @@ static double ledger_sum(const ss_model *model)
 static void relax_network(ss_model *model, double path)
 {
     const double before = ledger_sum(model);
-    ss_cnn_relax_advance(model->relax);
+    if (!ss_cnn_relax_advance(model->relax)) {
+        return;
+    }
     prepare(model, path);
     model->work += ledger_sum(model) - before;
 }

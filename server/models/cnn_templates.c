@@ -390,7 +390,8 @@ softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_
 }
 
 /* An edge far shorter than the rest makes a template that no step can follow. */
-bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_error *error)
+bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, const ss_mesh *mesh,
+                                     softsim_error *error)
 {
     int32_t bad = 0, first = 0;
     for (int32_t e = 0; e < network->edges.count; ++e) {
@@ -403,7 +404,8 @@ bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, softsim_erro
             error, SOFTSIM_ERROR_MESH,
             "cnn-energy: %d edges are shorter than a thousandth of the mean edge, the "
             "first between nodes %d and %d: weld these nodes",
-            bad, network->edges.from[first] / 4, network->edges.to[first] / 4);
+            bad, ss_mesh_file_node(mesh, network->edges.from[first] / 4),
+            ss_mesh_file_node(mesh, network->edges.to[first] / 4));
     }
     return bad == 0;
 }
