@@ -262,6 +262,7 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
                                  .substeps = info.substeps,
                                  .all_substeps = world->substeps,
                                  .node_count = world->scene->mesh->node_count,
+                                 .active_nodes = info.active_nodes,
                                  .probes = world->used_probes,
                                  .verdict = info.verdict,
                                  .reason = info.reason,

@@ -44,6 +44,7 @@ typedef struct softsim_state {
     int32_t substeps;     /* of the last step */
     int64_t all_substeps; /* of all steps */
     int32_t node_count;
+    int32_t active_nodes; /* that take a step of their own */
     uint8_t probes; /* bit n: probe n has a tool */
     softsim_verdict verdict;
     const char *reason;

@@ -23,20 +23,25 @@ static const double radius = 0.005, depth = 0.006, clearance = 0.003;
 static const double slide_m = 0.030, speed = 0.050, speed_ramp_s = 0.05;
 static const double wait_s = 0.2, move_s = 0.3, rest_s = 0.5;
 static const double load_s = 1.0, load_ramp_s = 0.2;
+/* The local poke: m of the loaded patch, N, s; a surface larger than this has the same edges. */
+static const double patch_radius = 0.010, poke_n = 0.1, poke_s = 0.6;
+static const double poke_pretension_j = 0.05;
+enum { POKE_POINTS = 1192, LONG_POINTS = 10000 };
 enum { PATH_SIZE = 256, LOOK_TICKS = 10, MAX_TICKS = 10000 };
 static const double tick_s = 1e-3;
 static const double mesh_timeout_s = 600.0;
 
-static const char model_text[] = "softsim: 1\n"
-                                 "object:\n"
-                                 "  mesh: body.msh\n"
-                                 "  units: mm\n"
-                                 "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.022]]}]\n"
-                                 "model:\n"
-                                 "  name: cnn-energy\n"
-                                 "  modulus_j: 5\n"
-                                 "  pretension_j: 0.5\n"
-                                 "  enclosed_bulk_pa: 2000\n"
+static const char object_text[] = "softsim: 1\n"
+                                  "object:\n"
+                                  "  mesh: body.msh\n"
+                                  "  units: mm\n"
+                                  "  transform: {scale: %.9g}\n"
+                                  "  fixed: [{box_m: [[-9, -9, -9], [9, 9, %.9g]]}]\n"
+                                  "model:\n"
+                                  "  name: cnn-energy\n"
+                                  "  modulus_j: 5\n"
+                                  "  pretension_j: %.9g\n";
+static const char model_text[] = "  enclosed_bulk_pa: 2000\n"
                                  "  area_density_kg_m2: 11.5\n"
                                  "  damping_n_s_per_m3: 1725\n"
                                  "  rest_stiffness_n_per_m3: 5.0e+4\n"
@@ -51,18 +56,25 @@ static void file_name(const ss_body *body, const char *name, char out[PATH_SIZE]
     snprintf(out, PATH_SIZE, "%s/%s", body->folder, name);
 }
 
-/* A scene: the body, and what is done to it. */
-static softsim_status write_scene(const ss_body *body, const char *name, const char *action,
-                                  softsim_error *error)
+/* What of a scene differs: the body's size and tension, is all of it active, what is done to it. */
+typedef struct deed {
+    const char *name, *action;
+    double scale, pretension_j;
+    bool is_whole;
+} deed;
+
+static softsim_status write_scene(const ss_body *body, const deed *what, softsim_error *error)
 {
     char path[PATH_SIZE];
     ss_output output;
-    file_name(body, name, path);
+    file_name(body, what->name, path);
     const softsim_status status = ss_output_open(&output, path, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(output.file, "%s%s", model_text, action);
+    fprintf(output.file, object_text, what->scale, -0.022 * what->scale, what->pretension_j);
+    fprintf(output.file, "%s%s%s", what->is_whole ? "  window_tolerance: 0\n" : "", model_text,
+            what->action);
     return ss_output_commit(&output, error);
 }
 
@@ -146,12 +158,15 @@ softsim_status ss_body_open(ss_body *body, softsim_error *error)
     }
     softsim_status status = write_path(body, error);
     if (status == SOFTSIM_OK) {
-        status = write_scene(body, "slide.yaml",
-                             "contact:\n"
-                             "  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n"
-                             "  working_force_n: 2\n"
-                             "haptic: {between_steps: local, rate_hz: 1000, max_force_n: 8}\n",
-                             error);
+        static const deed slide = {
+            .name = "slide.yaml",
+            .action = "contact:\n"
+                      "  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n"
+                      "  working_force_n: 2\n"
+                      "haptic: {between_steps: local, rate_hz: 1000, max_force_n: 8}\n",
+            .scale = 1.0,
+            .pretension_j = 0.5};
+        status = write_scene(body, &slide, error);
     }
     return status;
 }
@@ -169,6 +184,8 @@ void ss_body_close(ss_body *body)
         unlink(path);
     }
     rmdir(body->folder);
+    free(body->rest);
+    body->rest = NULL;
     body->folder[0] = '\0';
 }
 
@@ -275,6 +292,7 @@ static void finish(runner *r)
     look(r);
     softsim_read(r->world, &state);
     r->out->step_us = state.step_us[0];
+    r->out->active_nodes = state.active_nodes;
     r->substeps += r->was_measured ? (double)state.all_substeps : 0.0;
     r->out->substeps = r->substeps / (double)r->measured;
     if (r->largest_j > 0.0) {
@@ -325,17 +343,18 @@ static void take_slide_force(runner *r, const double force[3])
 static softsim_status find_top(ss_body *body, softsim_world *world, int32_t nodes,
                                softsim_error *error)
 {
-    double(*position)[3] = calloc((size_t)nodes, sizeof *position);
-    if (position == NULL) {
+    free(body->rest);
+    body->rest = calloc((size_t)nodes, sizeof *body->rest);
+    if (body->rest == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
-    softsim_read_nodes(world, position, NULL, NULL);
+    softsim_read_nodes(world, body->rest, NULL, NULL);
+    body->node_count = nodes;
     body->top_node = 0;
     for (int32_t i = 1; i < nodes; ++i) {
-        body->top_node = position[i][2] > position[body->top_node][2] ? i : body->top_node;
+        body->top_node = body->rest[i][2] > body->rest[body->top_node][2] ? i : body->top_node;
     }
-    free(position);
     return SOFTSIM_OK;
 }
 
@@ -397,10 +416,12 @@ softsim_status ss_body_slide(ss_body *body, ss_body_run *out, softsim_error *err
 /* From the body with nothing done to it. */
 static softsim_status find_top_alone(ss_body *body, ss_body_run *out, softsim_error *error)
 {
+    static const deed alone = {
+        .name = "load.yaml", .action = "", .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
     runner r = {.world = NULL};
-    softsim_status status = write_scene(body, "load.yaml", "", error);
+    softsim_status status = write_scene(body, &alone, error);
     if (status == SOFTSIM_OK) {
-        status = begin(&r, body, "load.yaml", out, error);
+        status = begin(&r, body, alone.name, out, error);
     }
     if (status == SOFTSIM_OK && r.world != NULL) {
         status = find_top(body, r.world, out->nodes, error);
@@ -410,30 +431,34 @@ static softsim_status find_top_alone(ss_body *body, ss_body_run *out, softsim_er
     return status;
 }
 
-softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *error)
+/* Where every node is at the end, for ss_body_apart. */
+static softsim_status keep_displacement(const runner *r, softsim_error *error)
+{
+    ss_body_run *out = r->out;
+    out->displacement = calloc((size_t)out->nodes, sizeof *out->displacement);
+    if (out->displacement == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    softsim_read_nodes(r->world, NULL, out->displacement, NULL);
+    return SOFTSIM_OK;
+}
+
+/* `duration_s` under the load of `what`, measured once it is full at `ramp_s`. */
+static softsim_status run_load(const ss_body *body, const deed *what, double duration_s,
+                               double ramp_s, ss_body_run *out, softsim_error *error)
 {
     runner r;
-    char action[160];
     softsim_force force[SOFTSIM_MAX_PROBES];
-    softsim_status status = SOFTSIM_OK;
-    if (body->top_node < 0) {
-        status = find_top_alone(body, out, error); /* the slide was refused */
-        if (status != SOFTSIM_OK || out->is_refused) {
-            return status;
-        }
-    }
-    snprintf(action, sizeof action,
-             "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.2], from_s: 0, ramp_s: %g}\n",
-             body->top_node, load_ramp_s);
-    status = write_scene(body, "load.yaml", action, error);
+    softsim_status status = write_scene(body, what, error);
     if (status == SOFTSIM_OK) {
-        status = begin(&r, body, "load.yaml", out, error);
+        status = begin(&r, body, what->name, out, error);
     }
     if (status != SOFTSIM_OK || r.world == NULL) {
         return status;
     }
-    for (int32_t k = 1; (double)k * tick_s < load_s; ++k) {
-        tick(&r, NULL, 0, (double)k * tick_s > load_ramp_s, force);
+    for (int32_t k = 1; (double)k * tick_s < duration_s; ++k) {
+        tick(&r, NULL, 0, (double)k * tick_s > ramp_s, force);
         if (k % LOOK_TICKS == 0) {
             look(&r);
         }
@@ -442,11 +467,73 @@ softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *erro
             break;
         }
     }
+    if (status == SOFTSIM_OK) {
+        status = keep_displacement(&r, error);
+    }
     finish(&r);
     return status;
+}
+
+softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    char action[160];
+    if (body->top_node < 0) {
+        const softsim_status status = find_top_alone(body, out, error); /* the slide was refused */
+        if (status != SOFTSIM_OK || out->is_refused) {
+            return status;
+        }
+    }
+    /* A fine mesh dents deep under one node and takes many sub-steps: fewer steps tell as much. */
+    const double share = body->points > LONG_POINTS ? 0.1 : 1.0;
+    snprintf(action, sizeof action,
+             "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.2], from_s: 0, ramp_s: %g}\n",
+             body->top_node, share * load_ramp_s);
+    const deed what = {
+        .name = "load.yaml", .action = action, .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
+    return run_load(body, &what, share * load_s, share * load_ramp_s, out, error);
+}
+
+softsim_status ss_body_poke(ss_body *body, bool is_whole, ss_body_run *out, softsim_error *error)
+{
+    enum { TEXT = 8192 };
+    char action[TEXT];
+    const double scale = fmax(1.0, sqrt((double)body->points / POKE_POINTS));
+    int length = snprintf(action, sizeof action, "loads:\n  - {nodes: [%d", body->top_node);
+    for (int32_t i = 0; i < body->node_count && length < TEXT - 128; ++i) {
+        double way[3];
+        ss_sub3(way, body->rest[i], body->rest[body->top_node]);
+        if (i != body->top_node && scale * ss_norm3(way) < patch_radius) {
+            length += snprintf(action + length, sizeof action - (size_t)length, ", %d", i);
+        }
+    }
+    snprintf(action + length, sizeof action - (size_t)length,
+             "], force_n: [0, 0, %g], from_s: 0, ramp_s: %g}\n", -poke_n, load_ramp_s);
+    const deed what = {.name = "load.yaml",
+                       .action = action,
+                       .scale = scale,
+                       .pretension_j = poke_pretension_j,
+                       .is_whole = is_whole};
+    return run_load(body, &what, poke_s, load_ramp_s, out, error);
+}
+
+double ss_body_apart(const ss_body_run *a, const ss_body_run *b)
+{
+    double apart = 0.0, largest = 0.0;
+    if (a->displacement == NULL || b->displacement == NULL) {
+        return NAN;
+    }
+    for (int32_t i = 0; i < a->nodes; ++i) {
+        double way[3];
+        ss_sub3(way, a->displacement[i], b->displacement[i]);
+        apart = fmax(apart, ss_norm3(way));
+        largest = fmax(largest, ss_norm3(b->displacement[i]));
+    }
+    return apart / largest;
 }
 
 void ss_body_run_fini(ss_body_run *run)
 {
     ss_samples_fini(&run->tick_us);
+    free(run->displacement);
+    run->displacement = NULL;
 }
