@@ -14,6 +14,7 @@ static const struct {
     {"Fig. 4: creep", ss_zhong_creep, 4},
     {"Fig. 5: hysteresis", ss_zhong_hysteresis, 4},
     {"Fig. 6: load and deformation", ss_zhong_load_curves, 8},
+    {"Figs. 7 to 11: materials, local and large-range deformation", ss_zhong_materials, 10},
 };
 enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 

@@ -28,7 +28,7 @@ static void make_points(ss_tube *tube, bool is_one_way)
             const int32_t b = i * SS_TUBE_COLUMNS + (j + 1) % SS_TUBE_COLUMNS;
             const int32_t c = a + SS_TUBE_COLUMNS, d = b + SS_TUBE_COLUMNS;
             const bool is_slash = is_one_way || (i + j) % 2 == 0; /* a to d, else b to c */
-            const int32_t half[2][3] = {{a, b, is_slash ? d : c}, {is_slash ? a : b, d, c}};
+            const int32_t half[2][3] = {{b, a, is_slash ? d : c}, {d, is_slash ? a : b, c}};
             memcpy(tube->triangle[count++], half[0], sizeof half[0]);
             memcpy(tube->triangle[count++], half[1], sizeof half[1]);
         }
