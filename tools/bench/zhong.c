@@ -18,6 +18,8 @@ static const struct {
     {"Equations 14 to 18, 26: templates and forces", ss_zhong_templates, 6},
     {"Equations 1, 2, 19: the network as a circuit", ss_zhong_relaxation, 6},
     {"Equations 3 to 9 as printed", ss_zhong_literal, 10},
+    {"Closed organs", ss_zhong_organs, 10},
+    {"What must not change", ss_zhong_invariants, 3},
 };
 enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 

@@ -34,19 +34,19 @@ static const struct variant {
      "no force, no current: after unloading nothing pulls back"},
     {"eq. 4", "work-current-length", "I = F.U/A, |PiPj| as it is now", SS_ZHONG_WORK, 0.0, 0.0,
      true, false, "no current after unloading; before it edges collapse"},
-    {"eq. 9", "isotropic", "I = sigma:eps, linear strain, isotropic C of 60 Pa as printed",
-     SS_ZHONG_DENSITY, 60.0, 60.0, false, false,
+    {"eq. 9", "isotropic", "I = sigma:eps, linear strain, isotropic C of 60 Pa", SS_ZHONG_DENSITY,
+     60.0, 60.0, false, false,
      "the dent's own strain keeps the current up, and the current keeps the dent"},
-    {"eq. 9", "isotropic-rest", "the same with rest springs: two shapes without force",
+    {"eq. 9", "isotropic-rest", "I = sigma:eps, isotropic C of 60 Pa, with rest springs",
      SS_ZHONG_DENSITY, 60.0, 60.0, false, true,
      "bistable: rest is an equilibrium and so is a dent"},
-    {"eq. 9", "isotropic-soft", "the same, C of 6 Pa", SS_ZHONG_DENSITY, 6.0, 6.0, false, true,
-     "still dented, though a tenth as stiff"},
-    {"eq. 9", "orthotropic", "I = sigma:eps, C of 60 Pa along the axis and 120 across, as printed",
+    {"eq. 9", "isotropic-soft", "I = sigma:eps, isotropic C of 6 Pa, with rest springs",
+     SS_ZHONG_DENSITY, 6.0, 6.0, false, true, "still dented, though a tenth as stiff"},
+    {"eq. 9", "orthotropic", "I = sigma:eps, C of 60 Pa along the axis and 120 across",
      SS_ZHONG_DENSITY, 60.0, 120.0, false, false,
      "as in the isotropic case: C only scales the current"},
-    {"eq. 9", "orthotropic-rest", "the same with rest springs", SS_ZHONG_DENSITY, 60.0, 120.0,
-     false, true, "bistable as well"},
+    {"eq. 9", "orthotropic-rest", "I = sigma:eps, C of 60 and 120 Pa, with rest springs",
+     SS_ZHONG_DENSITY, 60.0, 120.0, false, true, "bistable as well"},
 };
 enum { VARIANT_COUNT = sizeof variants / sizeof variants[0] };
 
@@ -181,8 +181,8 @@ static softsim_status plot_variants(ss_zhong *zhong, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs("set datafile separator ','\nset grid\nset key outside bottom center horizontal "
-          "maxcols 1\nset terminal svg size 800,620 dynamic font 'sans,13' background rgb "
+    fputs("set datafile separator ','\nset grid\nset key below horizontal maxcols 1\nset terminal "
+          "svg size 800,620 dynamic font 'sans,13' background rgb "
           "'white'\nset output 'literal.svg'\nset xlabel 'time, s'\nset ylabel 'displacement of "
           "the contact, m'\nset arrow from 50, graph 0 to 50, graph 1 nohead dt 3\nset label "
           "'unloaded' at 52, graph 0.95\nplot ",

@@ -82,8 +82,8 @@ softsim_status ss_tube_init(const ss_paper *paper, bool is_grid, bool is_one_way
     make_points(out_tube, is_one_way);
     if (is_grid) {
         snprintf(object, sizeof object,
-                 "  grid: {cylinder: {radius_m: 1, length_m: 4, around: %d, along: %d}}\n",
-                 SS_TUBE_COLUMNS, SS_TUBE_ROWS);
+                 "  grid: {cylinder: {rows: %d, columns: %d, radius_m: 1, length_m: 4}}\n",
+                 SS_TUBE_ROWS, SS_TUBE_COLUMNS);
     } else {
         snprintf(object, sizeof object, "  mesh: %s\n  units: m\n", file);
         status =
