@@ -15,6 +15,8 @@ static const struct {
     {"Fig. 5: hysteresis", ss_zhong_hysteresis, 4},
     {"Fig. 6: load and deformation", ss_zhong_load_curves, 8},
     {"Figs. 7 to 11: materials, local and large-range deformation", ss_zhong_materials, 10},
+    {"Figs. 12 and 13: a kidney under a probe", ss_zhong_kidney, 8},
+    {"Table 1: rates", ss_zhong_rates, 6},
     {"Equations 14 to 18, 26: templates and forces", ss_zhong_templates, 6},
     {"Equations 1, 2, 19: the network as a circuit", ss_zhong_relaxation, 6},
     {"Equations 3 to 9 as printed", ss_zhong_literal, 10},
