@@ -40,7 +40,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     *o = (options){.out = "paper-report", .paper = -1};
     const ss_arg rows[] = {
         {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (paper-report)"},
-        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL, "coarser curves, fewer sizes"},
+        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL,
+         "shorter comparisons with other readings of the paper"},
     };
     int32_t count = 0;
     const ss_args_result result =

@@ -69,6 +69,36 @@ static void write_missing(ss_paper *paper)
     ss_page_table_end(&paper->page);
 }
 
+static void write_declined(ss_page *page)
+{
+    ss_page_heading(page, "Left out, and why");
+    ss_page_text(page, "Neighbourhoods wider than r = 1: the paper sets them aside for convenience "
+                       "and gives no templates for them.");
+    ss_page_text(page, "The control template B and inputs: the paper sets both to zero.");
+    ss_page_text(page,
+                 "The sources (3), (4) and the tensor form of (5) to (9) in the program: they "
+                 "have no well-posed reading; what they do is shown above.");
+    ss_page_text(page, "Adaptive remeshing: the paper names it as a possible speed-up; computing "
+                       "only where the body moves serves the same purpose without changing the "
+                       "mesh under the hand.");
+    ss_page_text(page,
+                 "The network as an analogue chip: out of a program's reach; the time that one "
+                 "would settle in is given with the network as a circuit.");
+    ss_page_text(page, "The PHANToM of Fig. 12: a recorded path stands for it; softsim-bridge "
+                       "connects devices.");
+}
+
+static void write_verdict(ss_paper *paper)
+{
+    ss_page_heading(&paper->page, "Verdict");
+    ss_page_text(&paper->page,
+                 "%d claims: %d pass, %d fail, %d differ: these are readings of equations 3 to 9, "
+                 "26 and 28 that the paper's words allow and that are not well posed.",
+                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
+                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
+    ss_page_link(&paper->page, "claims.csv");
+}
+
 static softsim_status make_tubes(ss_zhong *zhong, softsim_error *error)
 {
     for (int k = 0; k < 2; ++k) {
@@ -104,6 +134,8 @@ softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error)
         paper->weight_done += sections[k].weight;
     }
     write_missing(paper);
+    write_declined(&paper->page);
+    write_verdict(paper);
     for (int k = 0; k < 2; ++k) {
         ss_tube_fini(&zhong.tube[k]);
     }
