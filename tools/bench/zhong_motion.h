@@ -36,7 +36,7 @@ typedef struct ss_zhong_motion {
     int32_t contact;
     int32_t triangle_count; /* of the star */
     int32_t star[16][3];
-    double axis[3]; /* along which the tensor's x lies */
+    double axis[3]; /* along which the tensor's x lies; across no triangle of the star */
     double (*u)[3], (*v)[3];
     double force[3]; /* on the contact */
     double time;     /* s */
