@@ -9,5 +9,7 @@
 /* The whole chain against a bare timer loop and a bare LCM echo in the same run; or, with --log,
  * how a session felt. */
 int ss_bench_latency(int argc, char **argv);
+/* The figures and tables of a paper, claim by claim. */
+int ss_bench_paper(int argc, char **argv);
 /* Step time, smoothness and energy against the number of nodes. */
 int ss_bench_scaling(int argc, char **argv);

@@ -109,6 +109,16 @@ void ss_page_text(ss_page *page, const char *format, ...)
     fputs("</p>\n", page->output.file);
 }
 
+void ss_page_link(ss_page *page, const char *file)
+{
+    FILE *out = page->output.file;
+    fputs("<p>Data: <a href=\"", out);
+    put_escaped(out, file);
+    fputs("\">", out);
+    put_escaped(out, file);
+    fputs("</a></p>\n", out);
+}
+
 static bool is_number(const char *text)
 {
     char *end = NULL;

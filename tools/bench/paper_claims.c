@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "paper.h"
+#include "rt/clock.h"
+
+static const char *const result_names[] = {"pass", "fail", "differs"};
+
+/* ---- adding ------------------------------------------------------------------------------- */
+
+/* The next claim with its text; the last slot is used again and again when all are taken, so that
+ * a count at the limit shows itself. */
+static ss_claim *next(ss_paper *paper, const char *figure, const char *claim, va_list arguments)
+{
+    ss_claim *to =
+        &paper->claim[paper->claim_count < SS_PAPER_MAX_CLAIMS ? paper->claim_count++
+                                                               : SS_PAPER_MAX_CLAIMS - 1];
+    *to = (ss_claim){.result = SS_CLAIM_FAIL};
+    snprintf(to->figure, sizeof to->figure, "%s", figure);
+    vsnprintf(to->claim, sizeof to->claim, claim, arguments);
+    return to;
+}
+
+void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_result result, const char *expected,
+                  const char *measured, const char *claim, ...)
+{
+    va_list arguments;
+    va_start(arguments, claim);
+    ss_claim *to = next(paper, figure, claim, arguments);
+    va_end(arguments);
+    snprintf(to->expected, sizeof to->expected, "%s", expected);
+    snprintf(to->measured, sizeof to->measured, "%s", measured);
+    to->result = result;
+}
+
+void ss_claim_near(ss_paper *paper, const char *figure, double expected, double measured,
+                   double tolerance, const char *claim, ...)
+{
+    va_list arguments;
+    va_start(arguments, claim);
+    ss_claim *to = next(paper, figure, claim, arguments);
+    va_end(arguments);
+    const double error = fabs(measured - expected);
+    snprintf(to->expected, sizeof to->expected, "%.4g (within %.3g %%)", expected,
+             100.0 * tolerance);
+    snprintf(to->measured, sizeof to->measured, "%.5g (%+.2g %%)", measured,
+             100.0 * (measured / expected - 1.0));
+    to->result = error <= tolerance * fabs(expected) ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
+}
+
+void ss_claim_at_most(ss_paper *paper, const char *figure, double limit, double measured,
+                      const char *claim, ...)
+{
+    va_list arguments;
+    va_start(arguments, claim);
+    ss_claim *to = next(paper, figure, claim, arguments);
+    va_end(arguments);
+    snprintf(to->expected, sizeof to->expected, "at most %.3g", limit);
+    snprintf(to->measured, sizeof to->measured, "%.4g", measured);
+    to->result = measured <= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
+}
+
+void ss_claim_at_least(ss_paper *paper, const char *figure, double limit, double measured,
+                       const char *claim, ...)
+{
+    va_list arguments;
+    va_start(arguments, claim);
+    ss_claim *to = next(paper, figure, claim, arguments);
+    va_end(arguments);
+    snprintf(to->expected, sizeof to->expected, "at least %.3g", limit);
+    snprintf(to->measured, sizeof to->measured, "%.4g", measured);
+    to->result = measured >= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
+}
+
+void ss_paper_miss(ss_paper *paper, const char *why, const char *what, ...)
+{
+    if (paper->missing_count == SS_PAPER_MAX_MISSING) {
+        return;
+    }
+    ss_missing *to = &paper->missing[paper->missing_count++];
+    va_list arguments;
+    va_start(arguments, what);
+    vsnprintf(to->what, sizeof to->what, what, arguments);
+    va_end(arguments);
+    snprintf(to->why, sizeof to->why, "%s", why);
+}
+
+int32_t ss_paper_count(const ss_paper *paper, ss_claim_result result)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < paper->claim_count; ++i) {
+        count += paper->claim[i].result == result ? 1 : 0;
+    }
+    return count;
+}
+
+/* ---- files and the page ------------------------------------------------------------------- */
+
+softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const char *name,
+                                 const char *head, softsim_error *error)
+{
+    char path[4352];
+    snprintf(path, sizeof path, "%s/%s.csv", paper->folder, name);
+    const softsim_status status = ss_output_open(csv, path, error);
+    if (status == SOFTSIM_OK) {
+        fprintf(csv->file, "%s\n", head);
+    }
+    return status;
+}
+
+softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
+                                  softsim_error *error)
+{
+    char file[96];
+    const softsim_status status = ss_output_commit(csv, error);
+    if (status == SOFTSIM_OK) {
+        snprintf(file, sizeof file, "%s.csv", name);
+        ss_page_link(&paper->page, file);
+    }
+    return status;
+}
+
+softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error)
+{
+    ss_output csv;
+    const softsim_status status = ss_paper_csv_open(
+        paper, &csv, "claims", "paper,figure,claim,expected,measured,result", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int32_t i = 0; i < paper->claim_count; ++i) {
+        const ss_claim *at = &paper->claim[i];
+        const char *const cell[] = {paper->name,  at->figure,   at->claim,
+                                    at->expected, at->measured, result_names[at->result]};
+        for (size_t k = 0; k < sizeof cell / sizeof *cell; ++k) {
+            if (k > 0) {
+                fputc(',', csv.file);
+            }
+            ss_csv_text(csv.file, cell[k]);
+        }
+        fputc('\n', csv.file);
+    }
+    return ss_output_commit(&csv, error);
+}
+
+void ss_paper_show_claims(ss_paper *paper)
+{
+    static const char *const head[] = {"figure", "claim", "expected", "measured", "verdict"};
+    if (paper->shown_count == paper->claim_count) {
+        return;
+    }
+    ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
+    for (; paper->shown_count < paper->claim_count; ++paper->shown_count) {
+        const ss_claim *at = &paper->claim[paper->shown_count];
+        const char *const cell[] = {at->figure, at->claim, at->expected, at->measured,
+                                    result_names[at->result]};
+        ss_page_table_row(&paper->page, (int32_t)(sizeof cell / sizeof *cell), cell);
+    }
+    ss_page_table_end(&paper->page);
+}
+
+void ss_paper_progress(ss_paper *paper, double share)
+{
+    if (!paper->is_shown) {
+        return;
+    }
+    const double done = (paper->weight_done + share * paper->weight) / paper->weight_all;
+    const double elapsed_s = 1e-9 * (double)(ss_clock_now_ns() - paper->start_ns);
+    fprintf(stderr, "\r%3.0f %%  %-28s", 100.0 * done, paper->section);
+    if (done > 0.02) {
+        fprintf(stderr, " about %.0f s left ", elapsed_s * (1.0 - done) / done);
+    }
+}

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Zhong, Shirinzadeh, Alici, Smith: "Haptic deformation modelling through cellular neural
+ * network", I. J. of Simulation 7 (8), 2006: the sections of the report, in order.
+ */
+#include "zhong.h"
+
+static const struct {
+    const char *heading;
+    softsim_status (*run)(ss_zhong *zhong, softsim_error *error);
+    double weight; /* seconds, roughly */
+} sections[] = {
+    {"Fig. 4: creep", ss_zhong_creep, 4},
+    {"Fig. 5: hysteresis", ss_zhong_hysteresis, 4},
+    {"Fig. 6: load and deformation", ss_zhong_load_curves, 8},
+    {"Figs. 7 to 11: materials, local and large-range deformation", ss_zhong_materials, 10},
+    {"Figs. 12 and 13: a kidney under a probe", ss_zhong_kidney, 8},
+    {"Table 1: rates", ss_zhong_rates, 6},
+    {"Equations 14 to 18, 26: templates and forces", ss_zhong_templates, 6},
+    {"Equations 1, 2, 19: the network as a circuit", ss_zhong_relaxation, 6},
+    {"Equations 3 to 9 as printed", ss_zhong_literal, 10},
+    {"Closed organs", ss_zhong_organs, 10},
+    {"What must not change", ss_zhong_invariants, 3},
+};
+enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
+
+static void write_head(ss_zhong *zhong)
+{
+    ss_page *page = &zhong->paper->page;
+    ss_page_text(
+        page, "The paper treats the surface of a soft body as a cellular neural network: what a "
+              "contact puts into the body is a current source on the contact's cell, the "
+              "network spreads it as the Poisson equation does, and the flux between two cells "
+              "becomes a force between two points. Its figures come without numbers on their "
+              "axes' scales that could be read off, and its equations leave open what acts after "
+              "unloading, whether the body remembers its rest, and whose lengths count.");
+    ss_page_text(page,
+                 "This page repeats every figure and table with this program's own model, "
+                 "cnn-energy, run as a scene without a network, and judges the claims one by one. "
+                 "Expected numbers are those of a prototype of the same closure, or of a small "
+                 "second implementation in double precision that shares no code with the model "
+                 "(called own network here). Pass: as claimed, numbers within 2 %% unless said "
+                 "otherwise. Fail: not so. Differs: the paper's words, taken literally, lead to "
+                 "something that is not well posed; the reason is beside it.");
+    ss_page_text(page,
+                 "The body of the first sections is the paper's cylinder: 360 points, 15 rings of "
+                 "24, radius 1, length 4, both end rings fixed, its top point pushed down; mass 1, "
+                 "damping as given, rest stiffness 0.1 a point, modulus 60, constitutive "
+                 "coefficient 0.05. It is run as the paper's rectangular grid and as triangles "
+                 "with alternating diagonals.");
+}
+
+static void write_missing(ss_paper *paper)
+{
+    static const char *const head[] = {"what", "what the program says"};
+    if (paper->missing_count == 0) {
+        return;
+    }
+    ss_page_heading(&paper->page, "Not in this program");
+    ss_page_text(&paper->page,
+                 "These runs need a feature that the program which made this page refuses; their "
+                 "claims were not made.");
+    ss_page_table_begin(&paper->page, 2, head);
+    for (int32_t i = 0; i < paper->missing_count; ++i) {
+        const char *const cell[] = {paper->missing[i].what, paper->missing[i].why};
+        ss_page_table_row(&paper->page, 2, cell);
+    }
+    ss_page_table_end(&paper->page);
+}
+
+static void write_declined(ss_page *page)
+{
+    ss_page_heading(page, "Left out, and why");
+    ss_page_text(page, "Neighbourhoods wider than r = 1: the paper sets them aside for convenience "
+                       "and gives no templates for them.");
+    ss_page_text(page, "The control template B and inputs: the paper sets both to zero.");
+    ss_page_text(page,
+                 "The sources (3), (4) and the tensor form of (5) to (9) in the program: they "
+                 "have no well-posed reading; what they do is shown above.");
+    ss_page_text(page, "Adaptive remeshing: the paper names it as a possible speed-up; computing "
+                       "only where the body moves serves the same purpose without changing the "
+                       "mesh under the hand.");
+    ss_page_text(page,
+                 "The network as an analogue chip: out of a program's reach; the time that one "
+                 "would settle in is given with the network as a circuit.");
+    ss_page_text(page, "The PHANToM of Fig. 12: a recorded path stands for it; softsim-bridge "
+                       "connects devices.");
+}
+
+static void write_verdict(ss_paper *paper)
+{
+    ss_page_heading(&paper->page, "Verdict");
+    ss_page_text(&paper->page,
+                 "%d claims: %d pass, %d fail, %d differ: these are readings of equations 3 to 9, "
+                 "26 and 28 that the paper's words allow and that are not well posed.",
+                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
+                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
+    ss_page_link(&paper->page, "claims.csv");
+}
+
+static softsim_status make_tubes(ss_zhong *zhong, softsim_error *error)
+{
+    for (int k = 0; k < 2; ++k) {
+        ss_tube *tube = &zhong->tube[k];
+        const softsim_status status = ss_tube_init(zhong->paper, k == 0, false, tube, error);
+        if (status != SOFTSIM_OK) {
+            return status;
+        }
+        if (!tube->is_there) {
+            ss_paper_miss(zhong->paper, tube->reason, "the cylinder as %s: every claim about it",
+                          k == 0 ? "a rectangular grid" : "triangles");
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error)
+{
+    static ss_zhong zhong; /* large */
+    zhong.paper = paper;
+    for (int k = 0; k < SECTION_COUNT; ++k) {
+        paper->weight_all += sections[k].weight;
+    }
+    write_head(&zhong);
+    softsim_status status = make_tubes(&zhong, error);
+    for (int k = 0; status == SOFTSIM_OK && k < SECTION_COUNT; ++k) {
+        paper->section = sections[k].heading;
+        paper->weight = sections[k].weight;
+        ss_paper_progress(paper, 0.0);
+        ss_page_heading(&paper->page, sections[k].heading);
+        status = sections[k].run(&zhong, error);
+        ss_paper_show_claims(paper);
+        paper->weight_done += sections[k].weight;
+    }
+    write_missing(paper);
+    write_declined(&paper->page);
+    write_verdict(paper);
+    for (int k = 0; k < 2; ++k) {
+        ss_tube_fini(&zhong.tube[k]);
+    }
+    return status;
+}
