@@ -355,10 +355,11 @@ void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
 {
     /* d(a psi)/dW changes by |a''| psi <= 6 psi / W1^2 along dW/dP, and dW/dP itself by
-     * phi'' = 2 / delta^2 over the areas of the touched cells. */
+     * phi'' = 2 / delta^2 over the areas of the touched cells. psi, not psi - psi_0: within a
+     * sub-step a may grow beyond where psi_0 still follows. */
     double force[3] = {0.0}, torque[3] = {0.0};
     const ss_cnn_source *source = &tool->source;
-    const double psi = fabs(psi_of(model, source) - source->reference);
+    const double psi = fabs(psi_of(model, source));
     const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {

@@ -673,9 +673,9 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
     *out_fraction = (1.0 - p->path) / parts;
 }
 
-/* What a sub-step that is taken back must put back beside u and v. */
+/* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
 typedef struct ledger {
-    double work, dissipated, elastic;
+    double work, dissipated;
 } ledger;
 
 static void take_back(ss_model *model, progress *p, const ledger *before, double h)
@@ -687,10 +687,9 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     ss_cnn_source_restore(model);
     gather(model, p->path, p->path);
     model->has_totals = false;
-    prepare(model, p->path);
     model->work = before->work;
     model->dissipated = before->dissipated;
-    model->elastic = before->elastic;
+    prepare(model, p->path); /* books what it changes by itself */
 }
 
 static double ledger_sum(const ss_model *model)
@@ -727,7 +726,7 @@ static bool try_substep(ss_model *model, progress *p)
     plan_substep(model, p, &h, &fraction);
     const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
-    const ledger before = {model->work, model->dissipated, model->elastic};
+    const ledger before = {model->work, model->dissipated};
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
