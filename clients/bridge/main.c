@@ -114,7 +114,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     const ss_args_result result =
         ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
                       &positional, 0, 0, &count, error);
-    if (result == SS_ARGS_DONE) {
+    if (result != SS_ARGS_RUN) {
         return result;
     }
     check_options(o, error);

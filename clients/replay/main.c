@@ -56,10 +56,10 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     const ss_args_result result =
         ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
                       positional, 1, 2, &count, error);
-    if (result == SS_ARGS_DONE) {
+    if (result != SS_ARGS_RUN) {
         return result;
     }
-    if (count > 0 && count != (o->is_convert ? 2 : 1)) {
+    if (count != (o->is_convert ? 2 : 1)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s",
                           o->is_convert ? "--convert needs two files: CSV OUT.lcmlog"
                                         : "only --convert takes a second file");
