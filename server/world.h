@@ -125,6 +125,8 @@ typedef struct ss_world {
     bool is_slow;
     int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
+    softsim_verdict worst_verdict; /* of any step so far */
+    const char *worst_reason;      /* of the first step with it; NULL while good */
 
     /* lockstep and headless */
     int64_t tick;
@@ -151,6 +153,9 @@ void ss_world_destroy(ss_world **world);
 /* The plan, one line per fact: what the scene uses, what is left out, bytes, threads. */
 void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
                       void *sink);
+/* What a valid scene may still have wrong: sizes that hardly anyone means, one line per doubt, with
+ * the key. Thread: set-up only. */
+void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(const ss_scene_model **out_models);
 
