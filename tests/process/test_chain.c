@@ -441,6 +441,40 @@ static void obeys_commands(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
+static void monitor_sends_commands(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command, *said;
+        int status;
+    } cases[] = {{"pause", "done\n", 0},
+                 {"resume", "done\n", 0},
+                 {"set haptic.max_force_n=5", "done\n", 0},
+                 {"set haptic.max_force_n=-5", "haptic.max_force_n is -5", 2},
+                 {"dance", "unknown command 'dance'", 2}};
+    start_daemon(NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *const argv[] = {"softsim-monitor", "--command", cases[i].command, NULL};
+        const int status = process_run(&client, argv);
+        if (status != cases[i].status || !strstr(client.out, cases[i].said)) {
+            fail_msg("%s: %d: %s%s", cases[i].command, status, client.out, client.err);
+        }
+    }
+    /* A pose for a probe that the scene has no tool for: the status knows why nothing answers. */
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--probe", "5",
+                                  "--ticks",        "50",       NULL};
+    assert_int_equal(process_run(&client, bridge), 1);
+    assert_non_null(strstr(client.err, "(wrong probe); has its scene a tool for probe 5"));
+    assert_int_equal(stop_daemon(), 0);
+
+    const char *const closed[] = {"--no-commands", NULL};
+    const char *const argv[] = {"softsim-monitor", "--command", "pause", NULL};
+    start_daemon(closed);
+    assert_int_equal(process_run(&client, argv), 1);
+    assert_non_null(strstr(client.out, "refused"));
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* ---- what the server says of itself
  * ------------------------------------------------------------------------------------------ */
 
@@ -563,6 +597,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(killed_bridge_is_let_go, set_up, tear_down),
         cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, set_up, tear_down),
         cmocka_unit_test_setup_teardown(obeys_commands, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(monitor_sends_commands, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_slow_server_says_so, set_up, tear_down),
         cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(monitor_prints_one_status, set_up, tear_down),
