@@ -247,10 +247,21 @@ static void arguments_are_refused(void **state)
          {"softsim-bridge", "--device", "sim", "--axes", "x,x,z"},
          "--axes"},
         {"softsim-monitor: unknown option", {"softsim-monitor", "--twice"}, "--twice"},
+        {"softsim-bench: missing poses",
+         {"softsim-bench", "latency", "--poses", "/nowhere/p.lcmlog"},
+         "/nowhere/p.lcmlog"},
+        {"softsim-bench: missing scene",
+         {"softsim-bench", "latency", "--scene", "/nowhere/s.yaml"},
+         "/nowhere/s.yaml"},
         {"softsim-mesh: unknown verb", {"softsim-mesh", "knead"}, "knead"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         check(&p, cases[i].what, cases[i].argv, cases[i].word);
+        const char *end =
+            strchr(p.err, '\n'); /* one fault, one line; cases of scenes quote theirs */
+        if (!strstr(p.err, "^") && end && end[1] != '\0') {
+            fail_msg("%s: more than the fault itself: %s", cases[i].what, p.err);
+        }
     }
 }
 
