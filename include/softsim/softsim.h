@@ -44,7 +44,7 @@ typedef struct softsim_state {
     int32_t substeps;     /* of the last step */
     int64_t all_substeps; /* of all steps */
     int32_t node_count;
-    uint8_t probes; /* bit n: probe n has a tool */
+    uint8_t probes;          /* bit n: probe n has a tool */
     softsim_verdict verdict; /* of the last step */
     const char *reason;
     softsim_verdict worst_verdict; /* of all steps, whether they were read or not */
