@@ -266,6 +266,8 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
                                  .probes = world->used_probes,
                                  .verdict = info.verdict,
                                  .reason = info.reason,
+                                 .worst_verdict = world->worst_verdict,
+                                 .worst_reason = world->worst_reason ? world->worst_reason : "",
                                  .stable_step_s = info.stable_step,
                                  .kinetic_j = info.kinetic,
                                  .elastic_j = info.elastic,

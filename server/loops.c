@@ -34,9 +34,26 @@ enum {
     FAULT_WIRE_CAPPED = 1 << 17,
     FAULT_SLOW = 1 << 18,
     SLOW_STEPS = 21, /* more late steps than punctual ones: slower than real time */
-    STOP_TICKS = 25  /* the force ramps to zero in 20 */
+    STOP_TICKS = 25, /* the force ramps to zero in 20 */
+    RATE_MARKS = 5   /* a quarter of a second apart */
 };
 static const int64_t STATUS_PERIOD_NS = 250000000;
+static const int64_t RATE_PERIOD_NS = 250000000;
+static const int64_t SILENCE_NS = 5000000000;      /* a status says so for as long */
+static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
+
+/* Steps a second of the clock: over the last second, once there is one. */
+typedef struct rate_meter {
+    int64_t time_ns[RATE_MARKS], step[RATE_MARKS];
+    int64_t count; /* of marks ever made */
+} rate_meter;
+
+/* What the newest status says. */
+typedef struct ss_opinion {
+    softsim_verdict verdict;
+    char reason[160];
+    bool has_rival; /* another server was heard on this prefix */
+} ss_opinion;
 
 typedef struct ss_loops {
     ss_world *world;
@@ -51,6 +68,9 @@ typedef struct ss_loops {
     atomic_int_least64_t ready_ns;                /* main -> net: uptime counts from here */
     atomic_int refreshes;                         /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
+    _Atomic double rate_hz;                       /* simulation -> net: achieved */
+    ss_mailbox *opinion;                          /* net -> main: ss_opinion */
+    rate_meter meter;                             /* simulation thread; net in lockstep */
 
     /* net thread */
     ss_net *net;
@@ -60,6 +80,8 @@ typedef struct ss_loops {
     int64_t last_tick[SOFTSIM_MAX_PROBES];
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
+    int64_t silent_ns[SOFTSIM_MAX_PROBES];  /* since when it has been stale */
+    char slow_reason[128];
     double peak_force;
     int64_t next_status_ns;
     int64_t queue_refused; /* poses that found their ring full */
@@ -68,6 +90,9 @@ typedef struct ss_loops {
 
     /* main thread */
     int64_t next_log_ns, logged_refusals;
+    int64_t next_verdict_log_ns;
+    softsim_verdict logged_verdict; /* good again once it is better than degraded */
+    bool is_rival_logged;
 
     /* publish thread; read by net */
     ss_publisher *publisher;
@@ -85,6 +110,15 @@ static void answer(ss_loops *loops, softsim_force *force)
 static void end(ss_loops *loops)
 {
     atomic_store_explicit(&loops->is_over, true, memory_order_release);
+}
+
+/* Notes what the newest force of a probe says, and since when its probe is silent. */
+static void note_flags(ss_loops *loops, int32_t p, int32_t flags)
+{
+    if ((flags & ~loops->last_flags[p] & SOFTSIM_FORCE_STALE) != 0) {
+        loops->silent_ns[p] = ss_clock_now_ns();
+    }
+    loops->last_flags[p] = flags;
 }
 
 /* Lockstep: the pose moves the world by one tick and is answered. */
@@ -105,7 +139,7 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
     if ((force[channel].flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
         ++loops->forces[channel];
         ++loops->periods[channel];
-        loops->last_flags[channel] = force[channel].flags;
+        note_flags(loops, channel, force[channel].flags);
     }
     loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
     probe->answer = force[channel];
@@ -209,7 +243,7 @@ static void settle_forces(ss_loops *loops)
         loops->forces[p] += in_time;
         loops->missed[p] += settled - in_time;
         loops->last_tick[p] = record.tick;
-        loops->last_flags[p] = record.force.flags;
+        note_flags(loops, p, record.force.flags);
         loops->peak_force = fmax(loops->peak_force, ss_norm3(record.force.force));
     }
 }
@@ -227,7 +261,8 @@ static void take_stats(ss_loops *loops)
     }
 }
 
-/* Why the force of a probe is not what its pose asks for; NULL when nothing is wrong. */
+/* Why the force of a probe is not what its pose asks for; NULL when nothing is wrong. A probe that
+ * was put away is no news after a while. */
 static const char *probe_reason(const ss_loops *loops)
 {
     static const char *const silent[SOFTSIM_MAX_PROBES] = {
@@ -240,15 +275,36 @@ static const char *probe_reason(const ss_loops *loops)
         "probe 6 went silent: its force is ramped to zero",
         "probe 7 went silent: its force is ramped to zero"};
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (loops->last_flags[p] & SOFTSIM_FORCE_STALE) {
+        if ((loops->last_flags[p] & SOFTSIM_FORCE_STALE) != 0 &&
+            ss_clock_now_ns() - loops->silent_ns[p] < SILENCE_NS) {
             return silent[p];
         }
     }
     return NULL;
 }
 
+/* Renews the rate, right behind a step so that slow steps are not counted by halves, and marks
+ * every quarter of a second where the simulation is. */
+static void measure_rate(ss_loops *loops)
+{
+    rate_meter *meter = &loops->meter;
+    const int64_t now_ns = ss_clock_now_ns();
+    const int64_t oldest = meter->count < RATE_MARKS ? 0 : meter->count % RATE_MARKS;
+    const int64_t newest = (meter->count + RATE_MARKS - 1) % RATE_MARKS;
+    if (meter->count > 0 && now_ns > meter->time_ns[oldest]) {
+        const double steps = (double)(loops->world->steps - meter->step[oldest]);
+        const double time_s = 1e-9 * (double)(now_ns - meter->time_ns[oldest]);
+        atomic_store_explicit(&loops->rate_hz, steps / time_s, memory_order_relaxed);
+    }
+    if (meter->count == 0 || now_ns - meter->time_ns[newest] >= RATE_PERIOD_NS) {
+        const int64_t slot = meter->count++ % RATE_MARKS;
+        meter->time_ns[slot] = now_ns;
+        meter->step[slot] = loops->world->steps;
+    }
+}
+
 /* The model's verdict, or what else is wrong when the model is well. */
-static void judge(const ss_loops *loops, ss_report *report)
+static void judge(ss_loops *loops, ss_report *report)
 {
     const ss_model_info *info = &loops->simulation_stats.info;
     report->verdict = info->verdict;
@@ -268,7 +324,10 @@ static void judge(const ss_loops *loops, ss_report *report)
         report->fault_bits |= FAULT_SLOW;
         if (report->verdict < SOFTSIM_VERDICT_DEGRADED) {
             report->verdict = SOFTSIM_VERDICT_DEGRADED;
-            report->reason = "the simulation is slower than real time";
+            snprintf(loops->slow_reason, sizeof loops->slow_reason,
+                     "the simulation is slower than real time: %.0f of %.0f steps a second",
+                     report->simulation_rate_hz, 1.0 / loops->world->step_period);
+            report->reason = loops->slow_reason;
         }
     }
     if (loops->simulation_stats.is_paused && !*report->reason) {
@@ -286,6 +345,7 @@ static void send_status(ss_loops *loops)
     const ss_scene *scene = world->scene;
     if (loops->options->lockstep) {
         ss_world_settle(world);
+        measure_rate(loops);
     }
     take_stats(loops);
     const ss_simulation_stats *simulation = &loops->simulation_stats;
@@ -310,7 +370,7 @@ static void send_status(ss_loops *loops)
         .wire_dropped = ss_net_dropped(loops->net),
         .uptime_s = 1e-9 * (double)(ss_clock_now_ns() -
                                     atomic_load_explicit(&loops->ready_ns, memory_order_relaxed)),
-        .simulation_rate_hz = 1.0 / world->step_period,
+        .simulation_rate_hz = atomic_load_explicit(&loops->rate_hz, memory_order_relaxed),
         .stable_step_s = info->stable_step,
         .kinetic_j = info->kinetic,
         .elastic_j = info->elastic,
@@ -336,10 +396,46 @@ static void send_status(ss_loops *loops)
            sizeof report.stiffness_limit_n_per_m);
     judge(loops, &report);
     ss_net_send_status(loops->net, &report);
+    ss_opinion *opinion = ss_mailbox_draft(loops->opinion);
+    opinion->verdict = report.verdict;
+    snprintf(opinion->reason, sizeof opinion->reason, "%s", report.reason);
+    opinion->has_rival = ss_net_foreign(loops->net) > 0;
+    ss_mailbox_post(loops->opinion);
 }
 
-/* At most once a second: how many poses were refused since, by reason. By the main thread, so
- * that a reader of stderr who stalls holds up no force. */
+/* ---- main thread: what stderr tells, so that a reader who stalls holds up no force
+ * ------------------------------------------------------------------------------------ */
+
+/* When the verdict gets to degraded or worse: once, until it was better in between. */
+static void log_verdict(ss_loops *loops, const ss_opinion *opinion, int64_t now_ns)
+{
+    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
+    if (opinion->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        loops->logged_verdict = SOFTSIM_VERDICT_GOOD;
+        return;
+    }
+    if (opinion->verdict <= loops->logged_verdict ||
+        (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < loops->next_verdict_log_ns)) {
+        return;
+    }
+    fprintf(stderr, "softsimd: warning: %s: %s\n", verdicts[opinion->verdict], opinion->reason);
+    loops->logged_verdict = opinion->verdict;
+    loops->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
+}
+
+/* Two servers on one prefix answer every pose twice. */
+static void log_rival(ss_loops *loops, const ss_opinion *opinion)
+{
+    if (opinion->has_rival && !loops->is_rival_logged) {
+        fprintf(stderr,
+                "softsimd: warning: another server answers on prefix %s: clients hear both; stop "
+                "one of them, or give it another --prefix\n",
+                loops->options->prefix);
+        loops->is_rival_logged = true;
+    }
+}
+
+/* At most once a second: how many poses were refused since, by reason. */
 static void log_refusals(ss_loops *loops, int64_t now_ns)
 {
     static const char *const reasons[SOFTSIM_REFUSED_COUNT] = {
@@ -355,7 +451,7 @@ static void log_refusals(ss_loops *loops, int64_t now_ns)
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         total += counts.refused[i];
     }
-    if (total == loops->logged_refusals || loops->options->log_level < SS_LOG_WARNING) {
+    if (total == loops->logged_refusals) {
         return;
     }
     fprintf(stderr, "softsimd: warning: %lld messages refused so far:", (long long)total);
@@ -367,6 +463,22 @@ static void log_refusals(ss_loops *loops, int64_t now_ns)
     fprintf(stderr, "\n");
     loops->logged_refusals = total;
 }
+
+static void log_warnings(ss_loops *loops, int64_t now_ns)
+{
+    const ss_opinion *opinion = ss_mailbox_take(loops->opinion, NULL);
+    if (loops->options->log_level < SS_LOG_WARNING) {
+        return;
+    }
+    log_refusals(loops, now_ns);
+    if (opinion) {
+        log_verdict(loops, opinion, now_ns);
+        log_rival(loops, opinion);
+    }
+}
+
+/* ---- net thread
+ * --------------------------------------------------------------------------------------- */
 
 static void *net_body(void *argument)
 {
@@ -467,6 +579,7 @@ static void *simulation_body(void *argument)
         ss_world_step_begin(world);
         ss_world_step_compute(world);
         ss_world_step_post(world);
+        measure_rate(loops);
     }
     return NULL;
 }
@@ -611,7 +724,7 @@ static void wait_for_end(ss_loops *loops)
         if (left <= 0) {
             return;
         }
-        log_refusals(loops, now);
+        log_warnings(loops, now);
         const int64_t wait = left < 50000000 ? left : 50000000;
         const struct timespec timeout = {.tv_nsec = (long)wait};
         if (sigtimedwait(&signals, NULL, &timeout) > 0) {
@@ -633,10 +746,10 @@ static void print_summary(const ss_loops *loops)
     fprintf(stderr,
             "softsimd: %lld haptic periods: %lld forces, %lld missed; peak force %.3f N\n"
             "softsimd: haptic lateness us p50 %.0f p99 %.0f p99.9 %.0f max %.0f; step us p50 %.0f "
-            "p99 %.0f max %.0f; %lld steps at %.6g Hz\n",
+            "p99 %.0f max %.0f; %lld steps of %.6g ms\n",
             (long long)periods, (long long)forces, (long long)missed, loops->peak_force, late[0],
             late[1], late[2], late[3], step[0], step[1], step[2],
-            (long long)loops->simulation_stats.info.step, 1.0 / loops->world->step_period);
+            (long long)loops->simulation_stats.info.step, 1e3 * loops->world->step_period);
 }
 
 softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_error *error)
@@ -652,6 +765,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     loops->step_period_ns = loops->period_ns * world->step_ticks;
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
+    loops->opinion = ss_mailbox_create(sizeof(ss_opinion));
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
 
@@ -662,7 +776,10 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     }
     ss_loop_threads threads = {0};
     softsim_status status = SOFTSIM_ERROR_SYSTEM;
-    if (loops->wake_fd < 0 || loops->event_fd < 0) {
+    if (!loops->opinion) {
+        status = SOFTSIM_ERROR_MEMORY;
+        softsim_error_add(error, status, "no memory for the loops");
+    } else if (loops->wake_fd < 0 || loops->event_fd < 0) {
         softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
                           softsim_status_text(status));
     } else {
@@ -704,6 +821,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     if (loops->event_fd >= 0) {
         close(loops->event_fd);
     }
+    ss_mailbox_destroy(&loops->opinion);
     ss_memory_free(loops);
     return status;
 }

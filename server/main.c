@@ -12,6 +12,20 @@ static void print_line(void *sink, const char *text)
     fprintf(sink, "%s\n", text);
 }
 
+static void print_warning(void *sink, const char *text)
+{
+    fprintf(sink, "softsimd: warning: %s\n", text);
+}
+
+static void print_check(const ss_world *world)
+{
+    const ss_scene *scene = world->scene;
+    const int tools = __builtin_popcount(world->used_probes);
+    fprintf(stderr, "softsimd: %s: good (%d nodes, %d triangles, %s, %d tool%s)\n", scene->path,
+            scene->mesh->node_count, scene->mesh->triangle_count, scene->model_name, tools,
+            tools == 1 ? "" : "s");
+}
+
 /* Before the loops start their threads, so that only the main thread takes them; not before the
  * scene is loaded, so that a long load can be interrupted. */
 static void block_signals(void)
@@ -48,6 +62,12 @@ int main(int argc, char **argv)
         return 2;
     }
     int exit_code = 0;
+    if (options.log_level >= SS_LOG_WARNING) {
+        ss_world_doubt(world, print_warning, stderr);
+    }
+    if (options.check) {
+        print_check(world);
+    }
     if (options.explain) {
         ss_world_explain(world, print_line, stdout);
     }

@@ -105,6 +105,17 @@ static softsim_status plan_loads(ss_world *world)
     return SOFTSIM_OK;
 }
 
+/* A model knows its parameters, not the scene that gave them: its faults, one a line, are passed on
+ * with the place. */
+static void pass_on(const char *path, const softsim_error *fault, softsim_error *error)
+{
+    for (const char *at = fault->text; *at != '\0';) {
+        const int length = (int)strcspn(at, "\n");
+        softsim_error_add(error, fault->status, "%s: model: %.*s", path, length, at);
+        at += length + (at[length] == '\n');
+    }
+}
+
 static softsim_status build_model(ss_world *world, double step_s, softsim_error *error)
 {
     const ss_scene *scene = world->scene;
@@ -131,7 +142,10 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
         step_s > 0.0 ? 1 : choose_step_ticks(scene, world->period, world->step_cost_us);
     world->step_period = world->step_ticks * world->period;
     plan.step = world->step_period;
-    return world->model_class->create(&plan, &world->model, error);
+    softsim_error fault = {.status = SOFTSIM_OK};
+    const softsim_status status = world->model_class->create(&plan, &world->model, &fault);
+    pass_on(scene->path, &fault, error);
+    return status;
 }
 
 static ss_between_steps between(ss_scene_between from)
@@ -700,6 +714,21 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     world->model_class->contacts(world->model, p, near, &out->set);
 }
 
+/* What the world adds to a model's own verdict. */
+static void judge_sinking(const ss_world *world, ss_model_info *info)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const ss_world_probe *probe = &world->probe[p];
+        if (probe->is_used && info->verdict == SOFTSIM_VERDICT_GOOD &&
+            probe->computed.set.depth >
+                SINK_SHARE * ss_shape_inradius(&world->scene->tool[p].shape)) {
+            info->verdict = SOFTSIM_VERDICT_GUARDED;
+            info->reason = "a tool sinks into the tissue: raise contact.working_force_n, or "
+                           "lower the model's stiffness";
+        }
+    }
+}
+
 void ss_world_step_compute(ss_world *world)
 {
     const int64_t cpu_start = ss_clock_thread_cpu_ns();
@@ -723,6 +752,11 @@ void ss_world_step_compute(ss_world *world)
             read_contacts(world, p, &tool[p], velocity[p], info.verdict == SOFTSIM_VERDICT_FAULT);
         }
     }
+    judge_sinking(world, &info);
+    if (info.verdict > world->worst_verdict) {
+        world->worst_verdict = info.verdict;
+        world->worst_reason = info.reason;
+    }
     const int64_t now = ss_clock_now_ns();
     ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
 }
@@ -737,16 +771,7 @@ void ss_world_info(const ss_world *world, ss_model_info *out_info)
                                       ? ss_mesh_file_element(mesh, out_info->worst_element)
                                       : ss_mesh_file_node(mesh, out_info->worst_element);
     }
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        const ss_world_probe *probe = &world->probe[p];
-        if (probe->is_used && out_info->verdict == SOFTSIM_VERDICT_GOOD &&
-            probe->computed.set.depth >
-                SINK_SHARE * ss_shape_inradius(&world->scene->tool[p].shape)) {
-            out_info->verdict = SOFTSIM_VERDICT_GUARDED;
-            out_info->reason = "a tool sinks into the tissue: raise contact.working_force_n, or "
-                               "lower the model's stiffness";
-        }
-    }
+    judge_sinking(world, out_info);
 }
 
 static void post_surface(ss_world *world)

@@ -127,6 +127,8 @@ typedef struct ss_world {
     bool is_slow;
     int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
+    softsim_verdict worst_verdict; /* of any step so far */
+    const char *worst_reason;      /* of the first step with it; NULL while good */
 
     /* lockstep and headless */
     int64_t tick;
@@ -155,6 +157,9 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
                       void *sink);
 /* Fills in node_of_file and file_triangle. Thread: set-up only. */
 softsim_status ss_world_plan_numbers(ss_world *world);
+/* What a valid scene may still have wrong: sizes that hardly anyone means, one line per doubt, with
+ * the key. Thread: set-up only. */
+void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(const ss_scene_model **out_models);
 

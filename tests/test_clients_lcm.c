@@ -30,6 +30,7 @@
 static const double stiffness = 400.0;
 static char folder[64];
 static process child;
+static process patient, asking; /* wait all the while for a server that never comes */
 
 /* ---- the stand-in --------------------------------------------------------------------------- */
 
@@ -41,6 +42,9 @@ typedef struct server {
     int lose_answer_every; /* 0: never; only the first answer to a pose is lost */
     bool sends_rubbish;
     bool is_mute;
+    int mute_from, mute_until; /* fresh poses that are not answered: number from .. until - 1 */
+    int other_until;           /* earlier ones are answered as those of another sender */
+    bool is_entering;          /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
 
     /* state */
@@ -138,6 +142,16 @@ static void on_pose(const lcm_recv_buf_t *buffer, const char *channel, void *con
                            .stiffness = pose.position[2] < 0.0 ? stiffness : 0.0};
     force.force[2] = fmax(0.0, -stiffness * pose.position[2]);
     force.depth = fmax(0.0, -pose.position[2]);
+    if (s->is_entering && s->fresh < 500) {
+        force.flags |= SOFTSIM_FORCE_RAMPING;
+        force.depth = 0.01;
+    }
+    if (s->fresh < s->other_until) {
+        force = (softsim_force){.sender = pose.sender,
+                                .probe = probe,
+                                .pose_seq = pose.seq,
+                                .flags = SOFTSIM_FORCE_OTHER_SENDER};
+    }
     char answer[64];
     snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
     if (s->sends_rubbish) {
@@ -148,7 +162,8 @@ static void on_pose(const lcm_recv_buf_t *buffer, const char *channel, void *con
     }
     const bool is_lost =
         is_fresh && s->lose_answer_every > 0 && s->fresh % s->lose_answer_every == 0;
-    if (!s->is_mute && !is_lost) {
+    const bool is_mute = s->is_mute || (s->fresh >= s->mute_from && s->fresh < s->mute_until);
+    if (!is_mute && !is_lost) {
         publish_force(s, answer, &force);
     }
 }
@@ -573,6 +588,100 @@ static void bridge_without_a_server_fails_and_says_so(void **state)
     assert_non_null(strstr(child.err, "no force came"));
 }
 
+/* Paced: it may be over before five seconds of silence are. */
+static void a_run_without_any_answer_is_a_failure(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, "--speed", "5", NULL};
+    make_log(log, 50, 1);
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "no answer came; is softsimd running"));
+    assert_non_null(strstr(child.out, "50 sent, 0 answered"));
+    stand_in.other_until = INT32_MAX;
+    start_server();
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "no answer came: another sender holds the probe"));
+}
+
+static void bridge_tells_that_forces_stop(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
+    stand_in.mute_from = 300;
+    stand_in.mute_until = INT32_MAX;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(1);
+    double at_s = 0.0;
+    const char *said = strstr(child.err, "forces stopped at");
+    assert_non_null(said);
+    assert_int_equal(sscanf(said, "forces stopped at %lf s", &at_s), 1);
+    assert_true(at_s > 0.25 && at_s < 1.0);
+    assert_null(strstr(child.err, "again"));
+    stop_server();
+
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.mute_from = 300;
+    stand_in.mute_until = 800;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    assert_non_null(strstr(child.err, "forces stopped at"));
+    said = strstr(child.err, "forces again at");
+    assert_non_null(said);
+    assert_int_equal(sscanf(said, "forces again at %*f s, after %lf s", &at_s), 1);
+    assert_true(at_s >= 0.4);
+}
+
+static void bridge_tells_whose_the_probe_is(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
+    stand_in.other_until = 400;
+    stand_in.is_entering = true; /* not by its own doing: no hint */
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    int forces = 0, answered = 0;
+    const char *at = strstr(child.out, "forces ");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "forces %d received, %d poses", &forces, &answered), 2);
+    assert_in_range(forces, 300, 401); /* the others are none */
+    assert_int_equal(answered, forces);
+    double held_s = 0.0;
+    at = strstr(child.out, "another sender held it for");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "another sender held it for %lf s", &held_s), 1);
+    assert_true(held_s > 0.35);
+    assert_null(strstr(child.err, "inside"));
+
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.other_until = INT32_MAX;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(1);
+    assert_non_null(strstr(child.err, "no force came: another sender held the probe for"));
+}
+
+static void bridge_tells_that_it_began_inside(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "300", NULL};
+    stand_in.is_entering = true;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    assert_non_null(strstr(child.err, "the hand started inside the tissue"));
+    stop_server();
+    memset(&stand_in, 0, sizeof stand_in);
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    assert_null(strstr(child.err, "inside"));
+}
+
 /* ---- monitor, arguments --------------------------------------------------------------------- */
 
 static void monitor_believes_only_whole_messages(void **state)
@@ -587,6 +696,44 @@ static void monitor_believes_only_whole_messages(void **state)
     assert_non_null(strstr(child.out, "\"scene\": \"stand-in.yaml\", \"model\": \"linear\", "
                                       "\"reason\": \"\"}\n"));
     assert_non_null(strstr(child.out, "\"uptime_s\": 2.5"));
+}
+
+static void monitor_tells_that_nobody_is_there(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-monitor", "--duration", "0.3", NULL};
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "no status for 0.3"));
+    assert_int_equal(process_finish(&patient), 1);
+    const char *said = strstr(patient.err, "no status for 2 s; is softsimd running");
+    assert_non_null(said);
+    assert_null(strstr(said + 1, "no status")); /* once */
+    assert_non_null(strstr(patient.err, "gave up after 10 s"));
+    assert_int_equal(process_finish(&asking), 1);
+    assert_non_null(strstr(asking.err, "no reply for 3 s"));
+}
+
+/* Started first and asked last: they take their time. */
+static int start_patient(void **state)
+{
+    (void)state;
+    const char *const once[] = {"softsim-monitor", "--once", "--prefix", "NOBODY", NULL};
+    const char *const pause[] = {"softsim-monitor", "--command", "pause",
+                                 "--prefix",        "NOBODY",    NULL};
+    process_start(&patient, once, NULL);
+    process_start(&asking, pause, NULL);
+    return 0;
+}
+
+static int stop_patient(void **state)
+{
+    (void)state;
+    process *all[] = {&patient, &asking};
+    for (int i = 0; i < 2; ++i) {
+        process_signal(all[i], SIGKILL);
+        process_finish(all[i]);
+    }
+    return 0;
 }
 
 static void a_machine_without_a_route_is_told(void **state)
@@ -634,6 +781,10 @@ static void bad_arguments_are_all_named(void **state)
         {{"softsim-replay", bad}, "no probe poses", 2},
         {{"softsim-replay", folder}, "not a regular file", 1},
         {{"softsim-replay", log, "--nonsense"}, "--nonsense", 1},
+        {{"softsim-replay", "--nonsense"}, "--nonsense", 1},
+        {{"softsim-replay", "--nonsense", "3", "4", log}, "--nonsense", 1},
+        {{"softsim-replay", log, "--repeat"}, "--repeat needs a value", 1},
+        {{"softsim-bridge", "--device", "wand"}, "wand", 1},
         {{"softsim-bridge", "--device", "script"}, "--path", 1},
         {{"softsim-bridge", "--device", "sim", "--path", log}, "--path", 1},
         {{"softsim-bridge", "--device", "sim", "--delay-ticks", "2"}, "--delay-ticks", 1},
@@ -647,6 +798,9 @@ static void bad_arguments_are_all_named(void **state)
         {{"softsim-bridge", "--device", "script", "--path", "/nowhere/p.csv"}, "/nowhere/p.csv", 1},
         {{"softsim-monitor", "--duration", "-1"}, "--duration", 1},
         {{"softsim-monitor", "more"}, "more", 1},
+        {{"softsim-monitor", "--command", "pause", "--once"}, "--command", 1},
+        {{"softsim-monitor", "--command", ""}, "--command: give NAME", 1},
+        {{"softsim-monitor", "--command", "set a=\x1b[2J"}, "--command: give NAME", 1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const int status = process_run(&child, cases[i].argv);
@@ -688,9 +842,14 @@ int main(void)
         TEST(bridge_closes_the_loop),
         TEST(bridge_models_a_bad_bus),
         TEST(bridge_without_a_server_fails_and_says_so),
+        TEST(a_run_without_any_answer_is_a_failure),
+        TEST(bridge_tells_that_forces_stop),
+        TEST(bridge_tells_whose_the_probe_is),
+        TEST(bridge_tells_that_it_began_inside),
         TEST(monitor_believes_only_whole_messages),
         TEST(a_machine_without_a_route_is_told),
         TEST(bad_arguments_are_all_named),
+        TEST(monitor_tells_that_nobody_is_there),
     };
-    return cmocka_run_group_tests_name("clients_lcm", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("clients_lcm", tests, start_patient, stop_patient);
 }

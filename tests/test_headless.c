@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "softsim/softsim.h"
@@ -187,6 +188,42 @@ static void results_come_one_period_late(void **state)
     softsim_destroy(&world);
 }
 
+/* The worst verdict is that of the steps, not of those that happened to be read. */
+static void the_worst_verdict_needs_no_reading(void **state)
+{
+    (void)state;
+    softsim_world *watched = make_world(1, NULL, 0);
+    softsim_world *left_alone = make_world(2, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_verdict worst = SOFTSIM_VERDICT_GOOD;
+    char reason[128] = "";
+    softsim_state s;
+    softsim_read(watched, &s);
+    assert_int_equal(s.worst_verdict, SOFTSIM_VERDICT_GOOD);
+    assert_string_equal(s.worst_reason, "");
+    for (int32_t k = 0; k < 3000 && (k < 1000 || s.verdict != SOFTSIM_VERDICT_GOOD); ++k) {
+        const softsim_pose pose =
+            pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.003 - 0.013 * smooth(k / 700.0));
+        const int32_t channel = 0;
+        softsim_tick(left_alone, &pose, &channel, 1, force);
+        softsim_tick(watched, &pose, &channel, 1, force);
+        softsim_read(watched, &s);
+        if (s.verdict > worst) {
+            worst = s.verdict;
+            snprintf(reason, sizeof reason, "%s", s.reason);
+        }
+    }
+    assert_int_equal(s.verdict, SOFTSIM_VERDICT_GOOD); /* at the end */
+    assert_true(worst > SOFTSIM_VERDICT_GOOD);         /* in between */
+    assert_int_equal(s.worst_verdict, worst);
+    assert_string_equal(s.worst_reason, reason);
+    softsim_read(left_alone, &s);
+    assert_int_equal(s.worst_verdict, worst);
+    assert_string_equal(s.worst_reason, reason);
+    softsim_destroy(&watched);
+    softsim_destroy(&left_alone);
+}
+
 static void a_configuration_without_its_cookie_is_refused(void **state)
 {
     (void)state;
@@ -204,6 +241,7 @@ int main(void)
         cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
         cmocka_unit_test(bits_do_not_depend_on_threads),
         cmocka_unit_test(results_come_one_period_late),
+        cmocka_unit_test(the_worst_verdict_needs_no_reading),
         cmocka_unit_test(a_configuration_without_its_cookie_is_refused),
     };
     return cmocka_run_group_tests_name("headless", tests, NULL, NULL);

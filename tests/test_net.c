@@ -483,6 +483,40 @@ static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
     ss_net_close(&net);
 }
 
+/* Multicast brings back what we send: our own statuses are known, another server's are not. */
+static void another_server_is_told_from_ourselves(void **state)
+{
+    (void)state;
+    static heard h;
+    ss_net *net = net_make(&h, false, "R");
+    const ss_report report = {.scene = "s", .model = "m", .reason = ""};
+    for (int i = 0; i < 2000; ++i) { /* more than are remembered */
+        assert_true(ss_net_send_status(net, &report));
+        assert_true(ss_net_wait(net, -1, 1000));
+    }
+    assert_int_equal(ss_net_foreign(net), 0);
+    static char text[] = "";
+    softsim_server_status_t wire = {
+        .utime = 1, .seq = 2000, .scene = text, .model = text, .reason = text};
+    uint8_t message[MESSAGE_SIZE];
+    const int size = softsim_server_status_t_encode(message, 0, sizeof message, &wire);
+    assert_true(size > 0);
+    int64_t utime = 0;
+    int32_t seq = 0;
+    for (int n = 0; n < 20; ++n) { /* too short to tell */
+        void *copy = exact_copy(message, n);
+        assert_int_equal(ss_net_decode_status(copy, n, &utime, &seq), SOFTSIM_REFUSED_MALFORMED);
+        free(copy);
+        lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)n);
+        assert_true(ss_net_wait(net, -1, 1000));
+    }
+    assert_int_equal(ss_net_foreign(net), 0);
+    lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)size);
+    assert_true(ss_net_wait(net, -1, 1000));
+    assert_int_equal(ss_net_foreign(net), 1);
+    ss_net_close(&net);
+}
+
 static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
 {
     (void)state;
@@ -561,6 +595,7 @@ int main(void)
         cmocka_unit_test(a_command_is_answered_with_its_sender_and_id),
         cmocka_unit_test(a_force_is_sent_as_it_is),
         cmocka_unit_test(status_is_sent_as_it_is_and_its_texts_are_bounded),
+        cmocka_unit_test(another_server_is_told_from_ourselves),
         cmocka_unit_test(bad_urls_and_prefixes_are_refused_with_a_hint),
     };
     return cmocka_run_group_tests_name("softsim.net", tests, NULL, NULL);

@@ -7,9 +7,9 @@ cd "$(dirname "$0")/.."
 seconds=0
 while [ $# -gt 0 ]; do
   case "$1" in
-    --seconds) seconds="${2:-}"; shift 2 || true ;;
+    --seconds) seconds="${2:-}"; shift; [ $# = 0 ] || shift ;;
     --seconds=*) seconds="${1#*=}"; shift ;;
-    --help) sed -n '2,5p' "$0" | sed 's/^# //'; exit 0 ;;
+    --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "demo.sh: unknown argument '$1'; use --seconds N" >&2; exit 2 ;;
   esac
 done
@@ -19,6 +19,7 @@ tools/setup.sh build
 if [ ! -f build/release/build.ninja ]; then
   cmake --preset release -DSOFTSIM_WERROR=OFF >/dev/null
 fi
+echo "demo.sh: building into build/release ..." >&2
 cmake --build --preset release >/tmp/softsim-demo.$$.log 2>&1 || { cat /tmp/softsim-demo.$$.log >&2; exit 1; }
 rm -f /tmp/softsim-demo.$$.log
 
@@ -44,6 +45,7 @@ trap finish EXIT
 trap 'stopped=1' INT TERM
 stopped=""
 
+: >"$work/out" # the loop below may look before the shell in the background has made it
 $bin/softsimd server/scenes/kidney.yaml --prefix "$prefix" >"$work/out" 2>"$work/err" &
 daemon=$!
 pids+=("$daemon")

@@ -12,6 +12,7 @@ for set in "${@:-build}"; do
     build) wanted="$wanted $build" ;;
     test) wanted="$wanted $build $test" ;;
     spy) wanted="$wanted $spy" ;;
+    --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "setup.sh: unknown set '$set'; use build, test or spy" >&2; exit 2 ;;
   esac
 done

@@ -6,9 +6,14 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 quick=""
+if [ $# -gt 1 ]; then
+  echo "test.sh: '$2' is one argument too many; use --quick" >&2
+  exit 2
+fi
 case "${1:-}" in
   "") ;;
   --quick) quick=1 ;;
+  --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
   *) echo "test.sh: unknown argument '$1'; use --quick" >&2; exit 2 ;;
 esac
 tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)

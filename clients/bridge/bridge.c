@@ -4,12 +4,16 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "process.h"
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
+static const int64_t away_ns = 250000000; /* without a force: they have stopped */
+enum { FIRST_FORCES = 100 };              /* in which a start inside the tissue shows */
 
 const char ss_bridge_csv_header[] = "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j\n";
 
@@ -134,6 +138,54 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
+__attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, const char *format,
+                                                       ...)
+{
+    if (bridge->config.program != NULL) {
+        char text[256];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(text, sizeof text, format, arguments);
+        va_end(arguments);
+        fprintf(stderr, "%s: %s\n", bridge->config.program, text);
+    }
+}
+
+/* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
+static void note_other(ss_bridge *bridge, int64_t arrival_ns)
+{
+    ++bridge->summary.others;
+    if (bridge->other_since_ns == 0) {
+        bridge->other_since_ns = arrival_ns;
+    }
+}
+
+static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t arrival_ns)
+{
+    ss_bridge_summary *summary = &bridge->summary;
+    if (bridge->other_since_ns != 0) {
+        summary->other_s += 1e-9 * (double)(arrival_ns - bridge->other_since_ns);
+        bridge->other_since_ns = 0;
+    }
+    if (summary->has_stopped) {
+        tell(bridge, "forces again at %.1f s, after %.1f s",
+             1e-9 * (double)(arrival_ns - bridge->start_ns),
+             1e-9 * (double)(arrival_ns - bridge->last_force_ns));
+        summary->has_stopped = false;
+    }
+    bridge->last_force_ns = arrival_ns;
+    ++summary->forces;
+    summary->was_inside |= summary->forces <= FIRST_FORCES && summary->others == 0 &&
+                           force->depth > 0.0 && (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
+    if (force->pose_seq > bridge->answered_seq && force->pose_seq <= bridge->seq) {
+        const double latency_us = 1e-3 * (double)arrival_ns - (double)force->pose_utime_us;
+        bridge->answered_seq = force->pose_seq;
+        ++summary->answered;
+        summary->latency_sum_us += latency_us;
+        summary->max_latency_us = fmax(summary->max_latency_us, latency_us);
+    }
+}
+
 /* Puts every force that has arrived into effect; the last one stays. */
 static void take_arrived(ss_bridge *bridge, int64_t now_ns)
 {
@@ -141,17 +193,32 @@ static void take_arrived(ss_bridge *bridge, int64_t now_ns)
     for (;;) {
         const int64_t arrival_ns = ss_bus_due(bridge->forces_in);
         if (!ss_bus_receive(bridge->forces_in, now_ns, &force)) {
-            return;
+            break;
         }
         ss_corrector_take_force(&bridge->corrector, &force, arrival_ns);
-        ++bridge->summary.forces;
-        if (force.pose_seq > bridge->answered_seq && force.pose_seq <= bridge->seq) {
-            const double latency_us = 1e-3 * (double)arrival_ns - (double)force.pose_utime_us;
-            bridge->answered_seq = force.pose_seq;
-            ++bridge->summary.answered;
-            bridge->summary.latency_sum_us += latency_us;
-            bridge->summary.max_latency_us = fmax(bridge->summary.max_latency_us, latency_us);
+        if ((force.flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
+            note_other(bridge, arrival_ns);
+        } else {
+            note_force(bridge, &force, arrival_ns);
         }
+    }
+    if (bridge->summary.forces > 0 && !bridge->summary.has_stopped &&
+        now_ns - bridge->last_force_ns > away_ns) {
+        bridge->summary.has_stopped = true;
+        tell(bridge, "forces stopped at %.1f s; %s",
+             1e-9 * (double)(bridge->last_force_ns - bridge->start_ns),
+             bridge->other_since_ns != 0 ? "another sender has taken the probe"
+                                         : "is softsimd still running?");
+    }
+}
+
+/* What was still going on at the end. */
+static void close_summary(ss_bridge *bridge)
+{
+    if (bridge->other_since_ns != 0) {
+        bridge->summary.other_s +=
+            1e-9 * (double)(softsim_client_now_ns() - bridge->other_since_ns);
+        bridge->other_since_ns = 0;
     }
 }
 
@@ -184,6 +251,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     const int64_t period_ns = (int64_t)(1e9 * bridge->device.period_s);
     const int64_t sender = softsim_client_sender(client);
     int64_t tick_ns = softsim_client_now_ns();
+    bridge->start_ns = tick_ns;
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             return false;
@@ -192,6 +260,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         take_arrived(bridge, now_ns);
         if (!read_device(bridge) || bridge->summary.ticks >= bridge->config.tick_count ||
             bridge->seq == INT32_MAX || ss_process_is_stopped()) {
+            close_summary(bridge);
             return true;
         }
         softsim_pose pose;

@@ -11,6 +11,8 @@
  *
  * A late period is counted and not made up for: the simulated device then simply stands still
  * meanwhile, which costs realism but never runs two periods on one force.
+ * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
+ * have long faded by then (correct.h). A server that is started again is simply taken up again.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
  * whose writing out every few thousand rows is the one thing that may cost a period.
  */
@@ -31,6 +33,7 @@ typedef struct ss_bridge_config {
     int64_t tick_count;       /* INT64_MAX: until stopped or the device ends */
     ss_bus_config bus;        /* both directions; zeroes: none */
     FILE *csv;                /* NULL: not wanted */
+    const char *program;      /* before what stderr is told; NULL: nothing is */
 } ss_bridge_config;
 
 typedef struct ss_bridge_summary {
@@ -39,6 +42,10 @@ typedef struct ss_bridge_summary {
     int64_t answered;     /* poses with at least one force */
     double peak_force_n, energy_in_j;
     double latency_sum_us, max_latency_us; /* of the first force that answers a pose */
+    int64_t others;   /* answers that another sender holds the probe; no forces */
+    double other_s;   /* from the first of them to the first force after */
+    bool was_inside;  /* the first forces were faded in: the hand began inside the tissue */
+    bool has_stopped; /* forces came, and were away at the end */
 } ss_bridge_summary;
 
 typedef struct ss_bridge {
@@ -56,7 +63,9 @@ typedef struct ss_bridge {
     double device_force[3];  /* exerted since the last tick */
     double applied_world[3]; /* the same, world axes */
     int32_t answered_seq;
-    ss_bus *poses_out, *forces_in; /* NULL without a server */
+    int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
+    int64_t other_since_ns;          /* 0: no other sender holds the probe */
+    ss_bus *poses_out, *forces_in;   /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;
 

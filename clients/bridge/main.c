@@ -13,6 +13,7 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/thread.h"
+#include "silence.h"
 #include "softsim/client.h"
 
 enum { EXIT_BAD_INPUT = 2, DEFAULT_TICKS = 2000, CSV_BUFFER = 1 << 20 };
@@ -114,7 +115,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     const ss_args_result result =
         ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
                       &positional, 0, 0, &count, error);
-    if (result == SS_ARGS_DONE) {
+    if (result != SS_ARGS_RUN) {
         return result;
     }
     check_options(o, error);
@@ -153,6 +154,9 @@ static void report(const ss_bridge_summary *s, bool is_linear)
         printf("forces      %" PRId64 " received, %" PRId64 " poses answered, %" PRId64
                " messages lost on the simulated bus\n",
                s->forces, s->answered, s->lost);
+        if (s->others > 0) {
+            printf("probe       another sender held it for %.1f s\n", s->other_s);
+        }
         printf("latency_us  mean %.0f max %.0f\n",
                s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
                s->max_latency_us);
@@ -184,12 +188,19 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
     softsim_client_close(&client);
     if (!is_good) {
         fprintf(stderr, "%s: LCM failed\n", program);
+    } else if (bridge->summary.forces == 0 && bridge->summary.others > 0) {
+        fprintf(stderr, "%s: no force came: another sender held the probe for %.1f s\n", program,
+                bridge->summary.other_s);
     } else if (bridge->summary.forces == 0) {
+        ss_silence_explain(program, &config, (int32_t)o->probe, "no force came");
+    } else if (o->device == DEVICE_SIM && bridge->summary.was_inside) {
         fprintf(stderr,
-                "%s: no force came; is softsimd running, with this prefix, LCM url and probe?\n",
+                "%s: the hand started inside the tissue, so its first half second was faded in; "
+                "move --offset-m out along the surface's normal\n",
                 program);
     }
-    return is_good && bridge->summary.forces > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return is_good && bridge->summary.forces > 0 && !bridge->summary.has_stopped ? EXIT_SUCCESS
+                                                                                 : EXIT_FAILURE;
 }
 
 /* Opens device and file, runs, reports. An exit status. */
@@ -213,7 +224,8 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         .damping_n_s_per_m = o->damping,
         .tick_count = tick_count(o),
         .bus = {o->delay_ms, o->jitter_ms, o->loss, o->outlier, (uint64_t)o->seed},
-        .csv = csv.file};
+        .csv = csv.file,
+        .program = program};
     if (ss_bridge_init(&bridge, &config, frame, &device, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
         ss_output_abandon(&csv);

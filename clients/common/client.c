@@ -21,12 +21,16 @@
 #include "rt/packets.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
+#include "softsim_command_t.h"
+#include "softsim_reply_t.h"
 #include "softsim_server_status_t.h"
 #include "wire.h"
 
 enum {
     QUEUE_LENGTH = 2000, /* two seconds of forces at 1 kHz, 216 B each */
     MAX_HANDLED = 4096,  /* messages a call of softsim_client_wait, so that it returns */
+    NAME_SIZE = 32,      /* of a command, as the server takes it */
+    ARGUMENT_SIZE = 1024
 };
 
 struct softsim_client {
@@ -36,6 +40,8 @@ struct softsim_client {
     softsim_client_counts counts;
     char probe_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
     char force_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
+    char command_channel[SOFTSIM_LOG_CHANNEL_SIZE];
+    int32_t command_id; /* of the last command */
 };
 
 int64_t softsim_client_now_ns(void)
@@ -83,11 +89,10 @@ static size_t status_fixed_size(void)
     return (size_t)softsim_server_status_t_encoded_size(&status) - 3 * (sizeof(int32_t) + 1);
 }
 
-/* Do the three strings fill the rest of the message exactly, each with its NUL? */
-static bool has_good_strings(const uint8_t *data, size_t size)
+/* Do `count` strings from byte `at` on fill the rest of the message exactly, each with its NUL? */
+static bool has_good_strings(const uint8_t *data, size_t size, size_t at, int count)
 {
-    size_t at = status_fixed_size();
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < count; ++i) {
         if (size < at + 4) {
             return false;
         }
@@ -109,13 +114,33 @@ static void receive_status(const lcm_recv_buf_t *buffer, const char *channel, vo
     const int64_t now_ns = ss_clock_now_ns();
     softsim_server_status_t status;
     if (buffer->data_size > SOFTSIM_LOG_MAX_DATA ||
-        !has_good_strings(buffer->data, buffer->data_size) ||
+        !has_good_strings(buffer->data, buffer->data_size, status_fixed_size(), 3) ||
         softsim_server_status_t_decode(buffer->data, 0, (int)buffer->data_size, &status) < 0) {
         ++client->counts.malformed;
         return;
     }
     client->config.handle_status(client->config.context, &status, now_ns);
     softsim_server_status_t_decode_cleanup(&status);
+}
+
+static void receive_reply(const lcm_recv_buf_t *buffer, const char *channel, void *context)
+{
+    (void)channel;
+    softsim_client *client = context;
+    static char empty[] = "";
+    const softsim_reply_t none = {.text = empty};
+    const size_t fixed = (size_t)softsim_reply_t_encoded_size(&none) - sizeof(int32_t) - 1;
+    softsim_reply_t reply;
+    if (buffer->data_size > SOFTSIM_LOG_MAX_DATA ||
+        !has_good_strings(buffer->data, buffer->data_size, fixed, 1) ||
+        softsim_reply_t_decode(buffer->data, 0, (int)buffer->data_size, &reply) < 0) {
+        ++client->counts.malformed;
+        return;
+    }
+    if (reply.sender == client->sender) {
+        client->config.handle_reply(client->config.context, reply.id, reply.code, reply.text);
+    }
+    softsim_reply_t_decode_cleanup(&reply);
 }
 
 /* ---- opening -------------------------------------------------------------------------------- */
@@ -171,6 +196,10 @@ static bool join(softsim_client *client, const char *prefix, softsim_error *erro
         snprintf(pattern, sizeof pattern, "%s_STATUS", escaped);
         is_good = subscribe(client, pattern, receive_status);
     }
+    if (is_good && client->config.handle_reply != NULL) {
+        snprintf(pattern, sizeof pattern, "%s_REPLY", escaped);
+        is_good = subscribe(client, pattern, receive_reply);
+    }
     if (!is_good) {
         softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
                           "LCM hears none of its own packets: a firewall drops multicast; allow "
@@ -205,6 +234,7 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
         snprintf(client->probe_channel[p], SOFTSIM_LOG_CHANNEL_SIZE, "%s_PROBE_%d", prefix, p);
         snprintf(client->force_channel[p], SOFTSIM_LOG_CHANNEL_SIZE, "%s_FORCE_%d", prefix, p);
     }
+    snprintf(client->command_channel, SOFTSIM_LOG_CHANNEL_SIZE, "%s_COMMAND", prefix);
     if (!join(client, prefix, error)) {
         softsim_client_close(&client);
         return error->status;
@@ -251,6 +281,40 @@ bool softsim_client_send_pose(softsim_client *client, const softsim_pose *pose,
         return false;
     }
     return true;
+}
+
+/* The text in `out`, if it fits and holds no control character. */
+static bool copy_plain(const char *text, char *out, size_t size)
+{
+    if (strlen(text) >= size) {
+        return false;
+    }
+    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
+        if (*at < 0x20 || *at == 0x7F) {
+            return false;
+        }
+    }
+    strcpy(out, text);
+    return true;
+}
+
+int32_t softsim_client_send_command(softsim_client *client, const char *name, const char *argument)
+{
+    char name_copy[NAME_SIZE], argument_copy[ARGUMENT_SIZE];
+    if (name[0] == '\0' || !copy_plain(name, name_copy, sizeof name_copy) ||
+        !copy_plain(argument, argument_copy, sizeof argument_copy)) {
+        return 0;
+    }
+    const softsim_command_t command = {.utime = softsim_client_now_us(),
+                                       .sender = client->sender,
+                                       .seq = client->command_id + 1,
+                                       .id = client->command_id + 1,
+                                       .name = name_copy,
+                                       .argument = argument_copy};
+    if (softsim_command_t_publish(client->lcm, client->command_channel, &command) != 0) {
+        return 0;
+    }
+    return ++client->command_id;
 }
 
 int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns)

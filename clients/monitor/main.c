@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-monitor: the server's state in a terminal, drawn anew with every status; one line a
- * second where the output is no terminal; JSON, one line a status, for programs.
+ * second where the output is no terminal; JSON, one line a status, for programs. --command sends
+ * one command instead.
  */
 #include <errno.h>
 #include <stdbool.h>
@@ -10,13 +11,15 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "command.h"
 #include "process.h"
 #include "rt/args.h"
 #include "show.h"
 #include "softsim/client.h"
 
 enum { EXIT_BAD_INPUT = 2 };
-static const int64_t patience_ns = 5000000000; /* without a status: the server is gone */
+static const int64_t patience_ns = 2000000000; /* without a status: the server is gone */
+static const int64_t give_up_ns = 10000000000; /* --once: no server is coming */
 static const int64_t line_ns = 1000000000;
 static const int64_t slice_ns = 200000000; /* between looks at the clock and at signals */
 
@@ -49,30 +52,35 @@ static void take_status(void *context, const struct _softsim_server_status_t *st
     m->is_done = m->is_once;
 }
 
-/* An exit status. */
+static void say_silent(const char *program, double silent_s)
+{
+    fprintf(stderr,
+            "%s: no status for %.3g s; is softsimd running, with this prefix and LCM url?\n",
+            program, silent_s);
+}
+
+/* An exit status: failure also when the time was up before any status came. */
 static int watch(const char *program, monitor *m, softsim_client *client, double duration_s)
 {
     const int64_t start_ns = softsim_client_now_ns();
-    bool is_silent = false;
+    bool is_told = false; /* of this silence */
     while (!m->is_done && !ss_process_is_stopped()) {
         const int64_t now_ns = softsim_client_now_ns();
-        const int64_t heard_ns = m->received_ns != 0 ? m->received_ns : start_ns;
-        if (duration_s > 0.0 && (double)(now_ns - start_ns) >= 1e9 * duration_s) {
-            break;
+        const int64_t silent_ns = now_ns - (m->received_ns != 0 ? m->received_ns : start_ns);
+        const bool is_over = duration_s > 0.0 && (double)(now_ns - start_ns) >= 1e9 * duration_s;
+        const bool is_hopeless = m->is_once && silent_ns > give_up_ns;
+        is_told = is_told && silent_ns > patience_ns;
+        if (!is_told && silent_ns > patience_ns) {
+            say_silent(program, 1e-9 * (double)patience_ns);
+            is_told = true;
+        } else if (!is_told && is_over && m->received_ns == 0) {
+            say_silent(program, duration_s);
         }
-        if (now_ns - heard_ns > patience_ns) {
-            if (!is_silent) {
-                fprintf(stderr,
-                        "%s: no status for 5 s; is softsimd running, with this prefix and "
-                        "LCM url?\n",
-                        program);
-            }
-            is_silent = true;
-            if (m->is_once) {
-                return EXIT_FAILURE;
-            }
-        } else {
-            is_silent = false;
+        if (is_hopeless) {
+            fprintf(stderr, "%s: gave up after 10 s\n", program);
+        }
+        if (is_over || is_hopeless) {
+            break;
         }
         if (softsim_client_wait(client, now_ns + slice_ns) < 0) {
             fprintf(stderr, "%s: LCM failed\n", program);
@@ -90,11 +98,15 @@ int main(int argc, char **argv)
 {
     monitor m = {.is_terminal = isatty(STDOUT_FILENO) == 1};
     double duration_s = 0.0;
+    const char *command = NULL;
     softsim_client_config config = {.context = &m, .handle_status = take_status};
     const ss_arg rows[] = {
         {"--once", SS_ARG_FLAG, &m.is_once, 0, 0, NULL, "show one status and end"},
         {"--json", SS_ARG_FLAG, &m.is_json, 0, 0, NULL, "one line of JSON a status"},
         {"--duration", SS_ARG_NUMBER, &duration_s, 1e-3, 1e6, "S", "ends after S"},
+        {"--command", SS_ARG_STRING, &command, 0, 0, "'NAME[ ARGUMENT]'",
+         "sends reset, pause, resume, refresh, status, shutdown or 'set PATH=VALUE', prints the "
+         "reply"},
         {"--lcm-url", SS_ARG_STRING, &config.lcm_url, 0, 0, "URL",
          "LCM network (LCM_DEFAULT_URL, else local multicast)"},
         {"--prefix", SS_ARG_STRING, &config.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
@@ -102,15 +114,24 @@ int main(int argc, char **argv)
     softsim_error error = {.status = SOFTSIM_OK};
     const char *positional = NULL;
     int32_t count = 0;
-    const ss_args_result parsed =
-        ss_args_parse(argc, argv, "[options]", "Shows the state of a softsimd.", rows,
-                      (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
+    const ss_args_result parsed = ss_args_parse(
+        argc, argv, "[options]", "Shows the state of a softsimd, or sends it a command.", rows,
+        (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
     if (parsed == SS_ARGS_DONE) {
         return EXIT_SUCCESS;
     }
+    ss_args_result checked = parsed;
+    if (parsed == SS_ARGS_RUN && command && (m.is_once || m.is_json || duration_s > 0.0)) {
+        softsim_error_add(&error, SOFTSIM_ERROR_ARGUMENT,
+                          "--command shows no status; leave --once, --json and --duration out");
+        checked = SS_ARGS_BAD;
+    }
     softsim_client *client = NULL;
     ss_process_catch_stop();
-    if (parsed == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
+    if (checked == SS_ARGS_RUN && command) {
+        return ss_command_run(program_invocation_short_name, &config, command);
+    }
+    if (checked == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
         ss_args_print_error(program_invocation_short_name, &error);
         return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
     }

@@ -130,8 +130,7 @@ void ss_show_json(FILE *out, const softsim_server_status_t *s)
 
 /* ---- for people ----------------------------------------------------------------------------- */
 
-/* The text with a dot for every control character: a message must not drive the terminal. */
-static void put_text(FILE *out, const char *text)
+void ss_show_text(FILE *out, const char *text)
 {
     for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
         fputc(*at < 0x20 || *at == 0x7F || (*at >= 0x80 && *at < 0xA0) ? '.' : *at, out);
@@ -158,7 +157,7 @@ void ss_show_line(FILE *out, const softsim_server_status_t *s)
             sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
     if (s->reason[0] != '\0') {
         fputs(" - ", out);
-        put_text(out, s->reason);
+        ss_show_text(out, s->reason);
     }
     fputc('\n', out);
 }
@@ -178,11 +177,11 @@ static void show_probes(FILE *out, const softsim_server_status_t *s)
 void ss_show_page(FILE *out, const softsim_server_status_t *s)
 {
     fputs("scene       ", out);
-    put_text(out, s->scene);
+    ss_show_text(out, s->scene);
     fputs("\nmodel       ", out);
-    put_text(out, s->model);
+    ss_show_text(out, s->model);
     fprintf(out, "\nverdict     %s%s", verdict_name(s->verdict), s->reason[0] != '\0' ? ": " : "");
-    put_text(out, s->reason);
+    ss_show_text(out, s->reason);
     fprintf(out,
             "\nup          %.1f s, %d threads, %.1f MB\n"
             "body        %d nodes (%d active), %d elements, worst element %d\n"

@@ -12,3 +12,5 @@ void ss_show_json(FILE *out, const softsim_server_status_t *status);
 void ss_show_line(FILE *out, const softsim_server_status_t *status);
 /* A screenful. */
 void ss_show_page(FILE *out, const softsim_server_status_t *status);
+/* The text with a dot for every control character: a message must not drive the terminal. */
+void ss_show_text(FILE *out, const char *text);

@@ -9,6 +9,7 @@
 #include "process.h"
 #include "replay.h"
 #include "rt/args.h"
+#include "silence.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
 
@@ -56,10 +57,10 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     const ss_args_result result =
         ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
                       positional, 1, 2, &count, error);
-    if (result == SS_ARGS_DONE) {
+    if (result != SS_ARGS_RUN) {
         return result;
     }
-    if (count > 0 && count != (o->is_convert ? 2 : 1)) {
+    if (count != (o->is_convert ? 2 : 1)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s",
                           o->is_convert ? "--convert needs two files: CSV OUT.lcmlog"
                                         : "only --convert takes a second file");
@@ -220,10 +221,16 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     } else if (result == SS_REPLAY_BROKEN) {
         fprintf(stderr, "%s: LCM failed\n", program);
     }
+    const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
     const bool is_written = finish_files(program, &replay, &csv);
     report(&replay, found);
     softsim_client_close(&replay.client);
-    return result == SS_REPLAY_DONE && is_written ? EXIT_SUCCESS : EXIT_FAILURE;
+    if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
+        fprintf(stderr, "%s: no answer came: another sender holds the probe\n", program);
+    } else if (result == SS_REPLAY_DONE && !is_answered) {
+        ss_silence_explain(program, &config, -1, "no answer came");
+    }
+    return result == SS_REPLAY_DONE && is_answered && is_written ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)

@@ -34,6 +34,9 @@ typedef struct softsim_client_config {
     /* The server's status, valid during the call. NULL: none wanted. */
     void (*handle_status)(void *context, const struct _softsim_server_status_t *status,
                           int64_t receive_ns);
+    /* The server's reply to a command of this client: its number, 0 done, 1 refused or 2 unknown
+     * or bad, and a text that is valid during the call. NULL: none wanted. */
+    void (*handle_reply)(void *context, int32_t id, int32_t code, const char *text);
 } softsim_client_config;
 
 /* What came in and was not handed on. */
@@ -59,6 +62,10 @@ const char *softsim_client_force_channel(const softsim_client *client, int32_t p
 /* Publishes the pose as it is on the channel of `channel_probe`. False (counted) on failure. */
 bool softsim_client_send_pose(softsim_client *client, const softsim_pose *pose,
                               int32_t channel_probe);
+/* Publishes a command ("set", "haptic.max_force_n=5"; the argument may be ""). Returns its number,
+ * from 1; 0 when no server could take it: a name of more than 31 bytes or none, an argument of more
+ * than 1023, a control character, or LCM cannot send. */
+int32_t softsim_client_send_command(softsim_client *client, const char *name, const char *argument);
 /* Handles every message that is there; when there is none, waits for one until `deadline_ns` of
  * the monotonic clock. Returns how many it handled, 0 after the deadline or a signal, -1 when LCM
  * is broken. */

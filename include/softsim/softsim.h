@@ -44,10 +44,12 @@ typedef struct softsim_state {
     int32_t substeps;     /* of the last step */
     int64_t all_substeps; /* of all steps */
     int32_t node_count;
-    int32_t active_nodes; /* that take a step of their own */
-    uint8_t probes; /* bit n: probe n has a tool */
-    softsim_verdict verdict;
+    int32_t active_nodes;    /* that take a step of their own */
+    uint8_t probes;          /* bit n: probe n has a tool */
+    softsim_verdict verdict; /* of the last step */
     const char *reason;
+    softsim_verdict worst_verdict; /* of all steps, whether they were read or not */
+    const char *worst_reason;      /* of the first step with it; "" while good */
     double stable_step_s;
     double kinetic_j, elastic_j, dissipated_j, work_j;
     int64_t poses_received;

@@ -345,11 +345,13 @@ static softsim_status choose_parts(double radius, double edge, int *inout_parts,
         return SOFTSIM_OK;
     }
     if (has_tool && radius < least_radius_per_edge * edge) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "tool radius %.4g mm is below %.1f of the mesh's mean edge %.4g mm: use "
-                          "a mesh with edges of at most %.4g mm or a tool of at least %.4g mm",
-                          1e3 * radius, least_radius_per_edge, 1e3 * edge,
-                          1e3 * radius / least_radius_per_edge, 1e3 * least_radius_per_edge * edge);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "the smallest of contact.tools has a radius of %.4g mm, below %.1f of the "
+            "mesh's mean edge %.4g mm: use a mesh with edges of at most %.4g mm or a tool of at "
+            "least %.4g mm",
+            1e3 * radius, least_radius_per_edge, 1e3 * edge, 1e3 * radius / least_radius_per_edge,
+            1e3 * least_radius_per_edge * edge);
         return SOFTSIM_ERROR_SCENE;
     }
     if (*inout_parts == 0) {

@@ -29,7 +29,8 @@
 
 enum {
     QUEUE_LENGTH = 256,
-    MAX_DRAIN = 4096, /* messages a wake, so that status goes out in a flood too */
+    MAX_DRAIN = 4096,     /* messages a wake, so that status goes out in a flood too */
+    STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
     REPLY_TEXT_SIZE = 8192,
     STATUS_TEXT_SIZE = 1024
 };
@@ -48,8 +49,10 @@ struct ss_net {
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
     int32_t status_seq;
+    int64_t status_utime[STATUS_MEMORY]; /* of the own status seq, by its remainder */
     int32_t reply_seq;
-    atomic_int_least64_t dropped; /* a statistic: relaxed */
+    atomic_int_least64_t dropped; /* statistics: relaxed */
+    atomic_int_least64_t foreign;
     char reply_text[REPLY_TEXT_SIZE];
     char status_text[3][STATUS_TEXT_SIZE];
     uint8_t buffer[SS_WIRE_MAX_MESSAGE];
@@ -165,6 +168,7 @@ bool ss_net_send_status(ss_net *net, const ss_report *report)
     ss_copy3(wire.step_us, report->step_us);
     memcpy(wire.lateness_us, report->lateness_us, sizeof wire.lateness_us);
     memcpy(wire.loop_delay_ms, report->loop_delay_ms, sizeof wire.loop_delay_ms);
+    net->status_utime[(uint32_t)wire.seq % STATUS_MEMORY] = wire.utime;
     const int size = softsim_server_status_t_encode(net->buffer, 0, sizeof net->buffer, &wire);
     return publish(net, net->status_channel, size);
 }
@@ -172,6 +176,11 @@ bool ss_net_send_status(ss_net *net, const ss_report *report)
 int64_t ss_net_dropped(const ss_net *net)
 {
     return atomic_load_explicit(&net->dropped, memory_order_relaxed);
+}
+
+int64_t ss_net_foreign(const ss_net *net)
+{
+    return atomic_load_explicit(&net->foreign, memory_order_relaxed);
 }
 
 /* ---- in ----------------------------------------------------------------------------------- */
@@ -209,6 +218,19 @@ static void receive_command(const lcm_recv_buf_t *message, const char *channel, 
                                   net->reply_text, (int32_t)sizeof net->reply_text);
     net->reply_text[sizeof net->reply_text - 1] = '\0';
     send_reply(net, &command, code);
+}
+
+/* Multicast brings our own status back too; any other is another server's. */
+static void receive_status(const lcm_recv_buf_t *message, const char *channel, void *user)
+{
+    (void)channel;
+    ss_net *net = user;
+    int64_t utime = 0;
+    int32_t seq = 0;
+    if (ss_net_decode_status(message->data, message->data_size, &utime, &seq) == SOFTSIM_ACCEPTED &&
+        net->status_utime[(uint32_t)seq % STATUS_MEMORY] != utime) {
+        atomic_fetch_add_explicit(&net->foreign, 1, memory_order_relaxed);
+    }
 }
 
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
@@ -293,7 +315,8 @@ static bool subscribe_all(ss_net *net, const char *prefix, softsim_error *error)
     snprintf(net->status_channel, sizeof net->status_channel, "%s_STATUS", prefix);
     snprintf(net->reply_channel, sizeof net->reply_channel, "%s_REPLY", prefix);
     snprintf(channel, sizeof channel, "%s_COMMAND", prefix);
-    if (!subscribe(net, channel, receive_command, net, error)) {
+    if (!subscribe(net, channel, receive_command, net, error) ||
+        !subscribe(net, net->status_channel, receive_status, net, error)) {
         return false;
     }
     if (ss_packets_refuse_fragments(&mark) < 0) {

@@ -109,6 +109,9 @@ typedef struct ss_net_command {
     char argument[1024]; /* likewise */
 } ss_net_command;
 softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_command *out_command);
+/* Only what tells one status from another. */
+softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *out_utime_us,
+                                     int32_t *out_seq);
 
 typedef struct ss_net_config {
     /* NULL or "": LCM_DEFAULT_URL, else local multicast with a large buffer. Only udpm:// and
@@ -148,6 +151,8 @@ bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
 bool ss_net_send_force(ss_net *net, const softsim_force *force);
 /* Thread: any. */
 int64_t ss_net_dropped(const ss_net *net);
+/* Statuses of another server that came in on this prefix. Thread: any. */
+int64_t ss_net_foreign(const ss_net *net);
 
 /* The server's report: what server_status_t carries. */
 typedef struct ss_report {

@@ -24,6 +24,7 @@
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_probe_pose_t.h"
+#include "softsim_server_status_t.h"
 
 enum {
     WANTED_BUFFER = 2097152, /* bytes: holds half a second of mesh at the default cap */
@@ -250,4 +251,19 @@ softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_com
     read_string(&in, out_command->name, sizeof out_command->name);
     read_string(&in, out_command->argument, sizeof out_command->argument);
     return in.has_failed || in.left != 0 ? SOFTSIM_REFUSED_MALFORMED : SOFTSIM_ACCEPTED;
+}
+
+softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *out_utime_us,
+                                     int32_t *out_seq)
+{
+    reader in = {.at = data, .left = size};
+    if (size < HASH_SIZE) {
+        return SOFTSIM_REFUSED_MALFORMED;
+    }
+    if (read_int64(&in) != __softsim_server_status_t_get_hash()) {
+        return SOFTSIM_REFUSED_TYPE_HASH;
+    }
+    *out_utime_us = read_int64(&in);
+    *out_seq = read_int32(&in);
+    return in.has_failed ? SOFTSIM_REFUSED_MALFORMED : SOFTSIM_ACCEPTED;
 }

@@ -114,16 +114,15 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
 {
     const char *program = program_name(argv[0]);
     int32_t count = 0;
+    const char *surplus = NULL;
     bool only_positional = false;
     for (int i = 1; i < argc; ++i) {
         const char *text = argv[i];
         if (only_positional || text[0] != '-' || text[1] == '\0') {
             if (count < positional_max) {
                 positional[count] = text;
-            } else {
-                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                                  "'%s' is one argument too many; usage: %s %s", text, program,
-                                  usage);
+            } else if (count == positional_max) {
+                surplus = text;
             }
             ++count;
             continue;
@@ -159,7 +158,12 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
                               row->value);
         }
     }
-    if (count < positional_min) {
+    /* What stands alone is counted only when every option was understood: the value of an unknown
+     * option would count, and an option without a value has taken its neighbour. */
+    if (error->fault_count == 0 && surplus) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "'%s' is one argument too many; usage: %s %s", surplus, program, usage);
+    } else if (error->fault_count == 0 && count < positional_min) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "something is missing; usage: %s %s",
                           program, usage);
     }

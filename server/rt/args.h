@@ -3,8 +3,8 @@
 #pragma once
 /*
  * Command lines: one row per option gives parsing, range errors and --help. `--name value` and
- * `--name=value` are both read; every fault is added to the error in one go; --help and --version
- * print to stdout. Thread: set-up only.
+ * `--name=value` are both read; every fault is added to the error in one go, without those that
+ * only follow from another; --help and --version print to stdout. Thread: set-up only.
  */
 #include <stdbool.h>
 #include <stdint.h>

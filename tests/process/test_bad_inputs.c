@@ -65,7 +65,9 @@ typedef struct scene_case {
 #define OBJECT(name)                                                                               \
     "softsim: 1\nobject: {mesh: " name ", units: mm, fixed: [{nodes: [0, 1, 2]}]}\n"
 #define MODEL "model: {name: cnn-energy, modulus_j: 1}\n"
-#define TOOLS "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n"
+
+#define BODY                                                                                       \
+    "area_density_kg_m2: 11.5, damping_n_s_per_m3: 1725, rest_stiffness_n_per_m3: 5.0e+4}\n"
 
 static const scene_case scene_cases[] = {
     {"scene: empty", NULL, NULL, "", "yaml"},
@@ -112,6 +114,14 @@ static const scene_case scene_cases[] = {
      "box_m"},
     {"scene: group that the mesh has not", "m.obj", GOOD_MESH,
      "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: [{group: base}]}\n" MODEL, "base"},
+    {"scene: a tool too small for the mesh", "m.obj", GOOD_MESH,
+     OBJECT("m.obj") "model: {name: cnn-energy, modulus_j: 1, " BODY
+                     "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 0.01}}}]}\n",
+     "scene.yaml: model: the smallest of contact.tools"},
+    {"scene: pretension of a loose body", "m.obj", GOOD_MESH,
+     "softsim: 1\nobject: {mesh: m.obj, units: mm}\n"
+     "model: {name: cnn-energy, modulus_j: 1, pretension_j: 1, " BODY,
+     "scene.yaml: model: cnn-energy: pretension_j"},
     {"mesh: missing", NULL, NULL, OBJECT("nowhere.obj") MODEL, "nowhere.obj"},
     {"mesh: empty", "m.obj", "", OBJECT("m.obj") MODEL, "m.obj"},
     {"mesh: binary", "m.stl", "\x7f\x45\x4c\x46\x01\x02\x03", OBJECT("m.stl") MODEL, "m.stl"},
@@ -150,6 +160,43 @@ static void scenes_and_meshes_are_refused(void **state)
         if (c->mesh) {
             unlink(path_of(c->mesh_name));
         }
+    }
+}
+
+/* ---- scenes that are valid, and doubtful
+ * --------------------------------------------------------------------------------------- */
+
+static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
+{
+    (void)state;
+    static process p;
+    static const struct {
+        const char *units, *radius_mm, *doubt; /* NULL: none */
+    } cases[] = {
+        {"mm", "5", NULL},
+        {"m", "5000", "object.units: the body's diagonal is 17.3"},
+        {"um", "0.005", "object.units: the body's diagonal is 1.7"},
+        {"mm", "5000", "contact.tools, probe 3, sphere.radius_mm: the tool (radius 5000 mm)"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char scene[1024];
+        snprintf(scene, sizeof scene,
+                 "softsim: 1\nobject: {mesh: m.obj, units: %s, fixed: [{nodes: [0, 1, 2]}]}\n"
+                 "model: {name: cnn-energy, modulus_j: 1, " BODY
+                 "contact: {tools: [{probe: 3, shape: {sphere: {radius_mm: %s}}}]}\n",
+                 cases[i].units, cases[i].radius_mm);
+        write_file("m.obj", GOOD_MESH, strlen(GOOD_MESH));
+        write_file("scene.yaml", scene, strlen(scene));
+        const char *const argv[] = {"softsimd", "--check", path_of("scene.yaml"), NULL};
+        assert_int_equal(process_run(&p, argv), 0);
+        print_message("%s", p.err);
+        assert_non_null(
+            strstr(p.err, "scene.yaml: good (4 nodes, 4 triangles, cnn-energy, 1 tool)\n"));
+        assert_true((strstr(p.err, "warning") != NULL) == (cases[i].doubt != NULL));
+        if (cases[i].doubt && !strstr(p.err, cases[i].doubt)) {
+            fail_msg("no '%s' in: %s", cases[i].doubt, p.err);
+        }
+        assert_int_equal(p.out_size, 0);
     }
 }
 
@@ -200,10 +247,21 @@ static void arguments_are_refused(void **state)
          {"softsim-bridge", "--device", "sim", "--axes", "x,x,z"},
          "--axes"},
         {"softsim-monitor: unknown option", {"softsim-monitor", "--twice"}, "--twice"},
+        {"softsim-bench: missing poses",
+         {"softsim-bench", "latency", "--poses", "/nowhere/p.lcmlog"},
+         "/nowhere/p.lcmlog"},
+        {"softsim-bench: missing scene",
+         {"softsim-bench", "latency", "--scene", "/nowhere/s.yaml"},
+         "/nowhere/s.yaml"},
         {"softsim-mesh: unknown verb", {"softsim-mesh", "knead"}, "knead"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         check(&p, cases[i].what, cases[i].argv, cases[i].word);
+        const char *end =
+            strchr(p.err, '\n'); /* one fault, one line; cases of scenes quote theirs */
+        if (!strstr(p.err, "^") && end && end[1] != '\0') {
+            fail_msg("%s: more than the fault itself: %s", cases[i].what, p.err);
+        }
     }
 }
 
@@ -336,6 +394,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes_and_meshes_are_refused),
+        cmocka_unit_test(checks_tell_what_is_good_and_what_is_doubtful),
         cmocka_unit_test(arguments_are_refused),
         cmocka_unit_test(poses_are_refused),
         cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),

@@ -333,6 +333,11 @@ static bool says_silent(const watch *w)
     return strstr(w->reason, "silent") != NULL;
 }
 
+static bool says_nothing(const watch *w)
+{
+    return w->reason[0] == '\0';
+}
+
 static void start_bridge(const char *script)
 {
     char command[512] = "";
@@ -370,6 +375,7 @@ static void killed_bridge_is_let_go(void **state)
     assert_true(w.zero_seq - w.fresh_seq >= 69);
     assert_true(w.force.flags & SOFTSIM_FORCE_STALE);
     watch_until(&w, says_silent, "a status that says why");
+    watch_until(&w, says_nothing, "statuses that no longer do");
     watch_close(&w);
     assert_int_equal(stop_daemon(), 0);
 }
@@ -504,6 +510,102 @@ static void the_topology_leads_back_to_the_files_numbers(void **state)
     assert_int_equal(t.wrong_flags, 0);
 }
 
+static void monitor_sends_commands(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command, *said;
+        int status;
+    } cases[] = {{"pause", "done\n", 0},
+                 {"resume", "done\n", 0},
+                 {"set haptic.max_force_n=5", "done\n", 0},
+                 {"set haptic.max_force_n=-5", "haptic.max_force_n is -5", 2},
+                 {"dance", "unknown command 'dance'", 2}};
+    start_daemon(NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *const argv[] = {"softsim-monitor", "--command", cases[i].command, NULL};
+        const int status = process_run(&client, argv);
+        if (status != cases[i].status || !strstr(client.out, cases[i].said)) {
+            fail_msg("%s: %d: %s%s", cases[i].command, status, client.out, client.err);
+        }
+    }
+    /* A pose for a probe that the scene has no tool for: the status knows why nothing answers. */
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--probe", "5",
+                                  "--ticks",        "50",       NULL};
+    assert_int_equal(process_run(&client, bridge), 1);
+    assert_non_null(strstr(client.err, "(wrong probe); has its scene a tool for probe 5"));
+    assert_int_equal(stop_daemon(), 0);
+
+    const char *const closed[] = {"--no-commands", NULL};
+    const char *const argv[] = {"softsim-monitor", "--command", "pause", NULL};
+    start_daemon(closed);
+    assert_int_equal(process_run(&client, argv), 1);
+    assert_non_null(strstr(client.out, "refused"));
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- what the server says of itself
+ * ------------------------------------------------------------------------------------------ */
+
+static bool is_warm(const watch *w)
+{
+    return w->statuses > 0 && w->status.uptime_s > 1.0;
+}
+
+static bool is_later(const watch *w)
+{
+    return w->status.uptime_s > 2.2;
+}
+
+/* So light and so stiff that a quarter of a millisecond takes some dozens of sub-steps. */
+static void a_slow_server_says_so(void **state)
+{
+    (void)state;
+    const char *const slow[] = {
+        "--set", "haptic.rate_hz=4000",           "--set", "simulation.rate_hz=4000",
+        "--set", "model.area_density_kg_m2=1e-6", "--set", "model.damping_n_s_per_m3=1",
+        "--set", "simulation.max_substeps=1000",  NULL};
+    watch w;
+    start_daemon(slow);
+    watch_open(&w);
+    watch_until(&w, is_warm, "a status");
+    const softsim_server_status_t first = w.status;
+    watch_until(&w, is_later, "a status");
+    const double done = (double)(w.status.step - first.step) / (w.status.uptime_s - first.uptime_s);
+    print_message("%.0f steps a second, said to be %.0f\n", done, w.status.simulation_rate_hz);
+    assert_true(w.status.simulation_rate_hz < 3000.0);
+    assert_true(fabs(w.status.simulation_rate_hz / done - 1.0) < 0.3);
+    assert_int_equal(w.status.verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(w.reason, "slower than real time"));
+    assert_non_null(strstr(w.reason, "of 4000 steps a second"));
+    watch_close(&w);
+    assert_int_equal(stop_daemon(), 0);
+    const char *said = strstr(daemon_process.err, "warning: degraded: the simulation is slower");
+    assert_non_null(said);
+    assert_null(strstr(said + 1, "warning: degraded")); /* once */
+}
+
+static void two_servers_on_one_prefix_are_told(void **state)
+{
+    (void)state;
+    const char *const elsewhere[] = {"softsimd", KIDNEY, "--prefix", "ELSEWHERE", NULL};
+    start_daemon(NULL);
+    process_start(&other, elsewhere, NULL);
+    assert_true(process_wait_for(&other, "softsimd: ready"));
+    const char *const watching[] = {"softsim-monitor", "--duration", "1", NULL};
+    assert_int_equal(process_run(&client, watching), 0);
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+    assert_null(strstr(other.err, "another server"));
+    const char *const here[] = {"softsimd", KIDNEY, NULL};
+    process_start(&other, here, NULL);
+    assert_true(process_wait_for(&other, "another server answers on prefix SOFTSIM"));
+    assert_true(process_wait_for(&daemon_process, "another server answers on prefix SOFTSIM"));
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
 static void monitor_prints_one_status(void **state)
 {
     (void)state;
@@ -566,6 +668,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(obeys_commands, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, set_up,
                                         tear_down),
+        cmocka_unit_test_setup_teardown(monitor_sends_commands, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_slow_server_says_so, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(monitor_prints_one_status, set_up, tear_down),
         cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, set_up, tear_down),
     };

@@ -5,12 +5,15 @@
  * run. A time never fails the report (a shared machine is late whenever it likes); a program that
  * fails, or counters that do not add up, do.
  */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bench.h"
+#include "child.h"
 #include "figures.h"
 #include "judge.h"
 #include "process.h"
@@ -42,16 +45,12 @@ typedef struct report {
 
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
 {
-    *o = (options){.scene = "server/scenes/kidney.yaml",
-                   .poses = "server/scenes/kidney-poke.lcmlog",
-                   .out = "latency-report",
-                   .rate_hz = 1000.0,
-                   .contacts = 1};
+    *o = (options){.out = "latency-report", .rate_hz = 1000.0, .contacts = 1};
     const ss_arg rows[] = {
         {"--scene", SS_ARG_STRING, &o->scene, 0, 0, "SCENE.yaml",
-         "with tools for probes 0 and 1 (server/scenes/kidney.yaml)"},
+         "with tools for probes 0 and 1 (the bundled kidney.yaml)"},
         {"--poses", SS_ARG_STRING, &o->poses, 0, 0, "LOG",
-         "played to probe 0, again and again (server/scenes/kidney-poke.lcmlog)"},
+         "played to probe 0, again and again (the bundled kidney-poke.lcmlog)"},
         {"--bridge", SS_ARG_STRING, &o->bridge, 0, 0, "\"ARGS\"",
          "of the bridge on probe 1: --offset-m ... (the line ..._SECOND= of LOG's .sh)"},
         {"--seconds", SS_ARG_NUMBER, &o->seconds, 1.0, 36000.0, "S", "measured (60)"},
@@ -73,6 +72,31 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
                          "echo in the same run.",
                          rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count,
                          error);
+}
+
+/* A file of the bundled scenes, wherever the bench is started from: beside the installed program,
+ * or in the source tree that holds its build folder. `store` has PATH_SIZE bytes. */
+static const char *find_bundled(const char *name, char *store)
+{
+    static const char *const from_program[] = {"../share/softsim/scenes", "../../../server/scenes"};
+    char folder[PATH_SIZE], path[2 * PATH_SIZE];
+    const bool is_known = ss_child_own_folder(folder, sizeof folder);
+    for (int i = 0; is_known && i < 2; ++i) {
+        snprintf(path, sizeof path, "%s/%s/%s", folder, from_program[i], name);
+        if (access(path, R_OK) == 0 && realpath(path, store) != NULL) {
+            return store;
+        }
+    }
+    snprintf(store, PATH_SIZE, "server/scenes/%s", name);
+    return store;
+}
+
+/* The scene is softsimd's to read; a missing one is told before anything is measured. */
+static void check_scene(const char *path, softsim_error *error)
+{
+    if (access(path, R_OK) != 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "--scene: %s: %s", path, strerror(errno));
+    }
 }
 
 /* How often the poses are to be played to last `seconds`; 0 with faults added. */
@@ -500,7 +524,7 @@ static softsim_status run(options *o, const char *bridge, int64_t repeat, bool *
 int ss_bench_latency(int argc, char **argv)
 {
     options o;
-    char store[PATH_SIZE];
+    char store[PATH_SIZE], scene[PATH_SIZE], poses[PATH_SIZE];
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
     if (parsed == SS_ARGS_DONE) {
@@ -513,8 +537,12 @@ int ss_bench_latency(int argc, char **argv)
     int64_t repeat = 0;
     if (parsed == SS_ARGS_RUN) {
         o.seconds = o.seconds > 0.0 ? o.seconds : o.is_quick ? quick_s : standard_s;
-        bridge = find_bridge(&o, store, sizeof store, &error);
+        o.scene = o.scene != NULL ? o.scene : find_bundled("kidney.yaml", scene);
+        o.poses = o.poses != NULL ? o.poses : find_bundled("kidney-poke.lcmlog", poses);
+        check_scene(o.scene, &error);
         repeat = find_repeat(o.poses, o.seconds + 120.0, &error);
+        /* What is beside a missing file needs no line of its own. */
+        bridge = repeat > 0 ? find_bridge(&o, store, sizeof store, &error) : NULL;
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);

@@ -41,8 +41,6 @@ typedef struct run {
     ss_output csv, reactions;
     double (*position)[3], (*displacement)[3];
     double peak_force;
-    softsim_verdict worst;
-    char reason[128];
 } run;
 
 static int print_real(FILE *file, double value)
@@ -309,14 +307,10 @@ static softsim_status run_ticks(run *r, softsim_error *error)
             const double *f = force[p].force;
             r->peak_force = fmax(r->peak_force, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
         }
-        if (!reads_each && r->state.tick % 256 != 0) {
+        if (!reads_each) {
             continue;
         }
         softsim_read(r->world, &r->state);
-        if (r->state.verdict > r->worst) {
-            r->worst = r->state.verdict;
-            snprintf(r->reason, sizeof r->reason, "%s", r->state.reason);
-        }
         if (r->csv.file) {
             write_row(r, force);
         }
@@ -342,7 +336,6 @@ static void print_summary(const run *r)
 {
     static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     const softsim_state *s = &r->state;
-    const softsim_verdict worst = s->verdict > r->worst ? s->verdict : r->worst;
     int64_t refused = 0;
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         refused += s->poses_refused[i];
@@ -352,7 +345,8 @@ static void print_summary(const run *r)
             "refused; peak force %.4g N; step us p50 %.1f p99 %.1f; worst verdict %s%s%s\n",
             (long long)s->tick, (long long)s->step, 1e3 * s->simulation_period_s, s->time_s,
             (long long)s->poses_received, (long long)refused, r->peak_force, s->step_us[0],
-            s->step_us[1], verdicts[worst], *r->reason ? ": " : "", r->reason);
+            s->step_us[1], verdicts[s->worst_verdict], *s->worst_reason ? ": " : "",
+            s->worst_reason);
     fprintf(stderr, "softsim-run: energy J kinetic %.4g elastic %.4g dissipated %.4g work %.4g\n",
             s->kinetic_j, s->elastic_j, s->dissipated_j, s->work_j);
 }

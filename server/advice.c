@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Doubts about a scene that is valid. A wrong unit gives a body or a tool a thousand times too
+ * large or too small, and everything about it stays well-formed: only the sizes, side by side,
+ * tell. The bounds are wide, so that no sensible scene is doubted; none of them refuses anything,
+ * since a whale and an embryo are bodies too.
+ */
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "world.h"
+
+static const double SMALLEST_BODY_M = 1e-3;
+static const double LARGEST_BODY_M = 10.0;
+static const double SMALLEST_TOOL_SHARE = 1e-3; /* of the body's diagonal */
+static const double LARGEST_TOOL_SHARE = 1.0;
+
+typedef struct doubts {
+    const char *path; /* of the scene */
+    void (*line)(void *sink, const char *text);
+    void *sink;
+} doubts;
+
+__attribute__((format(printf, 2, 3))) static void say(const doubts *to, const char *format, ...)
+{
+    char text[1536], what[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
+    snprintf(text, sizeof text, "%s: %s", to->path, what);
+    to->line(to->sink, text);
+}
+
+static void doubt_tool(const doubts *to, int32_t p, const ss_shape *shape, double diagonal)
+{
+    static const char *const key[] = {"sphere.radius_mm",   "capsule.radius_mm", "box.size_mm",
+                                      "cylinder.radius_mm", "cone.radius_mm",    "convex.units"};
+    const double outer = ss_shape_bounding_radius(shape);
+    const double inner = ss_shape_inradius(shape);
+    if (outer > LARGEST_TOOL_SHARE * diagonal) {
+        say(to,
+            "contact.tools, probe %d, %s: the tool (radius %.4g mm) is larger than the body "
+            "(diagonal %.4g mm); are both in the units they are meant in?",
+            p, key[shape->kind], 1e3 * outer, 1e3 * diagonal);
+    } else if (inner < SMALLEST_TOOL_SHARE * diagonal) {
+        say(to,
+            "contact.tools, probe %d, %s: the tool (radius %.4g mm) is less than a thousandth of "
+            "the body (diagonal %.4g mm); are both in the units they are meant in?",
+            p, key[shape->kind], 1e3 * inner, 1e3 * diagonal);
+    }
+}
+
+void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
+{
+    const ss_scene *scene = world->scene;
+    const doubts to = {.path = scene->path, .line = line, .sink = sink};
+    const double diagonal = ss_mesh_diagonal(scene->mesh);
+    if (diagonal < SMALLEST_BODY_M || diagonal > LARGEST_BODY_M) {
+        say(&to, "object.units: the body's diagonal is %.4g m; are these the mesh file's units?",
+            diagonal);
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (scene->tool[p].is_used) {
+            doubt_tool(&to, p, &scene->tool[p].shape, diagonal);
+        }
+    }
+}
