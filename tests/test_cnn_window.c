@@ -244,6 +244,38 @@ static void driven_nodes_open_the_window_too(void **state)
     setup_fini(&s[1]);
 }
 
+/* Edges from a held node to one of an active block, of all edges to held nodes. */
+static double rim_share(const setup *s)
+{
+    const ss_cnn_window *window = s->model->window;
+    const ss_cnn_edges *edges = &s->model->network->edges;
+    double active = 0.0, all = 0.0;
+    for (int32_t e = 0; e < edges->count; ++e) {
+        const int32_t i = edges->from[e] / 4, j = edges->to[e] / 4;
+        if ((s->fixed[i] == 7) != (s->fixed[j] == 7)) {
+            all += 1.0;
+            active += window->rank[(s->fixed[i] == 7 ? j : i) / window->block_size] == 0;
+        }
+    }
+    return active / all;
+}
+
+static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
+{
+    (void)state;
+    pair p;
+    create_pair(&p, 0.0, 0.0, false, 200.0);
+    steps(&p.with, 200, 2e-3);
+    assert_true(rim_share(&p.with) < 0.1);
+    /* As if the far field were so strong: held cells cannot follow it, their neighbours see it. */
+    p.with.model->window->y[0] *= 100.0;
+    p.with.model->window->now_y[0] *= 100.0;
+    p.with.model->window->age = 3;
+    steps(&p.with, 1, 2e-3); /* one look: nothing comes there from the contact */
+    assert_true(rim_share(&p.with) > 0.9);
+    pair_fini(&p);
+}
+
 /* ---- guards ------------------------------------------------------------------------------- */
 
 static void steps_that_are_taken_back_take_the_far_field_back(void **state)
@@ -372,6 +404,7 @@ int main(void)
         cmocka_unit_test(the_field_and_the_ledger_are_those_of_the_whole_body),
         cmocka_unit_test(the_window_follows_the_load_and_closes_at_rest),
         cmocka_unit_test(driven_nodes_open_the_window_too),
+        cmocka_unit_test(a_strong_far_field_wakes_the_blocks_at_held_cells),
         cmocka_unit_test(steps_that_are_taken_back_take_the_far_field_back),
         cmocka_unit_test(reset_and_threads_give_the_same_bits),
         cmocka_unit_test(bodies_that_gain_nothing_have_no_window),
