@@ -225,10 +225,6 @@ softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *capt
     const int32_t count = view_count < MAX_VIEWS ? view_count : MAX_VIEWS;
     double place_x = 0.0, low = (double)INFINITY, high = -(double)INFINITY, size = 0.0;
     bool is_good = true;
-    const softsim_status status = ss_plot_open(&script, paper->folder, name, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
     for (int32_t v = 0; v < count; ++v) {
         set_axes(&view[v], &c[v]);
         set_bounds(shape, &c[v]);
@@ -240,13 +236,17 @@ softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *capt
     }
     low -= 0.04 * size;
     high += 0.20 * size; /* arrows and labels */
+    const double height = fmax(160.0, 1000.0 * (high - low) / (place_x + 0.02 * size));
+    const softsim_status status =
+        ss_plot_open_dots(&script, paper->folder, name, 1000, (int32_t)height, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
     FILE *file = script.file;
     fprintf(file,
-            "set terminal svg size 1000,%.0f dynamic font 'sans,13' background rgb 'white'\n"
-            "set output '%s.svg'\nset size ratio -1\nset margins 0,0,0,0\nunset border\n"
+            "set size ratio -1\nset margins 0,0,0,0\nunset border\n"
             "unset tics\nunset key\nset xrange [%.5g:%.5g]\nset yrange [%.5g:%.5g]\n",
-            fmax(160.0, 1000.0 * (high - low) / (place_x + 0.02 * size)), name, -0.02 * size,
-            place_x, low, high);
+            -0.02 * size, place_x, low, high);
     for (int32_t v = 0; v < count && is_good; ++v) {
         is_good = put_faces(file, shape, &c[v]);
         put_marks(file, shape, &c[v], size);

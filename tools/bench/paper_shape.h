@@ -31,7 +31,7 @@ typedef struct ss_shape_view {
     const char *label;
 } ss_shape_view;
 
-/* Draws `name`.svg into the page. */
+/* Draws `name`.png into the page. */
 softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *caption,
                              const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
                              softsim_error *error);

@@ -190,17 +190,36 @@ void ss_row_add_number(ss_row *row, double value)
 /* ---- pictures ----------------------------------------------------------------------------------
  */
 
-softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
-                            softsim_error *error)
+static softsim_status open_script(ss_output *script, const char *folder, const char *name,
+                                  softsim_error *error)
 {
     char path[PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s.gp", folder, name);
-    const softsim_status status = ss_output_open(script, path, error);
+    return ss_output_open(script, path, error);
+}
+
+softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
+                            softsim_error *error)
+{
+    const softsim_status status = open_script(script, folder, name, error);
     if (status == SOFTSIM_OK) {
         fprintf(script->file,
                 "set terminal svg size 800,480 dynamic font 'sans,13' background rgb 'white'\n"
                 "set output '%s.svg'\n",
                 name);
+    }
+    return status;
+}
+
+softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const char *name,
+                                 int32_t width, int32_t height, softsim_error *error)
+{
+    const softsim_status status = open_script(script, folder, name, error);
+    if (status == SOFTSIM_OK) {
+        fprintf(script->file,
+                "set terminal pngcairo size %d,%d font 'sans,12' background rgb 'white'\n"
+                "set output '%s.png'\n",
+                width, height, name);
     }
     return status;
 }
@@ -239,26 +258,34 @@ static void put_base64(FILE *file, const unsigned char *data, size_t size)
 softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, const char *caption,
                             softsim_error *error)
 {
-    char gp[PATH_SIZE], svg[PATH_SIZE], log[PATH_SIZE];
+    char gp[PATH_SIZE], svg[PATH_SIZE], png[PATH_SIZE], log[PATH_SIZE];
     const softsim_status status = ss_output_commit(script, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     snprintf(gp, sizeof gp, "%s.gp", name);
     snprintf(svg, sizeof svg, "%s/%s.svg", page->folder, name);
+    snprintf(png, sizeof png, "%s/%s.png", page->folder, name);
+    remove(svg); /* of an earlier run, which must not pass for this one's */
+    remove(png);
     snprintf(log, sizeof log, "%s/%s.log", page->folder, name);
     const char *const argv[] = {"gnuplot", gp, NULL};
     const ss_child_plan plan = {
         .name = "gnuplot", .argv = argv, .folder = page->folder, .err_path = log};
     const int exit_status = ss_child_run(&plan, gnuplot_timeout_s);
     size_t size = 0;
+    const char *type = "svg+xml";
     unsigned char *picture = exit_status == 0 ? read_file(svg, &size) : NULL;
+    if (exit_status == 0 && picture == NULL) {
+        type = "png";
+        picture = read_file(png, &size);
+    }
     FILE *file = page->output.file;
     if (picture != NULL) {
         remove(log);
         fputs("<figure><img alt=\"", file);
         put_escaped(file, caption);
-        fputs("\" src=\"data:image/svg+xml;base64,", file);
+        fprintf(file, "\" src=\"data:image/%s;base64,", type);
         put_base64(file, picture, size);
         fputs("\"><figcaption>", file);
         put_escaped(file, caption);

@@ -53,6 +53,10 @@ void ss_row_add_number(ss_row *row, double value);
  * rest of the gnuplot script, run in the folder. */
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error);
+/* The same with a picture of `width` x `height` dots, `name`.png: for thousands of faces, where SVG
+ * would be ten times as large. */
+softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const char *name,
+                                 int32_t width, int32_t height, softsim_error *error);
 /* Commits the script, runs it, puts the picture into the page. A missing gnuplot is no error. */
 softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, const char *caption,
                             softsim_error *error);

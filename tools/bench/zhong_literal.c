@@ -182,7 +182,8 @@ static softsim_status plot_variants(ss_zhong *zhong, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs("set datafile separator ','\nset grid\nset key below horizontal maxcols 1\nset terminal "
+    fputs("set datafile separator ','\nset grid\nset key below horizontal maxcols 1\nset bmargin "
+          "12\nset terminal "
           "svg size 800,620 dynamic font 'sans,13' background rgb "
           "'white'\nset output 'literal.svg'\nset xlabel 'time, s'\nset ylabel 'displacement of "
           "the contact, m'\nset arrow from 50, graph 0 to 50, graph 1 nohead dt 3\nset label "
