@@ -11,6 +11,7 @@
 #include "mesh/import.h"
 
 #include "mesh/mesh.h"
+#include "mesh/readers.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -346,7 +347,7 @@ import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error };
     return status;
 }
 
-/* ---- MSH files --------------------------------------------------------------------------------
+/* ---- our own readers ----------------------------------------------------------------------------
  */
 
 static softsim_status fail_file(const char *path, const char *why, softsim_error *error)
@@ -356,33 +357,22 @@ static softsim_status fail_file(const char *path, const char *why, softsim_error
     return SOFTSIM_ERROR_FILE;
 }
 
-static softsim_status read_msh_file(int fd, const char *path, size_t size, double metres_per_unit,
-                                    ss_mesh **out_mesh, softsim_error *error)
+typedef softsim_status parser(ss_text *text, double metres_per_unit, ss_mesh **out_mesh);
+
+static softsim_status parse_file(int fd, size_t size, const char *path, parser *parse,
+                                 double metres_per_unit, ss_mesh **out_mesh, softsim_error *error)
 {
-    char *text = malloc(size);
-    if (text == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
-        return SOFTSIM_ERROR_MEMORY;
+    ss_text text;
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (ss_text_open(&text, fd, (int64_t)size, path, error)) {
+        status = parse(&text, metres_per_unit, out_mesh);
     }
-    /* A file that shrinks meanwhile reads as one that is cut off. */
-    size_t used = 0;
-    ssize_t count = 1;
-    while (used < size && count != 0) {
-        count = pread(fd, text + used, size - used, (off_t)used);
-        if (count < 0 && errno != EINTR) {
-            break;
-        }
-        used += count > 0 ? (size_t)count : 0;
-    }
-    const softsim_status status =
-        count < 0 ? fail_file(path, strerror(errno), error)
-                  : ss_mesh_read_msh(text, used, path, metres_per_unit, out_mesh, error);
-    free(text);
+    ss_text_fini(&text);
     return status;
 }
 
-/* Is the first character that is not blank a '$', as in every MSH text? */
-static bool looks_like_msh(int fd)
+/* The reader for what the file starts with, or NULL. */
+static parser *find_parser(int fd)
 {
     char start[64];
     const ssize_t count = pread(fd, start, sizeof start, 0);
@@ -390,7 +380,7 @@ static bool looks_like_msh(int fd)
     while (i < count && strchr(" \t\r\n", start[i]) != NULL && start[i] != '\0') {
         ++i;
     }
-    return i < count && start[i] == '$';
+    return i < count && start[i] == '$' ? ss_mesh_parse_msh : NULL;
 }
 
 static bool is_importable(const char *path)
@@ -452,8 +442,9 @@ softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char
     if (fd < 0) {
         return status;
     }
-    if (looks_like_msh(fd)) {
-        status = read_msh_file(fd, path, size, metres_per_unit, out_mesh, error);
+    parser *parse = find_parser(fd);
+    if (parse != NULL) {
+        status = parse_file(fd, size, path, parse, metres_per_unit, out_mesh, error);
     } else if (is_importable(path)) {
         status = import_file(path, metres_per_unit, import_program, out_mesh, error);
     } else {

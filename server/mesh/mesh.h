@@ -24,6 +24,22 @@ typedef struct ss_mesh_group {
     int32_t node_count;
 } ss_mesh_group;
 
+/* Kinds of elements in files. */
+typedef enum ss_mesh_kind {
+    SS_MESH_POINT,
+    SS_MESH_LINE,
+    SS_MESH_TRIANGLE,
+    SS_MESH_QUAD,
+    SS_MESH_TETRAHEDRON,
+    SS_MESH_POLYGON, /* of other corners, strips, pixels */
+    SS_MESH_HEXAHEDRON,
+    SS_MESH_PRISM,
+    SS_MESH_PYRAMID,
+    SS_MESH_HIGHER_ORDER,
+    SS_MESH_OTHER,
+    SS_MESH_KIND_COUNT
+} ss_mesh_kind;
+
 typedef struct ss_mesh {
     int32_t node_count;
     int32_t triangle_count;    /* of the surface */
@@ -42,7 +58,14 @@ typedef struct ss_mesh {
     /* Faces of more than three corners that were cut into triangles as the file was read, because
      * not all of its faces are quads. */
     int32_t cut_face_count;
+    /* Elements of the file that are no part of the mesh, by kind. Points, lines, and triangles and
+     * quads beside tetrahedra only name nodes for groups; where others are counted (POLYGON and
+     * after) the body has gaps. */
+    int64_t skipped[SS_MESH_KIND_COUNT];
 } ss_mesh;
+
+/* "hexahedra" and so on. */
+const char *ss_mesh_kind_name(ss_mesh_kind kind);
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
  * NULL: softsim-import beside the running program, else in the libexec folder. */
