@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Loading mesh files. What MSH starts with tells it, whatever its name; TetGen's pair
+ * Loading mesh files. What MSH and VTK start with tells them, whatever their names; TetGen's pair
  * of files, which are but numbers, and the formats that the helper program knows (import.c) are
  * told by their names' endings.
  */
@@ -76,7 +76,11 @@ static const char *read_start(int fd, char buffer[START_BYTES])
 
 static parser *find_parser(const char *start)
 {
-    return *start == '$' ? ss_mesh_parse_msh : NULL;
+    static const char vtk[] = "# vtk DataFile";
+    return *start == '$'                                     ? ss_mesh_parse_msh
+           : strncasecmp(start, vtk, sizeof vtk - 1) == 0    ? ss_mesh_parse_vtk
+           : *start == '<' && strstr(start, "<VTKFile") != 0 ? ss_mesh_parse_vtu
+                                                             : NULL;
 }
 
 static const char *extension_of(const char *path)
@@ -169,8 +173,8 @@ static softsim_status load_file(int fd, size_t size, const char *path, double me
     }
     softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                       "%s: not a mesh that is read here: give OBJ, STL, PLY, GLB, glTF or TetGen's "
-                      ".node and .ele (by the file's ending) or Gmsh MSH "
-                      "(ASCII)",
+                      ".node and .ele (by the file's ending), Gmsh MSH (ASCII) or VTK (legacy, or "
+                      ".vtu in ASCII)",
                       path);
     return SOFTSIM_ERROR_FORMAT;
 }

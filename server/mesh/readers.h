@@ -14,6 +14,10 @@ softsim_status ss_mesh_parse_msh(ss_text *text, double metres_per_unit, ss_mesh 
 /* TetGen's .node and .ele files. */
 softsim_status ss_mesh_parse_tetgen(ss_text *nodes, ss_text *elements, double metres_per_unit,
                                     ss_mesh **out_mesh);
+/* Legacy VTK, ASCII or binary. */
+softsim_status ss_mesh_parse_vtk(ss_text *text, double metres_per_unit, ss_mesh **out_mesh);
+/* VTK's XML UnstructuredGrid, ASCII. */
+softsim_status ss_mesh_parse_vtu(ss_text *text, double metres_per_unit, ss_mesh **out_mesh);
 /* OBJ, STL, PLY, GLB and glTF, through the helper program; `program` as for ss_mesh_load. */
 softsim_status ss_mesh_import(const char *path, double metres_per_unit, const char *program,
                               ss_mesh **out_mesh, softsim_error *error);
