@@ -443,12 +443,23 @@ static bool join_groups(ss_draft *d)
     return true;
 }
 
+/* Names go to terminals, and to files where a line ends a name. */
+static void clean_name(char *name)
+{
+    for (; *name != '\0'; ++name) {
+        *name = (unsigned char)*name < ' ' || *name == 0x7f ? '?' : *name;
+    }
+}
+
 static bool hand_over_groups(ss_draft *d, ss_mesh *mesh)
 {
+    int32_t count = 0;
+    for (int32_t g = 0; g < d->group_count; ++g) {
+        clean_name(d->group[g].name);
+    }
     if (!join_groups(d)) {
         return false;
     }
-    int32_t count = 0;
     for (int32_t g = 0; g < d->group_count; ++g) {
         count += d->group[g].count > 0;
     }
@@ -478,7 +489,7 @@ static bool hand_over_groups(ss_draft *d, ss_mesh *mesh)
 
 static void count_skipped(const ss_draft *d, ss_mesh *mesh)
 {
-    const bool is_volume = mesh->tetrahedron_count > 0;
+    const bool is_volume = d->tetrahedron_room > 0;
     for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
         const bool is_face = kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD;
         const bool is_kept = kind == SS_MESH_TETRAHEDRON || (is_face && !is_volume);

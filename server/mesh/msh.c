@@ -95,7 +95,8 @@ static void name_groups(ss_msh *r)
         const int32_t number = (int32_t)(group->key & INT32_MAX);
         (void)snprintf(group->name, sizeof group->name, "%s-%d", kinds[dimension], number);
         for (int32_t i = r->name_count - 1; i >= 0; --i) {
-            if (r->name[i].dimension == dimension && r->name[i].number == number) {
+            if (r->name[i].dimension == dimension && r->name[i].number == number &&
+                r->name[i].name[0] != '\0') {
                 memcpy(group->name, r->name[i].name, sizeof group->name);
             }
         }

@@ -143,12 +143,14 @@ static bool refill(ss_text *text)
 
 ss_text_mark ss_text_here(const ss_text *text)
 {
-    return (ss_text_mark){.offset = text->end_offset - (text->end - text->at), .line = text->line};
+    return (ss_text_mark){.offset = text->end_offset - (text->end - text->at),
+                          .newlines = text->newlines};
 }
 
 void ss_text_seek(ss_text *text, ss_text_mark mark)
 {
-    text->line = mark.line;
+    text->newlines = mark.newlines;
+    text->line = mark.newlines + 1;
     if (text->memory != NULL) {
         text->at = text->memory + mark.offset;
         return;
@@ -192,7 +194,7 @@ bool ss_text_line(ss_text *text, ss_text_span *out)
     out->begin = text->at;
     out->end = newline != NULL ? newline : text->end;
     text->at = newline != NULL ? newline + 1 : text->end;
-    ++text->line;
+    text->line = ++text->newlines;
     return true;
 }
 
@@ -216,9 +218,10 @@ bool ss_text_next_word(ss_text *text, ss_text_span *out)
 {
     do {
         for (; text->at < text->end && is_space(*text->at); ++text->at) {
-            text->line += *text->at == '\n';
+            text->newlines += *text->at == '\n';
         }
     } while (text->at == text->end && refill(text));
+    text->line = text->newlines + 1;
     const char *c = text->at;
     for (;;) {
         while (c < text->end && !is_space(*c) && *c != text->stop) {
@@ -239,9 +242,10 @@ bool ss_text_next_word(ss_text *text, ss_text_span *out)
 static void count_lines(ss_text *text, const char *begin, const char *end)
 {
     while (begin < end && (begin = memchr(begin, '\n', (size_t)(end - begin))) != NULL) {
-        ++text->line;
+        ++text->newlines;
         ++begin;
     }
+    text->line = text->newlines + 1;
 }
 
 bool ss_text_until(ss_text *text, char stop, ss_text_span *out)

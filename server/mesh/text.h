@@ -31,10 +31,11 @@ typedef struct ss_text {
     softsim_error *error;
     softsim_status status; /* of the first fault */
     int32_t fault_count;
-    int32_t line;    /* from 1, of what was taken last; 0 at the start */
-    bool has_failed; /* a piece too long, a disk error: nothing more is taken */
-    bool is_binary;  /* faults name the byte instead */
-    char stop;       /* ends a word, beside blanks; '\n' for none other */
+    int32_t line;     /* from 1, of what was taken last; 0 at the start */
+    int32_t newlines; /* taken */
+    bool has_failed;  /* a piece too long, a disk error: nothing more is taken */
+    bool is_binary;   /* faults name the byte instead */
+    char stop;        /* ends a word, beside blanks; '\n' for none other */
     const char *at, *end;
     int64_t end_offset; /* of `end` in the file */
     int64_t size;
@@ -46,7 +47,7 @@ typedef struct ss_text {
 /* A place to come back to. */
 typedef struct ss_text_mark {
     int64_t offset;
-    int32_t line;
+    int32_t newlines;
 } ss_text_mark;
 
 /* Over `size` bytes in memory, which need no terminating zero. */

@@ -17,7 +17,6 @@
 #include "mesh/vtk.h"
 #include "mesh/readers.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -41,27 +40,31 @@ static bool fault_expected(reader *r, const char *what)
     return false;
 }
 
+static int hex_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                                  : -1;
+}
+
+/* Blanks and the like are written %20. Names that are too long name no groups: empty here. */
 static bool next_name(ss_text_span *line, char out[NAME_SIZE])
 {
-    /* Blanks and the like are written %20. Names that are too long name no groups: empty here. */
     ss_text_span word;
+    size_t used = 0;
+    out[0] = '\0';
     if (!ss_span_next_word(line, &word)) {
         return false;
     }
-    size_t used = 0;
-    for (const char *c = word.begin; c < word.end; ++c, ++used) {
-        char digits[3] = {0};
-        char *stop = digits;
-        if (*c == '%' && word.end - c > 2) {
-            memcpy(digits, c + 1, 2);
-        }
-        const long code = digits[0] != '\0' ? strtol(digits, &stop, 16) : 0;
-        const bool is_code = stop == digits + 2 && code > 0;
+    for (const char *c = word.begin; c < word.end; ++c) {
+        const bool is_code = *c == '%' && word.end - c > 2 && hex_digit(c[1]) >= 0 &&
+                             hex_digit(c[2]) >= 0 && (c[1] != '0' || c[2] != '0');
         if (used + 1 >= NAME_SIZE || *c == '\0') {
             out[0] = '\0';
             return true;
         }
-        out[used] = is_code ? (char)code : *c;
+        out[used++] = is_code ? (char)(16 * hex_digit(c[1]) + hex_digit(c[2])) : *c;
         c += is_code ? 2 : 0;
     }
     out[used] = '\0';

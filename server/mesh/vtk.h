@@ -48,7 +48,7 @@ typedef struct ss_vtk_section {
 typedef struct ss_vtk_field {
     ss_vtk_array array;
     bool is_of_cells;
-    char name[sizeof((ss_mesh_group *)0)->name];
+    char name[sizeof((ss_mesh_group *)0)->name + 6]; /* room for "group:" before it */
 } ss_vtk_field;
 
 typedef struct ss_vtk_grid {

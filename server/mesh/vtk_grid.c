@@ -195,7 +195,7 @@ static bool read_points(reader *r)
             return false;
         }
     }
-    return ends_array(r, "the points");
+    return r->text->fault_count == 0 && ends_array(r, "the points");
 }
 
 /* ---- cells -------------------------------------------------------------------------------------
