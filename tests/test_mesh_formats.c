@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "mesh/mesh.h"
@@ -564,6 +565,18 @@ static void each_file_gets_what_the_table_says(void **state)
 /* ---- damage ------------------------------------------------------------------------------------
  */
 
+static softsim_status parse_texts(const file_case *c, const char *data, ss_text *text,
+                                  ss_text *other, ss_mesh **out)
+{
+    if (c->other_name != NULL) {
+        const bool is_node = strstr(c->name, "node") != NULL || strstr(c->name, "NODE") != NULL;
+        return ss_mesh_parse_tetgen(is_node ? text : other, is_node ? other : text, 1.0, out);
+    }
+    return strstr(data, "<VTKFile") != NULL ? ss_mesh_parse_vtu(text, 1.0, out)
+           : strncmp(data, "# vtk", 5) == 0 ? ss_mesh_parse_vtk(text, 1.0, out)
+                                            : ss_mesh_parse_msh(text, 1.0, out);
+}
+
 /* By the reader for the case's format, from an exact copy on the heap. */
 static softsim_status parse(const file_case *c, const char *data, size_t size, ss_mesh **out,
                             softsim_error *error)
@@ -572,20 +585,12 @@ static softsim_status parse(const file_case *c, const char *data, size_t size, s
     assert_non_null(copy);
     memcpy(copy, data, size);
     ss_text text;
-    ss_text other;
-    softsim_status status;
+    ss_text other = {0};
     ss_text_init(&text, copy, size, "t", error);
     if (c->other_name != NULL) {
-        const bool is_node = strstr(c->name, "node") != NULL || strstr(c->name, "NODE") != NULL;
         ss_text_init(&other, c->other_text, strlen(c->other_text), "o", error);
-        status = ss_mesh_parse_tetgen(is_node ? &text : &other, is_node ? &other : &text, 1.0, out);
-    } else if (strstr(data, "<VTKFile") != NULL) {
-        status = ss_mesh_parse_vtu(&text, 1.0, out);
-    } else if (strncmp(data, "# vtk", 5) == 0) {
-        status = ss_mesh_parse_vtk(&text, 1.0, out);
-    } else {
-        status = ss_mesh_parse_msh(&text, 1.0, out);
     }
+    const softsim_status status = parse_texts(c, data, &text, &other, out);
     free(copy);
     return status;
 }
@@ -655,6 +660,50 @@ static void good_files_damaged_at_random_are_sound_or_refused(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
+/* From a file in memory, through a window. */
+static void open_text(const char *data, size_t size, size_t window, ss_text *out,
+                      softsim_error *error)
+{
+    const int fd = memfd_create("text", 0);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, data, size), size);
+    assert_true(ss_text_open(out, fd, (int64_t)size, window, "t", error));
+}
+
+static void windows_of_any_size_show_the_same(void **state)
+{
+    (void)state;
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        const file_case *c = &cases[i];
+        static char data[8192];
+        const size_t size = is_good(c) ? make_bytes(c, data, sizeof data) : 0;
+        data[size] = '\0';
+        for (size_t window = 180; size > 0 && window < 400; window += 7) {
+            ss_text text;
+            ss_text other = {.fd = -1};
+            ss_mesh *m = NULL;
+            softsim_error error = {0};
+            char got[1024] = "";
+            open_text(data, size, window, &text, &error);
+            if (c->other_name != NULL) {
+                open_text(c->other_text, strlen(c->other_text), window, &other, &error);
+            }
+            (void)parse_texts(c, data, &text, &other, &m);
+            if (m != NULL) {
+                summarise(m, got, sizeof got);
+            }
+            if (strcmp(got, c->expected) != 0) {
+                fail_msg("%s, window of %zu: %s%s", c->name, window, got, error.text);
+            }
+            ss_mesh_destroy(&m);
+            (void)close(text.fd);
+            (void)close(other.fd);
+            ss_text_fini(&text);
+            ss_text_fini(&other);
+        }
+    }
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -675,6 +724,7 @@ int main(void)
         cmocka_unit_test(each_file_gets_what_the_table_says),
         cmocka_unit_test(good_files_cut_anywhere_are_sound_or_refused),
         cmocka_unit_test(good_files_damaged_at_random_are_sound_or_refused),
+        cmocka_unit_test(windows_of_any_size_show_the_same),
     };
     return cmocka_run_group_tests_name("softsim.mesh_formats", tests, make_folder, remove_folder);
 }

@@ -110,7 +110,7 @@ static softsim_status parse_file(int fd, size_t size, int64_t start, const char 
 {
     ss_text text;
     softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (ss_text_open(&text, fd, (int64_t)size, path, error)) {
+    if (ss_text_open(&text, fd, (int64_t)size, SS_TEXT_WINDOW, path, error)) {
         ss_text_seek(&text, (ss_text_mark){.offset = start});
         status = parse(&text, metres_per_unit, out_mesh);
     }
@@ -141,8 +141,8 @@ static softsim_status parse_pair(int fd, size_t size, const char *path, double m
     ss_text mine;
     ss_text others = {0};
     status = SOFTSIM_ERROR_MEMORY;
-    if (ss_text_open(&mine, fd, (int64_t)size, path, error) &&
-        ss_text_open(&others, other, (int64_t)other_size, other_path, error)) {
+    if (ss_text_open(&mine, fd, (int64_t)size, SS_TEXT_WINDOW, path, error) &&
+        ss_text_open(&others, other, (int64_t)other_size, SS_TEXT_WINDOW, other_path, error)) {
         status = ss_mesh_parse_tetgen(is_node ? &mine : &others, is_node ? &others : &mine,
                                       metres_per_unit, out_mesh);
     }

@@ -34,6 +34,9 @@ static void add_fault(ss_text *text, softsim_status status, const char *place, c
                       va_list arguments)
 {
     char what[1024];
+    if (text->has_failed) {
+        return; /* what is missed now was said */
+    }
     (void)vsnprintf(what, sizeof what, format, arguments);
     for (char *c = what; *c != '\0'; ++c) {
         *c = (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
@@ -88,10 +91,12 @@ void ss_text_init(ss_text *text, const char *memory, size_t size, const char *na
                       .fd = -1};
 }
 
-bool ss_text_open(ss_text *text, int fd, int64_t size, const char *name, softsim_error *error)
+bool ss_text_open(ss_text *text, int fd, int64_t size, size_t window, const char *name,
+                  softsim_error *error)
 {
-    *text = (ss_text){.name = name, .error = error, .stop = '\n', .size = size, .fd = fd};
-    text->window = ss_memory_get(SS_TEXT_WINDOW, 1);
+    *text = (ss_text){
+        .name = name, .error = error, .stop = '\n', .size = size, .fd = fd, .window_size = window};
+    text->window = ss_memory_get(window, 1);
     text->at = text->window;
     text->end = text->window;
     return text->window != NULL ? true : ss_text_out_of_memory(text);
@@ -111,11 +116,11 @@ static bool refill(ss_text *text)
         return false;
     }
     const size_t kept = (size_t)(text->end - text->at);
-    if (kept == SS_TEXT_WINDOW) {
+    if (kept == text->window_size) {
         ss_text_fault(text,
                       "more than %d bytes without an end of line: write the file in shorter "
                       "lines",
-                      (int)SS_TEXT_WINDOW);
+                      (int)text->window_size);
         text->has_failed = true;
         return false;
     }
@@ -124,7 +129,7 @@ static bool refill(ss_text *text)
     text->end = text->window + kept;
     ssize_t count;
     do {
-        count = pread(text->fd, text->window + kept, SS_TEXT_WINDOW - kept, text->end_offset);
+        count = pread(text->fd, text->window + kept, text->window_size - kept, text->end_offset);
     } while (count < 0 && errno == EINTR);
     if (count <= 0) {
         if (count < 0) {

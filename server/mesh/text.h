@@ -42,6 +42,7 @@ typedef struct ss_text {
     const char *memory; /* the whole, or NULL: then the file and its window */
     int fd;
     char *window;
+    size_t window_size;
 } ss_text;
 
 /* A place to come back to. */
@@ -53,8 +54,10 @@ typedef struct ss_text_mark {
 /* Over `size` bytes in memory, which need no terminating zero. */
 void ss_text_init(ss_text *text, const char *memory, size_t size, const char *name,
                   softsim_error *error);
-/* Over an open regular file; release with ss_text_fini. False when out of memory. */
-bool ss_text_open(ss_text *text, int fd, int64_t size, const char *name, softsim_error *error);
+/* Over an open regular file, through a window of so many bytes, 64 at least; release with
+ * ss_text_fini. False when out of memory. */
+bool ss_text_open(ss_text *text, int fd, int64_t size, size_t window, const char *name,
+                  softsim_error *error);
 void ss_text_fini(ss_text *text);
 
 ss_text_mark ss_text_here(const ss_text *text);
