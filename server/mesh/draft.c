@@ -297,6 +297,12 @@ static bool grow(ss_draft *d, ss_draft_group *group)
         return true;
     }
     const int32_t capacity = group->capacity == 0 ? 64 : 2 * group->capacity;
+    d->member_room += capacity - group->capacity;
+    if (d->member_room > SS_DRAFT_MAX_MEMBERS) {
+        ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
+                           "its groups have too many nodes together: use fewer groups");
+        return false;
+    }
     int32_t *node = ss_memory_get((size_t)capacity, sizeof *node);
     if (node == NULL) {
         return ss_text_out_of_memory(d->text);

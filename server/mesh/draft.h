@@ -14,7 +14,8 @@
 enum {
     SS_DRAFT_MAX_COUNT = 64 * 1024 * 1024, /* nodes, or elements: ids times six fit an int32 */
     SS_DRAFT_MAX_GROUPS = 1024,
-    SS_DRAFT_MAX_VALUES = 64, /* an array of more distinct values names no groups */
+    SS_DRAFT_MAX_VALUES = 64,       /* an array of more distinct values names no groups */
+    SS_DRAFT_MAX_MEMBERS = 1 << 28, /* nodes of all groups together, with room to grow: 1 GiB */
     SS_DRAFT_MAX_CORNERS = 4
 };
 
@@ -45,7 +46,8 @@ typedef struct ss_draft {
     ss_draft_group group[SS_DRAFT_MAX_GROUPS]; /* in the order in which they were asked for */
     int32_t order[SS_DRAFT_MAX_GROUPS];        /* of their keys */
     int32_t group_count;
-    uint64_t *bits; /* a node each, zero between uses */
+    int64_t member_room; /* of all groups */
+    uint64_t *bits;      /* a node each, zero between uses */
 } ss_draft;
 
 /* Values of the nodes or elements, of which each distinct one names a group. */
