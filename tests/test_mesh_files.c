@@ -356,11 +356,11 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
         {"#!/bin/sh\nexit 3\n", "gave no reason"},
         {"#!/bin/sh\nexit 0\n", "cut off"},
         {"#!/bin/sh\nhead -c 4000 /dev/zero\n", "makes no sense"},
-        {"#!/bin/sh\nprintf 'softsim2\\377\\377\\377\\377\\377\\377\\377\\177'\n"
-         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 28 /dev/zero\n",
+        {"#!/bin/sh\nprintf 'softsim3\\377\\377\\377\\377\\377\\377\\377\\177'\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 44 /dev/zero\n",
          "makes no sense"},
-        {"#!/bin/sh\nprintf 'softsim2\\3\\0\\0\\0\\0\\0\\0\\0'; head -c 8 /dev/zero\n"
-         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 96 /dev/zero\n",
+        {"#!/bin/sh\nprintf 'softsim3\\3\\0\\0\\0\\0\\0\\0\\0'; head -c 8 /dev/zero\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 112 /dev/zero\n",
          "makes no sense"},
         {"not a program", "cannot start"},
     };
