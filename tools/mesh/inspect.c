@@ -10,18 +10,6 @@
 
 #include <stdio.h>
 
-double metres_per_unit(int index)
-{
-    static const double metres[] = {1e-3, 1e-2, 1e-1, 1.0};
-    return metres[index];
-}
-
-const char *unit_name(int index)
-{
-    static const char *const names[] = {"mm", "cm", "dm", "m"};
-    return names[index];
-}
-
 typedef struct inspection {
     const char *path;
     int32_t units;
