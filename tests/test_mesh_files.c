@@ -634,7 +634,7 @@ static void check_and_info_exit_as_promised(void **state)
         {"check good.obj --units m", 0, "good"},
         {"check good.obj --units miles", 2, "none of mm|cm|dm|m"},
         {"check", 2, "usage: softsim-mesh check FILE"},
-        {"info good.obj", 0, "volume_mm3  1\n"},
+        {"info good.obj", 0, "volume      1\n"},
         {"info good.obj --nodes --units m", 0, "\n7,1,1,1\n"},
         {"info good.obj extra", 2, "too many"},
         {"generate", 2, "missing"},

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-mesh info and check. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "tool_fixture.h"
+
+#define CUBE_V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+#define CUBE_F                                                                                     \
+    "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"   \
+    "f 2 4 8\nf 2 8 6\n"
+#define MSH(nodes, elements)                                                                       \
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" nodes "$EndNodes\n$Elements\n" elements       \
+    "$EndElements\n"
+#define CORNERS "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+
+/* ---- check: each fault, its count, first numbers and exit status
+ * -----------------------------------
+ */
+
+static const struct {
+    const char *name, *text;
+    int status;
+    const char *finding; /* in the JSON */
+    const char *says;    /* in the text */
+} faults[] = {
+    {"good.obj", CUBE_V CUBE_F, 0, "\"findings\": []", "good.obj: good"},
+    {"tetrahedron.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 4\n"), 0, "\"findings\": []",
+     "tetrahedron.msh: good"},
+    {"empty.obj", "", 2, "\"error\": ", "empty.obj"},
+    {"empty.msh", MSH("0\n", "0\n"), 2, "\"error\": ", "empty.msh"},
+    {"text.msh", "hello\n", 2, "\"error\": ", "text.msh"},
+    {"nan.obj", "v 0 0 nan\n" CUBE_F, 2, "\"error\": ", "nan.obj:1: the position"},
+    {"index.obj", CUBE_V CUBE_F "f 1 2 77\n", 2, "\"error\": ", "index.obj"},
+    {"index.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 9\n"), 2, "\"error\": ", "index.msh:13: "},
+    {"open.obj", CUBE_V "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n",
+     1,
+     "{\"key\": \"hole\", \"count\": 2, \"status\": 1, \"is_refused\": false, \"first\": [0, 1], ",
+     "open edges: 8 (at node 0, 0, 1, 1, 2, ...)"},
+    {"reversed.obj",
+     CUBE_V "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\n"
+            "f 3 7 1\nf 8 4 2\nf 6 8 2\n",
+     1, "{\"key\": \"inside_out\", \"count\": 1, \"status\": 1, \"is_refused\": true, ",
+     "inside out: flip it"},
+    {"turned.obj",
+     CUBE_V "f 4 3 1\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\n"
+            "f 1 7 3\nf 2 4 8\nf 2 8 6\n",
+     2, "{\"key\": \"inconsistent_winding\", \"count\": 3, ", "wound against each other: 3"},
+    {"parts.obj",
+     CUBE_V CUBE_F
+     "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n",
+     1, "{\"key\": \"component\", \"count\": 2, ", "separate parts: 2"},
+    {"crossing.obj",
+     CUBE_V CUBE_F "v .5 .5 .5\nv 2 .5 .5\nv .5 2 .5\nv .5 .5 2\nf 9 11 10\nf 9 10 12\nf 9 12 11\n"
+                   "f 10 11 12\n",
+     1, "{\"key\": \"self_intersection\", \"count\": ", "triangles that cross others: "},
+    {"loose.obj", CUBE_V "v 7 7 7\n" CUBE_F, 1, "{\"key\": \"unused_node\", \"count\": 1, ",
+     "vertices without a face, left out as the file was read: 1"},
+    {"coincident.obj",
+     CUBE_V "v 1 1 1\nf 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n"
+            "f 1 5 7\nf 1 7 3\nf 2 4 9\nf 2 9 6\n",
+     1, "{\"key\": \"joined_node\", \"count\": 1, ", "vertices on top of others, joined"},
+    {"loose.msh", MSH("5\n" CORNERS "5 9 9 9\n", "1\n1 4 2 0 1 1 2 3 4\n"), 1,
+     "{\"key\": \"loose_node\", \"count\": 1, \"status\": 1, \"is_refused\": true, \"first\": "
+     "[4], ",
+     "nodes without an element: 1 (node 4)"},
+    {"coincident.msh",
+     MSH("8\n" CORNERS "5 0 0 0\n6 -1 0 0\n7 0 -1 0\n8 0 0 -1\n",
+         "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 5 7 6 8\n"),
+     1,
+     "{\"key\": \"coincident_node\", \"count\": 1, \"status\": 1, \"is_refused\": true, \"first\": "
+     "[4], ",
+     "nodes on top of others: 1 (node 4)"},
+    {"sliver.msh", MSH("4\n1 0 0 0\n2 1 1 0\n3 1 0 .05\n4 0 1 .05\n", "1\n1 4 2 0 1 1 2 4 3\n"), 1,
+     "{\"key\": \"sliver\", \"count\": 1, \"status\": 1, \"is_refused\": false, \"first\": [0], ",
+     "outside 10 to 170 degrees"},
+    {"inverted.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 4 3\n"), 1,
+     "{\"key\": \"inverted_tetrahedron\", \"count\": 1, \"status\": 1, \"is_refused\": true, ",
+     "inverted tetrahedra: 1 (tetrahedron 0)"},
+    {"mixed.msh", MSH("5\n" CORNERS "5 0 0 -1\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 3 5\n"), 2,
+     "{\"key\": \"inverted_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [1], ",
+     "inverted tetrahedra: 1 (tetrahedron 1)"},
+    {"flat.msh", MSH("5\n" CORNERS "5 1 1 0\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 5 3\n"), 2,
+     "{\"key\": \"flat_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": "
+     "[1], ",
+     "without a volume: 1 (tetrahedron 1)"},
+    {"twice.msh", MSH("4\n" CORNERS, "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 3 1 4\n"), 2,
+     "{\"key\": \"duplicate_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [1], ",
+     "tetrahedra that are there already: 1 (tetrahedron 1)"},
+    {"face.msh",
+     MSH("6\n" CORNERS "5 0 0 -1\n6 1 1 2\n",
+         "3\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 3 2 5\n3 4 2 0 1 1 2 3 6\n"),
+     2,
+     "{\"key\": \"crowded_face\", \"count\": 1, \"status\": 2, \"is_refused\": true, \"first\": "
+     "[0], ",
+     "faces of more than two tetrahedra: 1 (at node 0)"},
+    {"edge.obj", CUBE_V CUBE_F "v 2 2 .5\nf 2 9 4\n", 2,
+     "{\"key\": \"non_manifold_edge\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [",
+     "edges of more than two triangles: 1 (at node 1)"},
+};
+
+static void each_fault_has_its_count_numbers_and_exit_status(void **state)
+{
+    (void)state;
+    for (int32_t i = 0; i < COUNT(faults); ++i) {
+        char command[256];
+        char out[16384];
+        write_text(faults[i].name, faults[i].text);
+        (void)snprintf(command, sizeof command, TOOL "check %s", faults[i].name);
+        int status = run(command, out, sizeof out);
+        if (status != faults[i].status || strstr(out, faults[i].says) == NULL) {
+            fail_msg("%s: %d: %s", faults[i].name, status, out);
+        }
+        (void)snprintf(command, sizeof command, TOOL "check --json %s", faults[i].name);
+        status = run(command, out, sizeof out);
+        if (status != faults[i].status || strstr(out, faults[i].finding) == NULL) {
+            fail_msg("%s: %d: %s", faults[i].name, status, out);
+        }
+    }
+}
+
+static void lengths_are_the_files_own_unless_units_are_given(void **state)
+{
+    (void)state;
+    char out[8192];
+    write_text("two.obj",
+               "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    assert_int_equal(run(TOOL "check two.obj", out, sizeof out), 0);
+    assert_non_null(strstr(out, "box         0 0 0 to 2 2 2\n"));
+    assert_non_null(strstr(out, "volume      1.33333\n"));
+    assert_non_null(strstr(out, "taken as 1 mm"));
+    assert_non_null(strstr(out, "edge        2 least, 2.41421 mean, 2.82843 greatest\n"));
+    assert_non_null(strstr(out, "angles      40-50: 3  "));
+    assert_int_equal(run(TOOL "check two.obj --units cm", out, sizeof out), 0);
+    assert_non_null(strstr(out, "box         0 0 0 to 0.02 0.02 0.02\n"));
+    assert_null(strstr(out, "taken as 1 mm"));
+    assert_int_equal(run(TOOL "info two.obj --units cm --json", out, sizeof out), 0);
+    assert_non_null(strstr(out,
+                           "\"unit\": \"m\", \"box_min\": [0, 0, 0], \"box_max\": [0.02, 0.02, "
+                           "0.02]"));
+    assert_non_null(strstr(out, "\"nodes\": 4, \"triangles\": 4, \"quads\": 0, \"tetrahedra\": 0"));
+    assert_int_equal(run(TOOL "info two.obj --nodes", out, sizeof out), 0);
+    assert_non_null(strstr(out, "node,x,y,z\n0,0,0,0\n1,2,0,0\n"));
+}
+
+static double number_after(const char *text, const char *word)
+{
+    const char *at = strstr(text, word);
+    if (at == NULL) {
+        fail_msg("no '%s' in %s", word, text);
+        return 0.0;
+    }
+    return strtod(at + strlen(word), NULL);
+}
+
+static void each_model_tells_its_stable_step_and_memory(void **state)
+{
+    (void)state;
+    char out[8192];
+    double bytes[2];
+    for (int i = 0; i < 2; ++i) {
+        char command[256];
+        (void)snprintf(command, sizeof command,
+                       TOOL "generate kidney --points %d --out k.obj && " TOOL
+                            "check k.obj --units mm --json",
+                       i == 0 ? 300 : 1200);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        const double step = number_after(out, "{\"name\": \"cnn-energy\", \"stable_step_s\": ");
+        assert_true(step > 1e-6 && step < 1.0);
+        bytes[i] = number_after(out, "\"bytes\": ");
+    }
+    assert_true(bytes[1] > 2.0 * bytes[0] && bytes[1] < 8.0 * bytes[0]);
+    assert_non_null(strstr(out, "\"material\": \"soft tissue: Young's modulus 10 kPa"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_fault_has_its_count_numbers_and_exit_status),
+        cmocka_unit_test(lengths_are_the_files_own_unless_units_are_given),
+        cmocka_unit_test(each_model_tells_its_stable_step_and_memory),
+    };
+    return cmocka_run_group_tests_name("softsim.mesh_tool", tests, make_folder, remove_folder);
+}
