@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* softsim-mesh info and check. */
+/* softsim-mesh info, check and convert. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -183,12 +183,100 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
     assert_non_null(strstr(out, "\"material\": \"soft tissue: Young's modulus 10 kPa"));
 }
 
+/* ---- convert ------------------------------------------------------------------------------------
+ */
+
+static void formats_and_units_are_converted(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("good.obj", CUBE_V CUBE_F);
+    assert_int_equal(run(TOOL "convert good.obj good.msh --units m --to-units mm", out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "good.msh: 8 nodes, 12 triangles\n"));
+    ss_mesh *m = load("good.msh", 1.0);
+    assert_near(m->position[7][2], 1000.0, 0.0);
+    ss_mesh_destroy(&m);
+    assert_int_equal(run(TOOL "generate block --tetrahedra --points 100 --out b.msh && " TOOL
+                              "convert b.msh c.msh && cmp b.msh c.msh && " TOOL
+                              "convert b.msh b.obj",
+                         out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "of which the surface: "));
+    m = load("b.obj", 1e-3);
+    assert_true(m->is_closed);
+    ss_mesh_destroy(&m);
+}
+
+static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
+{
+    (void)state;
+    char out[4096];
+    /* Kuhn's six of a cube, two inverted; node 9 loose, 10 on top of 1; the third is there twice.
+     */
+    write_text("broken.msh",
+               MSH("10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n6 1 0 1\n7 0 1 1\n8 1 1 1\n"
+                   "9 5 5 5\n10 0 0 0\n",
+                   "7\n1 4 2 0 1 1 2 4 8\n2 4 2 0 1 1 3 4 8\n3 4 2 0 1 1 3 7 8\n4 4 2 0 1 1 7 5 8\n"
+                   "5 4 2 0 1 1 6 5 8\n6 4 2 0 1 10 6 2 8\n7 4 2 0 1 3 7 1 8\n"));
+    assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
+    assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
+    const char *const changes[] = {
+        "broken.msh: nodes welded to others: 1\n", "broken.msh: double elements dropped: 1\n",
+        "broken.msh: loose nodes dropped: 1\n",
+        "broken.msh: tetrahedra turned: ", "mended.msh: 8 nodes, 6 tetrahedra"};
+    for (int32_t i = 0; i < COUNT(changes); ++i) {
+        if (strstr(out, changes[i]) == NULL) {
+            fail_msg("no '%s' in %s", changes[i], out);
+        }
+    }
+    assert_int_equal(run(TOOL "check mended.msh", out, sizeof out), 0);
+    /* Without --repair the mesh goes as it is. */
+    assert_int_equal(run(TOOL "convert broken.msh same.msh", out, sizeof out), 0);
+    assert_int_equal(run(TOOL "check same.msh", out, sizeof out), 2);
+}
+
+static void the_input_is_replaced_only_when_asked(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("mine.obj", CUBE_V CUBE_F);
+    const struct {
+        const char *arguments;
+        int status;
+        const char *says;
+    } cases[] = {
+        {"convert mine.obj mine.obj", 2, "'mine.obj' is the input"},
+        {"convert mine.obj ./mine.obj", 2, "is the input"},
+        {"convert mine.obj mine.obj --overwrite", 0, "mine.obj: 8 nodes"},
+        {"convert mine.obj mine.stl", 2, "ends in neither .obj nor .msh"},
+        {"convert mine.obj x.msh --to-units m", 2, "give --units too"},
+        {"convert mine.obj no/such.msh", 1, "cannot write it"},
+        {"convert mine.obj", 2, "usage"},
+        {"convert none.obj x.msh", 2, "none.obj: cannot read it"},
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        char command[256];
+        (void)snprintf(command, sizeof command, TOOL "%s", cases[i].arguments);
+        const int status = run(command, out, sizeof out);
+        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
+            fail_msg("%s: %d: %s", cases[i].arguments, status, out);
+        }
+    }
+    ss_mesh *m = load("mine.obj", 1.0);
+    assert_int_equal(m->triangle_count, 12);
+    ss_mesh_destroy(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_fault_has_its_count_numbers_and_exit_status),
         cmocka_unit_test(lengths_are_the_files_own_unless_units_are_given),
         cmocka_unit_test(each_model_tells_its_stable_step_and_memory),
+        cmocka_unit_test(formats_and_units_are_converted),
+        cmocka_unit_test(repair_tells_each_change_and_what_comes_out_is_good),
+        cmocka_unit_test(the_input_is_replaced_only_when_asked),
     };
     return cmocka_run_group_tests_name("softsim.mesh_tool", tests, make_folder, remove_folder);
 }
