@@ -650,7 +650,7 @@ static void check_and_info_exit_as_promised(void **state)
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},
         {"generate --help", 0, "--size-mm X,Y,Z"},
         {"melt", 2, "'melt' is none of"},
-        {"", 2, "none of info, check, convert, generate"},
+        {"", 2, "none of info, check, convert, tetrahedralize, generate"},
         {"--help", 0, "usage: softsim-mesh"},
         {"--version", 0, "softsim-mesh " SOFTSIM_VERSION},
     };

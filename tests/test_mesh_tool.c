@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* softsim-mesh info, check and convert. */
+/* softsim-mesh info, check, convert and tetrahedralize. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <sys/stat.h>
 
 #include "tool_fixture.h"
 
@@ -268,6 +269,116 @@ static void the_input_is_replaced_only_when_asked(void **state)
     ss_mesh_destroy(&m);
 }
 
+/* ---- tetrahedralize -----------------------------------------------------------------------------
+ */
+
+/* With a program of that name, or none, on the path. */
+static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("good.obj", CUBE_V CUBE_F);
+    write_text("open.obj", CUBE_V "f 1 3 4\nf 1 4 2\n");
+    const struct {
+        const char *script, *arguments;
+        int status;
+        const char *says;
+    } cases[] = {
+        {NULL, "good.obj t.msh --edge 1", 1, "install Debian's package tetgen"},
+        {"exit 3", "good.obj t.msh --edge 1", 1, "exit status 3: it gave no reason"},
+        {"echo first; echo bad facet >&2; exit 1", "good.obj t.msh --edge 1", 1,
+         "exit status 1: bad facet"},
+        {"kill -SEGV $$", "good.obj t.msh --edge 1", 1, "crashed (signal 11)"},
+        {"exec /bin/sleep 100", "good.obj t.msh --edge 1 --timeout-s 0.2", 1,
+         "not done after 0.2 s"},
+        {"exit 0", "good.obj t.msh --edge 1", 1, "in.1.node"},
+        {"exit 0", "open.obj t.msh --edge 1", 2, "open.obj: open edges: 4"},
+        {"exit 0", "good.obj t.obj --edge 1", 2, "name a .msh file"},
+        {"exit 0", "good.obj t.msh", 2, "give one of --edge and --edge-mm"},
+        {"exit 0", "good.obj t.msh --edge 1 --edge-mm 1", 2, "give one of"},
+        {"exit 0", "b.msh t.msh --edge 1", 2, "it has tetrahedra already"},
+    };
+    assert_int_equal(
+        run(TOOL "generate block --tetrahedra --points 100 --out b.msh", out, sizeof out), 0);
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        char command[512];
+        assert_int_equal(run("rm -rf bin && mkdir bin", out, sizeof out), 0);
+        if (cases[i].script != NULL) {
+            char script[256];
+            (void)snprintf(script, sizeof script, "#!/bin/sh\n%s\n", cases[i].script);
+            write_text("bin/tetgen", script);
+            assert_int_equal(chmod(in_folder("bin/tetgen"), 0755), 0);
+        }
+        (void)snprintf(command, sizeof command,
+                       "mkdir -p tmp && PATH=$PWD/bin TMPDIR=$PWD/tmp " TOOL "tetrahedralize %s",
+                       cases[i].arguments);
+        const int status = run(command, out, sizeof out);
+        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
+            fail_msg("%s, %s: %d: %s", cases[i].script, cases[i].arguments, status, out);
+        }
+        /* Nothing is left behind. */
+        assert_int_equal(run("rmdir tmp && test ! -e t.msh", out, sizeof out), 0);
+    }
+}
+
+static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (run("command -v tetgen", out, sizeof out) != 0) {
+        print_message("tetgen is not installed: not tested\n");
+        skip();
+    }
+    const char *kidney = SOURCE_DIR "/server/scenes/kidney.obj";
+    char command[512];
+    (void)snprintf(command, sizeof command, TOOL "tetrahedralize %s k.msh --edge-mm 6 --units mm",
+                   kidney);
+    if (run(command, out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    if (run(TOOL "check k.msh --units mm", out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    ss_mesh *volume = load("k.msh", 1.0);
+    ss_mesh *surface = NULL;
+    assert_int_equal(ss_mesh_load(kidney, 1.0, BIN_DIR "/softsim-import", &surface, NULL),
+                     SOFTSIM_OK);
+    assert_true(volume->tetrahedron_count > 3000);
+    assert_int_equal(volume->triangle_count, surface->triangle_count);
+    for (int32_t i = 0; i < surface->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            assert_near(volume->position[i][k], surface->position[i][k], 1e-9);
+        }
+    }
+    ss_mesh_destroy(&surface);
+    ss_mesh_destroy(&volume);
+}
+
+static void cavities_stay_hollow(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (run("command -v tetgen", out, sizeof out) != 0) {
+        print_message("tetgen is not installed: not tested\n");
+        skip();
+    }
+    /* A unit cube in a cube of 3, turned inside out. */
+    write_text(
+        "hollow.obj", CUBE_V
+        "v -1 -1 -1\nv 2 -1 -1\nv -1 2 -1\nv 2 2 -1\nv -1 -1 2\nv 2 -1 2\nv -1 2 2\nv 2 2 2\n"
+        "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\n"
+        "f 3 7 1\nf 8 4 2\nf 6 8 2\nf 9 11 12\nf 9 12 10\nf 13 14 16\nf 13 16 15\nf 9 10 14\n"
+        "f 9 14 13\nf 11 15 16\nf 11 16 12\nf 9 13 15\nf 9 15 11\nf 10 12 16\nf 10 16 14\n");
+    if (run(TOOL "tetrahedralize hollow.obj h.msh --edge 1", out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    ss_mesh *m = load("h.msh", 1.0);
+    ss_mesh_report r;
+    assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);
+    assert_near(r.volume, 26.0, 1e-9);
+    ss_mesh_destroy(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -277,6 +388,9 @@ int main(void)
         cmocka_unit_test(formats_and_units_are_converted),
         cmocka_unit_test(repair_tells_each_change_and_what_comes_out_is_good),
         cmocka_unit_test(the_input_is_replaced_only_when_asked),
+        cmocka_unit_test(tetgen_that_is_missing_or_fails_is_one_error),
+        cmocka_unit_test(a_kidney_is_filled_and_its_surface_keeps_its_numbers),
+        cmocka_unit_test(cavities_stay_hollow),
     };
     return cmocka_run_group_tests_name("softsim.mesh_tool", tests, make_folder, remove_folder);
 }

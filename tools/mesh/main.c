@@ -14,6 +14,8 @@ static const struct {
     {"info", command_info, "softsim-mesh info", "prints what is in a mesh file"},
     {"check", command_check, "softsim-mesh check", "tells whether a mesh can be simulated"},
     {"convert", command_convert, "softsim-mesh convert", "to another format; mends on demand"},
+    {"tetrahedralize", command_tetrahedralize, "softsim-mesh tetrahedralize",
+     "fills a closed surface, by tetgen"},
     {"generate", command_generate, "softsim-mesh generate", "writes a kidney, liver, block ..."},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
@@ -49,7 +51,7 @@ int main(int argc, char **argv)
         }
     }
     (void)fprintf(stderr,
-                  "softsim-mesh: '%s' is none of info, check, convert, generate; "
+                  "softsim-mesh: '%s' is none of info, check, convert, tetrahedralize, generate; "
                   "softsim-mesh --help says more\n",
                   name);
     return 2;
