@@ -258,7 +258,7 @@ static const struct {
      "ELF",
      "not a mesh that is read here", SOFTSIM_ERROR_FORMAT},
     {"noend", "v 0 0 0\n", "not a mesh that is read here", SOFTSIM_ERROR_FORMAT},
-    {"wrong.obj", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "Gmsh format 4.1",
+    {"wrong.obj", "$MeshFormat\n4.1 1 8\n$EndMeshFormat\n", "Gmsh format 4.1 binary",
      SOFTSIM_ERROR_FORMAT},
 };
 

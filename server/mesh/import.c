@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Reading mesh files. MSH text goes to our own reader, by its content; the formats that assimp
- * knows go, by their name, to the helper program softsim-import, because assimp ends the process
- * or runs for ever on some damaged files. The helper limits its own memory and CPU time; here a
- * clock limits its wall time and its output is bounded and checked, since a damaged file may
- * have made it write anything. A child forked without exec was rejected: the daemon would link
- * assimp.
+ * Reading the formats that assimp knows through the helper program softsim-import, because assimp
+ * ends the process or runs for ever on some damaged files. The helper limits its own memory and
+ * CPU time; here a clock limits its wall time and its output is bounded and checked, since a
+ * damaged file may have made it write anything. A child forked without exec was rejected: the
+ * daemon would link assimp.
  */
 #include "mesh/import.h"
 
 #include "mesh/mesh.h"
+#include "mesh/readers.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -24,14 +24,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 extern char **environ;
 
-enum { MAX_WALL_S = 60, MAX_FILE_BYTES = 1 << 30, MAX_TEXT = 1024 };
+enum { MAX_WALL_S = 60, MAX_TEXT = 1024 };
 
 typedef struct buffer {
     char *data;
@@ -321,9 +319,8 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
     return status;
 }
 
-static softsim_status import_file(const char *path, double metres_per_unit,
-                                  const char *import_program, ss_mesh **out_mesh,
-                                  softsim_error *error)
+softsim_status ss_mesh_import(const char *path, double metres_per_unit, const char *import_program,
+                              ss_mesh **out_mesh, softsim_error *error)
 {
     char program[PATH_MAX] = "";
     if (!find_program(import_program, program)) {
@@ -345,126 +342,5 @@ import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error };
         }
     }
     free(im.out.data);
-    return status;
-}
-
-/* ---- MSH files --------------------------------------------------------------------------------
- */
-
-static softsim_status fail_file(const char *path, const char *why, softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_FILE,
-                      "%s: cannot read it (%s): check its name and rights", path, why);
-    return SOFTSIM_ERROR_FILE;
-}
-
-static softsim_status read_msh_file(int fd, const char *path, size_t size, double metres_per_unit,
-                                    ss_mesh **out_mesh, softsim_error *error)
-{
-    char *text = malloc(size);
-    if (text == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    /* A file that shrinks meanwhile reads as one that is cut off. */
-    size_t used = 0;
-    ssize_t count = 1;
-    while (used < size && count != 0) {
-        count = pread(fd, text + used, size - used, (off_t)used);
-        if (count < 0 && errno != EINTR) {
-            break;
-        }
-        used += count > 0 ? (size_t)count : 0;
-    }
-    const softsim_status status =
-        count < 0 ? fail_file(path, strerror(errno), error)
-                  : ss_mesh_read_msh(text, used, path, metres_per_unit, out_mesh, error);
-    free(text);
-    return status;
-}
-
-/* Is the first character that is not blank a '$', as in every MSH text? */
-static bool looks_like_msh(int fd)
-{
-    char start[64];
-    const ssize_t count = pread(fd, start, sizeof start, 0);
-    ssize_t i = 0;
-    while (i < count && strchr(" \t\r\n", start[i]) != NULL && start[i] != '\0') {
-        ++i;
-    }
-    return i < count && start[i] == '$';
-}
-
-static bool is_importable(const char *path)
-{
-    static const char *const known[] = {".obj", ".stl", ".ply", ".glb", ".gltf"};
-    const char *slash = strrchr(path, '/');
-    const char *extension = strrchr(slash != NULL ? slash : path, '.');
-    for (size_t i = 0; extension != NULL && i < sizeof known / sizeof known[0]; ++i) {
-        if (strcasecmp(extension, known[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* An open regular file of a size that can be read, or -1 with the fault in `error`. Opened without
- * blocking: a FIFO must not hang the start. */
-static int open_file(const char *path, size_t *out_size, softsim_status *out_status,
-                     softsim_error *error)
-{
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    struct stat info;
-    *out_status = SOFTSIM_ERROR_FILE;
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        (void)fail_file(path, strerror(errno), error);
-    } else if (!S_ISREG(info.st_mode)) {
-        (void)fail_file(path, S_ISDIR(info.st_mode) ? "a folder" : "not a file", error);
-    } else if (info.st_size == 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: the file is empty: write it again",
-                          path);
-        *out_status = SOFTSIM_ERROR_FORMAT;
-    } else if (info.st_size > MAX_FILE_BYTES) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
-                          "%s: larger than 1 GiB: simplify the mesh first", path);
-        *out_status = SOFTSIM_ERROR_FORMAT;
-    } else {
-        *out_size = (size_t)info.st_size;
-        *out_status = SOFTSIM_OK;
-        return fd;
-    }
-    if (fd >= 0) {
-        (void)close(fd);
-    }
-    return -1;
-}
-
-softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
-                            ss_mesh **out_mesh, softsim_error *error)
-{
-    *out_mesh = NULL;
-    if (!(metres_per_unit > 0.0 && isfinite(metres_per_unit))) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: a unit of %g m: give a positive number", path, metres_per_unit);
-        return SOFTSIM_ERROR_ARGUMENT;
-    }
-    size_t size = 0;
-    softsim_status status = SOFTSIM_OK;
-    const int fd = open_file(path, &size, &status, error);
-    if (fd < 0) {
-        return status;
-    }
-    if (looks_like_msh(fd)) {
-        status = read_msh_file(fd, path, size, metres_per_unit, out_mesh, error);
-    } else if (is_importable(path)) {
-        status = import_file(path, metres_per_unit, import_program, out_mesh, error);
-    } else {
-        status = SOFTSIM_ERROR_FORMAT;
-        softsim_error_add(error, status,
-                          "%s: not a mesh that is read here: give OBJ, STL, PLY, GLB or glTF "
-                          "(by the file's ending) or Gmsh MSH 2.2 ASCII",
-                          path);
-    }
-    (void)close(fd);
     return status;
 }

@@ -5,8 +5,9 @@
  * Meshes at rest: nodes, triangles, quads and tetrahedra, fixed after load.
  *
  * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
- * process of its own with limits on memory and time; Gmsh MSH 2.2 ASCII by our own bounded
- * reader, in double, numbering kept) and the unit of its lengths. Out: SI coordinates, 0-based
+ * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, TetGen's
+ * .node and .ele, VTK legacy and XML by our own bounded readers, in double, numbering kept) and the
+ * unit of its lengths. Out: SI coordinates, 0-based
  * numbers in file order (never the file's tags). The surface of a volume mesh is extracted and
  * wound counter-clockwise seen from outside. Memory belongs to the mesh.
  * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
@@ -17,12 +18,30 @@
 
 #include "softsim/types.h"
 
-/* A named set of nodes (a physical group of the file). */
+/* A named set of nodes: a physical group of MSH; "marker=1" and "region=2" of TetGen; of VTK
+ * "NAME=VALUE" for each value of an array of integers with at most 64 different ones, and "NAME"
+ * for an array "group:NAME" of zeros and ones. */
 typedef struct ss_mesh_group {
     char name[64];
     int32_t *node;
     int32_t node_count;
 } ss_mesh_group;
+
+/* Kinds of elements in files. */
+typedef enum ss_mesh_kind {
+    SS_MESH_POINT,
+    SS_MESH_LINE,
+    SS_MESH_TRIANGLE,
+    SS_MESH_QUAD,
+    SS_MESH_TETRAHEDRON,
+    SS_MESH_POLYGON, /* of other corners, strips, pixels */
+    SS_MESH_HEXAHEDRON,
+    SS_MESH_PRISM,
+    SS_MESH_PYRAMID,
+    SS_MESH_HIGHER_ORDER,
+    SS_MESH_OTHER,
+    SS_MESH_KIND_COUNT
+} ss_mesh_kind;
 
 typedef struct ss_mesh {
     int32_t node_count;
@@ -45,13 +64,20 @@ typedef struct ss_mesh {
     /* Vertices of an OBJ file that lay on another and were joined with it as the file was read, and
      * that no face has, left out. */
     int32_t joined_node_count, unused_node_count;
+    /* Elements of the file that are no part of the mesh, by kind. Points, lines, and faces beside
+     * tetrahedra (TRIANGLE, QUAD, POLYGON) only name nodes for groups; where others are counted
+     * the body has gaps. */
+    int64_t skipped[SS_MESH_KIND_COUNT];
 } ss_mesh;
+
+/* "hexahedra" and so on. */
+const char *ss_mesh_kind_name(ss_mesh_kind kind);
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
  * NULL: softsim-import beside the running program, else in the libexec folder. */
 softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
                             ss_mesh **out_mesh, softsim_error *error);
-/* The same from a Gmsh MSH text in memory (2.0 to 2.2, or 1; ASCII), which needs no terminating
+/* The same from a Gmsh MSH text in memory, which needs no terminating
  * zero; `name` is what errors call it. */
 softsim_status ss_mesh_read_msh(const char *text, size_t size, const char *name,
                                 double metres_per_unit, ss_mesh **out_mesh, softsim_error *error);
@@ -199,8 +225,10 @@ void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
 
-/* Writers: OBJ of the surface (quads as such), MSH 2.2 of everything; written to a temporary file,
- * synced, renamed.
- */
+/* Writers: OBJ of the surface (quads as such), MSH 2.2 of everything, legacy VTK (ASCII) of the
+ * tetrahedra, else of the surface, with an array of zeros and ones "group:NAME" for each group.
+ * What is read back is the same to the last bit; of OBJ without groups and inner nodes. Written to
+ * a temporary file, synced, renamed. */
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);
+softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_error *error);

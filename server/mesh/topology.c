@@ -126,8 +126,7 @@ static const int8_t whole[1][4] = {{0, 1, 2, 3}};
 static const int8_t triangle_edge[3][4] = {{0, 1}, {1, 2}, {2, 0}};
 static const int8_t quad_edge[4][4] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
 static const int8_t tetrahedron_edge[6][4] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-/* Face opposite corner c, counter-clockwise from outside when the volume is positive. */
-static const int8_t tetrahedron_face[4][4] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+const int8_t ss_mesh_tetrahedron_face[4][4] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 bool ss_mesh_list_triangle_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
 {
@@ -160,7 +159,7 @@ bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
 bool ss_mesh_list_tetrahedron_faces(const ss_mesh *mesh, ss_mesh_tuples *out)
 {
     return list(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
-                tetrahedron_face, 4, 3, true, out);
+                ss_mesh_tetrahedron_face, 4, 3, true, out);
 }
 
 bool ss_mesh_list_tetrahedra(const ss_mesh *mesh, ss_mesh_tuples *out)
@@ -342,64 +341,6 @@ bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t par
         any = any || is_bad;
     }
     return any;
-}
-
-/* ---- the surface of a volume ------------------------------------------------------------------
- */
-
-static double six_volumes(const ss_mesh *mesh, const int32_t *node)
-{
-    double a[3];
-    double b[3];
-    double c[3];
-    double bc[3];
-    ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
-    ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
-    ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
-    ss_cross3(bc, b, c);
-    return ss_dot3(a, bc);
-}
-
-bool ss_mesh_extract_surface(ss_mesh *mesh)
-{
-    /* Faces of exactly one tetrahedron, marked first so that they come out in file order. */
-    ss_mesh_tuples faces = {0};
-    const size_t face_count = 4 * (size_t)mesh->tetrahedron_count;
-    bool *is_surface = ss_memory_get(face_count, sizeof *is_surface);
-    if (is_surface == NULL || !ss_mesh_list_tetrahedron_faces(mesh, &faces)) {
-        ss_memory_free(is_surface);
-        return false;
-    }
-    int32_t count = 0;
-    for (int64_t i = 0; i < faces.count;) {
-        const int64_t end = ss_mesh_run_end(&faces, i);
-        if (end - i == 1) {
-            is_surface[faces.tuple[i].id] = true;
-            ++count;
-        }
-        i = end;
-    }
-    ss_mesh_tuples_fini(&faces);
-    mesh->triangle = ss_memory_get((size_t)count, sizeof *mesh->triangle);
-    if (mesh->triangle == NULL) {
-        ss_memory_free(is_surface);
-        return false;
-    }
-
-    /* An inverted tetrahedron still has its outside outside. */
-    for (size_t id = 0; id < face_count; ++id) {
-        if (is_surface[id]) {
-            const int32_t *node = mesh->tetrahedron[id / 4];
-            const int8_t *corner = tetrahedron_face[id % 4];
-            const bool is_inverted = six_volumes(mesh, node) < 0.0;
-            int32_t *triangle = mesh->triangle[mesh->triangle_count++];
-            triangle[0] = node[corner[0]];
-            triangle[1] = node[corner[is_inverted ? 2 : 1]];
-            triangle[2] = node[corner[is_inverted ? 1 : 2]];
-        }
-    }
-    ss_memory_free(is_surface);
-    return true;
 }
 
 bool ss_mesh_find_closed(ss_mesh *mesh)

@@ -86,6 +86,9 @@ bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t par
                            const ss_mesh_tuples *edges, ss_mesh_part *parts,
                            bool *out_is_inside_out);
 
+/* Corners of the face opposite corner c, counter-clockwise from outside when the volume is
+ * positive; the fourth place is unused. */
+extern const int8_t ss_mesh_tetrahedron_face[4][4];
 /* Surface of the tetrahedra, outward; sets triangle and triangle_count. */
 bool ss_mesh_extract_surface(ss_mesh *mesh);
 /* Sets is_closed. */

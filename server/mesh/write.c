@@ -3,6 +3,8 @@
 /*
  * Writers. A file appears whole or not at all: it is written beside its place under a name of its
  * own, synced and renamed. What is no file (/dev/stdout) is refused, lest it be replaced by one.
+ * Positions are written so that reading them gives the same doubles, groups so that our readers
+ * give the same groups.
  */
 #include "mesh/mesh.h"
 #include "rt/memory.h"
@@ -11,6 +13,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -79,7 +82,21 @@ static softsim_status close_output(output *out)
     return SOFTSIM_OK;
 }
 
-/* Nine digits: what reads OBJ files mostly keeps floats. */
+/* x y z in as few digits, of 15 to 17, as give the same doubles again. */
+static void put_position(FILE *file, const double *x)
+{
+    for (int k = 0; k < 3; ++k) {
+        char text[32];
+        for (int digits = 15; digits <= 17; ++digits) {
+            (void)snprintf(text, sizeof text, "%.*g", digits, x[k]);
+            if (strtod(text, NULL) == x[k]) {
+                break;
+            }
+        }
+        (void)fprintf(file, "%s%c", text, k < 2 ? ' ' : '\n');
+    }
+}
+
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error)
 {
     /* The interior of a volume is no part of its surface: numbers close up over it. */
@@ -100,9 +117,9 @@ softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_
         int32_t count = 0;
         for (int32_t i = 0; i < mesh->node_count; ++i) {
             if (keeps_all || number[i] != 0) {
-                const double *x = mesh->position[i];
                 number[i] = ++count;
-                (void)fprintf(out.file, "v %.9g %.9g %.9g\n", x[0], x[1], x[2]);
+                (void)fputs("v ", out.file);
+                put_position(out.file, mesh->position[i]);
             }
         }
         for (int32_t q = 0; q < mesh->quad_count; ++q) {
@@ -150,8 +167,8 @@ softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_
     }
     (void)fprintf(out.file, "$Nodes\n%d\n", mesh->node_count);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
-        const double *x = mesh->position[i];
-        (void)fprintf(out.file, "%d %.17g %.17g %.17g\n", i + 1, x[0], x[1], x[2]);
+        (void)fprintf(out.file, "%d ", i + 1);
+        put_position(out.file, mesh->position[i]);
     }
     const int32_t triangle_count = mesh->quad_count > 0 ? 0 : mesh->triangle_count;
     int64_t count = (int64_t)mesh->quad_count + triangle_count + mesh->tetrahedron_count;
@@ -177,5 +194,90 @@ softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_
                       node[1] + 1, node[2] + 1, node[3] + 1);
     }
     (void)fprintf(out.file, "$EndElements\n");
+    return close_output(&out);
+}
+
+/* What VTK's names of arrays cannot hold is written %20 and the like. */
+static void put_name(FILE *file, const char *name)
+{
+    for (const unsigned char *c = (const unsigned char *)name; *c != '\0'; ++c) {
+        if (*c > ' ' && *c < 0x7f && *c != '%' && *c != '"') {
+            (void)fputc(*c, file);
+        } else {
+            (void)fprintf(file, "%%%02X", *c);
+        }
+    }
+}
+
+/* An array of zeros and ones for each group; the reader makes groups of such names again. */
+static bool write_masks(FILE *file, const ss_mesh *mesh)
+{
+    uint8_t *mask = ss_memory_get((size_t)mesh->node_count, sizeof *mask);
+    if (mask == NULL) {
+        return false;
+    }
+    (void)fprintf(file, "POINT_DATA %d\nFIELD groups %d\n", mesh->node_count, mesh->group_count);
+    for (int32_t g = 0; g < mesh->group_count; ++g) {
+        const ss_mesh_group *group = &mesh->group[g];
+        for (int32_t i = 0; i < group->node_count; ++i) {
+            mask[group->node[i]] = 1;
+        }
+        (void)fputs("group:", file);
+        put_name(file, group->name);
+        (void)fprintf(file, " 1 %d int\n", mesh->node_count);
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            (void)fprintf(file, "%d%c", mask[i],
+                          i % 40 == 39 || i == mesh->node_count - 1 ? '\n' : ' ');
+            mask[i] = 0;
+        }
+    }
+    ss_memory_free(mask);
+    return true;
+}
+
+static void write_cells(FILE *file, const char *section, const int32_t *node, int32_t count,
+                        int corners)
+{
+    (void)fprintf(file, "%s %d %lld\n", section, count, (long long)count * (corners + 1));
+    for (int32_t e = 0; e < count; ++e) {
+        (void)fprintf(file, "%d", corners);
+        for (int k = 0; k < corners; ++k) {
+            (void)fprintf(file, " %d", node[(int64_t)corners * e + k]);
+        }
+        (void)fputc('\n', file);
+    }
+}
+
+softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_error *error)
+{
+    const bool is_volume = mesh->tetrahedron_count > 0;
+    output out;
+    softsim_status status = open_output(&out, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    (void)fprintf(out.file,
+                  "# vtk DataFile Version 3.0\nmesh, in metres\nASCII\nDATASET %s\n"
+                  "POINTS %d double\n",
+                  is_volume ? "UNSTRUCTURED_GRID" : "POLYDATA", mesh->node_count);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        put_position(out.file, mesh->position[i]);
+    }
+    if (is_volume) {
+        write_cells(out.file, "CELLS", (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count,
+                    4);
+        (void)fprintf(out.file, "CELL_TYPES %d\n", mesh->tetrahedron_count);
+        for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+            (void)fputs("10\n", out.file);
+        }
+    } else if (mesh->quad_count > 0) {
+        write_cells(out.file, "POLYGONS", (const int32_t *)mesh->quad, mesh->quad_count, 4);
+    } else {
+        write_cells(out.file, "POLYGONS", (const int32_t *)mesh->triangle, mesh->triangle_count, 3);
+    }
+    if (mesh->group_count > 0 && !write_masks(out.file, mesh)) {
+        errno = ENOMEM;
+        return fail_output(&out);
+    }
     return close_output(&out);
 }

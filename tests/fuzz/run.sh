@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds each fuzzer with clang's libFuzzer and both sanitizers, and runs it for some seconds on
-# seeds from the bundled scenes. A crash ends it with the offending input kept.
+# seeds: tests/fuzz/seeds, or the bundled scenes. A crash ends it with the offending input kept.
 #   tests/fuzz/run.sh [SECONDS]     default 10
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -19,8 +19,11 @@ for program in "$build"/tests/fuzz_*; do
     fuzz_scene) cp server/scenes/*.yaml "$corpus"/ ;;
     fuzz_lcmlog) head -c 20000 server/scenes/kidney-poke.lcmlog >"$corpus/poke" ;;
   esac
+  [ ! -d "tests/fuzz/seeds/$name" ] || cp "tests/fuzz/seeds/$name"/* "$corpus"/
+  words=()
+  [ ! -f "tests/fuzz/$name.dict" ] || words=("-dict=$PWD/tests/fuzz/$name.dict")
   echo "== $name, $seconds s"
   (cd "$build" && "tests/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
-    -print_final_stats=0 -artifact_prefix="crash_${name}_" "corpus/$name")
+    -print_final_stats=0 -artifact_prefix="crash_${name}_" "${words[@]}" "corpus/$name")
 done
 echo "fuzz: clean"
