@@ -646,7 +646,7 @@ static void check_and_info_exit_as_promised(void **state)
         {"generate ellipsoid --size-mm 100,2,2", 2, "10 times another"},
         {"generate cylinder --columns 2", 2, "at least 3"},
         {"generate cylinder --rows 1000 --columns 1000000", 2, "--columns"},
-        {"generate plane --out plane.stl", 2, "neither .obj nor .msh"},
+        {"generate plane --out plane.stl", 2, "ends in none of .obj, .msh, .vtk"},
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},
         {"generate --help", 0, "--size-mm X,Y,Z"},
         {"melt", 2, "'melt' is none of"},

@@ -104,6 +104,11 @@ static const struct {
      "{\"key\": \"crowded_face\", \"count\": 1, \"status\": 2, \"is_refused\": true, \"first\": "
      "[0], ",
      "faces of more than two tetrahedra: 1 (at node 0)"},
+    {"skipped.msh",
+     MSH("8\n" CORNERS "5 1 1 0\n6 1 0 1\n7 0 1 1\n8 1 1 1\n",
+         "2\n1 4 2 0 1 1 2 3 4\n2 5 2 0 1 1 2 5 3 4 6 8 7\n"),
+     1, "{\"key\": \"skipped_element\", \"count\": 1, \"status\": 1, \"is_refused\": false, ",
+     "elements of kinds that no model has, left out: 1"},
     {"edge.obj", CUBE_V CUBE_F "v 2 2 .5\nf 2 9 4\n", 2,
      "{\"key\": \"non_manifold_edge\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
      "\"first\": [",
@@ -200,7 +205,8 @@ static void formats_and_units_are_converted(void **state)
     ss_mesh_destroy(&m);
     assert_int_equal(run(TOOL "generate block --tetrahedra --points 100 --out b.msh && " TOOL
                               "convert b.msh c.msh && cmp b.msh c.msh && " TOOL
-                              "convert b.msh b.obj",
+                              "convert b.msh b.obj && " TOOL "convert b.msh b.vtk && " TOOL
+                              "convert b.vtk d.msh && cmp b.msh d.msh",
                          out, sizeof out),
                      0);
     assert_non_null(strstr(out, "of which the surface: "));
@@ -250,7 +256,7 @@ static void the_input_is_replaced_only_when_asked(void **state)
         {"convert mine.obj mine.obj", 2, "'mine.obj' is the input"},
         {"convert mine.obj ./mine.obj", 2, "is the input"},
         {"convert mine.obj mine.obj --overwrite", 0, "mine.obj: 8 nodes"},
-        {"convert mine.obj mine.stl", 2, "ends in neither .obj nor .msh"},
+        {"convert mine.obj mine.stl", 2, "ends in none of .obj, .msh, .vtk"},
         {"convert mine.obj x.msh --to-units m", 2, "give --units too"},
         {"convert mine.obj no/such.msh", 1, "cannot write it"},
         {"convert mine.obj", 2, "usage"},
@@ -293,7 +299,7 @@ static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
          "not done after 0.2 s"},
         {"exit 0", "good.obj t.msh --edge 1", 1, "in.1.node"},
         {"exit 0", "open.obj t.msh --edge 1", 2, "open.obj: open edges: 4"},
-        {"exit 0", "good.obj t.obj --edge 1", 2, "name a .msh file"},
+        {"exit 0", "good.obj t.obj --edge 1", 2, "name a .msh or .vtk file"},
         {"exit 0", "good.obj t.msh", 2, "give one of --edge and --edge-mm"},
         {"exit 0", "good.obj t.msh --edge 1 --edge-mm 1", 2, "give one of"},
         {"exit 0", "b.msh t.msh --edge 1", 2, "it has tetrahedra already"},

@@ -31,6 +31,11 @@ static void add_own_rows(findings *f)
     f->part.count = f->report.component_count > 1 ? f->report.component_count : 0;
     f->joined.count = m->joined_node_count;
     f->unused.count = m->unused_node_count;
+    /* Points, lines, and faces beside tetrahedra, only name nodes for groups. */
+    const int first_body = m->tetrahedron_count > 0 ? SS_MESH_HEXAHEDRON : SS_MESH_POLYGON;
+    for (int kind = first_body; kind < SS_MESH_KIND_COUNT; ++kind) {
+        f->skipped.count += m->skipped[kind];
+    }
     add_row(f, &f->inside_out, "inside_out", "the surface is wound inside out", "", "flip it",
             false);
     add_row(f, &f->hole, "hole", "holes", "at node", "close them if the body has a volume", true);
@@ -51,6 +56,8 @@ static void add_own_rows(findings *f)
             "", "merge vertices by distance", true);
     add_row(f, &f->unused, "unused_node", "vertices without a face, left out as the file was read",
             "", "remove them", true);
+    add_row(f, &f->skipped, "skipped_element", "elements of kinds that no model has, left out", "",
+            "divide them into tetrahedra, or triangles", true);
 }
 
 bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool is_metric,
@@ -118,6 +125,12 @@ static void print_measures(const findings *f)
     if (m->cut_face_count > 0) {
         (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",
                      m->cut_face_count);
+    }
+    for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
+        if (m->skipped[kind] > 0) {
+            (void)printf("left_out    %lld %s\n", (long long)m->skipped[kind],
+                         ss_mesh_kind_name((ss_mesh_kind)kind));
+        }
     }
     (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
     (void)printf("unit        %s\n", f->is_metric ? "m" : "the file's own (--units gives metres)");

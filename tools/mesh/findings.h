@@ -16,9 +16,9 @@ typedef struct findings {
     ss_mesh_quality quality;
     /* Of check alone. */
     bool is_check;
-    ss_mesh_fault hole, crossing, part, inside_out, joined, unused;
+    ss_mesh_fault hole, crossing, part, inside_out, joined, unused, skipped;
     bool is_crossing_complete;
-    ss_mesh_finding row[SS_MESH_MAX_FINDINGS + 7];
+    ss_mesh_finding row[SS_MESH_MAX_FINDINGS + 8];
     int32_t row_count;
     model_cost cost[COST_MAX_MODELS];
     int32_t cost_count;

@@ -299,7 +299,7 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
          "cylinder, plane: as quads, not as triangles"},
         {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS, "of the file (mm; cylinder, plane: m)"},
         {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE",
-         ".obj or .msh (SHAPE.obj; with tetrahedra SHAPE.msh); groups of nodes only in .msh"},
+         ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"},
     };
     const ss_args_result result =
         ss_args_parse(argc, argv, SHAPES " [options]",

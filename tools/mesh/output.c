@@ -29,6 +29,7 @@ static const struct {
 } formats[] = {
     {".obj", false, ss_mesh_write_obj},
     {".msh", true, ss_mesh_write_msh},
+    {".vtk", true, ss_mesh_write_vtk},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
@@ -49,13 +50,14 @@ bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra, s
 {
     const int format = find_format(path);
     if (format < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: '%s' ends in neither .obj nor .msh",
-                          option, path);
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: '%s' ends in none of .obj, .msh, .vtk", option, path);
         return false;
     }
     if (has_tetrahedra && !formats[format].has_tetrahedra) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: '%s' would hold no tetrahedra: name a .msh file", option, path);
+                          "%s: '%s' would hold no tetrahedra: name a .msh or .vtk file", option,
+                          path);
         return false;
     }
     return true;
