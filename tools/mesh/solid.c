@@ -109,12 +109,14 @@ double solid_badness(const double a[3], const double b[3], const double c[3], co
         ss_sub3(u, corner[(f + 2) % 4], origin);
         ss_sub3(v, corner[(f + 3) % 4], origin);
         ss_cross3(normal[f], u, v);
-        area = fmax(area, ss_normalize3(normal[f]));
+        const double size = ss_normalize3(normal[f]);
+        area = size > area ? size : area;
     }
     double worst = height > 0.0 ? 1.0 - (1.0 - good_enough) * volumes / (area * height) : 0.0;
     for (int f = 0; f < 4; ++f) {
         for (int g = 0; g < f; ++g) {
-            worst = fmax(worst, fabs(ss_dot3(normal[f], normal[g])));
+            const double cosine = fabs(ss_dot3(normal[f], normal[g]));
+            worst = cosine > worst ? cosine : worst;
         }
     }
     return worst;
