@@ -368,9 +368,10 @@ static void faults_of_tetrahedra_are_found(void **state)
     assert_int_equal(r.crowded_face.first[0], 0);
     assert_int_equal(r.duplicate_tetrahedron.count, 1);
     assert_int_equal(r.duplicate_tetrahedron.first[0], 2);
-    assert_int_equal(r.inverted_tetrahedron.count, 2); /* 2 is also turned */
+    assert_int_equal(r.inverted_tetrahedron.count, 1); /* 2 is also turned */
     assert_int_equal(r.inverted_tetrahedron.first[0], 2);
-    assert_int_equal(r.inverted_tetrahedron.first[1], 4);
+    assert_int_equal(r.flat_tetrahedron.count, 1);
+    assert_int_equal(r.flat_tetrahedron.first[0], 4);
     ss_mesh_destroy(&mesh);
 }
 

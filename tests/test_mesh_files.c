@@ -356,11 +356,11 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
         {"#!/bin/sh\nexit 3\n", "gave no reason"},
         {"#!/bin/sh\nexit 0\n", "cut off"},
         {"#!/bin/sh\nhead -c 4000 /dev/zero\n", "makes no sense"},
-        {"#!/bin/sh\nprintf 'softsim2\\377\\377\\377\\377\\377\\377\\377\\177'\n"
-         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 28 /dev/zero\n",
+        {"#!/bin/sh\nprintf 'softsim3\\377\\377\\377\\377\\377\\377\\377\\177'\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 44 /dev/zero\n",
          "makes no sense"},
-        {"#!/bin/sh\nprintf 'softsim2\\3\\0\\0\\0\\0\\0\\0\\0'; head -c 8 /dev/zero\n"
-         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 96 /dev/zero\n",
+        {"#!/bin/sh\nprintf 'softsim3\\3\\0\\0\\0\\0\\0\\0\\0'; head -c 8 /dev/zero\n"
+         "printf '\\377\\377\\377\\377\\377\\377\\377\\177'; head -c 112 /dev/zero\n",
          "makes no sense"},
         {"not a program", "cannot start"},
     };
@@ -635,7 +635,7 @@ static void check_and_info_exit_as_promised(void **state)
         {"check good.obj --units m", 0, "good"},
         {"check good.obj --units miles", 2, "none of mm|cm|dm|m"},
         {"check", 2, "usage: softsim-mesh check FILE"},
-        {"info good.obj", 0, "volume_mm3  1\n"},
+        {"info good.obj", 0, "volume      1\n"},
         {"info good.obj --nodes --units m", 0, "\n7,1,1,1\n"},
         {"info good.obj extra", 2, "too many"},
         {"generate", 2, "missing"},
@@ -654,11 +654,11 @@ static void check_and_info_exit_as_promised(void **state)
         {"info mixed.obj", 0, "\ncut_faces   1 of more than three corners"},
         {"generate liver --grid", 2, "--grid means nothing for a liver"},
         {"generate cylinder --rows 1000 --columns 1000000", 2, "--columns"},
-        {"generate plane --out plane.stl", 2, "neither .obj nor .msh"},
+        {"generate plane --out plane.stl", 2, "ends in none of .obj, .msh, .vtk"},
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},
         {"generate --help", 0, "--size-mm X,Y,Z"},
         {"melt", 2, "'melt' is none of"},
-        {"", 2, "none of generate, info, check"},
+        {"", 2, "none of info, check, convert, tetrahedralize, generate"},
         {"--help", 0, "usage: softsim-mesh"},
         {"--version", 0, "softsim-mesh " SOFTSIM_VERSION},
     };

@@ -14,12 +14,11 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Relative to h, h^2, h^3. */
-static const double flat_area = 1e-6;
-static const double flat_volume = 1e-9;
+/* Relative to h; areas and volumes: topology.h. */
 static const double coincidence = 1e-6;
 static const double short_edge = 1e-3;
 
@@ -63,24 +62,25 @@ static uint64_t hash_cell(const double cell[3])
     return hash;
 }
 
-/* Is a node within `reach` of x among those in the cell at `cell` (in units of cells)? */
-static bool cell_has_node(const ss_mesh *mesh, const int32_t *head, const int32_t *next,
-                          uint64_t mask, const double cell[3], const double x[3], double reach)
+/* A node within `reach` of x among those in the cell at `cell` (in units of cells), or -1. */
+static int32_t find_in_cell(const ss_mesh *mesh, const int32_t *head, const int32_t *next,
+                            uint64_t mask, const double cell[3], const double x[3], double reach)
 {
     for (int32_t i = head[hash_cell(cell) & mask]; i >= 0; i = next[i]) {
         double d[3];
         ss_sub3(d, x, mesh->position[i]);
         if (ss_norm3(d) <= reach) {
-            return true;
+            return i;
         }
     }
-    return false;
+    return -1;
 }
 
 /* Looks into the up to eight cells that the cube of half width `reach` about x overlaps. */
-static bool has_twin(const ss_mesh *mesh, const int32_t *head, const int32_t *next, uint64_t mask,
-                     const double x[3], double reach, double size)
+static int32_t find_twin(const ss_mesh *mesh, const int32_t *head, const int32_t *next,
+                         uint64_t mask, const double x[3], double reach, double size)
 {
+    int32_t twin = -1;
     for (int corner = 0; corner < 8; ++corner) {
         double cell[3];
         bool is_new = true;
@@ -89,16 +89,15 @@ static bool has_twin(const ss_mesh *mesh, const int32_t *head, const int32_t *ne
             cell[k] = floor((x[k] + (is_high ? reach : -reach)) / size);
             is_new = is_new && !(is_high && cell[k] == floor((x[k] - reach) / size));
         }
-        if (is_new && cell_has_node(mesh, head, next, mask, cell, x, reach)) {
-            return true;
-        }
+        const int32_t found = is_new ? find_in_cell(mesh, head, next, mask, cell, x, reach) : -1;
+        twin = found >= 0 && (twin < 0 || found < twin) ? found : twin;
     }
-    return false;
+    return twin;
 }
 
 /* A twin is not entered into the grid, so that cells stay sparse on any input: entered nodes are
  * more than `reach` apart, a cell is 16 reaches wide. */
-static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
+bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32_t *out_twin)
 {
     uint64_t mask = 1;
     while (mask < 2 * (uint64_t)mesh->node_count) {
@@ -123,11 +122,12 @@ static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
     const double size = 16.0 * reach;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         const double *x = mesh->position[i];
+        out_twin[i] = -1;
         if (!ss_is_finite(x, 3)) {
             continue;
         }
-        if (has_twin(mesh, head, next, mask, x, reach, size)) {
-            add_fault(&report->coincident_node, i);
+        out_twin[i] = find_twin(mesh, head, next, mask, x, reach, size);
+        if (out_twin[i] >= 0) {
             continue;
         }
         const double cell[3] = {floor(x[0] / size), floor(x[1] / size), floor(x[2] / size)};
@@ -138,6 +138,19 @@ static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
     ss_memory_free(head);
     ss_memory_free(next);
     return true;
+}
+
+static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    int32_t *twin = ss_memory_get((size_t)mesh->node_count, sizeof *twin);
+    const bool is_done = twin != NULL && ss_mesh_find_twins(mesh, report, twin);
+    for (int32_t i = 0; i < mesh->node_count && is_done; ++i) {
+        if (twin[i] >= 0) {
+            add_fault(&report->coincident_node, i);
+        }
+    }
+    ss_memory_free(twin);
+    return is_done;
 }
 
 /* ---- edges ---------------------------------------------------------------------------------- */
@@ -260,7 +273,7 @@ static double measure_corner(const ss_mesh *mesh, const int32_t *node, double *i
 static void check_triangles(const ss_mesh *mesh, ss_mesh_report *report)
 {
     report->angle_min = 180.0;
-    const double least = flat_area * report->edge_mean * report->edge_mean;
+    const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *node = mesh->triangle[t];
         if (!indices_are_good(mesh, node, 3)) {
@@ -285,7 +298,7 @@ static void check_triangles(const ss_mesh *mesh, ss_mesh_report *report)
 static void check_quads(const ss_mesh *mesh, ss_mesh_report *report)
 {
     report->angle_min = 180.0;
-    const double least = flat_area * report->edge_mean * report->edge_mean;
+    const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean;
     for (int32_t q = 0; q < mesh->quad_count; ++q) {
         const int32_t *node = mesh->quad[q];
         if (!indices_are_good(mesh, node, 4)) {
@@ -331,7 +344,8 @@ static void check_duplicates(const ss_mesh_tuples *elements, ss_mesh_fault *faul
 
 static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
 {
-    const double least = flat_volume * report->edge_mean * report->edge_mean * report->edge_mean;
+    const double least =
+        SS_MESH_FLAT_VOLUME * report->edge_mean * report->edge_mean * report->edge_mean;
     for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
         const int32_t *node = mesh->tetrahedron[e];
         if (!indices_are_good(mesh, node, 4)) {
@@ -346,8 +360,11 @@ static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
         ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
         ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
         ss_cross3(bc, b, c);
-        if (ss_dot3(a, bc) / 6.0 <= least) {
+        const double volume = ss_dot3(a, bc) / 6.0;
+        if (volume < -least) {
             add_fault(&report->inverted_tetrahedron, e);
+        } else if (volume <= least) {
+            add_fault(&report->flat_tetrahedron, e);
         }
     }
 }
@@ -475,21 +492,90 @@ softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
 
 /* ---- the verdict ---------------------------------------------------------------------------- */
 
-static void report_fault(const char *name, const ss_mesh_fault *fault, const char *what,
-                         const char *where, const char *remedy, softsim_error *error)
+/* Rows of ss_mesh_list_findings; texts for quads where they differ. */
+typedef struct finding_row {
+    size_t field;
+    const char *key, *what, *quad_what, *where, *remedy;
+    bool is_harmless, is_minor;
+} finding_row;
+
+#define ROW(name) offsetof(ss_mesh_report, name), #name
+static const finding_row rows[] = {
+    {ROW(non_finite), "nodes that are not finite", NULL, "node", "correct or remove them", false,
+     false},
+    {ROW(bad_index), "elements of nodes that do not exist", NULL, "element",
+     "the file is damaged: write it again", false, false},
+    {ROW(zero_area), "flat triangles", "quads that are flat or half flat", NULL,
+     "merge nearby vertices and dissolve degenerate faces", false, false},
+    {ROW(duplicate_triangle), "triangles that are there already",
+     "quads of nodes that have one already", NULL, "remove them", false, false},
+    {ROW(loose_node), "nodes without an element", NULL, "node", "remove them", false, true},
+    {ROW(coincident_node), "nodes on top of others", NULL, "node", "merge vertices by distance",
+     false, true},
+    {ROW(short_edge), "edges shorter than 1/1000 of the mean", NULL, "at node",
+     "merge vertices by distance, or remesh", false, true},
+    {ROW(non_manifold_edge), "edges of more than two triangles",
+     "edges of more than two quads, or diagonals of more than one", "at node",
+     "remove inner faces, or remesh", false, false},
+    {ROW(non_manifold_node), "nodes where surfaces touch in a point only", NULL, "node",
+     "separate the surfaces, or join them by more than a point", false, false},
+    {ROW(inconsistent_winding), "edges whose two triangles are wound against each other",
+     "edges whose two quads are wound against each other", "at node",
+     "recalculate the normals to point outside", false, false},
+    {ROW(duplicate_tetrahedron), "tetrahedra that are there already", NULL, "tetrahedron",
+     "remove them", false, false},
+    {ROW(crowded_face), "faces of more than two tetrahedra", NULL, "at node",
+     "remove overlapping tetrahedra", false, false},
+    {ROW(inverted_tetrahedron), "inverted tetrahedra", NULL, "tetrahedron",
+     "swap two of their nodes if all are inverted, else remesh", false, false},
+    {ROW(flat_tetrahedron), "tetrahedra without a volume", NULL, "tetrahedron",
+     "remove them, or remesh", false, false},
+    {ROW(open_edge), "open edges", NULL, "at node",
+     "the body has no volume; close the holes if it should", true, true},
+};
+_Static_assert(sizeof rows / sizeof rows[0] <= SS_MESH_MAX_FINDINGS, "room for every row");
+
+int32_t ss_mesh_list_findings(const ss_mesh *mesh, const ss_mesh_report *report,
+                              ss_mesh_finding out[SS_MESH_MAX_FINDINGS])
 {
-    if (fault->count == 0) {
-        return;
+    const bool has_quads = mesh->quad_count > 0;
+    int32_t count = 0;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        const finding_row *row = &rows[i];
+        const ss_mesh_fault *fault = (const void *)((const char *)report + row->field);
+        if (fault->count == 0) {
+            continue;
+        }
+        ss_mesh_finding *f = &out[count++];
+        *f = (ss_mesh_finding){.key = row->key,
+                               .fault = fault,
+                               .what =
+                                   has_quads && row->quad_what != NULL ? row->quad_what : row->what,
+                               .where = row->where,
+                               .remedy = row->remedy,
+                               .is_harmless = row->is_harmless,
+                               .is_minor = row->is_minor};
+        if (f->where == NULL) {
+            f->where = has_quads ? "quad" : "triangle";
+        }
+        /* All of them turned is a habit of some programs, and one word to undo. */
+        f->is_minor = f->is_minor || (fault == &report->inverted_tetrahedron &&
+                                      fault->count == mesh->tetrahedron_count);
     }
-    char numbers[SS_MESH_FIRST * 12 + 8] = "";
-    size_t used = 0;
-    for (int i = 0; i < SS_MESH_FIRST && i < fault->count; ++i) {
-        used += (size_t)snprintf(numbers + used, sizeof numbers - used, "%s%d", i > 0 ? ", " : "",
-                                 fault->first[i]);
+    return count;
+}
+
+void ss_mesh_print_fault(const ss_mesh_finding *finding, char *out, size_t size)
+{
+    const ss_mesh_fault *fault = finding->fault;
+    size_t used = (size_t)snprintf(out, size, "%lld (%s ", (long long)fault->count, finding->where);
+    for (int i = 0; i < SS_MESH_FIRST && i < fault->count && used < size; ++i) {
+        used +=
+            (size_t)snprintf(out + used, size - used, "%s%d", i > 0 ? ", " : "", fault->first[i]);
     }
-    softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s: %s: %lld (%s %s%s): %s", name, what,
-                      (long long)fault->count, where, numbers,
-                      fault->count > SS_MESH_FIRST ? ", ..." : "", remedy);
+    if (used < size) {
+        (void)snprintf(out + used, size - used, "%s)", fault->count > SS_MESH_FIRST ? ", ..." : "");
+    }
 }
 
 /* Bodies outside this are a wrong `units` or `scale`, not tissue; m. */
@@ -503,45 +589,17 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory while checking it", name);
         return SOFTSIM_ERROR_MEMORY;
     }
-    const bool has_quads = mesh->quad_count > 0;
-    const char *element = has_quads ? "quad" : "triangle";
-    const struct {
-        const ss_mesh_fault *fault;
-        const char *what, *where, *remedy;
-    } rows[] = {
-        {&r.non_finite, "nodes that are not finite", "node", "correct or remove them"},
-        {&r.bad_index, "elements of nodes that do not exist", "element",
-         "the file is damaged: write it again"},
-        {&r.zero_area, has_quads ? "quads that are flat or half flat" : "flat triangles", element,
-         "merge nearby vertices and dissolve degenerate faces"},
-        {&r.duplicate_triangle,
-         has_quads ? "quads of nodes that have one already" : "triangles that are there already",
-         element, "remove them"},
-        {&r.loose_node, "nodes without an element", "node", "remove them"},
-        {&r.coincident_node, "nodes on top of others", "node", "merge vertices by distance"},
-        {&r.short_edge, "edges shorter than 1/1000 of the mean", "at node",
-         "merge vertices by distance, or remesh"},
-        {&r.non_manifold_edge,
-         has_quads ? "edges of more than two quads, or diagonals of more than one"
-                   : "edges of more than two triangles",
-         "at node", "remove inner faces, or remesh"},
-        {&r.non_manifold_node, "nodes where surfaces touch in a point only", "node",
-         "separate the surfaces, or join them by more than a point"},
-        {&r.inconsistent_winding,
-         has_quads ? "edges whose two quads are wound against each other"
-                   : "edges whose two triangles are wound against each other",
-         "at node", "recalculate the normals to point outside"},
-        {&r.duplicate_tetrahedron, "tetrahedra that are there already", "tetrahedron",
-         "remove them"},
-        {&r.crowded_face, "faces of more than two tetrahedra", "at node",
-         "remove overlapping tetrahedra"},
-        {&r.inverted_tetrahedron, "inverted or flat tetrahedra", "tetrahedron",
-         "swap two of their nodes if all are inverted, else remesh"},
-    };
+    ss_mesh_finding found[SS_MESH_MAX_FINDINGS];
+    const int32_t count = ss_mesh_list_findings(mesh, &r, found);
     bool is_usable = true;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
-        report_fault(name, rows[i].fault, rows[i].what, rows[i].where, rows[i].remedy, error);
-        is_usable = is_usable && rows[i].fault->count == 0;
+    for (int32_t i = 0; i < count; ++i) {
+        char numbers[160];
+        ss_mesh_print_fault(&found[i], numbers, sizeof numbers);
+        if (!found[i].is_harmless) {
+            is_usable = false;
+            softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s: %s: %s: %s", name, found[i].what,
+                              numbers, found[i].remedy);
+        }
     }
     if (r.is_inside_out) {
         is_usable = false;

@@ -277,10 +277,12 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
         header.node_count > bound || face_count < 1 || face_count > bound ||
         (has_quads ? header.triangle_count != 0 : header.quad_count != 0) ||
         header.cut_face_count < 0 || header.cut_face_count > (has_quads ? 0 : bound) ||
+        header.joined_count < 0 || header.joined_count > INT32_MAX || header.unused_count < 0 ||
+        header.unused_count > INT32_MAX ||
         (size_t)header.node_count * 24 + (size_t)face_count * 4 * corners != rest) {
         return refuse(im, "the importer's answer makes no sense");
     }
-    /* 40-byte header, so both arrays are aligned in the allocation. */
+    /* 56-byte header, so both arrays are aligned in the allocation. */
     double(*position)[3] = (double(*)[3])(void *)(im->out.data + sizeof header);
     const int32_t *node = (const int32_t *)(const void *)(position + header.node_count);
     int64_t bad_count = 0;
@@ -303,16 +305,16 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
             return refuse(im, "a face has a vertex that does not exist");
         }
     }
-    if (has_quads) {
-        return ss_mesh_create_quads((int32_t)header.node_count, (const double(*)[3])position,
-                                    (int32_t)face_count, (const int32_t(*)[4])node, out_mesh,
-                                    im->error);
-    }
-    const softsim_status status = ss_mesh_create(
-        (int32_t)header.node_count, (const double(*)[3])position, (int32_t)face_count,
-        (const int32_t(*)[3])node, 0, NULL, out_mesh, im->error);
+    const double(*x)[3] = (const double(*)[3])position;
+    const softsim_status status =
+        has_quads ? ss_mesh_create_quads((int32_t)header.node_count, x, (int32_t)face_count,
+                                         (const int32_t(*)[4])node, out_mesh, im->error)
+                  : ss_mesh_create((int32_t)header.node_count, x, (int32_t)face_count,
+                                   (const int32_t(*)[3])node, 0, NULL, out_mesh, im->error);
     if (status == SOFTSIM_OK) {
         (*out_mesh)->cut_face_count = (int32_t)header.cut_face_count;
+        (*out_mesh)->joined_node_count = (int32_t)header.joined_count;
+        (*out_mesh)->unused_node_count = (int32_t)header.unused_count;
     }
     return status;
 }

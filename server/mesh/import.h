@@ -10,13 +10,16 @@
  */
 #include <stdint.h>
 
-#define SS_IMPORT_MAGIC "softsim2"
+#define SS_IMPORT_MAGIC "softsim3"
 
 typedef struct ss_import_header {
     char magic[8];
     int64_t node_count;
     int64_t triangle_count, quad_count; /* one of them 0 */
     int64_t cut_face_count;             /* 0 beside quads */
+    /* Vertices of an OBJ file that lie on another and were joined with it, and that no face has; 0
+     * of other formats, which repeat their vertices. */
+    int64_t joined_count, unused_count;
 } ss_import_header;
 
 /* Limits that softsim-import sets itself: bytes of address space, seconds of CPU time. */

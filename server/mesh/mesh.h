@@ -64,6 +64,9 @@ typedef struct ss_mesh {
     /* After ss_mesh_renumber: the file's number of each node, and of each element as
      * ss_mesh_element_count counts them; NULL where every number is the file's. */
     int32_t *file_node, *file_element;
+    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read, and
+     * that no face has, left out. */
+    int32_t joined_node_count, unused_node_count;
     /* Elements of the file that are no part of the mesh, by kind. Points, lines, and faces beside
      * tetrahedra (TRIANGLE, QUAD, POLYGON) only name nodes for groups; where others are counted
      * the body has gaps. */
@@ -144,7 +147,8 @@ typedef struct ss_mesh_fault {
 
 typedef struct ss_mesh_report {
     ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node, coincident_node,
-        short_edge, non_manifold_edge, open_edge, inconsistent_winding, inverted_tetrahedron;
+        short_edge, non_manifold_edge, open_edge, inconsistent_winding;
+    ss_mesh_fault inverted_tetrahedron, flat_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
     ss_mesh_fault mixed_direction; /* sides along u of one quad and w of the other; no fault */
@@ -158,10 +162,60 @@ typedef struct ss_mesh_report {
 
 /* SOFTSIM_OK, whatever is wrong with the mesh, or SOFTSIM_ERROR_MEMORY. */
 softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report);
+/* One kind of fault as people are told of it: "WHAT: count (WHERE first, ...): REMEDY". */
+typedef struct ss_mesh_finding {
+    const char *key; /* the field of the report, for programs */
+    const ss_mesh_fault *fault;
+    const char *what, *where, *remedy;
+    bool is_harmless; /* a scene takes it as it is; others are refused */
+    bool is_minor;    /* costs accuracy at most, or ss_mesh_repair mends it without a loss */
+} ss_mesh_finding;
+enum { SS_MESH_MAX_FINDINGS = 20 };
+/* The kinds that have a count above 0; returns how many. They point into `report`. */
+int32_t ss_mesh_list_findings(const ss_mesh *mesh, const ss_mesh_report *report,
+                              ss_mesh_finding out[SS_MESH_MAX_FINDINGS]);
+/* The count and first numbers as text: "3 (node 1, 5, 7)". */
+void ss_mesh_print_fault(const ss_mesh_finding *finding, char *out, size_t size);
+
 /* The verdict for simulation: adds one line per disqualifying fault (with counts and first
  * numbers) to `error`; SOFTSIM_OK or SOFTSIM_ERROR_MESH. Open surfaces and several components
  * are usable. */
 softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error);
+/* Shapes of the elements: of tetrahedra, else of quads, else of triangles. Those with a bad index
+ * or no volume or area are left out. */
+enum { SS_MESH_ANGLE_BINS = 9 }; /* of 10 degrees each, from 0 */
+typedef struct ss_mesh_quality {
+    /* Tetrahedra: a dihedral angle below 10 or above 170 degrees, or the longest edge more than 20
+     * times the least height. Triangles and quads: an angle below 10 degrees. */
+    ss_mesh_fault sliver;
+    double dihedral_min, dihedral_max;     /* degrees; of tetrahedra, else 0 */
+    int64_t histogram[SS_MESH_ANGLE_BINS]; /* elements by their least dihedral angle, or angle */
+} ss_mesh_quality;
+void ss_mesh_measure_quality(const ss_mesh *mesh, ss_mesh_quality *out);
+
+/* The loops of open edges: count and lowest node of each. False when out of memory. */
+bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole);
+
+/* Triangles of the surface that cross or overlap another; that they touch does not count. Looks at
+ * a bounded number of pairs: out_is_complete is false when there were more. False when out of
+ * memory. */
+bool ss_mesh_find_crossings(const ss_mesh *mesh, ss_mesh_fault *out_triangle,
+                            bool *out_is_complete);
+
+/* What ss_mesh_repair did, by count. */
+typedef struct ss_mesh_repairs {
+    int32_t welded_nodes;  /* onto the lowest node within 1e-6 of the mean edge */
+    int32_t flat_elements; /* dropped: no area or volume, or a node twice */
+    int32_t twin_elements; /* dropped: there already */
+    int32_t bad_elements;  /* dropped: of nodes that do not exist or are not finite */
+    int32_t loose_nodes;   /* dropped */
+    int32_t turned_tetrahedra, turned_triangles;
+} ss_mesh_repairs;
+/* A mended copy: what is kept stays in order, groups go along. Holes, crossings and non-manifold
+ * edges stay. Fails where nothing would be left. */
+softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_repairs *out_repairs,
+                              softsim_error *error);
+
 /* Turns inside-out or inconsistently wound surfaces, so that neighbours agree and closed
  * parts enclose a positive volume (cavities, whose box lies inside another part's, are left as
  * they are). Returns how many triangles were turned, -1 when out of memory. */

@@ -52,6 +52,14 @@ void ss_mesh_turn_quad(ss_mesh *mesh, int32_t q);
  * for which there is room. False when out of memory. */
 bool ss_mesh_arrange_quads(ss_mesh *mesh);
 
+/* The lower node that each node lies on, as ss_mesh_check counts coincident nodes, or -1; that node
+ * lies on none. `report`: mean edge and box. False when out of memory. */
+bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32_t *out_twin);
+
+/* Below these times the square and cube of the mean edge, elements have no area or volume. */
+#define SS_MESH_FLAT_AREA   1e-6
+#define SS_MESH_FLAT_VOLUME 1e-9
+
 /* Union-find with path halving over 0 .. count - 1. */
 void ss_mesh_union_init(int32_t *parent, int32_t count);
 int32_t ss_mesh_union_find(int32_t *parent, int32_t i);

@@ -5,11 +5,31 @@
  * The commands of softsim-mesh. argv[0] is "softsim-mesh COMMAND"; each returns the program's
  * exit status.
  */
+#include <stdbool.h>
+
+#include "mesh/mesh.h"
+
+int command_check(int argc, char **argv);
+int command_convert(int argc, char **argv);
 int command_generate(int argc, char **argv);
 int command_info(int argc, char **argv);
-int command_check(int argc, char **argv);
+int command_tetrahedralize(int argc, char **argv);
 
 /* "mm|cm|dm|m" for the option --units, and metres per unit by its index. */
 #define UNITS "mm|cm|dm|m"
 double metres_per_unit(int index);
 const char *unit_name(int index);
+
+/* Does the name of `path` end like a format that there is a writer for, and that keeps
+ * tetrahedra where there are some? `option` is what gave the path, for the error. */
+bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra,
+                    softsim_error *error);
+/* Writes in that format, whole or not at all; only after can_write_mesh. */
+softsim_status write_mesh(const ss_mesh *mesh, const char *path, softsim_error *error);
+/* "PATH: 9 nodes, 20 tetrahedra of dihedral angles from 45.0 to 90.0 degrees, in mm", one line;
+ * `unit` NULL: the one the file had. */
+void print_written(const ss_mesh *mesh, const char *path, const char *unit);
+
+/* Copies the groups. `number`: the new number of each node, from 1, 0 where it goes; NULL: the
+ * same. False when out of memory. */
+bool copy_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to);

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-mesh generate: organs (shape.h, spread.h) and the two open grids (mesh.h: their places
- * and numbers), as quads or as their triangles with alternating diagonals. Node row * columns +
- * column of a grid stays that through OBJ and import.
+ * softsim-mesh generate: organs and other bodies, as surfaces (shape.h, spread.h) or tetrahedra
+ * (volume.h), and the two open grids (mesh.h: their places and numbers), as quads or as their
+ * triangles with alternating diagonals. Node row * columns + column of a grid stays that through
+ * OBJ and import.
  */
 #include "command.h"
 #include "mesh/mesh.h"
 #include "rt/args.h"
 #include "rt/vec.h"
 #include "spread.h"
+#include "volume.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -18,22 +20,45 @@ typedef enum shape_kind {
     SHAPE_KIDNEY,
     SHAPE_LIVER,
     SHAPE_ELLIPSOID,
+    SHAPE_VENTRICLE,
+    SHAPE_ELLIPSOIDS,
+    SHAPE_BLOCK,
+    SHAPE_BEAM,
     SHAPE_CYLINDER,
     SHAPE_PLANE,
     SHAPE_COUNT
 } shape_kind;
 
-static const char *const shape_names[SHAPE_COUNT] = {"kidney", "liver", "ellipsoid", "cylinder",
-                                                     "plane"};
+#define SHAPES "kidney|liver|ellipsoid|ventricle|ellipsoids|block|beam|cylinder|plane"
+
+/* Lengths in mm; zero where the shape has none. Points of the surface, and of the volume. */
+static const struct {
+    const char *name;
+    volume_kind volume;
+    int32_t points, volume_points;
+    double size[3], inner[3];
+} shapes[SHAPE_COUNT] = {
+    [SHAPE_KIDNEY] = {"kidney", VOLUME_KIDNEY, 1200, 3000, {0}, {0}},
+    [SHAPE_LIVER] = {"liver", VOLUME_LIVER, 1200, 5762, {0}, {0}},
+    [SHAPE_ELLIPSOID] = {"ellipsoid", VOLUME_ELLIPSOID, 1200, 3000, {100, 60, 60}, {0}},
+    [SHAPE_VENTRICLE] = {"ventricle", VOLUME_VENTRICLE, 3000, 4000, {20, 20, 40}, {14, 14, 34}},
+    [SHAPE_ELLIPSOIDS] = {"ellipsoids", VOLUME_ELLIPSOIDS, 3000, 4000, {100, 80, 80}, {60, 45, 45}},
+    [SHAPE_BLOCK] = {"block", VOLUME_BLOCK, 1200, 2197, {100, 100, 100}, {0}},
+    [SHAPE_BEAM] = {"beam", VOLUME_BEAM, 1200, 2299, {200, 40, 40}, {0}},
+    [SHAPE_CYLINDER] = {"cylinder", VOLUME_CYLINDER, 0, 3000, {0}, {0}},
+    [SHAPE_PLANE] = {"plane", VOLUME_BLOCK, 0, 0, {0}, {0}},
+};
 
 /* Zero or NULL: not given. */
 typedef struct request {
     shape_kind shape;
     int64_t points, rows, columns;
-    double size_mm[3], radius_m, length_m, width_m, height_m;
+    double size_mm[3], inner_mm[3], base_mm;
+    double radius_m, length_m, width_m, height_m;
     const char *out;
     int32_t units;
     bool keeps_quads;
+    bool has_tetrahedra;
 } request;
 
 /* ---- grids -------------------------------------------------------------------------------------
@@ -59,10 +84,25 @@ static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *
     return status;
 }
 
-/* ---- organs ------------------------------------------------------------------------------------
+/* ---- bodies ------------------------------------------------------------------------------------
  */
 
-static softsim_status make_organ(const request *q, ss_mesh **out, softsim_error *error)
+static volume_plan plan_volume(const request *q)
+{
+    volume_plan plan = {.kind = shapes[q->shape].volume,
+                        .base = 1e-3 * q->base_mm,
+                        .points = (int32_t)q->points,
+                        .is_surface = !q->has_tetrahedra};
+    ss_scale3(plan.size, q->size_mm, 1e-3);
+    ss_scale3(plan.inner, q->inner_mm, 1e-3);
+    if (q->shape == SHAPE_CYLINDER) {
+        ss_set3(plan.size, 2.0 * q->radius_m, 2.0 * q->radius_m, q->length_m);
+    }
+    return plan;
+}
+
+/* The surface of a smooth body: points spread evenly, exactly as many as asked for. */
+static softsim_status make_smooth(const request *q, ss_mesh **out, softsim_error *error)
 {
     static const organ_kind kinds[] = {ORGAN_KIDNEY, ORGAN_LIVER, ORGAN_ELLIPSOID};
     const double half[3] = {0.5e-3 * q->size_mm[0], 0.5e-3 * q->size_mm[1], 0.5e-3 * q->size_mm[2]};
@@ -82,11 +122,38 @@ static softsim_status make_organ(const request *q, ss_mesh **out, softsim_error 
             s.position[i][k] = round(s.position[i][k] / step) * step;
         }
     }
-    const softsim_status status =
+    softsim_status status =
         ss_mesh_create(s.node_count, (const double(*)[3])s.position, s.triangle_count,
                        (const int32_t(*)[3])s.triangle, 0, NULL, out, error);
     spread_fini(&s);
+    const volume_plan plan = plan_volume(q);
+    if (status == SOFTSIM_OK && !volume_add_groups(&plan, *out)) {
+        ss_mesh_destroy(out);
+        status = SOFTSIM_ERROR_MEMORY;
+        softsim_error_add(error, status, "out of memory for %lld points", (long long)q->points);
+    }
     return status;
+}
+
+static softsim_status make_body(const request *q, ss_mesh **out, softsim_error *error)
+{
+    if (q->shape <= SHAPE_ELLIPSOID && !q->has_tetrahedra) {
+        return make_smooth(q, out, error);
+    }
+    const volume_plan plan = plan_volume(q);
+    const softsim_status status = volume_create(&plan, out, error);
+    if (status != SOFTSIM_OK || q->has_tetrahedra) {
+        return status;
+    }
+    ss_mesh *volume = *out;
+    *out = volume_take_surface(volume);
+    ss_mesh_destroy(&volume);
+    if (*out == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for %lld points",
+                          (long long)q->points);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return SOFTSIM_OK;
 }
 
 /* ---- the command --------------------------------------------------------------------------------
@@ -101,49 +168,95 @@ static void need(bool is_given, bool is_used, const char *option, const char *sh
     }
 }
 
-static bool parse_size(const char *text, double out[3])
+/* Three lengths in mm, or what stands for none given. */
+static void take_size(const char *text, const char *option, const double standard[3], double out[3],
+                      softsim_error *error)
 {
     int end = 0;
-    if (sscanf(text, "%lf,%lf,%lf%n", &out[0], &out[1], &out[2], &end) != 3 || text[end] != '\0') {
-        return false;
+    ss_copy3(out, standard);
+    if (text == NULL) {
+        return;
     }
-    const double least = fmin(out[0], fmin(out[1], out[2]));
-    const double greatest = fmax(out[0], fmax(out[1], out[2]));
-    return least >= 1.0 && greatest <= 1e6 && greatest <= 10.0 * least;
+    const bool is_read =
+        sscanf(text, "%lf,%lf,%lf%n", &out[0], &out[1], &out[2], &end) == 3 && text[end] == '\0';
+    const double least = is_read ? fmin(out[0], fmin(out[1], out[2])) : 0.0;
+    const double greatest = is_read ? fmax(out[0], fmax(out[1], out[2])) : INFINITY;
+    if (!(least >= 1.0 && greatest <= 1e6 && greatest <= 10.0 * least)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: '%s' is not X,Y,Z: three lengths of 1 to 1e6, none more than 10 "
+                          "times another",
+                          option, text);
+    }
 }
 
-/* Refuses options of other shapes and puts defaults where nothing was given. */
-static void complete(request *q, const char *size, softsim_error *error)
+static void check_shell(const request *q, softsim_error *error)
 {
-    const char *name = shape_names[q->shape];
+    for (int k = 0; k < 3; ++k) {
+        if (q->inner_mm[k] >= 0.98 * q->size_mm[k]) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--inner-mm: %g is too close to --size-mm's %g: leave a wall of 1 %% "
+                              "or more",
+                              q->inner_mm[k], q->size_mm[k]);
+            return;
+        }
+    }
+    if (q->shape == SHAPE_VENTRICLE && fabs(q->base_mm) > 0.45 * q->inner_mm[2]) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--base-mm: %g is not within 0.45 of --inner-mm's Z, %g, from the centre",
+                          q->base_mm, q->inner_mm[2]);
+    }
+}
+
+/* Refuses options that the shape does not have. */
+static void check_options(const request *q, bool has_size, bool has_inner, softsim_error *error)
+{
+    const char *name = shapes[q->shape].name;
     const bool is_cylinder = q->shape == SHAPE_CYLINDER;
     const bool is_plane = q->shape == SHAPE_PLANE;
-    const bool is_grid = is_cylinder || is_plane;
+    const bool is_grid = is_plane || (is_cylinder && !q->has_tetrahedra);
+    need(q->has_tetrahedra, !is_plane, "--tetrahedra", name, error);
     need(q->points != 0, !is_grid, "--points", name, error);
-    need(size != NULL, q->shape == SHAPE_ELLIPSOID, "--size-mm", name, error);
+    need(has_size, shapes[q->shape].size[0] > 0.0, "--size-mm", name, error);
+    need(has_inner, shapes[q->shape].inner[0] > 0.0, "--inner-mm", name, error);
+    need(!isnan(q->base_mm), q->shape == SHAPE_VENTRICLE, "--base-mm", name, error);
+    if (is_cylinder && q->has_tetrahedra) {
+        name = "cylinder of tetrahedra";
+    }
     need(q->rows != 0, is_grid, "--rows", name, error);
     need(q->columns != 0, is_grid, "--columns", name, error);
+    need(q->keeps_quads, is_grid, "--grid", name, error);
     need(q->radius_m != 0.0, is_cylinder, "--radius-m", name, error);
     need(q->length_m != 0.0, is_cylinder, "--length-m", name, error);
     need(q->width_m != 0.0, is_plane, "--width-m", name, error);
     need(q->height_m != 0.0, is_plane, "--height-m", name, error);
-    need(q->keeps_quads, is_grid, "--grid", name, error);
-    if (size != NULL && !parse_size(size, q->size_mm)) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "--size-mm: '%s' is not X,Y,Z: three lengths of 1 to 1e6, none more "
-                          "than 10 times another",
-                          size);
-    } else if (size == NULL) {
-        ss_set3(q->size_mm, 100.0, 60.0, 60.0);
+}
+
+/* Checks what was given and puts defaults where nothing was. */
+static void complete(request *q, const char *size, const char *inner, softsim_error *error)
+{
+    const bool is_cylinder = q->shape == SHAPE_CYLINDER;
+    const bool is_metric = is_cylinder || q->shape == SHAPE_PLANE;
+    check_options(q, size != NULL, inner != NULL, error);
+    take_size(size, "--size-mm", shapes[q->shape].size, q->size_mm, error);
+    take_size(inner, "--inner-mm", shapes[q->shape].inner, q->inner_mm, error);
+    q->base_mm = isnan(q->base_mm) ? 5.0 : q->base_mm;
+    if (error->fault_count == 0 && q->inner_mm[0] > 0.0) {
+        check_shell(q, error);
     }
-    q->points = q->points != 0 ? q->points : 1200;
+    if (q->points == 0) {
+        q->points = q->has_tetrahedra ? shapes[q->shape].volume_points : shapes[q->shape].points;
+    } else if (q->shape <= SHAPE_ELLIPSOID && !q->has_tetrahedra && q->points > SPREAD_MAX_POINTS) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--points: at most %d for the surface of a %s", SPREAD_MAX_POINTS,
+                          shapes[q->shape].name);
+    }
     q->rows = q->rows != 0 ? q->rows : is_cylinder ? 15 : 21;
     q->columns = q->columns != 0 ? q->columns : is_cylinder ? 24 : 21;
     q->radius_m = q->radius_m != 0.0 ? q->radius_m : 1.0;
     q->length_m = q->length_m != 0.0 ? q->length_m : 4.0;
     q->width_m = q->width_m != 0.0 ? q->width_m : 0.1;
     q->height_m = q->height_m != 0.0 ? q->height_m : 0.1;
-    q->units = q->units >= 0 ? q->units : is_grid ? 3 : 0;
+    q->units = q->units >= 0 ? q->units : is_metric ? 3 : 0;
     if (is_cylinder && q->columns < 3) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--columns: a cylinder has at least 3, not %lld", (long long)q->columns);
@@ -158,13 +271,22 @@ static void complete(request *q, const char *size, softsim_error *error)
 static ss_args_result parse(int argc, char **argv, request *q, softsim_error *error)
 {
     const char *size = NULL;
+    const char *inner = NULL;
     const char *shape = "";
     int32_t count = 0;
-    *q = (request){.units = -1};
+    *q = (request){.units = -1, .base_mm = NAN};
     const ss_arg rows[] = {
-        {"--points", SS_ARG_INTEGER, &q->points, SPREAD_MIN_POINTS, SPREAD_MAX_POINTS, "N",
-         "kidney, liver, ellipsoid: exactly N points (1200)"},
-        {"--size-mm", SS_ARG_STRING, &size, 0, 0, "X,Y,Z", "ellipsoid: full lengths (100,60,60)"},
+        {"--tetrahedra", SS_ARG_FLAG, &q->has_tetrahedra, 0, 0, "",
+         "a volume, not its surface alone (not of a plane)"},
+        {"--points", SS_ARG_INTEGER, &q->points, VOLUME_MIN_POINTS, VOLUME_MAX_POINTS, "N",
+         "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N"},
+        {"--size-mm", SS_ARG_STRING, &size, 0, 0, "X,Y,Z",
+         "full lengths: ellipsoid (100,60,60), ventricle (20,20,40), ellipsoids (100,80,80), block "
+         "(100,100,100), beam (200,40,40)"},
+        {"--inner-mm", SS_ARG_STRING, &inner, 0, 0, "X,Y,Z",
+         "of the cavity: ventricle (14,14,34), ellipsoids (60,45,45)"},
+        {"--base-mm", SS_ARG_NUMBER, &q->base_mm, -1e6, 1e6, "Z",
+         "ventricle: height at which it is cut, above its centre (5)"},
         {"--rows", SS_ARG_INTEGER, &q->rows, 2, 1000, "N",
          "cylinder: rings (15); plane: points along y (21)"},
         {"--columns", SS_ARG_INTEGER, &q->columns, 2, 1000, "N",
@@ -175,48 +297,26 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         {"--height-m", SS_ARG_NUMBER, &q->height_m, 1e-6, 1e3, "H", "plane: along y (0.1)"},
         {"--grid", SS_ARG_FLAG, &q->keeps_quads, 0, 0, "",
          "cylinder, plane: as quads, not as triangles"},
-        {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS,
-         "of the file (organs: mm; cylinder, plane: m)"},
-        {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE", ".obj or .msh (SHAPE.obj)"},
+        {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS, "of the file (mm; cylinder, plane: m)"},
+        {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE",
+         ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"},
     };
     const ss_args_result result =
-        ss_args_parse(argc, argv, "kidney|liver|ellipsoid|cylinder|plane [options]",
-                      "Writes a surface of well-shaped triangles or quads.", rows,
+        ss_args_parse(argc, argv, SHAPES " [options]",
+                      "Writes a body of well-shaped triangles, quads or tetrahedra.", rows,
                       (int32_t)(sizeof rows / sizeof rows[0]), &shape, 1, 1, &count, error);
     if (result == SS_ARGS_DONE || count < 1) {
         return result;
     }
-    while (q->shape < SHAPE_COUNT && strcmp(shape, shape_names[q->shape]) != 0) {
+    while (q->shape < SHAPE_COUNT && strcmp(shape, shapes[q->shape].name) != 0) {
         ++q->shape;
     }
     if (q->shape == SHAPE_COUNT) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "'%s' is none of kidney|liver|ellipsoid|cylinder|plane", shape);
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "'%s' is none of " SHAPES, shape);
     } else {
-        complete(q, size, error);
+        complete(q, size, inner, error);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
-}
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t length = strlen(text);
-    return length >= strlen(end) && strcmp(text + length - strlen(end), end) == 0;
-}
-
-static softsim_status write_mesh(ss_mesh *mesh, const request *q, const char *path,
-                                 softsim_error *error)
-{
-    static const double none[3] = {0.0, 0.0, 0.0};
-    ss_mesh_transform(mesh, 1.0 / metres_per_unit(q->units), none, none);
-    return ends_with(path, ".msh") ? ss_mesh_write_msh(mesh, path, error)
-                                   : ss_mesh_write_obj(mesh, path, error);
-}
-
-static int fail(const char *program, const softsim_error *error, int status)
-{
-    ss_args_print_error(program, error);
-    return status;
 }
 
 int command_generate(int argc, char **argv)
@@ -224,34 +324,39 @@ int command_generate(int argc, char **argv)
     request q;
     softsim_error error = {0};
     const ss_args_result result = parse(argc, argv, &q, &error);
-    if (result != SS_ARGS_RUN) {
-        return result == SS_ARGS_DONE ? 0 : fail("softsim-mesh", &error, 2);
+    if (result == SS_ARGS_DONE) {
+        return 0;
     }
     char standard[64];
-    (void)snprintf(standard, sizeof standard, "%s.obj", shape_names[q.shape]);
+    (void)snprintf(standard, sizeof standard, "%s.%s",
+                   result == SS_ARGS_RUN ? shapes[q.shape].name : "",
+                   q.has_tetrahedra ? "msh" : "obj");
     const char *path = q.out != NULL ? q.out : standard;
-    if (!ends_with(path, ".obj") && !ends_with(path, ".msh")) {
-        softsim_error_add(&error, SOFTSIM_ERROR_ARGUMENT,
-                          "--out: '%s' ends in neither .obj nor .msh", path);
-        return fail("softsim-mesh", &error, 2);
+    if (result == SS_ARGS_RUN && can_write_mesh(path, "--out", q.has_tetrahedra, &error)) {
+        ss_mesh *mesh = NULL;
+        const bool is_grid =
+            q.shape == SHAPE_PLANE || (q.shape == SHAPE_CYLINDER && !q.has_tetrahedra);
+        softsim_status status =
+            is_grid ? make_grid(&q, &mesh, &error) : make_body(&q, &mesh, &error);
+        if (status == SOFTSIM_OK && ss_mesh_accept(mesh, path, NULL) != SOFTSIM_OK) {
+            status = SOFTSIM_ERROR_MESH;
+            softsim_error_add(&error, status, "%s: too few points for this shape: give more", path);
+        }
+        if (status == SOFTSIM_OK) {
+            ss_mesh_transform(mesh, 1.0 / metres_per_unit(q.units), (double[3]){0.0, 0.0, 0.0},
+                              (double[3]){0.0, 0.0, 0.0});
+            status = write_mesh(mesh, path, &error);
+        }
+        if (status == SOFTSIM_OK) {
+            print_written(mesh, path, unit_name(q.units));
+        }
+        ss_mesh_destroy(&mesh);
+        if (status == SOFTSIM_OK) {
+            return 0;
+        }
+        ss_args_print_error("softsim-mesh", &error);
+        return status == SOFTSIM_ERROR_ARGUMENT ? 2 : 1;
     }
-
-    ss_mesh *mesh = NULL;
-    const bool is_grid = q.shape == SHAPE_CYLINDER || q.shape == SHAPE_PLANE;
-    softsim_status status = is_grid ? make_grid(&q, &mesh, &error) : make_organ(&q, &mesh, &error);
-    if (status == SOFTSIM_OK && ss_mesh_accept(mesh, path, NULL) != SOFTSIM_OK) {
-        status = SOFTSIM_ERROR_MESH;
-        softsim_error_add(&error, status, "%s: too few points for this shape: give more", path);
-    }
-    if (status == SOFTSIM_OK) {
-        status = write_mesh(mesh, &q, path, &error);
-    }
-    if (status == SOFTSIM_OK) {
-        const bool has_quads = mesh->quad_count > 0;
-        (void)printf("%s: %d nodes, %d %s, in %s\n", path, mesh->node_count,
-                     has_quads ? mesh->quad_count : mesh->triangle_count,
-                     has_quads ? "quads" : "triangles", unit_name(q.units));
-    }
-    ss_mesh_destroy(&mesh);
-    return status == SOFTSIM_OK ? 0 : fail("softsim-mesh", &error, 1);
+    ss_args_print_error("softsim-mesh", &error);
+    return 2;
 }

@@ -48,6 +48,7 @@ typedef struct surface {
     unsigned corners; /* 3 or 4 */
     int64_t node_count, face_count;
     int64_t cut_face_count;
+    int64_t joined_count, unused_count; /* of join_nodes */
 } surface;
 
 static void set_limits(void)
@@ -221,6 +222,7 @@ static bool join_nodes(surface *s)
     int32_t count = 0;
     for (int64_t i = 0; i < s->node_count; ++i) {
         if (number[i] == 0) {
+            ++s->unused_count;
             continue;
         }
         const double *p = s->position[i];
@@ -238,6 +240,7 @@ static bool join_nodes(surface *s)
     for (int64_t i = 0; i < corner_count; ++i) {
         s->node[i] = number[s->node[i]];
     }
+    s->joined_count = s->node_count - s->unused_count - count;
     s->node_count = count;
     free(slot);
     free(number);
@@ -253,7 +256,9 @@ static bool write_surface(const surface *s, FILE *out)
     ss_import_header header = {.node_count = s->node_count,
                                .triangle_count = s->corners == 3 ? s->face_count : 0,
                                .quad_count = s->corners == 4 ? s->face_count : 0,
-                               .cut_face_count = s->cut_face_count};
+                               .cut_face_count = s->cut_face_count,
+                               .joined_count = s->joined_count,
+                               .unused_count = s->unused_count};
     memcpy(header.magic, SS_IMPORT_MAGIC, sizeof header.magic);
     return fwrite(&header, sizeof header, 1, out) == 1 &&
            fwrite(s->position, sizeof *s->position, (size_t)s->node_count, out) ==
@@ -294,7 +299,15 @@ static const char *read_surface(const char *path, surface *s)
     if (s->face_count == 0) {
         return "no triangles in it: give a surface mesh";
     }
-    return join_nodes(s) ? NULL : "too large for 1 GiB of memory: simplify the mesh first";
+    if (!join_nodes(s)) {
+        return "too large for 1 GiB of memory: simplify the mesh first";
+    }
+    if (obj == NULL) {
+        /* Other formats repeat a vertex for every face, or for every normal: that is no fault. */
+        s->joined_count = 0;
+        s->unused_count = 0;
+    }
+    return NULL;
 }
 
 static int convert(const char *path)

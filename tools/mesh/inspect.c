@@ -2,32 +2,22 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-mesh info and check: what a file holds as a scene will read it, and whether it can be
- * simulated. `check` exits with 0 good, 1 usable with warnings, 2 unusable.
+ * simulated. `check` exits with 0 good, 1 usable with warnings, 2 unusable. Nothing here needs to
+ * know a unit; the stable step of the models takes the file's lengths as millimetres then.
  */
 #include "command.h"
-#include "mesh/mesh.h"
+#include "findings.h"
 #include "rt/args.h"
 
 #include <stdio.h>
 
-double metres_per_unit(int index)
-{
-    static const double metres[] = {1e-3, 1e-2, 1e-1, 1.0};
-    return metres[index];
-}
-
-const char *unit_name(int index)
-{
-    static const char *const names[] = {"mm", "cm", "dm", "m"};
-    return names[index];
-}
+static const double no_move[3] = {0.0, 0.0, 0.0};
 
 typedef struct inspection {
     const char *path;
-    int32_t units;
-    bool lists_nodes;
+    int32_t units; /* -1: not given */
+    bool lists_nodes, is_json;
     ss_mesh *mesh;
-    ss_mesh_report report;
     softsim_error error;
 } inspection;
 
@@ -36,60 +26,43 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
 {
     *in = (inspection){.units = -1};
     const ss_arg rows[] = {
-        {"--units", SS_ARG_CHOICE, &in->units, 0, 0, UNITS, "of the file (mm)"},
-        {"--nodes", SS_ARG_FLAG, &in->lists_nodes, 0, 0, "",
-         "lists every node: number, x, y, z in metres"},
+        {"--units", SS_ARG_CHOICE, &in->units, 0, 0, UNITS,
+         "of the file: lengths are given in metres then, else as they are"},
+        {"--json", SS_ARG_FLAG, &in->is_json, 0, 0, "", "prints one JSON object, for programs"},
+        {"--nodes", SS_ARG_FLAG, &in->lists_nodes, 0, 0, "", "lists every node: number, x, y, z"},
     };
     int32_t count = 0;
     const ss_args_result result =
-        ss_args_parse(argc, argv, "FILE [options]", about, rows, can_list ? 2 : 1, &in->path, 1, 1,
+        ss_args_parse(argc, argv, "FILE [options]", about, rows, can_list ? 3 : 2, &in->path, 1, 1,
                       &count, &in->error);
     if (result == SS_ARGS_DONE) {
         return 0;
     }
-    in->units = in->units >= 0 ? in->units : 0;
-    if (result == SS_ARGS_BAD || ss_mesh_load(in->path, metres_per_unit(in->units), NULL, &in->mesh,
-                                              &in->error) != SOFTSIM_OK) {
+    if (result == SS_ARGS_BAD) {
         ss_args_print_error("softsim-mesh", &in->error);
         return 2;
     }
-    if (ss_mesh_check(in->mesh, &in->report) != SOFTSIM_OK) {
-        (void)fprintf(stderr, "softsim-mesh: %s: out of memory\n", in->path);
-        ss_mesh_destroy(&in->mesh);
+    const double unit = in->units >= 0 ? metres_per_unit(in->units) : 1.0;
+    if (ss_mesh_load(in->path, unit, NULL, &in->mesh, &in->error) != SOFTSIM_OK) {
+        ss_args_print_error("softsim-mesh", &in->error);
+        if (in->is_json) {
+            findings_print_json_error(in->path, &in->error);
+        }
         return 2;
     }
     return -1;
 }
 
-static void print_summary(const inspection *in)
+static int end(inspection *in, int status)
 {
-    const ss_mesh *m = in->mesh;
-    const ss_mesh_report *r = &in->report;
-    (void)printf("nodes       %d\ntriangles   %d\ntetrahedra  %d\nparts       %d\n", m->node_count,
-                 m->triangle_count, m->tetrahedron_count, r->component_count);
-    if (m->quad_count > 0) {
-        (void)printf("quads       %d (the triangles are their halves)\n", m->quad_count);
-        (void)printf("directions  %lld sides where u of one quad meets w of the other\n",
-                     (long long)r->mixed_direction.count);
-    }
-    if (m->cut_face_count > 0) {
-        (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",
-                     m->cut_face_count);
-    }
-    (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
-    (void)printf("box_mm      %g %g %g to %g %g %g\n", 1e3 * r->box_min[0], 1e3 * r->box_min[1],
-                 1e3 * r->box_min[2], 1e3 * r->box_max[0], 1e3 * r->box_max[1],
-                 1e3 * r->box_max[2]);
-    (void)printf("area_mm2    %g\n", 1e6 * r->area);
-    if (m->is_closed) {
-        (void)printf("volume_mm3  %g\n", 1e9 * r->volume);
-    }
-    (void)printf("edge_mm     %g least, %g mean, %g greatest\n", 1e3 * r->edge_min,
-                 1e3 * r->edge_mean, 1e3 * r->edge_max);
-    (void)printf("angle_deg   %.3g least\n", r->angle_min);
-    for (int32_t g = 0; g < m->group_count; ++g) {
-        (void)printf("group       %s: %d nodes\n", m->group[g].name, m->group[g].node_count);
-    }
+    ss_mesh_destroy(&in->mesh);
+    return status;
+}
+
+static int fail_memory(inspection *in)
+{
+    (void)fprintf(stderr, "softsim-mesh: %s: out of memory\n", in->path);
+    return end(in, 2);
 }
 
 int command_info(int argc, char **argv)
@@ -106,59 +79,50 @@ int command_info(int argc, char **argv)
             const double *x = in.mesh->position[i];
             (void)printf("%d,%.9g,%.9g,%.9g\n", i, x[0], x[1], x[2]);
         }
-    } else {
-        print_summary(&in);
+        return end(&in, 0);
     }
-    ss_mesh_destroy(&in.mesh);
-    return 0;
+    findings f;
+    if (!findings_measure(&f, in.path, in.mesh, in.units >= 0, false)) {
+        return fail_memory(&in);
+    }
+    if (in.is_json) {
+        findings_print_json(&f);
+    } else {
+        findings_print(&f);
+    }
+    return end(&in, 0);
 }
 
-/* Smallest angle of a triangle or quad below which results get coarse, degrees. */
-static const double poor_angle = 10.0;
-
-static int print_warnings(const inspection *in)
+/* The models' figures, where a scene would take the mesh. Positions become metres. */
+static void measure_costs(inspection *in, findings *f)
 {
-    const ss_mesh_report *r = &in->report;
-    int count = 0;
-    if (r->open_edge.count > 0) {
-        ++count;
-        (void)printf("warning: %s: open edges: %lld (the first at node %d): the body has no "
-                     "volume; close the holes if it should\n",
-                     in->path, (long long)r->open_edge.count, r->open_edge.first[0]);
+    if (in->units < 0) {
+        ss_mesh_transform(in->mesh, 1e-3, no_move, no_move);
     }
-    if (r->component_count > 1) {
-        ++count;
-        (void)printf("warning: %s: separate parts: %d: forces do not pass between them\n", in->path,
-                     r->component_count);
+    if (ss_mesh_accept(in->mesh, in->path, NULL) == SOFTSIM_OK) {
+        f->cost_count = cost_measure(in->mesh, f->cost);
     }
-    if (r->angle_min < poor_angle) {
-        ++count;
-        (void)printf("warning: %s: the smallest angle of a %s is %.2g degrees: remesh for "
-                     "%g or more\n",
-                     in->path, in->mesh->quad_count > 0 ? "quad" : "triangle", r->angle_min,
-                     poor_angle);
-    }
-    return count;
 }
 
 int command_check(int argc, char **argv)
 {
     inspection in;
-    int status = begin(argc, argv,
-                       "Tells whether a mesh can be simulated: exit status 0 good, 1 usable with "
-                       "warnings, 2 unusable.",
-                       false, &in);
+    const int status = begin(argc, argv,
+                             "Tells whether a mesh can be simulated: exit status 0 good, 1 usable "
+                             "with warnings, 2 unusable.",
+                             false, &in);
     if (status >= 0) {
         return status;
     }
-    if (ss_mesh_accept(in.mesh, in.path, &in.error) != SOFTSIM_OK) {
-        ss_args_print_error("softsim-mesh", &in.error);
-        (void)print_warnings(&in);
-        status = 2;
-    } else {
-        status = print_warnings(&in) > 0 ? 1 : 0;
-        (void)printf("%s: %s\n", in.path, status == 0 ? "good" : "usable with warnings");
+    findings f;
+    if (!findings_measure(&f, in.path, in.mesh, in.units >= 0, true)) {
+        return fail_memory(&in);
     }
-    ss_mesh_destroy(&in.mesh);
-    return status;
+    measure_costs(&in, &f);
+    if (in.is_json) {
+        findings_print_json(&f);
+    } else {
+        findings_print(&f);
+    }
+    return end(&in, f.status);
 }

@@ -11,9 +11,12 @@ static const struct {
     char title[32]; /* becomes argv[0], in a copy */
     const char *about;
 } commands[] = {
-    {"generate", command_generate, "softsim-mesh generate", "writes a kidney, liver, cylinder ..."},
     {"info", command_info, "softsim-mesh info", "prints what is in a mesh file"},
     {"check", command_check, "softsim-mesh check", "tells whether a mesh can be simulated"},
+    {"convert", command_convert, "softsim-mesh convert", "to another format; mends on demand"},
+    {"tetrahedralize", command_tetrahedralize, "softsim-mesh tetrahedralize",
+     "fills a closed surface, by tetgen"},
+    {"generate", command_generate, "softsim-mesh generate", "writes a kidney, liver, block ..."},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
@@ -22,10 +25,10 @@ static void print_usage(FILE *out)
     (void)fprintf(out, "usage: softsim-mesh COMMAND ...\n"
                        "Makes and examines meshes before they reach a scene.\n\n");
     for (int i = 0; i < COMMAND_COUNT; ++i) {
-        (void)fprintf(out, "  %-10s %s; softsim-mesh %s --help\n", commands[i].name,
+        (void)fprintf(out, "  %-14s %s; softsim-mesh %s --help\n", commands[i].name,
                       commands[i].about, commands[i].name);
     }
-    (void)fprintf(out, "  %-10s prints this\n  %-10s prints the version\n", "--help", "--version");
+    (void)fprintf(out, "  %-14s prints this\n  %-14s prints the version\n", "--help", "--version");
 }
 
 int main(int argc, char **argv)
@@ -48,8 +51,8 @@ int main(int argc, char **argv)
         }
     }
     (void)fprintf(stderr,
-                  "softsim-mesh: '%s' is none of generate, info, check; softsim-mesh --help "
-                  "says more\n",
+                  "softsim-mesh: '%s' is none of info, check, convert, tetrahedralize, generate; "
+                  "softsim-mesh --help says more\n",
                   name);
     return 2;
 }

@@ -56,7 +56,7 @@ static double liver_level(const double x[3])
     return both + fissure + underside;
 }
 
-static double level(const organ *o, const double x[3])
+double organ_value(const organ *o, const double x[3])
 {
     double y[3];
     switch (o->kind) {
@@ -97,11 +97,11 @@ double organ_level(const organ *o, const double x[3], double out_gradient[3])
         double y[3];
         ss_copy3(y, x);
         y[k] = x[k] + step;
-        const double above = level(o, y);
+        const double above = organ_value(o, y);
         y[k] = x[k] - step;
-        out_gradient[k] = (above - level(o, y)) / (2.0 * step);
+        out_gradient[k] = (above - organ_value(o, y)) / (2.0 * step);
     }
-    return level(o, x);
+    return organ_value(o, x);
 }
 
 void organ_place(const organ *o, const double direction[3], double out[3])
@@ -113,7 +113,7 @@ void organ_place(const organ *o, const double direction[3], double out[3])
     double outside = stride;
     for (int i = 0; i < 240; ++i) {
         ss_madd3(out, o->centre, outside, ray);
-        if (level(o, out) > 0.0) {
+        if (organ_value(o, out) > 0.0) {
             break;
         }
         outside += stride;
@@ -122,7 +122,7 @@ void organ_place(const organ *o, const double direction[3], double out[3])
     for (int i = 0; i < 44; ++i) {
         const double middle = 0.5 * (inside + outside);
         ss_madd3(out, o->centre, middle, ray);
-        if (level(o, out) > 0.0) {
+        if (organ_value(o, out) > 0.0) {
             outside = middle;
         } else {
             inside = middle;

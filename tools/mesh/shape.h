@@ -18,6 +18,8 @@ typedef struct organ {
 
 void organ_init(organ *o, organ_kind kind, const double ellipsoid_half[3]);
 
+/* f at x. */
+double organ_value(const organ *o, const double x[3]);
 /* f and its gradient at x. */
 double organ_level(const organ *o, const double x[3], double out_gradient[3]);
 

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-mesh convert: from any format that is read to any that is written, told by the name of
+ * OUT. The mesh goes as it is, good or bad, unless --repair mends it. The input is replaced only
+ * when --overwrite says so, and then whole or not at all.
+ */
+#include "command.h"
+#include "rt/args.h"
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+typedef struct conversion {
+    const char *path[2];
+    int32_t units, to_units; /* -1: not given */
+    bool is_mended, overwrites;
+} conversion;
+
+static bool is_one_file(const char *a, const char *b)
+{
+    struct stat x;
+    struct stat y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error *error)
+{
+    *c = (conversion){.units = -1, .to_units = -1};
+    const ss_arg rows[] = {
+        {"--repair", SS_ARG_FLAG, &c->is_mended, 0, 0, "",
+         "welds nodes on top of others, drops flat and double elements and loose nodes, turns what "
+         "is inside out; tells what it did"},
+        {"--units", SS_ARG_CHOICE, &c->units, 0, 0, UNITS, "of IN"},
+        {"--to-units", SS_ARG_CHOICE, &c->to_units, 0, 0, UNITS, "of OUT (as IN)"},
+        {"--overwrite", SS_ARG_FLAG, &c->overwrites, 0, 0, "", "OUT may be IN"},
+    };
+    int32_t count = 0;
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "IN OUT [options]",
+                      "Writes a mesh in the format that the name of OUT asks for.", rows,
+                      (int32_t)(sizeof rows / sizeof rows[0]), c->path, 2, 2, &count, error);
+    if (result != SS_ARGS_RUN) {
+        return result;
+    }
+    if (c->to_units >= 0 && c->units < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--to-units: the unit of '%s' is not known: give --units too",
+                          c->path[0]);
+    }
+    if (!c->overwrites && is_one_file(c->path[0], c->path[1])) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "'%s' is the input: give another name, or --overwrite", c->path[1]);
+    }
+    (void)can_write_mesh(c->path[1], "OUT", false, error);
+    return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
+}
+
+static void print_count(const char *path, int32_t count, const char *what)
+{
+    if (count > 0) {
+        (void)printf("%s: %s: %d\n", path, what, count);
+    }
+}
+
+static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error *error)
+{
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    const softsim_status status = ss_mesh_repair(*inout_mesh, &mended, &done, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    print_count(path, (*inout_mesh)->joined_node_count, "vertices joined as the file was read");
+    print_count(path, (*inout_mesh)->unused_node_count, "unused vertices left out");
+    print_count(path, done.bad_elements, "elements of bad nodes dropped");
+    print_count(path, done.welded_nodes, "nodes welded to others");
+    print_count(path, done.flat_elements, "flat elements dropped");
+    print_count(path, done.twin_elements, "double elements dropped");
+    print_count(path, done.loose_nodes, "loose nodes dropped");
+    print_count(path, done.turned_tetrahedra, "tetrahedra turned");
+    print_count(path, done.turned_triangles, "triangles turned");
+    ss_mesh_destroy(inout_mesh);
+    *inout_mesh = mended;
+    return SOFTSIM_OK;
+}
+
+/* Returns the exit status. */
+static int convert(const conversion *c, softsim_error *error)
+{
+    ss_mesh *mesh = NULL;
+    int result = 2;
+    softsim_status status = ss_mesh_load(c->path[0], 1.0, NULL, &mesh, error);
+    if (status == SOFTSIM_OK && c->is_mended) {
+        status = mend(c->path[0], &mesh, error);
+    }
+    if (status == SOFTSIM_OK && c->to_units >= 0) {
+        static const double none[3] = {0.0, 0.0, 0.0};
+        ss_mesh_transform(mesh, metres_per_unit(c->units) / metres_per_unit(c->to_units), none,
+                          none);
+    }
+    if (status == SOFTSIM_OK) {
+        result = write_mesh(mesh, c->path[1], error) == SOFTSIM_OK ? 0 : 1;
+    }
+    if (result == 0) {
+        print_written(mesh, c->path[1], NULL);
+    }
+    ss_mesh_destroy(&mesh);
+    return result;
+}
+
+int command_convert(int argc, char **argv)
+{
+    conversion c;
+    softsim_error error = {0};
+    const ss_args_result result = parse(argc, argv, &c, &error);
+    const int status = result == SS_ARGS_DONE ? 0 : result == SS_ARGS_RUN ? convert(&c, &error) : 2;
+    if (status != 0) {
+        ss_args_print_error("softsim-mesh", &error);
+    }
+    return status;
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "findings.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what is found ------------------------------------------------------------------------------
+ */
+
+static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, const char *what,
+                    const char *where, const char *remedy, bool is_harmless)
+{
+    if (fault->count > 0) {
+        f->row[f->row_count++] = (ss_mesh_finding){.key = key,
+                                                   .fault = fault,
+                                                   .what = what,
+                                                   .where = where,
+                                                   .remedy = remedy,
+                                                   .is_harmless = is_harmless,
+                                                   .is_minor = true};
+    }
+}
+
+/* Those that ss_mesh_check has no row for; all of them leave a mesh usable, or mendable. */
+static void add_own_rows(findings *f)
+{
+    const ss_mesh *m = f->mesh;
+    f->inside_out.count = f->report.is_inside_out;
+    f->part.count = f->report.component_count > 1 ? f->report.component_count : 0;
+    f->joined.count = m->joined_node_count;
+    f->unused.count = m->unused_node_count;
+    /* Points, lines, and faces beside tetrahedra, only name nodes for groups. */
+    const int first_body = m->tetrahedron_count > 0 ? SS_MESH_HEXAHEDRON : SS_MESH_POLYGON;
+    for (int kind = first_body; kind < SS_MESH_KIND_COUNT; ++kind) {
+        f->skipped.count += m->skipped[kind];
+    }
+    add_row(f, &f->inside_out, "inside_out", "the surface is wound inside out", "", "flip it",
+            false);
+    add_row(f, &f->hole, "hole", "holes", "at node", "close them if the body has a volume", true);
+    add_row(f, &f->part, "component", "separate parts", "", "forces do not pass between them",
+            true);
+    add_row(f, &f->crossing, "self_intersection", "triangles that cross others", "triangle",
+            "move them apart, or remesh", true);
+    add_row(
+        f, &f->quality.sliver, "sliver",
+        m->tetrahedron_count > 0
+            ? "slivers (a dihedral angle outside 10 to 170 degrees, or 20 times as long as high)"
+            : "slivers (an angle below 10 degrees)",
+        m->tetrahedron_count > 0 ? "tetrahedron"
+        : m->quad_count > 0      ? "quad"
+                                 : "triangle",
+        "remesh", true);
+    add_row(f, &f->joined, "joined_node", "vertices on top of others, joined as the file was read",
+            "", "merge vertices by distance", true);
+    add_row(f, &f->unused, "unused_node", "vertices without a face, left out as the file was read",
+            "", "remove them", true);
+    add_row(f, &f->skipped, "skipped_element", "elements of kinds that no model has, left out", "",
+            "divide them into tetrahedra, or triangles", true);
+}
+
+bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool is_metric,
+                      bool is_check)
+{
+    *f = (findings){.path = path,
+                    .is_metric = is_metric,
+                    .mesh = mesh,
+                    .is_check = is_check,
+                    .is_crossing_complete = true};
+    if (ss_mesh_check(mesh, &f->report) != SOFTSIM_OK) {
+        return false;
+    }
+    ss_mesh_measure_quality(mesh, &f->quality);
+    if (!is_check) {
+        return true;
+    }
+    if (!ss_mesh_find_holes(mesh, &f->hole) ||
+        !ss_mesh_find_crossings(mesh, &f->crossing, &f->is_crossing_complete)) {
+        return false;
+    }
+    f->row_count = ss_mesh_list_findings(mesh, &f->report, f->row);
+    add_own_rows(f);
+    for (int32_t i = 0; i < f->row_count; ++i) {
+        const int status = f->row[i].is_minor ? 1 : 2;
+        f->status = status > f->status ? status : f->status;
+        f->is_refused = f->is_refused || !f->row[i].is_harmless;
+    }
+    if (!f->is_crossing_complete && f->status == 0) {
+        f->status = 1;
+    }
+    return true;
+}
+
+/* ---- text -------------------------------------------------------------------------------------
+ */
+
+static void print_histogram(const findings *f)
+{
+    (void)printf("angles      ");
+    for (int bin = 0; bin < SS_MESH_ANGLE_BINS; ++bin) {
+        if (f->quality.histogram[bin] > 0) {
+            (void)printf("%d-%d: %lld  ", 10 * bin, 10 * bin + 10,
+                         (long long)f->quality.histogram[bin]);
+        }
+    }
+    (void)printf("(%s by their least %s, degrees)\n",
+                 f->mesh->tetrahedron_count > 0 ? "tetrahedra"
+                 : f->mesh->quad_count > 0      ? "quads"
+                                                : "triangles",
+                 f->mesh->tetrahedron_count > 0 ? "dihedral angle" : "angle");
+}
+
+static void print_measures(const findings *f)
+{
+    const ss_mesh *m = f->mesh;
+    const ss_mesh_report *r = &f->report;
+    (void)printf("nodes       %d\ntriangles   %d\ntetrahedra  %d\nparts       %d\n", m->node_count,
+                 m->triangle_count, m->tetrahedron_count, r->component_count);
+    if (m->quad_count > 0) {
+        (void)printf("quads       %d (the triangles are their halves)\n", m->quad_count);
+        (void)printf("directions  %lld sides where u of one quad meets w of the other\n",
+                     (long long)r->mixed_direction.count);
+    }
+    if (m->cut_face_count > 0) {
+        (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",
+                     m->cut_face_count);
+    }
+    for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
+        if (m->skipped[kind] > 0) {
+            (void)printf("left_out    %lld %s\n", (long long)m->skipped[kind],
+                         ss_mesh_kind_name((ss_mesh_kind)kind));
+        }
+    }
+    (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
+    (void)printf("unit        %s\n", f->is_metric ? "m" : "the file's own (--units gives metres)");
+    (void)printf("box         %g %g %g to %g %g %g\n", r->box_min[0], r->box_min[1], r->box_min[2],
+                 r->box_max[0], r->box_max[1], r->box_max[2]);
+    (void)printf("area        %g\n", r->area);
+    if (m->is_closed) {
+        (void)printf("volume      %g\n", r->volume);
+    }
+    (void)printf("edge        %g least, %g mean, %g greatest\n", r->edge_min, r->edge_mean,
+                 r->edge_max);
+    (void)printf("angle_deg   %.3g least\n", r->angle_min);
+    if (m->tetrahedron_count > 0) {
+        (void)printf("dihedral    %.3g least, %.4g greatest, degrees\n", f->quality.dihedral_min,
+                     f->quality.dihedral_max);
+    }
+    print_histogram(f);
+    for (int32_t g = 0; g < m->group_count; ++g) {
+        (void)printf("group       %s: %d nodes\n", m->group[g].name, m->group[g].node_count);
+    }
+}
+
+static void print_costs(const findings *f)
+{
+    if (f->cost_count > 0) {
+        (void)printf("material    %s%s\n", cost_material,
+                     f->is_metric ? "" : "; a length of 1 in the file taken as 1 mm");
+    }
+    for (int32_t i = 0; i < f->cost_count; ++i) {
+        const model_cost *cost = &f->cost[i];
+        if (cost->is_known) {
+            (void)printf("model       %s: stable step %.3g s, %.3g MB\n", cost->name,
+                         cost->stable_step_s, 1e-6 * (double)cost->bytes);
+        } else {
+            (void)printf("model       %s: %s\n", cost->name, cost->reason);
+        }
+    }
+}
+
+static void print_row(const findings *f, const ss_mesh_finding *row)
+{
+    char numbers[160];
+    if (row->where[0] != '\0') {
+        ss_mesh_print_fault(row, numbers, sizeof numbers);
+    } else {
+        (void)snprintf(numbers, sizeof numbers, "%lld", (long long)row->fault->count);
+    }
+    const bool is_counted = row->fault != &f->inside_out;
+    (void)fprintf(row->is_minor ? stdout : stderr, "%s%s: %s%s%s: %s\n",
+                  row->is_minor ? "warning: " : "softsim-mesh: ", f->path, row->what,
+                  is_counted ? ": " : "", is_counted ? numbers : "", row->remedy);
+}
+
+void findings_print(const findings *f)
+{
+    print_measures(f);
+    if (!f->is_check) {
+        return;
+    }
+    print_costs(f);
+    (void)fflush(stdout);
+    for (int32_t i = 0; i < f->row_count; ++i) {
+        print_row(f, &f->row[i]);
+    }
+    if (!f->is_crossing_complete) {
+        (void)printf("warning: %s: too many triangles lie about each other to look at every pair: "
+                     "there may be more that cross\n",
+                     f->path);
+    }
+    (void)printf("%s: %s%s\n", f->path,
+                 f->status == 0   ? "good"
+                 : f->status == 1 ? "usable with warnings"
+                                  : "unusable",
+                 f->status == 1 && f->is_refused
+                     ? " once mended: a scene refuses it as it is; softsim-mesh convert --repair"
+                     : "");
+}
+
+/* ---- JSON --------------------------------------------------------------------------------------
+ */
+
+static void print_string(const char *text)
+{
+    (void)putchar('"');
+    for (const unsigned char *c = (const unsigned char *)text; *c != '\0'; ++c) {
+        if (*c < ' ' || *c == '"' || *c == '\\' || *c == 0x7f) {
+            (void)printf("\\u%04x", *c);
+        } else {
+            (void)putchar(*c);
+        }
+    }
+    (void)putchar('"');
+}
+
+static void print_number(const char *name, double value)
+{
+    if (isfinite(value)) {
+        (void)printf(", \"%s\": %.9g", name, value);
+    } else {
+        (void)printf(", \"%s\": null", name);
+    }
+}
+
+static void print_corner(const char *name, const double x[3])
+{
+    (void)printf(", \"%s\": [%.9g, %.9g, %.9g]", name, x[0], x[1], x[2]);
+}
+
+static void print_json_measures(const findings *f)
+{
+    const ss_mesh *m = f->mesh;
+    const ss_mesh_report *r = &f->report;
+    (void)printf("\"nodes\": %d, \"triangles\": %d, \"quads\": %d, \"tetrahedra\": %d, "
+                 "\"parts\": %d, \"is_closed\": %s, \"unit\": \"%s\"",
+                 m->node_count, m->triangle_count, m->quad_count, m->tetrahedron_count,
+                 r->component_count, m->is_closed ? "true" : "false", f->is_metric ? "m" : "file");
+    print_corner("box_min", r->box_min);
+    print_corner("box_max", r->box_max);
+    print_number("area", r->area);
+    print_number("volume", m->is_closed ? r->volume : (double)NAN);
+    print_number("edge_min", r->edge_min);
+    print_number("edge_mean", r->edge_mean);
+    print_number("edge_max", r->edge_max);
+    print_number("angle_min_deg", r->angle_min);
+    const bool has_tetrahedra = m->tetrahedron_count > 0;
+    print_number("dihedral_min_deg", has_tetrahedra ? f->quality.dihedral_min : (double)NAN);
+    print_number("dihedral_max_deg", has_tetrahedra ? f->quality.dihedral_max : (double)NAN);
+    (void)printf(", \"histogram_10_deg\": [");
+    for (int bin = 0; bin < SS_MESH_ANGLE_BINS; ++bin) {
+        (void)printf("%s%lld", bin > 0 ? ", " : "", (long long)f->quality.histogram[bin]);
+    }
+    (void)printf("], \"groups\": {");
+    for (int32_t g = 0; g < m->group_count; ++g) {
+        (void)printf("%s", g > 0 ? ", " : "");
+        print_string(m->group[g].name);
+        (void)printf(": %d", m->group[g].node_count);
+    }
+    (void)printf("}");
+}
+
+static void print_json_rows(const findings *f)
+{
+    (void)printf(", \"findings\": [");
+    for (int32_t i = 0; i < f->row_count; ++i) {
+        const ss_mesh_finding *row = &f->row[i];
+        (void)printf("%s{\"key\": \"%s\", \"count\": %lld, \"status\": %d, \"is_refused\": %s, "
+                     "\"first\": [",
+                     i > 0 ? ", " : "", row->key, (long long)row->fault->count,
+                     row->is_minor ? 1 : 2, row->is_harmless ? "false" : "true");
+        const bool has_numbers = row->where[0] != '\0';
+        for (int k = 0; k < SS_MESH_FIRST && k < row->fault->count && has_numbers; ++k) {
+            (void)printf("%s%d", k > 0 ? ", " : "", row->fault->first[k]);
+        }
+        (void)printf("], \"what\": ");
+        print_string(row->what);
+        (void)printf("}");
+    }
+    (void)printf("], \"models\": [");
+    for (int32_t i = 0; i < f->cost_count; ++i) {
+        const model_cost *cost = &f->cost[i];
+        (void)printf("%s{\"name\": \"%s\"", i > 0 ? ", " : "", cost->name);
+        if (cost->is_known) {
+            print_number("stable_step_s", cost->stable_step_s);
+            (void)printf(", \"bytes\": %lld}", (long long)cost->bytes);
+        } else {
+            (void)printf(", \"reason\": ");
+            print_string(cost->reason);
+            (void)printf("}");
+        }
+    }
+    (void)printf("]");
+}
+
+void findings_print_json(const findings *f)
+{
+    (void)printf("{\"file\": ");
+    print_string(f->path);
+    (void)printf(", ");
+    if (f->is_check) {
+        (void)printf("\"status\": %d, ", f->status);
+    }
+    print_json_measures(f);
+    if (f->is_check) {
+        (void)printf(", \"is_crossing_complete\": %s", f->is_crossing_complete ? "true" : "false");
+        print_json_rows(f);
+        (void)printf(", \"material\": ");
+        print_string(cost_material);
+    }
+    (void)printf("}\n");
+}
+
+void findings_print_json_error(const char *path, const softsim_error *error)
+{
+    (void)printf("{\"file\": ");
+    print_string(path);
+    (void)printf(", \"status\": 2, \"error\": ");
+    print_string(error->text);
+    (void)printf("}\n");
+}
