@@ -202,8 +202,9 @@ bool ss_cnn_project(int32_t count, const double *metric, const double *potential
                     const double *wish, double *out_strength, int32_t *out_bound)
 {
     double matrix[SS_CNN_LCP_MAX * SS_CNN_LCP_MAX] = {0.0}, q[SS_CNN_LCP_MAX] = {0.0};
-    double row[MAX_SOURCES][MAX_SOURCES], output[MAX_SOURCES], z[SS_CNN_LCP_MAX];
-    double ease[MAX_SOURCES], aim[MAX_SOURCES], most = 0.0, stiffest = 0.0, over = 1.0;
+    double row[MAX_SOURCES][MAX_SOURCES] = {{0.0}}, output[MAX_SOURCES], z[SS_CNN_LCP_MAX];
+    double ease[MAX_SOURCES] = {0.0}, aim[MAX_SOURCES] = {0.0}, most = 0.0, stiffest = 0.0,
+           over = 1.0;
     for (int32_t k = 0; k < count; ++k) {
         most = fmax(most, wish[k]);
         stiffest = fmax(stiffest, metric[k]);
