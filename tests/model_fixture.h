@@ -272,8 +272,6 @@ static inline void setup_fini(setup *s)
         s->class->destroy(s->model);
     }
     free(s->fixed);
-    ss_memory_free(s->mesh->quad);
-    s->mesh->quad = NULL;
     ss_mesh_destroy(&s->mesh);
 }
 

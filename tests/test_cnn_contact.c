@@ -438,6 +438,68 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
     setup_fini(&s);
 }
 
+/* A sub-step that is taken back has pressed nothing: the tool goes on to the next cell. */
+static void a_press_that_is_taken_back_holds_no_cell(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 1, PLATE_EDGE, 0.1);
+    give(&s, "source", 1.0);
+    create(&s);
+    const ss_cnn_contact_cell *cell = &s.model->tool[0].cell;
+    const double h = 0.1 / 24.0;
+    go(tool, 0.82 * h, 0.0, PLATE_EDGE + 0.0005); /* the next cell weighs most from 0.9 h on */
+    settle(&s, 1e-3, tool, 2);
+    assert_int_equal(cell->node, 12 * 25 + 12);
+    assert_false(cell->has_pressed);
+    const double dt = 12.0 * info_of(&s).stable_step;
+    s.model->bound = 100.0 * dt; /* a first attempt far too long, down to the pressed end */
+    go(tool, h, 0.0, PLATE_EDGE - 0.00015);
+    step(&s, dt, tool);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
+    assert_true(cell->has_pressed);
+    assert_int_equal(cell->node, 12 * 25 + 13);
+    setup_fini(&s);
+}
+
+/* The same run twice gives the same bits, the second time after a reset in the midst of a grasp. */
+static void a_reset_forgets_every_touch(void **state)
+{
+    (void)state;
+    for (int mode = 0; mode < 4; ++mode) {
+        setup s;
+        uint64_t hash[2];
+        setup_plate(&s, 2, PLATE_EDGE, 0.1);
+        give(&s, "source", mode % 2);
+        give(&s, "solver", mode / 2);
+        create(&s);
+        for (int run = 0; run < 2; ++run) {
+            ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+            ss_contact_set set;
+            for (int n = 0; n < 60; ++n) {
+                go(&tool[0], 0.01 + 1e-5 * n, 0.0, PLATE_EDGE + 0.001 - 1e-4 * n);
+                go(&tool[1], -0.02, 1e-4 * n, PLATE_EDGE - 0.001);
+                tool[0].is_grasping = n > 30;
+                step(&s, 1e-3, tool);
+                s.class->contacts(s.model, 0, 0.001, &set);
+                s.class->contacts(s.model, 1, 0.001, &set);
+            }
+            assert_true(set.count > 0 && s.model->tool[0].grasp.count > 0);
+            hash[run] = s.class->hash(s.model, 1);
+            const ss_real *u = s.class->displacement(s.model);
+            for (int32_t i = 0; i < 4 * s.mesh->node_count; ++i) {
+                hash[run] = hash[run] * 31u + (uint64_t)(int64_t)(1e12 * (double)u[i]);
+            }
+            s.class->reset(s.model);
+            s.time = 0.0;
+            assert_true(largest_displacement(&s) == 0.0 && s.model->tool[0].cell.node == -1);
+        }
+        assert_true(hash[0] == hash[1]);
+        setup_fini(&s);
+    }
+}
+
 static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
 {
     (void)state;
@@ -852,6 +914,8 @@ int main(void)
         cmocka_unit_test(closed_loops_gain_nothing_in_either_direction),
         cmocka_unit_test(one_cell_carries_the_whole_source_of_a_load),
         cmocka_unit_test(the_contact_cell_follows_until_pressed_and_stays_until_let_go),
+        cmocka_unit_test(a_press_that_is_taken_back_holds_no_cell),
+        cmocka_unit_test(a_reset_forgets_every_touch),
         cmocka_unit_test(a_cell_that_is_chosen_anew_beside_a_dent_is_booked),
         cmocka_unit_test(a_slide_with_one_cell_is_smooth_and_gains_nothing),
         cmocka_unit_test(two_starts_lead_to_one_answer),

@@ -197,6 +197,41 @@ static void strengths_are_the_projection_and_nothing_is_nearer(void **state)
     assert_true(held > 50 && off > 20); /* the interesting cases were there */
 }
 
+/* Wishes far beyond K: what acts is a small share of them. It never exceeds K, and as long as it is
+ * said to be solved nothing is nearer. */
+static void wishes_far_beyond_the_output_keep_every_condition(void **state)
+{
+    (void)state;
+    random_state = 21;
+    for (int trial = 0; trial < 600; ++trial) {
+        const double over = pow(10.0, trial % 300);
+        double metric[SIZE], potential[SIZE * SIZE], wish[SIZE], x[SIZE], y[SIZE];
+        double product = 0.0, most = 0.0;
+        int32_t bound;
+        draw_problem(metric, potential, wish);
+        wish[0] = fmax(wish[0], 0.1);
+        const bool is_solved = ss_cnn_project(SIZE, metric, potential, 1.0 / over, wish, x, &bound);
+        assert_true(is_solved || over > 1e6);
+        for (int k = 0; k < SIZE; ++k) {
+            y[k] = fmax(0.0, random_unit());
+        }
+        for (int k = 0; k < SIZE; ++k) {
+            double sum = 0.0, other = 0.0;
+            for (int l = 0; l < SIZE; ++l) {
+                sum += potential[k * SIZE + l] * (x[l] * over);
+                other += potential[k * SIZE + l] * y[l];
+            }
+            assert_true(x[k] >= 0.0 && sum <= 1.0 + 1e-9);
+            most = fmax(most, other);
+        }
+        /* (y - x).(x - wish)/metric >= 0 for every allowed y, in units of K. */
+        for (int k = 0; k < SIZE && most > 0.0; ++k) {
+            product += (y[k] / most - x[k] * over) * (x[k] - wish[k]) / metric[k];
+        }
+        assert_true(!is_solved || product >= -1e-8);
+    }
+}
+
 /* Strengths of given currents with the literal clip: current leaves saturated cells only. */
 static void clip(const double potential[SIZE * SIZE], const double *wish, double *out)
 {
@@ -623,6 +658,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_complementarity_problem_is_solved_exactly),
         cmocka_unit_test(strengths_are_the_projection_and_nothing_is_nearer),
+        cmocka_unit_test(wishes_far_beyond_the_output_keep_every_condition),
         cmocka_unit_test(the_projection_is_a_gradient_and_the_literal_clip_is_none),
         cmocka_unit_test(strengths_in_a_body_keep_every_condition),
         cmocka_unit_test(potentials_are_those_of_the_network),

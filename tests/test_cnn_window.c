@@ -276,6 +276,122 @@ static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
     pair_fini(&p);
 }
 
+/* Kernels take two nodes at a time: the spare one of an odd number is none. */
+static void nodes_are_counted_once(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "cnn-energy", make_plate(64, 1.0));
+    const int32_t count = s.mesh->node_count;
+    int32_t *node = calloc((size_t)count, sizeof *node);
+    assert_int_equal(count % 2, 1);
+    s.fixed[0] = s.fixed[64] = s.fixed[64 * 65] = 7;
+    int32_t loaded = 0;
+    for (int32_t i = 0; i < count; ++i) {
+        node[loaded] = i;
+        loaded += s.fixed[i] == 0;
+    }
+    give(&s, "modulus_j", 50.0);
+    give(&s, "area_density_kg_m2", 10.0);
+    give(&s, "damping_n_s_per_m3", 1000.0);
+    give(&s, "rest_stiffness_n_per_m3", 1e4);
+    load_patch(&s, node, loaded, (const double[3]){0.0, 0.0, -1.0}, 0.0, (double)INFINITY);
+    create(&s);
+    assert_non_null(s.model->window);
+    assert_int_equal(info_of(&s).active_nodes, count);
+    setup_fini(&s);
+    free(node);
+}
+
+/* What a block had when it last moved says nothing of the step now. */
+static void still_nodes_do_not_limit_the_step(void **state)
+{
+    (void)state;
+    pair p;
+    create_pair(&p, 0.0, 0.0, false, 200.0);
+    steps(&p.with, 50, 2e-3);
+    ss_model *model = p.with.model;
+    const int32_t far = far_node(&p);
+    assert_int_not_equal(model->window->rank[far / model->window->block_size], 0);
+    model->stiff[far] = 1e30;
+    model->verdict = SOFTSIM_VERDICT_DEGRADED;
+    const int32_t worst = info_of(&p.with).worst_element;
+    assert_true(worst >= 0 && worst != far);
+    pair_fini(&p);
+}
+
+/* Several loads that saturate together, a driven patch, pretension and an enclosed volume. */
+static void everything_at_once_is_that_of_the_whole_body(void **state)
+{
+    (void)state;
+    static const double top[3] = {0.0, 0.0, 0.8}, side[3] = {1.0, 0.0, 0.0},
+                        back[3] = {0.0, -0.9, 0.0};
+    setup s[2];
+    int32_t patch[3][200], count[3];
+    double displacement[200][3] = {{0.0}}, force[2][2][3];
+    int32_t bound = 0, least = INT32_MAX;
+    for (int k = 0; k < 2; ++k) {
+        setup_large(&s[k]);
+        count[0] = nodes_near(s[k].mesh, top, 0.12, patch[0]);
+        count[1] = nodes_near(s[k].mesh, side, 0.12, patch[1]);
+        count[2] = nodes_near(s[k].mesh, back, 0.12, patch[2]);
+        for (int32_t i = 0; i < count[2]; ++i) {
+            displacement[i][1] = 0.04;
+            displacement[i][0] = displacement[i][2] = (double)NAN;
+        }
+        load_patch(&s[k], patch[0], count[0], (const double[3]){0.0, 0.0, -200.0}, 0.0, 0.3);
+        load_patch(&s[k], patch[1], count[1], (const double[3]){-150.0, 0.0, 0.0}, 0.05,
+                   (double)INFINITY);
+        s[k].prescribed[0] = (ss_prescribed){.node = patch[2],
+                                             .node_count = count[2],
+                                             .displacement = displacement,
+                                             .axis = {true, true, true},
+                                             .from = 0.1,
+                                             .ramp = 0.1};
+        s[k].plan.prescribed_count = 1;
+        give(&s[k], "pretension_j", 50.0);
+        give(&s[k], "enclosed_bulk_pa", 2e4);
+        give(&s[k], "saturation", 0.01);
+        give(&s[k], "window_tolerance", k == 0 ? TOLERANCE : 0.0);
+        create(&s[k]);
+    }
+    assert_non_null(s[0].model->window);
+    for (int look = 0; look < 12; ++look) {
+        double largest = 0.0, apart = 0.0;
+        for (int k = 0; k < 2; ++k) {
+            steps(&s[k], 20, 2e-3);
+            s[k].class->reaction(s[k].model, 0, force[k][0]);
+            s[k].class->reaction(s[k].model, -1, force[k][1]);
+            for (int n = 0; n < s[k].model->source_count; ++n) {
+                const ss_cnn_source *source = &s[k].model->source[n];
+                bound += source->is_on && source->stretch < 0.99 * source->eps;
+            }
+        }
+        for (int32_t i = 0; i < s[0].mesh->node_count; ++i) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const double a = moved(&s[0], i, axis), b = moved(&s[1], i, axis);
+                largest = fmax(largest, fabs(b));
+                apart = fmax(apart, fabs(a - b));
+            }
+        }
+        const ss_model_info a = info_of(&s[0]), b = info_of(&s[1]);
+        assert_int_equal(a.verdict, SOFTSIM_VERDICT_GOOD);
+        assert_near(apart, 0.0, 1e-4 * largest);
+        assert_near(a.elastic, b.elastic, 2e-4 * b.elastic);
+        assert_near(ledger(&s[0]), ledger(&s[1]), 1e-6 * b.work);
+        for (int set = 0; set < 2; ++set) {
+            for (int axis = 0; axis < 3; ++axis) {
+                assert_near(force[0][set][axis], force[1][set][axis], 1e-3 * 200.0);
+            }
+        }
+        least = a.active_nodes < least ? a.active_nodes : least;
+    }
+    assert_true(least < s[0].mesh->node_count / 2);
+    assert_true(bound > 12);
+    setup_fini(&s[0]);
+    setup_fini(&s[1]);
+}
+
 /* ---- guards ------------------------------------------------------------------------------- */
 
 static void steps_that_are_taken_back_take_the_far_field_back(void **state)
@@ -404,6 +520,9 @@ int main(void)
         cmocka_unit_test(the_field_and_the_ledger_are_those_of_the_whole_body),
         cmocka_unit_test(the_window_follows_the_load_and_closes_at_rest),
         cmocka_unit_test(driven_nodes_open_the_window_too),
+        cmocka_unit_test(nodes_are_counted_once),
+        cmocka_unit_test(still_nodes_do_not_limit_the_step),
+        cmocka_unit_test(everything_at_once_is_that_of_the_whole_body),
         cmocka_unit_test(a_strong_far_field_wakes_the_blocks_at_held_cells),
         cmocka_unit_test(steps_that_are_taken_back_take_the_far_field_back),
         cmocka_unit_test(reset_and_threads_give_the_same_bits),

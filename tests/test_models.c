@@ -408,6 +408,22 @@ static void all_faults_are_named_in_one_go(void **state)
     setup_fini(&s);
 }
 
+/* A number beyond the mesh has none in the file either. */
+static void nodes_outside_a_renumbered_mesh_are_named_as_given(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t outside = 4000000;
+    setup_init(&s, "cnn-energy", make_plate(6, 0.1));
+    assert_true(ss_mesh_renumber(s.mesh));
+    assert_non_null(s.mesh->file_node);
+    s.fixed[0] = s.fixed[1] = s.fixed[2] = 7;
+    push(&s, &outside, 0.0, 0.0, 1.0);
+    assert_true(setup_create(&s) != SOFTSIM_OK);
+    assert_non_null(strstr(s.error.text, "not in the mesh: 4000000"));
+    setup_fini(&s);
+}
+
 static void short_edges_and_loose_nodes_are_refused(void **state)
 {
     (void)state;
@@ -679,6 +695,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_is_refused_and_named),
         cmocka_unit_test(what_cannot_be_in_a_volume_is_refused_and_named),
         cmocka_unit_test(all_faults_are_named_in_one_go),
+        cmocka_unit_test(nodes_outside_a_renumbered_mesh_are_named_as_given),
         cmocka_unit_test(short_edges_and_loose_nodes_are_refused),
         cmocka_unit_test(the_explanation_names_what_is_used_and_left_out),
         cmocka_unit_test(the_explanation_tells_what_carries_the_cells),

@@ -221,6 +221,11 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
                           NULL, 0));
     assert_int_equal(error.fault_count, 1);
     assert_non_null(strstr(error.text, ":2:17: error: object.units is missing"));
+    /* A grid is no file: its faults are the scene's. */
+    assert_null(load_with(
+        replace_line(3, "  grid: {plane: {rows: 2, columns: 2, width_m: 1, height_m: 1e-5}}"), NULL,
+        0));
+    assert_non_null(strstr(error.text, ".yaml: object.grid: edges shorter than"));
     assert_null(load_with(
         replace_line(13, "prescribed: [{displacement_file: lift_bad.csv}]\nloads:"), NULL, 0));
     assert_non_null(strstr(error.text, "lift_bad.csv:2: error: not four cells"));

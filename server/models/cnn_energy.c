@@ -443,10 +443,13 @@ static int32_t limiting_node(const ss_model *model)
 {
     int32_t worst = -1;
     double largest = 0.0;
-    for (int32_t i = 0; model->verdict >= SOFTSIM_VERDICT_DEGRADED && i < model->node_count; ++i) {
-        const double rate = model->stiff[i] * model->mobility_max[i];
-        worst = rate > largest ? i : worst;
-        largest = fmax(largest, rate);
+    for (int32_t s = 0; model->verdict >= SOFTSIM_VERDICT_DEGRADED && s < model->part->count; ++s) {
+        const ss_cnn_span *span = &model->part->span[s];
+        for (int32_t i = span->node; i < span->node_end; ++i) {
+            const double rate = model->stiff[i] * model->mobility_max[i];
+            worst = rate > largest ? i : worst;
+            largest = fmax(largest, rate);
+        }
     }
     return worst;
 }

@@ -139,8 +139,8 @@ typedef struct ss_cnn_tool {
     const int32_t *node;
     const double *weight;
     double *mu, *eps, *eta, *share;
-    ss_cnn_contact_cell cell, cell_before; /* one-cell sources; before: at the sub-step's start */
-    double reference_before;
+    ss_cnn_contact_cell cell, cell_before;   /* one-cell sources; before: at the sub-step's start */
+    double reference_before, penalty_before; /* at the sub-step's start, likewise */
     double weight_sum, amplitude_slope;
     bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
     double *fading_mu;     /* da/dW psi of every touched cell */

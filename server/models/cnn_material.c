@@ -515,7 +515,7 @@ static bool nodes_are_valid(const ss_model_plan *plan, const int32_t *node, int3
     number_list bad = {0};
     for (int32_t k = 0; k < count; ++k) {
         if (node[k] < 0 || node[k] >= plan->mesh->node_count) {
-            add_number(&bad, ss_mesh_file_node(plan->mesh, node[k]));
+            add_number(&bad, node[k]); /* no node: the file has no number for it */
         }
     }
     if (count <= 0 || bad.count > 0) {

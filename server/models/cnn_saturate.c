@@ -44,6 +44,12 @@ enum { MAX_SOURCES = SS_CNN_MAX_SATURATED };
 /* Of the problem's size: how far a condition may be violated, and pivots that count as zero. */
 #define TOLERANCE 1e-13
 #define NO_PIVOT  1e-12
+/* Of K: by how much what was found may be beyond it and still count as solved. */
+#define EXCESS 1e-9
+/* Wishes over K beyond which doubles hold no digit of what may act; and beyond which it is nothing.
+ */
+#define BLIND_OVER 1e12
+#define MAX_OVER   1e150
 /* Conditions taken up in one solve; a problem takes about as many as it has sources. */
 enum { MAX_ROUNDS = 256 };
 
@@ -161,47 +167,90 @@ bool ss_cnn_lcp(int32_t n, const double *matrix, const double *q, double *out_z)
     return false;
 }
 
+/* out := G x */
+static void find_outputs(int32_t count, const double row[MAX_SOURCES][MAX_SOURCES], const double *x,
+                         double *out)
+{
+    for (int32_t k = 0; k < count; ++k) {
+        out[k] = 0.0;
+        for (int32_t l = 0; l < count; ++l) {
+            out[k] += row[k][l] * x[l];
+        }
+    }
+}
+
+/* Matrix (zero so far) and right-hand side of the conditions: G X <= K first, then X >= 0. */
+static void fill_conditions(int32_t count, const double row[MAX_SOURCES][MAX_SOURCES],
+                            const double *metric, const double *wish, double *matrix, double *q)
+{
+    const int32_t n = 2 * count;
+    find_outputs(count, row, wish, q);
+    for (int32_t k = 0; k < count; ++k) {
+        q[k] = 1.0 - q[k];
+        q[count + k] = wish[k];
+        for (int32_t l = 0; l < count; ++l) {
+            for (int32_t j = 0; j < count; ++j) {
+                matrix[k * n + l] += row[k][j] * metric[j] * row[l][j];
+            }
+            matrix[k * n + count + l] = matrix[(count + l) * n + k] = -row[k][l] * metric[l];
+        }
+        matrix[(count + k) * n + count + k] = metric[k];
+    }
+}
+
 bool ss_cnn_project(int32_t count, const double *metric, const double *potential, double limit,
                     const double *wish, double *out_strength, int32_t *out_bound)
 {
-    /* In units of the largest wish, K and the largest metric. */
     double matrix[SS_CNN_LCP_MAX * SS_CNN_LCP_MAX] = {0.0}, q[SS_CNN_LCP_MAX] = {0.0};
-    double row[MAX_SOURCES][MAX_SOURCES], z[SS_CNN_LCP_MAX], most = 0.0, stiffest = 0.0;
-    const int32_t n = 2 * count;
+    double row[MAX_SOURCES][MAX_SOURCES] = {{0.0}}, output[MAX_SOURCES], z[SS_CNN_LCP_MAX];
+    double ease[MAX_SOURCES] = {0.0}, aim[MAX_SOURCES] = {0.0}, most = 0.0, stiffest = 0.0,
+           over = 1.0;
     for (int32_t k = 0; k < count; ++k) {
         most = fmax(most, wish[k]);
         stiffest = fmax(stiffest, metric[k]);
     }
     for (int32_t k = 0; k < count; ++k) {
-        q[k] = 1.0;
-        q[count + k] = wish[k] / most;
+        double sum = 0.0;
         for (int32_t l = 0; l < count; ++l) {
-            row[k][l] = potential[k * count + l] * most / limit;
-            q[k] -= row[k][l] * wish[l] / most;
+            sum += potential[k * count + l] * wish[l];
         }
+        over = fmax(over, sum / limit);
     }
-    for (int32_t k = 0; k < count; ++k) {
-        for (int32_t l = 0; l < count; ++l) {
-            for (int32_t j = 0; j < count; ++j) {
-                matrix[k * n + l] += row[k][j] * (metric[j] / stiffest) * row[l][j];
-            }
-            matrix[k * n + count + l] = matrix[(count + l) * n + k] =
-                -row[k][l] * metric[l] / stiffest;
-        }
-        matrix[(count + k) * n + count + k] = metric[k] / stiffest;
-    }
-    const bool is_solved = ss_cnn_lcp(n, matrix, q, z);
     *out_bound = 0;
+    if (over > MAX_OVER) {
+        memset(out_strength, 0, (size_t)count * sizeof *out_strength);
+        return false;
+    }
+    /* In units of K, the largest metric and the largest wish as far as K lets it act: what is found
+     * is then of order 1, however far the wishes are beyond it. */
+    const double unit = most / over;
+    for (int32_t k = 0; k < count; ++k) {
+        ease[k] = metric[k] / stiffest;
+        aim[k] = wish[k] / unit;
+        for (int32_t l = 0; l < count; ++l) {
+            row[k][l] = potential[k * count + l] * (unit / limit);
+        }
+    }
+    fill_conditions(count, (const double(*)[MAX_SOURCES])row, ease, aim, matrix, q);
+    const bool is_solved = ss_cnn_lcp(2 * count, matrix, q, z);
     for (int32_t k = 0; k < count; ++k) {
         double pressed = -z[count + k];
         for (int32_t l = 0; l < count; ++l) {
             pressed += row[l][k] * z[l];
         }
         *out_bound += (z[k] > 0.0) + (z[count + k] > 0.0);
-        const double strength = wish[k] - most * metric[k] / stiffest * pressed;
-        out_strength[k] = z[count + k] > 0.0 ? 0.0 : fmax(strength, 0.0);
+        out_strength[k] = z[count + k] > 0.0 ? 0.0 : fmax(aim[k] - ease[k] * pressed, 0.0);
     }
-    return is_solved;
+    /* Far beyond K the digits of what may act run out: K holds all the same. */
+    double highest = 0.0;
+    find_outputs(count, (const double(*)[MAX_SOURCES])row, out_strength, output);
+    for (int32_t k = 0; k < count; ++k) {
+        highest = fmax(highest, output[k]);
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        out_strength[k] *= unit / fmax(highest, 1.0);
+    }
+    return is_solved && over < BLIND_OVER && highest <= 1.0 + EXCESS;
 }
 
 /* ---- sources of the model ----------------------------------------------------------------- */
@@ -276,7 +325,8 @@ void ss_cnn_saturate(ss_model *model)
     if (count < 2 || !(highest > limit) || !isfinite(highest)) {
         return; /* each one's own rule, taken already */
     }
-    if (!ss_cnn_project(count, metric, potential, limit, wish, strength, &bound)) {
+    const bool is_solved = ss_cnn_project(count, metric, potential, limit, wish, strength, &bound);
+    if (!is_solved && model->verdict == SOFTSIM_VERDICT_GOOD) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "saturation of several sources was not solved to rounding";
     }

@@ -382,6 +382,7 @@ void ss_cnn_source_keep(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell_before = model->tool[k].cell;
         model->tool[k].reference_before = model->tool[k].source.reference;
+        model->tool[k].penalty_before = model->tool[k].penalty;
     }
 }
 
@@ -390,6 +391,7 @@ void ss_cnn_source_restore(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell = model->tool[k].cell_before;
         model->tool[k].source.reference = model->tool[k].reference_before;
+        model->tool[k].penalty = model->tool[k].penalty_before;
     }
 }
 

@@ -396,8 +396,10 @@ static void set_parts(ss_model *model)
     set_part(model, BESIDE, FAR, &window->still);
     find_seam(model);
     window->active_nodes = 0;
-    for (int32_t s = 0; s < window->active.count; ++s) {
-        window->active_nodes += window->active.span[s].node_end - window->active.span[s].node;
+    for (int32_t s = 0; s < window->active.count; ++s) { /* the end may be one beyond the last */
+        const ss_cnn_span *span = &window->active.span[s];
+        const int32_t end = span->node_end < model->node_count ? span->node_end : model->node_count;
+        window->active_nodes += end - span->node;
     }
     memset(window->shared, 0, sizeof window->shared);
     for (int32_t k = 0; k < window->block_count; ++k) {

@@ -221,8 +221,11 @@ static bool take_mesh(loader *l)
                             l->model->name, file != NULL ? file->text : "object.grid");
     }
     char name[2048];
-    ss_scene_join_path(l->space.folder, file != NULL ? file->text : "object.grid", name,
-                       sizeof name);
+    if (file != NULL) {
+        ss_scene_join_path(l->space.folder, file->text, name, sizeof name);
+    } else {
+        snprintf(name, sizeof name, "%s: object.grid", l->report->path);
+    }
     const int32_t node_count = scene->mesh->node_count;
     if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK) {
         return false;
