@@ -608,6 +608,12 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
 {
     ss_cnn_grasp *grasp = &tool->grasp;
     if (is_grasping && !grasp->is_pressed) {
+        if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
+            model->dissipated += grasp->share * grasp->square;
+            grasp->count = 0;
+            model->has_totals = false;
+            prepare(model, 0.0);
+        }
         grasp->share = 1.0;
         grasp->count = tool->count;
         for (int32_t i = 0; i < tool->count; ++i) {
