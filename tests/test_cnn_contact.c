@@ -656,6 +656,32 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
     setup_fini(&s);
 }
 
+static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    const double radius = 0.008;
+    setup_plate(&s, 1, radius, 0.0);
+    s.plan.step = 5e-4;
+    create(&s);
+    press(&s, tool, 1, 0.0, radius, 0.004);
+    tool[0].is_grasping = true;
+    for (int n = 1; n <= 400; ++n) {
+        go(tool, 0.0, 0.0, radius - 0.004 + 0.008 * n / 400.0);
+        step(&s, 5e-4, tool);
+    }
+    const double stored = info_of(&s).elastic;
+    for (int n = 0; n < 240; ++n) { /* let go for 2 ms of the 20 that it takes, and taken again */
+        tool[0].is_grasping = n % 24 >= 4;
+        go(tool, 0.0, 0.0, radius + 0.004 + 0.01 * n / 240.0);
+        step(&s, 5e-4, tool);
+        assert_true(s.model->tool[0].grasp.share > 0.5);
+    }
+    assert_near(ledger(&s), 0.0, 5e-3 * stored);
+    setup_fini(&s);
+}
+
 /* ---- what the hand is told ---------------------------------------------------------------- */
 
 static double force_along(const setup *s, const double normal[3])
@@ -922,6 +948,7 @@ int main(void)
         cmocka_unit_test(second_tools_add_their_own_potential),
         cmocka_unit_test(strained_tissue_holds_no_tool_off),
         cmocka_unit_test(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain),
+        cmocka_unit_test(a_grasp_that_is_taken_again_loses_nothing_unsaid),
         cmocka_unit_test(the_stiffness_told_is_the_tangent_and_errs_high),
         cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),
         cmocka_unit_test(a_fast_tool_is_sub_stepped_and_does_not_tunnel),

@@ -315,10 +315,12 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
 static void network_forces_are_the_gradient_of_the_potential(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < 4; ++kind) { /* plain, two sources, saturated, T0 and B; free */
+    /* plain; two sources, saturated; T0 and B; free; hinged: fixed, yet free to turn */
+    for (int kind = 0; kind < 5; ++kind) {
         setup s;
         setup_body(&s, 3);
         int32_t top = top_node(s.mesh), other = 5;
+        const int32_t hinge = 30;
         push(&s, &top, 0.0, 0.0, 0.1);
         if (kind == 1) {
             push(&s, &other, 0.0, 0.0, 0.1);
@@ -328,8 +330,11 @@ static void network_forces_are_the_gradient_of_the_potential(void **state)
             give(&s, "pretension_j", 3.0);
             give(&s, "enclosed_bulk_pa", 2.0);
         }
-        if (kind == 3) {
+        if (kind >= 3) {
             memset(s.fixed, 0, (size_t)s.mesh->node_count);
+        }
+        if (kind == 4) {
+            s.fixed[hinge] = s.fixed[hinge + 1] = 7;
         }
         create(&s);
         random_state = 10u + (uint64_t)kind;

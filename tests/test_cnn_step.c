@@ -321,10 +321,31 @@ static void what_is_enclosed_keeps_most_of_its_volume(void **state)
     assert_true(fabs(lost[1]) < 0.4 * lost[0]);
 }
 
+/* Runge-Kutta near its stable step: at omega h = 1.9 a cycle loses a third of its energy. */
+static void a_step_that_loses_energy_says_so(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 2; ++kind) {
+        const double dt = kind == 0 ? 0.1 : 1.9;
+        setup s;
+        setup_fan(&s, 7.0, 1.0, 0.0, 1.0);
+        create(&s);
+        place(&s, 0, 0.0, 0.0, 0.2);
+        steps(&s, 1, dt);
+        const double lost = 0.02 - info_of(&s).elastic - info_of(&s).kinetic;
+        assert_true(kind == 0 ? fabs(lost) < 2e-7 : lost > 0.004);
+        assert_int_equal(info_of(&s).verdict,
+                         kind == 0 ? SOFTSIM_VERDICT_GOOD : SOFTSIM_VERDICT_GUARDED);
+        assert_true(kind == 0 || strstr(info_of(&s).reason, "lost energy"));
+        setup_fini(&s);
+    }
+}
+
 int main(void)
 {
     ss_thread_flush_denormals();
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_step_that_loses_energy_says_so),
         cmocka_unit_test(the_rk4_limit_is_the_edge_of_stability),
         cmocka_unit_test(the_step_bound_covers_the_stiffest_mode),
         cmocka_unit_test(huge_forces_are_sub_stepped_and_stay_finite),

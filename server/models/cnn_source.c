@@ -163,11 +163,41 @@ static const ss_real *turned_b(const ss_model *model, ss_cnn_source *source)
     return source->b_turned;
 }
 
+/* The held cells' part of d.b and d.r. They have no rows in the product, and none is missing where
+ * they are at their place; but the rest place of a body that is held at a hinge turns away from
+ * them. */
+static void add_held_cells(const ss_model *model, const ss_cnn_source *source, const ss_real *d,
+                           double *ub, double *ur)
+{
+    const ss_cnn_rows *held = &model->network->held;
+    for (int32_t g = 0; g < held->group_count; ++g) {
+        const ss_cnn_group *group = &held->group[g];
+        for (int32_t k = 0; k < group->row_count * group->degree; ++k) {
+            const int32_t entry = group->first_entry + k;
+            const ss_real *arm = held->arm + 4 * (ptrdiff_t)entry;
+            const ss_real *here = d + held->node[group->first_row + k / group->degree];
+            const ss_real *there = d + held->neighbour[entry];
+            const double kap = (double)source->kap_edge[held->edge[entry]];
+            for (int a = 0; a < 3; ++a) {
+                const double rest = model->rotation[a][0] * (double)arm[0] +
+                                    model->rotation[a][1] * (double)arm[1] +
+                                    model->rotation[a][2] * (double)arm[2];
+                const double change = (double)here[a] - (double)there[a];
+                *ub += kap * (double)here[a] * rest;
+                *ur += kap * (double)here[a] * (rest + change);
+            }
+        }
+    }
+}
+
 void ss_cnn_source_evaluate(const ss_model *model, ss_cnn_source *source, const ss_real *d)
 {
     double ub, ur;
     model->kernels->product(&model->network->rows, model->part, source->kap,
                             turned_b(model, source), d, source->r, &ub, &ur);
+    if (!model->is_held) {
+        add_held_cells(model, source, d, &ub, &ur);
+    }
     source->eps = 0.5 * (ub + ur) + source->far;
     source->eta = 0.5 * (ur - ub);
     ss_cnn_source_set_stretch(model, source, fmin(fmax(source->eps, 0.0), source->eps_limit),
