@@ -183,7 +183,7 @@ static const ss_scene_row object_row[] = {
     {.name = "mesh",
      .kind = SS_SCENE_FILE,
      .one_of = 'M',
-     .help = "surface (OBJ STL PLY GLB MSH) or volume (MSH)"},
+     .help = "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)"},
     {.name = "grid", .kind = SS_SCENE_KEYS, .one_of = 'M', .child = TABLE(grid_row)},
     {.name = "units",
      .kind = SS_SCENE_CHOICE,
