@@ -194,7 +194,8 @@ static const ss_scene_row object_row[] = {
     {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
     {.name = "repair",
      .kind = SS_SCENE_BOOL,
-     .help = "turn triangles that are wound the wrong way round"},
+     .help = "weld, drop and turn what softsim-mesh convert --repair does; numbers are then the "
+             "mended mesh's"},
     {.name = "fixed",
      .kind = SS_SCENE_ENTRIES,
      .child = TABLE(fixed_row),
