@@ -52,7 +52,8 @@ static void look_at_energies(ss_audit *audit, const ss_audit_sample *sample)
     audit->largest_stored = fmax(audit->largest_stored, stored - audit->first_stored);
     audit->scale = fmax(audit->scale, fabs(stored - audit->first_stored));
     audit->scale = fmax(audit->scale, fabs(sample->work - audit->first_work));
-    audit->worst_gap = fmax(audit->worst_gap, fabs(ledger - audit->first));
+    audit->gain = fmax(audit->gain, ledger - audit->first);
+    audit->loss = fmax(audit->loss, audit->first - ledger);
     audit->applied += sample->applied;
     audit->worst_work =
         fmax(audit->worst_work, fabs(sample->work - audit->first_work - audit->applied));
@@ -81,7 +82,8 @@ void ss_audit_look(ss_audit *audit, const ss_audit_sample *sample)
 uint32_t ss_audit_end(ss_audit *audit, bool is_rested)
 {
     const double limit = energy_share * audit->scale + floor_of(audit);
-    audit->found |= audit->worst_gap > limit ? SS_AUDIT_BALANCE : 0u;
+    audit->found |= audit->gain > limit ? SS_AUDIT_GAIN : 0u;
+    audit->found |= audit->loss > limit ? SS_AUDIT_LOSS : 0u;
     audit->found |= audit->plan.has_work && audit->worst_work > limit ? SS_AUDIT_WORK : 0u;
     audit->found |= audit->worst_growth > limit ? SS_AUDIT_GROWS : 0u;
     audit->found |= is_rested && audit->last > rest_share * audit->largest ? SS_AUDIT_NOT_BACK : 0u;
@@ -95,7 +97,7 @@ static double share(const ss_audit *audit, double gap)
 
 double ss_audit_balance_error(const ss_audit *audit)
 {
-    return share(audit, audit->worst_gap);
+    return share(audit, audit->gain > audit->loss ? audit->gain : -audit->loss);
 }
 
 double ss_audit_work_error(const ss_audit *audit)
@@ -113,9 +115,10 @@ bool ss_audit_agrees(uint32_t found, softsim_verdict worst)
     if ((found & SS_AUDIT_NOT_FINITE) != 0) {
         return false;
     }
-    return worst == SOFTSIM_VERDICT_GOOD      ? found == 0
-           : worst == SOFTSIM_VERDICT_GUARDED ? (found & ~(uint32_t)SS_AUDIT_NOT_BACK) == 0
-                                              : true;
+    return worst == SOFTSIM_VERDICT_GOOD ? found == 0
+           : worst == SOFTSIM_VERDICT_GUARDED
+               ? (found & ~(uint32_t)(SS_AUDIT_NOT_BACK | SS_AUDIT_LOSS)) == 0
+               : true;
 }
 
 void ss_audit_text(uint32_t found, char *out, int32_t size)

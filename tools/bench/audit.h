@@ -22,11 +22,12 @@
 enum {
     SS_AUDIT_NOT_FINITE = 1,
     SS_AUDIT_FAR = 2,       /* beyond `reach` */
-    SS_AUDIT_BALANCE = 4,   /* stored + dissipated - work is not what it was */
-    SS_AUDIT_WORK = 8,      /* the published work is not F.du */
-    SS_AUDIT_GROWS = 16,    /* stored energy grew after release */
-    SS_AUDIT_NOT_BACK = 32, /* not at rest again */
-    SS_AUDIT_KINDS = 6
+    SS_AUDIT_GAIN = 4,      /* stored + dissipated - work has grown: energy from nowhere */
+    SS_AUDIT_LOSS = 8,      /* it has shrunk */
+    SS_AUDIT_WORK = 16,     /* the published work is not F.du */
+    SS_AUDIT_GROWS = 32,    /* stored energy grew after release */
+    SS_AUDIT_NOT_BACK = 64, /* not at rest again */
+    SS_AUDIT_KINDS = 7
 };
 
 typedef struct ss_audit_plan {
@@ -51,7 +52,7 @@ typedef struct ss_audit {
     bool has_first, was_released;
     double first;                                /* J: the ledger at the start */
     double scale;                                /* J: the largest of what was stored and done */
-    double worst_gap;                            /* J, of the ledger */
+    double gain, loss;                           /* J, the largest, of the ledger */
     double applied, first_work, worst_work;      /* J */
     double first_stored, released, worst_growth; /* J */
     double largest, last;                        /* m: displacement in all, and now */

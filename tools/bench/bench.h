@@ -13,3 +13,5 @@ int ss_bench_latency(int argc, char **argv);
 int ss_bench_paper(int argc, char **argv);
 /* Step time, smoothness and energy against the number of nodes. */
 int ss_bench_scaling(int argc, char **argv);
+/* What breaks a model, and whether the program says so. */
+int ss_bench_stability(int argc, char **argv);

@@ -17,6 +17,8 @@ static const struct {
      "the figures and tables of a paper, each claim passed or failed"},
     {"scaling", ss_bench_scaling, "softsim-bench scaling",
      "step time, smoothness and energy against the number of nodes"},
+    {"stability", ss_bench_stability, "softsim-bench stability",
+     "what breaks a model, and whether the program says so"},
 };
 enum { REPORT_COUNT = sizeof reports / sizeof reports[0] };
 
@@ -53,8 +55,8 @@ int main(int argc, char **argv)
         }
     }
     fprintf(stderr,
-            "softsim-bench: '%s' is none of latency, paper, scaling; softsim-bench --help says "
-            "more\n",
+            "softsim-bench: '%s' is none of latency, paper, scaling, stability; softsim-bench "
+            "--help says more\n",
             name);
     return 2;
 }

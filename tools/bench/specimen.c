@@ -3,7 +3,6 @@
 #include "specimen.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 #include "rt/vec.h"
 
@@ -106,6 +105,14 @@ void ss_specimen_make(double flatness, ss_specimen *out)
         flatten(out, node_at(half, half, half), flatness, false);
         flatten(out, node_at(half + 1, half, SS_SPECIMEN_CELLS), flatness, true);
     }
+}
+
+bool ss_specimen_is_surface(int32_t node)
+{
+    const int32_t last = SS_SPECIMEN_CELLS;
+    const int32_t i = node % SS_SPECIMEN_SIDE, j = node / SS_SPECIMEN_SIDE % SS_SPECIMEN_SIDE;
+    const int32_t k = node / SS_SPECIMEN_LAYER;
+    return i == 0 || i == last || j == 0 || j == last || k == 0 || k == last;
 }
 
 void ss_specimen_write(const ss_specimen *s, FILE *file)

@@ -8,6 +8,7 @@
  * be flattened to a share of its height.
  * Thread: any.
  */
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -28,6 +29,7 @@ typedef struct ss_specimen {
 
 /* `flatness` 1: as it is; below: what is left of two elements' heights. */
 void ss_specimen_make(double flatness, ss_specimen *out);
+bool ss_specimen_is_surface(int32_t node);
 /* As Gmsh 2.2 ASCII, in metres, numbers of the body. */
 void ss_specimen_write(const ss_specimen *specimen, FILE *file);
 /* Tetrahedra that are turned inside out at displacements `u`. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "trial.h"
+#include "assay.h"
 
 #include <errno.h>
 #include <math.h>
@@ -9,11 +9,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "assay_scene.h"
 #include "audit.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
-#include "trial_scene.h"
 
 enum { PATH_SIZE = 512, MIN_TICKS = 40 };
 static const double haptic_tick_s = 1e-3;
@@ -23,17 +23,17 @@ static const double heavy = 10.0; /* a mass ratio beyond it is slower than tau *
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
 
-const char *ss_trial_kind_name(ss_trial_kind kind)
+const char *ss_assay_kind_name(ss_assay_kind kind)
 {
-    static const char *const name[SS_TRIAL_KINDS] = {
+    static const char *const name[SS_ASSAY_KINDS] = {
         "control",  "step",  "single-step", "stiffness", "poisson", "mass-ratio",   "sliver",
         "teleport", "force", "tangled",     "flattened", "probe",   "contradiction"};
     return name[kind];
 }
 
-const char *ss_trial_value_name(ss_trial_kind kind)
+const char *ss_assay_value_name(ss_assay_kind kind)
 {
-    static const char *const name[SS_TRIAL_KINDS] = {"drive",
+    static const char *const name[SS_ASSAY_KINDS] = {"drive",
                                                      "step over the computed limit",
                                                      "step over the computed limit",
                                                      "Young's modulus, Pa",
@@ -49,25 +49,25 @@ const char *ss_trial_value_name(ss_trial_kind kind)
     return name[kind];
 }
 
-const char *ss_trial_outcome_name(ss_trial_outcome outcome)
+const char *ss_assay_outcome_name(ss_assay_outcome outcome)
 {
-    static const char *const name[SS_TRIAL_OUTCOMES] = {"stable", "guarded", "refused", "diverged"};
+    static const char *const name[SS_ASSAY_OUTCOMES] = {"stable", "guarded", "refused", "diverged"};
     return name[outcome];
 }
 
 /* ---- files -----------------------------------------------------------------------------------
  */
 
-typedef struct trial_folder {
+typedef struct assay_folder {
     char path[PATH_SIZE - 32];
-} trial_folder;
+} assay_folder;
 
-static void name_file(const trial_folder *folder, const char *name, char out[PATH_SIZE])
+static void name_file(const assay_folder *folder, const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", folder->path, name);
 }
 
-static softsim_status write_files(const trial_folder *folder, const ss_trial_plan *plan,
+static softsim_status write_files(const assay_folder *folder, const ss_assay_plan *plan,
                                   softsim_error *error)
 {
     char path[PATH_SIZE];
@@ -80,7 +80,7 @@ static softsim_status write_files(const trial_folder *folder, const ss_trial_pla
     name_file(folder, "scene.yaml", path);
     file = is_good ? fopen(path, "we") : NULL;
     if (file != NULL) {
-        ss_trial_plan_write(plan, file);
+        ss_assay_plan_write(plan, file);
     }
     is_good = file != NULL && fclose(file) == 0;
     if (!is_good) {
@@ -90,7 +90,7 @@ static softsim_status write_files(const trial_folder *folder, const ss_trial_pla
     return SOFTSIM_OK;
 }
 
-static void remove_files(const trial_folder *folder)
+static void remove_files(const assay_folder *folder)
 {
     char path[PATH_SIZE];
     name_file(folder, "body.msh", path);
@@ -101,7 +101,7 @@ static void remove_files(const trial_folder *folder)
 }
 
 /* The first line of a refusal without the folder and the place in the scene. */
-static void keep_reason(const trial_folder *folder, const char *text, char *out, size_t size)
+static void keep_reason(const assay_folder *folder, const char *text, char *out, size_t size)
 {
     const size_t length = strlen(folder->path);
     const char *colon = strstr(text, ": ");
@@ -122,11 +122,11 @@ static void keep_reason(const trial_folder *folder, const char *text, char *out,
  */
 
 typedef struct runner {
-    const ss_trial *trial;
-    ss_trial_plan plan;
-    trial_folder folder;
+    const ss_assay *trial;
+    ss_assay_plan plan;
+    assay_folder folder;
     softsim_world *world;
-    ss_trial_result *out;
+    ss_assay_result *out;
     ss_audit audit;
     double period_s;
     int64_t steps;
@@ -153,7 +153,7 @@ static softsim_status begin(runner *r, softsim_error *error)
         return SOFTSIM_ERROR_MEMORY;
     }
     if (r->world == NULL) {
-        r->out->outcome = SS_TRIAL_REFUSED;
+        r->out->outcome = SS_ASSAY_REFUSED;
         keep_reason(&r->folder, refusal.text, r->out->acted, sizeof r->out->acted);
     }
     return SOFTSIM_OK;
@@ -183,14 +183,14 @@ static softsim_status ask_limit(runner *r, softsim_error *error)
 /* F.du of all loads in the step that ended at `time_s`: a load is taken at its middle. */
 static double applied_work(const runner *r, double time_s)
 {
-    const ss_trial_plan *plan = &r->plan;
+    const ss_assay_plan *plan = &r->plan;
     const double middle_s = time_s - 0.5 * r->period_s;
     const double factor = middle_s >= plan->release_s ? 0.0
                           : plan->ramp_s > 0.0        ? fmin(1.0, middle_s / plan->ramp_s)
                                                       : 1.0;
     double work = 0.0;
     for (int32_t k = 0; k < plan->load_count; ++k) {
-        const ss_trial_load *load = &plan->load[k];
+        const ss_assay_load *load = &plan->load[k];
         for (int32_t i = load->first; i < load->first + load->count; ++i) {
             double moved[3];
             ss_sub3(moved, r->u[i], r->old[i]);
@@ -228,7 +228,7 @@ static void play(runner *r)
 {
     softsim_force force[SOFTSIM_MAX_PROBES] = {{0}};
     const int32_t channel[1] = {0};
-    const bool has_tool = r->plan.drive == SS_TRIAL_TOOL;
+    const bool has_tool = r->plan.drive == SS_ASSAY_TOOL;
     softsim_pose pose = {.sender = 1, .force_seq = -1, .orientation = {1.0, 0.0, 0.0, 0.0}};
     ss_set3(pose.velocity, (double)NAN, (double)NAN, (double)NAN);
     ss_set3(pose.applied_force, (double)NAN, (double)NAN, (double)NAN);
@@ -237,7 +237,7 @@ static void play(runner *r)
     for (int32_t k = 1; k <= r->out->ticks; ++k) {
         pose.seq = k;
         pose.utime_us = (int64_t)(1e6 * k * r->period_s);
-        ss_trial_plan_tool(&r->plan, k * r->period_s, pose.position);
+        ss_assay_plan_tool(&r->plan, k * r->period_s, pose.position);
         softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
         look(r, has_tool ? force[0].force : still);
     }
@@ -249,12 +249,14 @@ static void judge(runner *r)
     static const char *const refusals[SOFTSIM_REFUSED_COUNT] = {
         "malformed", "type hash",    "not finite",  "stale",
         "jump",      "other sender", "wrong probe", "other"};
-    ss_trial_result *out = r->out;
+    ss_assay_result *out = r->out;
     softsim_state state;
     softsim_read(r->world, &state);
-    const ss_trial *trial = r->trial;
-    const double tau_s = r->plan.drive == SS_TRIAL_TOOL ? fmax(r->plan.tau_s, 0.01) : r->plan.tau_s;
-    const bool is_slow = trial->kind == SS_TRIAL_MASS && trial->value > heavy;
+    const ss_assay *trial = r->trial;
+    const double tau_s = r->plan.drive == SS_ASSAY_TOOL ? fmax(r->plan.tau_s, 0.01) : r->plan.tau_s;
+    /* What swings about one node, or is much heavier, is slower than tau. */
+    const bool is_slow = trial->kind == SS_ASSAY_CONTRADICTION ||
+                         (trial->kind == SS_ASSAY_MASS && trial->value > heavy);
     const bool is_rested = r->released_s >= rested_tau * tau_s && !is_slow &&
                            state.worst_verdict < SOFTSIM_VERDICT_DEGRADED;
     out->found = ss_audit_end(&r->audit, is_rested);
@@ -268,11 +270,12 @@ static void judge(runner *r)
         }
     }
     const bool is_apart = (out->found & (SS_AUDIT_NOT_FINITE | SS_AUDIT_FAR | SS_AUDIT_GROWS)) != 0;
-    out->outcome = is_apart || out->verdict == SOFTSIM_VERDICT_FAULT ? SS_TRIAL_DIVERGED
-                   : out->acted[0] != '\0'                           ? SS_TRIAL_GUARDED
-                                                                     : SS_TRIAL_STABLE;
+    out->outcome = is_apart || out->verdict == SOFTSIM_VERDICT_FAULT ? SS_ASSAY_DIVERGED
+                   : out->acted[0] != '\0'                           ? SS_ASSAY_GUARDED
+                                                                     : SS_ASSAY_STABLE;
     out->is_agreed = ss_audit_agrees(out->found, out->verdict) &&
-                     (trial->kind != SS_TRIAL_CONTROL || out->outcome == SS_TRIAL_STABLE);
+                     (trial->kind != SS_ASSAY_CONTROL ||
+                      (out->found == 0 && out->verdict <= SOFTSIM_VERDICT_GUARDED));
     out->substeps = (double)state.all_substeps / fmax(1.0, (double)state.step);
     out->stored_j = r->audit.largest_stored;
     out->end_j = r->last_stored - r->first_stored;
@@ -285,13 +288,13 @@ static void judge(runner *r)
 
 static softsim_status run(runner *r, softsim_error *error)
 {
-    ss_trial_result *out = r->out;
-    const ss_trial_kind kind = r->trial->kind;
+    ss_assay_result *out = r->out;
+    const ss_assay_kind kind = r->trial->kind;
     softsim_status status = SOFTSIM_OK;
-    if (kind == SS_TRIAL_STEP || kind == SS_TRIAL_SUBSTEP) {
+    if (kind == SS_ASSAY_STEP || kind == SS_ASSAY_SUBSTEP) {
         status = ask_limit(r, error);
     }
-    if (status == SOFTSIM_OK && out->outcome != SS_TRIAL_REFUSED) {
+    if (status == SOFTSIM_OK && out->outcome != SS_ASSAY_REFUSED) {
         status = begin(r, error);
     }
     if (status != SOFTSIM_OK || r->world == NULL) {
@@ -300,11 +303,11 @@ static softsim_status run(runner *r, softsim_error *error)
     r->period_s = r->plan.step_s > 0.0 ? r->plan.step_s : haptic_tick_s;
     out->step_s = r->period_s;
     out->ticks =
-        (int32_t)fmin(fmax(ceil(r->plan.end_s / r->period_s), MIN_TICKS), SS_TRIAL_MAX_TICKS);
+        (int32_t)fmin(fmax(ceil(r->plan.end_s / r->period_s), MIN_TICKS), SS_ASSAY_MAX_TICKS);
     const double size3 = SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE;
     const ss_audit_plan plan = {.reach = r->plan.reach_m,
                                 .floor = floor_share * r->trial->stiffness_pa * size3,
-                                .has_work = r->plan.drive == SS_TRIAL_LOADS};
+                                .has_work = r->plan.drive == SS_ASSAY_LOADS};
     ss_audit_begin(&r->audit, &plan);
     play(r);
     judge(r);
@@ -312,11 +315,11 @@ static softsim_status run(runner *r, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-softsim_status ss_trial_run(const ss_trial *trial, const char *parent, ss_trial_result *out,
+softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_result *out,
                             softsim_error *error)
 {
     runner *r = calloc(1, sizeof *r);
-    *out = (ss_trial_result){.limit_s = (double)NAN,
+    *out = (ss_assay_result){.limit_s = (double)NAN,
                              .step_s = (double)NAN,
                              .substeps = (double)NAN,
                              .stored_j = (double)NAN,
@@ -333,7 +336,7 @@ softsim_status ss_trial_run(const ss_trial *trial, const char *parent, ss_trial_
     const int64_t begin_ns = ss_clock_thread_cpu_ns();
     r->trial = trial;
     r->out = out;
-    ss_trial_plan_make(trial, &r->plan);
+    ss_assay_plan_make(trial, &r->plan);
     snprintf(r->folder.path, sizeof r->folder.path, "%s/trial-XXXXXX", parent);
     softsim_status status = SOFTSIM_ERROR_FILE;
     if (mkdtemp(r->folder.path) == NULL) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "trial_scene.h"
+#include "assay_scene.h"
 /*
  * Who is tried, and what each model's parameters are for a body of Young's modulus E: a value is
  * factor (E / 10 kPa)^power, for the rows that the model's own table has. Stiffness of the network
@@ -77,7 +77,7 @@ static void add(const subject *one)
     }
 }
 
-int32_t ss_trial_subject_count(void)
+int32_t ss_assay_subject_count(void)
 {
     int32_t models = 0;
     const ss_model_class *const *table = ss_model_table(&models);
@@ -101,15 +101,15 @@ int32_t ss_trial_subject_count(void)
 static const subject *get(int32_t index)
 {
     static const subject none = {.name = "", .model = "", .text = ""};
-    return index >= 0 && index < ss_trial_subject_count() ? &found[index] : &none;
+    return index >= 0 && index < ss_assay_subject_count() ? &found[index] : &none;
 }
 
-const char *ss_trial_subject_name(int32_t index)
+const char *ss_assay_subject_name(int32_t index)
 {
     return get(index)->name;
 }
 
-const char *ss_trial_subject_model(int32_t index)
+const char *ss_assay_subject_model(int32_t index)
 {
     return get(index)->model;
 }
@@ -136,16 +136,16 @@ static bool has_use(const subject *s, knob_use use)
     return false;
 }
 
-bool ss_trial_applies(int32_t index, ss_trial_kind kind)
+bool ss_assay_applies(int32_t index, ss_assay_kind kind)
 {
     const subject *s = get(index);
-    return kind == SS_TRIAL_POISSON     ? has_use(s, POISSON)
-           : kind == SS_TRIAL_MASS      ? has_use(s, DENSITY)
-           : kind == SS_TRIAL_STIFFNESS ? has_use(s, SCALED)
+    return kind == SS_ASSAY_POISSON     ? has_use(s, POISSON)
+           : kind == SS_ASSAY_MASS      ? has_use(s, DENSITY)
+           : kind == SS_ASSAY_STIFFNESS ? has_use(s, SCALED)
                                         : true;
 }
 
-void ss_trial_subject_write(const ss_trial *trial, FILE *file)
+void ss_assay_subject_write(const ss_assay *trial, FILE *file)
 {
     const subject *s = get(trial->subject);
     fprintf(file, "model:\n  name: %s\n%s", s->model, s->text);
@@ -154,9 +154,9 @@ void ss_trial_subject_write(const ss_trial *trial, FILE *file)
             continue;
         }
         const double value = k->factor * pow(trial->stiffness_pa / 1e4, k->power);
-        if (k->use == POISSON && trial->kind == SS_TRIAL_POISSON) {
+        if (k->use == POISSON && trial->kind == SS_ASSAY_POISSON) {
             fprintf(file, "  %s: %.9g\n", k->name, trial->value);
-        } else if (k->use == DENSITY && trial->kind == SS_TRIAL_MASS) {
+        } else if (k->use == DENSITY && trial->kind == SS_ASSAY_MASS) {
             fprintf(file,
                     "  %s: [{where: {box_m: [[-1, -1, 0.001], [1, 1, 1]]}, value: %.9g}, "
                     "{value: %.9g}]\n",
