@@ -215,12 +215,10 @@ softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, s
     return SOFTSIM_OK;
 }
 
-void ss_stability_read(const ss_stability *list, const ss_sweep_result *result, int32_t index,
-                       ss_stability_row *out)
+void ss_stability_read(const ss_sweep_result *result, int32_t index, ss_stability_row *out)
 {
     const ss_sweep_run *run = &result->run[index];
     int outcome = 0, verdict = 0, agreed = 0, used = 0;
-    (void)list;
     *out = (ss_stability_row){.is_lost = true, .outcome = SS_ASSAY_DIVERGED};
     if (!run->is_lost && sscanf(run->text, "%d %d %u %d %d%n", &outcome, &verdict, &out->found,
                                 &agreed, &out->inverted, &used) == 5) {

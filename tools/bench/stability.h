@@ -42,8 +42,7 @@ void ss_stability_list_fini(ss_stability *list);
 void ss_stability_label(const void *list, int32_t index, char out[SS_SWEEP_NAME_SIZE]);
 softsim_status ss_stability_run(const void *list, int32_t index, FILE *out, softsim_error *error);
 /* Reads what run `index` left. */
-void ss_stability_read(const ss_stability *list, const ss_sweep_result *result, int32_t index,
-                       ss_stability_row *out);
+void ss_stability_read(const ss_sweep_result *result, int32_t index, ss_stability_row *out);
 
 /* stability.csv, the maps and the page. */
 softsim_status ss_stability_report(const ss_stability *list, const ss_sweep_result *result,

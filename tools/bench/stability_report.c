@@ -61,7 +61,7 @@ static softsim_status write_csv(const ss_stability *list, const ss_sweep_result 
     for (int32_t i = 0; i < list->count; ++i) {
         ss_stability_row row;
         char label[SS_SWEEP_NAME_SIZE];
-        ss_stability_read(list, result, i, &row);
+        ss_stability_read(result, i, &row);
         if (row.is_lost) {
             ss_stability_label(list, i, label);
             fprintf(output.file, "%s,lost,,", label);
@@ -130,7 +130,7 @@ static void lay_map(const ss_stability *list, const ss_sweep_result *result, ss_
         const int32_t column = find_column(m, list->trial[i].value);
         if (file != NULL && line >= 0 && column >= 0) {
             ss_stability_row row;
-            ss_stability_read(list, result, i, &row);
+            ss_stability_read(result, i, &row);
             fprintf(file, "%d %d %d\n", column, line, fates[fate_of(&row)].colour);
         }
     }
@@ -198,7 +198,7 @@ static void count_fates(const ss_stability *list, const ss_sweep_result *result,
     memset(out_count, 0, FATES * sizeof *out_count);
     for (int32_t i = 0; i < list->count; ++i) {
         ss_stability_row row;
-        ss_stability_read(list, result, i, &row);
+        ss_stability_read(result, i, &row);
         if (subject < 0 || list->trial[i].subject == subject) {
             ++out_count[fate_of(&row)];
         }
@@ -241,7 +241,7 @@ static int32_t collect_guards(const ss_stability *list, const ss_sweep_result *r
     for (int32_t i = 0; i < list->count; ++i) {
         ss_stability_row row;
         int32_t at = 0;
-        ss_stability_read(list, result, i, &row);
+        ss_stability_read(result, i, &row);
         while (at < count &&
                (out[at].subject != list->trial[i].subject || out[at].kind != list->trial[i].kind ||
                 fate_of(&out[at].row) != fate_of(&row) ||
@@ -306,7 +306,7 @@ static void put_failures(const ss_stability *list, const ss_sweep_result *result
     for (int32_t i = 0, shown = 0; i < list->count && shown < MAX_FAILURES; ++i) {
         ss_stability_row row;
         char text[1024];
-        ss_stability_read(list, result, i, &row);
+        ss_stability_read(result, i, &row);
         if (fate_of(&row) == FAILED) {
             ss_row cells = {.count = 0};
             describe(list, &row, i, text, sizeof text);
@@ -394,7 +394,7 @@ int32_t ss_stability_print(const ss_stability *list, const ss_sweep_result *resu
     for (int32_t i = 0; i < list->count; ++i) {
         ss_stability_row row;
         char text[1024];
-        ss_stability_read(list, result, i, &row);
+        ss_stability_read(result, i, &row);
         if (fate_of(&row) == FAILED && shown++ < MAX_FAILURES) {
             describe(list, &row, i, text, sizeof text);
             printf("FAIL %s\n", text);
