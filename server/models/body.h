@@ -60,6 +60,8 @@ typedef struct ss_body_elastic {
     void (*reset)(void *owner);
     /* FNV-1a of that state (NULL: none). */
     uint64_t (*hash)(const void *owner, uint64_t seed);
+    /* s, viscosity over stiffness: motions y meet y.C y = viscous_time y.K y; 0 without. */
+    double viscous_time;
 } ss_body_elastic;
 
 /* A surface that rides on the nodes and takes the contact in their place (NULL mesh: the contact
@@ -80,15 +82,15 @@ typedef struct ss_body_skin {
 typedef enum ss_body_integrator { SS_BODY_SYMPLECTIC_EULER, SS_BODY_RK4 } ss_body_integrator;
 
 typedef struct ss_body_plan {
-    const char *name;              /* the model's, for messages; static */
-    const ss_model_plan *plan;     /* copied; what it points to outlives the body, but `param` */
-    int32_t node_count;            /* the mesh's, and the model's own after them */
-    const double *mass;            /* kg, node_count; copied. 0: a node that nothing moves */
-    double mass_damping;           /* alpha, 1/s */
-    double edge;                   /* m, typical edge: a node moves at most 0.2 of it a sub-step */
-    double planned_step;           /* s, the sub-step meant at rest, which contact's stiffness must
-                                      leave stable; INFINITY: the model takes contact implicitly */
-    double step_share;             /* of the stable step that sub-steps take, e.g. 0.5 */
+    const char *name;          /* the model's, for messages; static */
+    const ss_model_plan *plan; /* copied; what it points to outlives the body, but `param` */
+    int32_t node_count;        /* the mesh's, and the model's own after them */
+    const double *mass;        /* kg, node_count; copied. 0: a node that nothing moves */
+    double mass_damping;       /* alpha, 1/s */
+    double edge;               /* m, typical edge: a node moves at most 0.2 of it a sub-step */
+    double planned_step;       /* s, the sub-step meant at rest: the contact's stiffness is chosen
+                                  by it; INFINITY: the model takes contact implicitly */
+    double step_share;         /* of the stable step that sub-steps take, e.g. 0.5 */
     ss_body_integrator integrator; /* of models without `advance` */
     ss_body_elastic elastic;
     ss_body_skin skin;
@@ -99,17 +101,21 @@ typedef struct ss_body_plan {
 typedef struct ss_body_nodes {
     int32_t count, padded_count;
     double origin[3];  /* m, world: rest positions are from here, so that offsets cost nothing */
-    double (*rest)[3]; /* m, from `origin`; node_count (of the mesh; the model's own are 0) */
-    ss_real *u, *v;    /* m, m/s. `advance` writes them */
+    double (*rest)[3]; /* m, from `origin`, of the mesh's nodes; the model's own are 0 */
+    ss_real *u, *v;    /* m, m/s; `advance` writes them */
     ss_real *force;    /* N, all of it, at the last evaluation */
-    ss_real *mobility; /* 1/kg by axis: 0 where fixed or driven, or without mass. A model that
-                          moves mass between nodes (after_substep) calls ss_body_set_mass */
-    double *mass;      /* kg */
+    ss_real *mobility; /* 1/kg by axis: 0 where fixed or driven, or without mass */
+    double *mass;      /* kg; changed by ss_body_set_mass alone */
+    double kick_lag;   /* s by which v is behind u: half a sub-step with the symplectic Euler
+                          method, else 0 */
 } ss_body_nodes;
 
 /* Faults of fixed nodes, loads, prescribed sets and tools against the mesh and the masses are all
  * named in `error`; *out_body is NULL then. Thread: set-up only. */
 softsim_status ss_body_create(const ss_body_plan *plan, ss_body **out_body, softsim_error *error);
+/* Calls the elastic functions for the first time: what contact is at rest, the stable step, and
+ * reset. Once, when the owner is complete. Thread: set-up only. */
+softsim_status ss_body_start(ss_body *body);
 void ss_body_destroy(ss_body **body);
 ss_body_nodes *ss_body_get_nodes(ss_body *body);
 const ss_body_nodes *ss_body_read_nodes(const ss_body *body);
