@@ -20,6 +20,7 @@
 
 #include "assay.h"
 #include "audit.h"
+#include "models/model.h"
 #include "rt/vec.h"
 #include "specimen.h"
 #include "stability.h"
@@ -163,13 +164,15 @@ static void a_verdict_agrees_when_it_owns_up(void **state)
         const uint32_t found = 1u << k;
         const bool is_mild = found == SS_AUDIT_NOT_BACK || found == SS_AUDIT_LOSS;
         const bool is_hopeless = found == SS_AUDIT_NOT_FINITE;
-        char text[96];
+        char text[96], before[96];
         assert_false(ss_audit_agrees(found, SOFTSIM_VERDICT_GOOD));
         assert_int_equal(ss_audit_agrees(found, SOFTSIM_VERDICT_GUARDED), is_mild);
         assert_int_equal(ss_audit_agrees(found, SOFTSIM_VERDICT_DEGRADED), !is_hopeless);
         assert_int_equal(ss_audit_agrees(found, SOFTSIM_VERDICT_FAULT), !is_hopeless);
         ss_audit_text(found, text, sizeof text);
-        assert_true(text[0] != '\0');
+        ss_audit_text(found >> 1, before, sizeof before);
+        assert_true(text[0] != '\0' && text[0] != '(');
+        assert_string_not_equal(text, before);
     }
 }
 
@@ -178,6 +181,20 @@ static void a_verdict_agrees_when_it_owns_up(void **state)
 static int compare_text(const void *a, const void *b)
 {
     return strcmp(a, b);
+}
+
+static void every_model_of_the_program_is_tried(void **state)
+{
+    (void)state;
+    int32_t models = 0;
+    const ss_model_class *const *table = ss_model_table(&models);
+    for (int32_t m = 0; m < models; ++m) {
+        bool is_found = false;
+        for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+            is_found = is_found || strcmp(ss_assay_subject_model(s), table[m]->name) == 0;
+        }
+        assert_true(is_found);
+    }
 }
 
 static void every_run_is_listed_once(void **state)
@@ -302,6 +319,7 @@ int main(void)
         cmocka_unit_test(inverted_elements_are_counted),
         cmocka_unit_test(the_audit_finds_what_is_wrong_and_nothing_else),
         cmocka_unit_test(a_verdict_agrees_when_it_owns_up),
+        cmocka_unit_test(every_model_of_the_program_is_tried),
         cmocka_unit_test(every_run_is_listed_once),
         cmocka_unit_test(what_a_run_leaves_is_read_back),
         cmocka_unit_test(a_light_load_is_stable_and_its_work_adds_up),

@@ -19,7 +19,7 @@ enum { PATH_SIZE = 512, MIN_TICKS = 40 };
 static const double haptic_tick_s = 1e-3;
 /* Of the time that is waited: what rounding of ticks may take away. */
 static const double rested_tau = 5.9;
-static const double heavy = 10.0; /* a mass ratio beyond it is slower than tau */
+static const double heavy = 1.5; /* a mass ratio beyond it is slower than tau */
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
 

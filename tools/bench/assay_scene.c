@@ -12,7 +12,7 @@
 /* s: 1 / 14 at 10 kPa, the first shear mode of the specimen, damped about critically. */
 static const double tau_10kpa_s = 0.0714;
 /* Shares of E L^2: the load of most runs. In units of tau: when loads are full, let go, ended. */
-static const double usual_load = 0.02;
+static const double usual_load = 0.005;
 static const double ramp_tau = 2.0, release_tau = 4.0, end_tau = 10.0;
 static const double ticks_per_tau = 50.0;
 /* What a body may do by itself, in sizes, and over the displacement of a linear one. */

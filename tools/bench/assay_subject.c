@@ -81,7 +81,10 @@ int32_t ss_assay_subject_count(void)
 {
     int32_t models = 0;
     const ss_model_class *const *table = ss_model_table(&models);
-    for (int32_t m = 0; found_count == 0 && m < models; ++m) {
+    if (found_count > 0) {
+        return found_count;
+    }
+    for (int32_t m = 0; m < models; ++m) {
         bool is_known = false;
         for (size_t k = 0; k < sizeof known / sizeof *known; ++k) {
             if (strcmp(known[k].model, table[m]->name) == 0) {

@@ -123,8 +123,9 @@ bool ss_audit_agrees(uint32_t found, softsim_verdict worst)
 
 void ss_audit_text(uint32_t found, char *out, int32_t size)
 {
-    static const char *const name[SS_AUDIT_KINDS] = {"not finite", "too far",      "energy balance",
-                                                     "work",       "energy grows", "not back"};
+    static const char *const name[SS_AUDIT_KINDS] = {
+        "not finite",          "too far", "energy from nowhere", "energy lost", "work",
+        "grows after release", "not back"};
     out[0] = '\0';
     for (int k = 0; k < SS_AUDIT_KINDS; ++k) {
         if ((found >> k & 1u) != 0) {
