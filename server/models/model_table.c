@@ -13,6 +13,12 @@ extern const ss_model_class ss_model_mass_spring;
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
+#ifdef SS_MODEL_FEM
+extern const ss_model_class ss_model_fem;
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+extern const ss_model_class ss_model_mass_spring;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -23,6 +29,12 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
+#endif
+#ifdef SS_MODEL_FEM
+    &ss_model_fem,
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+    &ss_model_mass_spring,
 #endif
     NULL};
 
