@@ -9,6 +9,8 @@ extern const ss_model_class ss_model_cnn_energy;
 #endif
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
+#ifdef SS_MODEL_MASS_SPRING
+extern const ss_model_class ss_model_mass_spring;
 #endif
 
 static const ss_model_class *const table[] = {
@@ -17,6 +19,8 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
+#ifdef SS_MODEL_MASS_SPRING
+    &ss_model_mass_spring,
 #endif
     NULL};
 
