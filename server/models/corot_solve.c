@@ -76,7 +76,7 @@ static void add(int32_t count, const ss_real *x, ss_real *out)
 static double add_viscous(ss_model *model, const ss_real *v, ss_real *force)
 {
     memset(model->product, 0, bytes_of(model));
-    model->kernels->product(&model->blocks, model->turned, model->blocks.viscosity, 1.0, v,
+    model->kernels->product(&model->blocks, model->turned, model->blocks.viscosity, -1.0, v,
                             model->product);
     add(model->scalar_count, model->product, force);
     return fmax(0.0, -model->kernels->dot(model->scalar_count, v, model->product));
@@ -97,7 +97,7 @@ void ss_corot_force(void *owner, const ss_real *u, const ss_real *v, ss_real *fo
 void ss_corot_tangent(void *owner, const ss_real *x, ss_real *out)
 {
     ss_model *model = owner;
-    model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, -1.0, x, out);
+    model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, 1.0, x, out);
 }
 
 /* ---- one system --------------------------------------------------------------------------- */
@@ -153,7 +153,7 @@ static void add_elastic(task *t, const ss_real *u, bool may_guess, ss_real *forc
     if (!is_near) {
         evaluate(model, u);
     } else if (furthest > 0.0) {
-        model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, 1.0,
+        model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, -1.0,
                                 model->away, force);
     }
     add(model->scalar_count, model->elastic, force);
@@ -223,11 +223,11 @@ static void solve(task *t, double enough)
     memcpy(model->search, model->scaled, bytes_of(model));
     while (rho > enough * enough && model->product_count < model->max_products) {
         ++model->product_count;
-        kernels->scale(n, -t->inertia, model->mass, model->search, model->product);
+        kernels->scale(n, t->inertia, model->mass, model->search, model->product);
         kernels->product(&model->blocks, model->turned, model->system, 1.0, model->search,
                          model->product);
         ss_body_contact_tangent(t->body, model->search, model->product);
-        const double curvature = -kernels->dot(n, model->search, model->product);
+        const double curvature = kernels->dot(n, model->search, model->product);
         if (!(curvature > 0.0)) {
             break; /* nothing left but rounding */
         }
