@@ -57,7 +57,7 @@ enum {
 #define LAST_SQUARE 1e-10
 #else
 #define GOOD_SQUARE 1e-11
-#define LAST_SQUARE 1e-6
+#define LAST_SQUARE 1e-5
 #endif
 
 /* Lanes of a block that one pass of a kernel takes. */

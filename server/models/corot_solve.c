@@ -21,11 +21,12 @@
  * their places then, f(u) = f(u_last) - K (u - u_last): a product in place of the rotations.
  *
  * Linear solver: conjugate gradients with the diagonal. At the steps of a haptic loop the inertia
- * M/h^2 carries most of the diagonal (stiffness is 15 to 20 times it at 1 ms, 20,000 tetrahedra of
- * 3 kPa), so that some ten products do, of 3.2 ns a tetrahedron each. Rejected: the factor of the
- * rest stiffness as preconditioner, whose two back-solves stream all of it through memory and cost
- * more than the ten products together; blocks of 3x3 on the diagonal, which save few products (the
- * blocks of inner nodes are nearly multiples of the identity) and would have to be turned.
+ * M/h^2 carries much of the matrix (stiffness reaches some 16 times it at 1 ms in 25,000
+ * tetrahedra of 3 kPa), so that some eight products do, of 3.2 ns a tetrahedron each. Rejected: the
+ * factor of the rest stiffness as preconditioner: for 4952 nodes it has 27 MB, which take 1.9 ms to
+ * read forth and back, the time of 24 products with the matrix; blocks of 3x3 on the diagonal,
+ * which save few products (those of inner nodes are nearly multiples of the identity) and would
+ * have to be turned.
  *
  * Enough: |r| <= tolerance of the larger of |r(0)| and a tenth of |f_loads + f_contact|, or what
  * the rounding of u alone amounts to; |r|^2 = r.P^-1 r, P the diagonal. Newton's iteration ends at
