@@ -13,6 +13,9 @@ extern const ss_model_class ss_model_mass_spring;
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
+#ifdef SS_MODEL_COROTATIONAL
+extern const ss_model_class ss_model_corotational;
+#endif
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
@@ -29,6 +32,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
+#endif
+#ifdef SS_MODEL_COROTATIONAL
+    &ss_model_corotational,
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
