@@ -417,13 +417,13 @@ static int32_t choose_host(const builder *b, const double x[3], int32_t count, c
     return host;
 }
 
-typedef struct row {
+typedef struct tie_row {
     int32_t count;
     int32_t node[SS_LAYER_TIE]; /* of the mesh */
     double weight[SS_LAYER_TIE];
-} row;
+} tie_row;
 
-static void tie_inside(const builder *b, int32_t host, const double x[3], row *out)
+static void tie_inside(const builder *b, int32_t host, const double x[3], tie_row *out)
 {
     out->count = 4;
     memcpy(out->node, b->mesh->tetrahedron[host], 4 * sizeof *out->node);
@@ -431,7 +431,7 @@ static void tie_inside(const builder *b, int32_t host, const double x[3], row *o
 }
 
 /* The row of a place outside the core; returns its host. */
-static int32_t tie_outside(const builder *b, const double at[3], row *out)
+static int32_t tie_outside(const builder *b, const double at[3], tie_row *out)
 {
     int32_t core[SS_LAYER_TIE];
     double square[SS_LAYER_TIE];
@@ -448,7 +448,7 @@ static int32_t tie_outside(const builder *b, const double at[3], row *out)
     return host;
 }
 
-static void put_row(const row *from, int32_t *first, int32_t *node, ss_real *weight)
+static void put_row(const tie_row *from, int32_t *first, int32_t *node, ss_real *weight)
 {
     for (int32_t k = 0; k < from->count; ++k) {
         node[first[0] + k] = from->node[k];
@@ -473,7 +473,7 @@ static bool tie_all(builder *b)
         layer->skin_tie_node == NULL || layer->skin_tie == NULL) {
         return false;
     }
-    row at;
+    tie_row at;
     for (int32_t p = 0; p < layer->count; ++p) {
         if (p < layer->own_count) {
             layer->host[p] = tie_outside(b, layer->rest[p], &at);

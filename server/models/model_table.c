@@ -10,6 +10,9 @@ extern const ss_model_class ss_model_cnn_energy;
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
+#ifdef SS_MODEL_HYBRID
+extern const ss_model_class ss_model_hybrid;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -17,6 +20,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
+#endif
+#ifdef SS_MODEL_HYBRID
+    &ss_model_hybrid,
 #endif
     NULL};
 
