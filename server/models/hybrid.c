@@ -136,6 +136,20 @@ static softsim_status create_layer(ss_hybrid *hybrid, const ss_model_plan *plan,
     return status;
 }
 
+static double mean_skin_edge(const ss_mesh *mesh)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            double d[3];
+            ss_sub3(d, mesh->position[mesh->triangle[t][k]],
+                    mesh->position[mesh->triangle[t][(k + 1) % 3]]);
+            sum += ss_norm3(d);
+        }
+    }
+    return sum / (3.0 * mesh->triangle_count);
+}
+
 static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *plan,
                                       softsim_error *error)
 {
@@ -173,6 +187,7 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
     memcpy(hybrid->material.lambda_own, hybrid->material.lambda,
            (size_t)plan->mesh->tetrahedron_count * sizeof(double));
     hybrid->material.is_averaged = false;
+    hybrid->skin_edge = mean_skin_edge(plan->mesh);
     hybrid->least_spacing = coarsest;
     for (int32_t p = 0; p < layer->count; ++p) {
         hybrid->least_spacing = fmin(hybrid->least_spacing, layer->spacing[p]);
@@ -249,10 +264,11 @@ static bool create_points(ss_hybrid *hybrid)
     hybrid->coefficient = ss_memory_get(2 * points, sizeof *hybrid->coefficient);
     hybrid->gradient = ss_memory_get(8 * (1 + 3 * values), sizeof *hybrid->gradient);
     hybrid->stress = ss_memory_get(8 * (1 + 3 * values), sizeof *hybrid->stress);
+    hybrid->spread = ss_memory_get(8 * points, sizeof *hybrid->spread);
     if (out->node == NULL || out->shape == NULL || out->modulus == NULL || out->kappa == NULL ||
         out->volume == NULL || out->element == NULL ||
         (hybrid->material.phi != NULL && out->viscosity == NULL) || hybrid->point == NULL ||
-        hybrid->coefficient == NULL || hybrid->gradient == NULL || hybrid->stress == NULL) {
+        hybrid->coefficient == NULL || hybrid->gradient == NULL || hybrid->stress == NULL || hybrid->spread == NULL) {
         return false;
     }
     for (size_t k = 0; k < values; ++k) {
@@ -371,17 +387,6 @@ static void hold(ss_hybrid *hybrid, uint8_t *fixed)
     }
 }
 
-static void after_substep(void *owner, ss_body *body, double h)
-{
-    ss_hybrid *hybrid = owner;
-    (void)body;
-    (void)h;
-    if (hybrid->is_due) {
-        hybrid->is_due = false;
-        ss_hybrid_wake(hybrid);
-    }
-}
-
 static void settle(void *owner)
 {
     ss_hybrid *hybrid = owner;
@@ -437,7 +442,6 @@ static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, 
                                            .diagonal = ss_hybrid_diagonal,
                                            .viscous_time = hybrid->material.viscous_time,
                                            .stable_step = ss_hybrid_stable_step,
-                                           .after_substep = after_substep,
                                            .reset = settle,
                                            .hash = hash_layer},
                                .skin = {.mesh = plan->mesh,
@@ -504,11 +508,7 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     memcpy(hybrid->fixed, plan->fixed, nodes);
     hold(hybrid, hybrid->fixed);
     own.fixed = hybrid->fixed;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            hybrid->shape[k] = &plan->tool[k].shape;
-        }
-    }
+    memcpy(hybrid->shape, plan->tool, sizeof hybrid->shape);
     fill_masses(hybrid, mass);
     status = measure_and_create_body(hybrid, &own, mass, error);
     ss_memory_free(mass);
@@ -530,7 +530,7 @@ static void destroy(ss_model *model)
     void *const owned[] = {
         hybrid->lane,     hybrid->rest_volume, hybrid->volume,      hybrid->particle,
         hybrid->node_of,  hybrid->is_held,     hybrid->offset,      hybrid->point,
-        hybrid->coefficient, hybrid->gradient, hybrid->stress,      hybrid->near,
+        hybrid->coefficient, hybrid->gradient, hybrid->spread, hybrid->stress, hybrid->near,
         hybrid->wanted,   hybrid->idle,        hybrid->drifting,    hybrid->state,
         hybrid->particle_force, hybrid->rider_first, hybrid->rider, hybrid->ride,
         hybrid->riding,   hybrid->riding_at,   hybrid->mark,        hybrid->shown,
@@ -560,9 +560,9 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
         return status;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (hybrid->shape[k] != NULL) {
-            hybrid->close_reach[k] = ss_shape_bounding_radius(hybrid->shape[k]) +
-                                     hybrid->sleep_reach + 2.0 * ss_body_mean_edge(plan->mesh);
+        if (hybrid->shape[k].is_used) {
+            hybrid->close_reach[k] =
+                ss_shape_bounding_radius(&hybrid->shape[k].shape) + 3.0 * hybrid->skin_edge;
         }
     }
     *out_model = (ss_model *)hybrid;
@@ -578,9 +578,11 @@ static void step(ss_model *model, double time, double dt,
     ss_hybrid *hybrid = (ss_hybrid *)model;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         hybrid->tool[k] = tool != NULL ? tool[k] : (ss_model_tool){0};
-        hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k] != NULL;
+        hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k].is_used;
     }
-    hybrid->is_due = true;
+    if (ss_hybrid_wake(hybrid)) {
+        ss_body_renew(hybrid->body);
+    }
     ss_body_step(hybrid->body, time, dt, tool);
 }
 

@@ -82,7 +82,7 @@ typedef struct ss_hybrid {
     uint8_t *fixed;   /* of mesh nodes, without the skin */
     ss_real *offset;  /* quads, m: a tied particle that came to rest beside its tie */
     int32_t *point, point_count;
-    ss_real *coefficient, *gradient, *stress; /* as ss_layer_pass has them */
+    ss_real *coefficient, *gradient, *spread, *stress; /* as ss_layer_pass has them */
     ss_fem_blocks points;                     /* the law's side of the points */
     int32_t *near, near_count;
     int32_t *wanted, wanted_count;
@@ -90,7 +90,7 @@ typedef struct ss_hybrid {
     int32_t *drifting, drifting_count; /* particles with an offset */
     ss_real *state, *particle_force;
     int32_t awake_count;
-    bool is_fading; /* a share is not at its target */
+    bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
 
     /* skin */
     int32_t *rider_first, *rider; /* by particle: places in the layer's skin rows that name it */
@@ -105,15 +105,14 @@ typedef struct ss_hybrid {
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    const ss_shape *shape[SOFTSIM_MAX_PROBES];
+    ss_tool_plan shape[SOFTSIM_MAX_PROBES];
     double close_reach[SOFTSIM_MAX_PROBES]; /* m: skin nearer to a tool's origin is always laid */
     double scanned[SOFTSIM_MAX_PROBES][3]; /* m: middle of the tool at rest at the last scan */
     bool was_scanned[SOFTSIM_MAX_PROBES];
     ss_point_grid grid;                    /* of own particles */
     double *distance;                      /* by own particle: to the tools at the last scan, m */
     int32_t *found, found_count;           /* particles in reach at the last scan */
-    bool is_due;                           /* this outer step has not looked yet */
-    double least_spacing;                  /* m */
+    double least_spacing, skin_edge;       /* m; the edge is the mean one of the surface */
 
     /* step bound */
     ss_real *mode, *product;
@@ -135,9 +134,6 @@ void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share);
 /* Particle p becomes a point with share 0, or stops being one; its neighbours are near then. */
 void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p);
 void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
-/* Energy that p's whole volume has at displacements u, J: by the layer, and by its host. */
-double ss_hybrid_point_energy(const ss_hybrid *hybrid, int32_t p);
-double ss_hybrid_host_energy(const ss_hybrid *hybrid, int32_t p, const ss_real *u);
 /* Displacement (or velocity) of a tied particle. */
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3]);
 
@@ -145,8 +141,8 @@ void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double
 
 /* All asleep, or all awake where nothing sleeps. */
 void ss_hybrid_settle(ss_hybrid *hybrid);
-/* Once an outer step, between two evaluations of the forces. */
-void ss_hybrid_wake(ss_hybrid *hybrid);
+/* Before every outer step; true when anything changed that forces depend on. */
+bool ss_hybrid_wake(ss_hybrid *hybrid);
 /* Wakes the up to max_awake particles nearest to skin node s, for measuring. */
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s);
 

@@ -20,8 +20,8 @@
  * nodes of its host, so that no element gets stiffer by more than it gets heavier and the stable
  * step of the core stays what it was.
  *
- * Neighbours of an awake particle share in falling measure, a = root(w/w_1) with the weight at the
- * nearest neighbour's distance as unit: what lies next to the awake region is integrated on both
+ * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance of a
+ * cell's diagonal: what lies next to the awake region is integrated on both
  * sides, as inside a whole layer. Shares move in small steps: forces have no jumps.
  *
  * The law is the tetrahedra's own: a point is an element on three unit edges whose corners move by
@@ -177,6 +177,7 @@ static ss_layer_pass pass_of(ss_hybrid *hybrid, const ss_real *u, const ss_real 
                            .point = hybrid->point,
                            .coefficient = hybrid->coefficient,
                            .gradient = hybrid->gradient,
+                           .spread = hybrid->spread,
                            .stress = hybrid->stress};
 }
 
@@ -197,38 +198,16 @@ static void clear_stress(ss_hybrid *hybrid)
     memset(hybrid->stress, 0, 8 * (size_t)(1 + 3 * hybrid->point_count) * sizeof *hybrid->stress);
 }
 
-/* Energy of residual and cohesion of point k at its state, J. */
-static double pair_energy(const ss_hybrid *hybrid, int32_t k)
+/* Energy of the points' residuals at the state of the last strain, J. */
+static double residual_energy(const ss_hybrid *hybrid)
 {
-    const ss_layer *layer = hybrid->layer;
-    const int32_t p = hybrid->point[k];
-    const ss_real *own = hybrid->state + 8 * (ptrdiff_t)p;
-    const ss_real *h = hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-    double residual = 0.0;
-    double cohesion = 0.0;
-    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-        const ss_real *to = hybrid->state + 8 * (ptrdiff_t)layer->neighbour[t];
-        const double w = (double)layer->pair[4 * t + 3];
-        double length2 = 0.0;
-        double rest2 = 0.0;
-        double e2 = 0.0;
-        for (int a = 0; a < 3; ++a) {
-            const double x = (double)layer->pair[4 * t + a] / w;
-            const double d = (double)(to[a] - own[a]);
-            double e = d;
-            for (int c = 0; c < 3; ++c) {
-                e -= (double)h[8 * c + a] * (double)layer->pair[4 * t + c] / w;
-            }
-            e2 += e * e;
-            length2 += (x + d) * (x + d);
-            rest2 += x * x;
-        }
-        double slope;
-        residual += w * e2;
-        cohesion += 1.0 + ss_layer_pair_potential(sqrt(length2 / rest2), &slope);
+    double energy = 0.0;
+    for (ptrdiff_t k = 0; k < hybrid->point_count; ++k) {
+        const ss_real *spread = hybrid->spread + 8 * k;
+        energy += 0.5 * (double)hybrid->coefficient[2 * k] *
+                  ((double)spread[0] + (double)spread[1] + (double)spread[2]);
     }
-    return 0.5 * ((double)hybrid->coefficient[2 * k] * residual +
-                  (double)hybrid->coefficient[2 * k + 1] * cohesion);
+    return energy;
 }
 
 void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
@@ -259,15 +238,12 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     hybrid->law->force(&points);
     hybrid->kernels->push(&pass);
     if (hybrid->cohesion > 0.0) {
-        hybrid->kernels->cohere(&pass);
+        out->elastic += hybrid->kernels->cohere(&pass, out->is_wanted);
     }
     hybrid->kernels->give(&pass);
-    out->elastic += points.energy;
+    out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
     hybrid->strain = fmax(hybrid->strain, points.strain);
-    for (int32_t k = 0; out->is_wanted && k < hybrid->point_count; ++k) {
-        out->elastic += pair_energy(hybrid, k);
-    }
 }
 
 /* Cohesion's stiffness at rest, 3 e/r0^2 along each pair, of which a point has half. */
@@ -305,8 +281,8 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     if (hybrid->point_count == 0) {
         return;
     }
-    /* The gradients of the state stay in their first quads, those of x go to the second; and the
-     * signs: a force is -K x, so the points' share is made for -x and given as it is. */
+    /* The gradients of the state stay in the first quads, those of x go to the second. `push` makes
+     * forces, -K x, of what the law's tangent gives with the other sign. */
     ss_layer_pass pass = pass_of(hybrid, hybrid->u, x, out);
     ss_fem_pass points = point_pass(hybrid);
     hybrid->kernels->place(&pass);
@@ -321,10 +297,10 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     }
     for (ptrdiff_t c = 8; c < 8 * (ptrdiff_t)(1 + 3 * hybrid->point_count); c += 8) {
         for (int a = 0; a < 3; ++a) {
-            hybrid->gradient[c + a] = hybrid->gradient[c + 4 + a];
             hybrid->stress[c + a] = -hybrid->stress[c + a];
         }
     }
+    pass.gradient += 4;
     hybrid->kernels->push(&pass);
     if (hybrid->cohesion > 0.0) {
         add_cohesion_tangent(hybrid);
@@ -376,48 +352,8 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
     }
 }
 
-/* ---- energies of a change --------------------------------------------------------------------
+/* ---- ties ------------------------------------------------------------------------------------
  */
-
-double ss_hybrid_point_energy(const ss_hybrid *hybrid, int32_t p)
-{
-    const int32_t k = hybrid->particle[p].point;
-    const int32_t e = hybrid->layer->host[p];
-    const ss_real *column = hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-    const ss_tissue_law law = {.kind = hybrid->material.kind,
-                               .lambda = hybrid->material.lambda[e],
-                               .mu = hybrid->material.mu[e]};
-    double h[9];
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            h[3 * i + j] = (double)column[8 * j + i];
-        }
-    }
-    return hybrid->layer->volume[p] * ss_tissue_energy(&law, h);
-}
-
-double ss_hybrid_host_energy(const ss_hybrid *hybrid, int32_t p, const ss_real *u)
-{
-    const int32_t e = hybrid->layer->host[p];
-    const int32_t *node = hybrid->mesh->tetrahedron[e];
-    const ptrdiff_t b = hybrid->lane[e] / SS_FEM_LANES;
-    const int l = hybrid->lane[e] % SS_FEM_LANES;
-    const ss_real *shape = hybrid->core.shape + b * SS_FEM_SHAPES * SS_FEM_LANES + l;
-    const ss_tissue_law law = {.kind = hybrid->material.kind,
-                               .lambda = hybrid->material.lambda[e],
-                               .mu = hybrid->material.mu[e]};
-    double h[9] = {0};
-    for (int a = 0; a < 3; ++a) {
-        for (int i = 0; i < 3; ++i) {
-            const double d = (double)(u[4 * (ptrdiff_t)node[a + 1] + i] -
-                                      u[4 * (ptrdiff_t)node[0] + i]);
-            for (int j = 0; j < 3; ++j) {
-                h[3 * i + j] += d * (double)shape[SS_FEM_LANES * (3 * a + j)];
-            }
-        }
-    }
-    return hybrid->layer->volume[p] * ss_tissue_energy(&law, h);
-}
 
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3])
 {

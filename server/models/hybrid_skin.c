@@ -208,6 +208,7 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
     for (int32_t k = hybrid->rider_first[p]; k < hybrid->rider_first[p + 1]; ++k) {
         const int32_t s = hybrid->rider[k];
         hybrid->ride[s].wanted += change;
+        hybrid->is_skin_fading = true;
         if (hybrid->riding_at[s] < 0 && change > 0) {
             hybrid->riding_at[s] = hybrid->riding_count;
             hybrid->riding[hybrid->riding_count++] = s;
@@ -220,13 +221,16 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
 
 void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
 {
+    hybrid->is_skin_fading = false;
     for (int32_t k = hybrid->riding_count - 1; k >= 0; --k) {
         const int32_t s = hybrid->riding[k];
         ss_hybrid_ride *ride = &hybrid->ride[s];
         if (ride->wanted > 0) {
             ride->theta = ride->theta + step < 1 ? ride->theta + step : 1;
+            hybrid->is_skin_fading = hybrid->is_skin_fading || ride->theta < 1;
         } else if (ride->theta > step) {
             ride->theta -= step;
+            hybrid->is_skin_fading = true;
         } else {
             const int32_t last = hybrid->riding[--hybrid->riding_count];
             hybrid->riding[k] = last;

@@ -30,6 +30,7 @@ typedef struct ss_layer_pass {
     const int32_t *point;       /* particles */
     const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
     ss_real *gradient;          /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
+    ss_real *spread;            /* pairs, by point: sum w u^2, w v^2 by axis */
     const ss_real *stress;      /* likewise, first quad: -V P, column c */
 } ss_layer_pass;
 
@@ -41,8 +42,8 @@ typedef struct ss_layer_kernels {
     void (*strain)(const ss_layer_pass *pass);
     /* particle_force += stress and residual forces of every point. */
     void (*push)(const ss_layer_pass *pass);
-    /* particle_force += cohesion of every point. */
-    void (*cohere)(const ss_layer_pass *pass);
+    /* particle_force += cohesion of every point; returns its energy where wanted, J. */
+    double (*cohere)(const ss_layer_pass *pass, bool wants_energy);
     /* force += what the near particles' forces are on the nodes. */
     void (*give)(const ss_layer_pass *pass);
 } ss_layer_kernels;
