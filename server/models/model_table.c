@@ -28,6 +28,9 @@ extern const ss_model_class ss_model_cnn_chainmail;
 #ifdef SS_MODEL_CHAINMAIL
 extern const ss_model_class ss_model_chainmail;
 #endif
+#ifdef SS_MODEL_HYBRID
+extern const ss_model_class ss_model_hybrid;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -53,6 +56,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_CHAINMAIL
     &ss_model_chainmail,
+#endif
+#ifdef SS_MODEL_HYBRID
+    &ss_model_hybrid,
 #endif
     NULL};
 

@@ -91,11 +91,14 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm_sqrt_ps(a);
 }
+<<<<<<< HEAD
 /* Is a > b in any lane? */
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm_movemask_ps(_mm_cmpgt_ps(a, b));
 }
+=======
+>>>>>>> hybrid
 /* The fourth lane in all four. */
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -155,10 +158,13 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm256_sqrt_pd(a);
 }
+<<<<<<< HEAD
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
+=======
+>>>>>>> hybrid
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
     return _mm256_permute4x64_pd(a, 0xff);
@@ -230,6 +236,7 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 }
 SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
+<<<<<<< HEAD
     SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
                                                  : (ss_real)sqrt((double)a.lane[k]));
 }
@@ -240,6 +247,9 @@ SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
         any |= a.lane[k] > b.lane[k];
     }
     return any;
+=======
+    SS_QUAD_MAP((ss_real)sqrt((double)a.lane[k]));
+>>>>>>> hybrid
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
