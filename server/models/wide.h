@@ -12,11 +12,8 @@
  * include this header; nothing else does. RT-safe throughout.
  */
 #include <math.h>
-<<<<<<< HEAD
 #include <stdbool.h>
 #include <stdint.h>
-=======
->>>>>>> chain
 
 #include "rt/real.h"
 
@@ -91,14 +88,11 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm_sqrt_ps(a);
 }
-<<<<<<< HEAD
 /* Is a > b in any lane? */
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm_movemask_ps(_mm_cmpgt_ps(a, b));
 }
-=======
->>>>>>> hybrid
 /* The fourth lane in all four. */
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -158,13 +152,10 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm256_sqrt_pd(a);
 }
-<<<<<<< HEAD
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
-=======
->>>>>>> hybrid
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
     return _mm256_permute4x64_pd(a, 0xff);
@@ -236,7 +227,6 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 }
 SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
-<<<<<<< HEAD
     SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
                                                  : (ss_real)sqrt((double)a.lane[k]));
 }
@@ -247,9 +237,6 @@ SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
         any |= a.lane[k] > b.lane[k];
     }
     return any;
-=======
-    SS_QUAD_MAP((ss_real)sqrt((double)a.lane[k]));
->>>>>>> hybrid
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {

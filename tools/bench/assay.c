@@ -258,6 +258,7 @@ static void judge(runner *r)
     const bool is_slow = trial->kind == SS_ASSAY_CONTRADICTION ||
                          (trial->kind == SS_ASSAY_MASS && trial->value > heavy);
     const bool is_rested = r->released_s >= rested_tau * tau_s && !is_slow &&
+                           !ss_assay_is_plastic(trial->subject) &&
                            state.worst_verdict < SOFTSIM_VERDICT_DEGRADED;
     out->found = ss_audit_end(&r->audit, is_rested);
     out->verdict = state.worst_verdict;

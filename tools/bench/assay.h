@@ -81,6 +81,8 @@ const char *ss_assay_subject_model(int32_t subject);
 int32_t ss_assay_subject_count(void);
 /* Does it live on the surface alone? */
 bool ss_assay_is_surface(int32_t subject);
+/* Does it keep the shape that it was given? */
+bool ss_assay_is_plastic(int32_t subject);
 /* Does the model have what the kind varies? */
 bool ss_assay_applies(int32_t subject, ss_assay_kind kind);
 

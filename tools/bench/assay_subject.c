@@ -27,6 +27,7 @@ typedef struct subject {
     const char *name, *model;
     const char *text; /* choices, as they stand in the scene */
     bool is_surface;  /* it has no use for what is inside */
+    bool is_plastic;  /* it keeps the shape that it was given */
     knob knob[MAX_KNOBS];
 } subject;
 
@@ -44,6 +45,7 @@ static const subject known[] = {
      "cnn-energy",
      "",
      true,
+     false,
      {{"modulus_j", SCALED, 5.0, 1.0},
       {"pretension_j", SCALED, 0.5, 1.0},
       {"enclosed_bulk_pa", SCALED, 2000.0, 1.0},
@@ -54,18 +56,25 @@ static const subject known[] = {
      "cnn-energy",
      "  domain: volume\n",
      false,
+     false,
      {{"modulus_j", SCALED, 5.0, 1.0},
       {"density_kg_m3", DENSITY, 1000.0, 0.0},
       {"damping_n_s_per_m4", SCALED, 1.5e5, 0.5},
       {"rest_stiffness_n_per_m4", SCALED, 4.3e6, 1.0}}},
-    {"cnn-chainmail", "cnn-chainmail", "", false, {{"link_stiffness_n_per_m", SCALED, 200.0, 1.0}}},
-    {"chainmail", "chainmail", "", false, {{NULL, FIXED, 0.0, 0.0}}},
-    {"fem stable-neo-hookean", "fem", "  material: stable-neo-hookean\n", false, SOLID},
-    {"fem stvk-guarded", "fem", "  material: stvk-guarded\n", false, SOLID},
-    {"hybrid", "hybrid", "", false, SOLID},
-    {"mass-spring", "mass-spring", "", false, SOLID},
-    {"xpbd", "xpbd", "", false, SOLID},
-    {"corotational", "corotational", "", false, SOLID},
+    {"cnn-chainmail",
+     "cnn-chainmail",
+     "",
+     false,
+     false,
+     {{"link_stiffness_n_per_m", SCALED, 200.0, 1.0}}},
+    {"chainmail", "chainmail", "", false, true, {{NULL, FIXED, 0.0, 0.0}}},
+    {"fem stable-neo-hookean", "fem", "  material: stable-neo-hookean\n", false, false, SOLID},
+    {"fem stvk-guarded", "fem", "  material: stvk-guarded\n", false, false, SOLID},
+    {"hybrid", "hybrid", "  layer: {spacing_m: 0.0125, thickness_m: 0.0125}\n", false, false,
+     SOLID},
+    {"mass-spring", "mass-spring", "", false, false, SOLID},
+    {"xpbd", "xpbd", "", false, false, SOLID},
+    {"corotational", "corotational", "", false, false, SOLID},
 };
 /* A model that is not in the list yet. */
 static const knob solid[MAX_KNOBS] = SOLID;
@@ -145,6 +154,11 @@ static bool has_use(const subject *s, knob_use use)
 bool ss_assay_is_surface(int32_t index)
 {
     return get(index)->is_surface;
+}
+
+bool ss_assay_is_plastic(int32_t index)
+{
+    return get(index)->is_plastic;
 }
 
 bool ss_assay_applies(int32_t index, ss_assay_kind kind)
