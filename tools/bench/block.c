@@ -22,9 +22,9 @@ static const double stiffness_pa = 1e4, size_m = 0.1, load_share = 0.02;
 static const double enough_s = 3.0; /* CPU of ticks: fewer of them when they are long */
 static const double mesh_timeout_s = 300.0;
 
-/* The mesh, unless it is there already; complete or not at all, since runs may want it at once. */
-static softsim_status make_mesh(const char *folder, bool is_surface, int32_t points,
-                                char out_name[64], softsim_error *error)
+/* Complete or not at all, since runs may want it at once. */
+softsim_status ss_block_mesh(const char *folder, bool is_surface, int32_t points, char out_name[64],
+                             softsim_error *error)
 {
     char bin[4096], program[4128], path[PATH_SIZE], draft[PATH_SIZE], count[16];
     snprintf(out_name, 64, "block-%s%d.msh", is_surface ? "surface-" : "", points);
@@ -52,8 +52,7 @@ static softsim_status make_mesh(const char *folder, bool is_surface, int32_t poi
     return SOFTSIM_OK;
 }
 
-/* The node nearest to the middle of the top, by the file's own numbers from 0; -1: none. */
-static int32_t find_top(const char *path)
+int32_t ss_block_top(const char *path)
 {
     char line[256] = "";
     FILE *file = fopen(path, "re");
@@ -182,12 +181,12 @@ softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t poi
                           .p99_us = (double)NAN,
                           .substeps = (double)NAN,
                           .ledger = (double)NAN};
-    softsim_status status = make_mesh(folder, is_surface, points, mesh, error);
+    softsim_status status = ss_block_mesh(folder, is_surface, points, mesh, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     snprintf(path, sizeof path, "%s/%s", folder, mesh);
-    const int32_t node = find_top(path);
+    const int32_t node = ss_block_top(path);
     const double spacing = is_surface ? size_m * sqrt(6.0 / points) : size_m / cbrt((double)points);
     snprintf(path, sizeof path, "%s/scene-%ld.yaml", folder, (long)getpid());
     status = write_scene(path, mesh, subject, spacing, node, error);

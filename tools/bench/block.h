@@ -27,3 +27,9 @@ typedef struct ss_block_run {
  * next run. A scene that is refused is a result. */
 softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t points,
                                 ss_block_run *out, softsim_error *error);
+
+/* Makes the block's mesh, unless it is there already; `out_name` is in `folder`. In mm. */
+softsim_status ss_block_mesh(const char *folder, bool is_surface, int32_t points, char out_name[64],
+                             softsim_error *error);
+/* The node nearest to the middle of the top, by the file's numbers from 0; -1: none. */
+int32_t ss_block_top(const char *path);

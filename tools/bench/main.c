@@ -11,6 +11,8 @@ static const struct {
     char title[32]; /* becomes argv[0], in a copy */
     const char *about;
 } reports[] = {
+    {"ablation", ss_bench_ablation, "softsim-bench ablation",
+     "time and bytes of what a scene's plan leaves out"},
     {"latency", ss_bench_latency, "softsim-bench latency",
      "pose to force, lateness and missed periods of the whole chain"},
     {"paper", ss_bench_paper, "softsim-bench paper",
@@ -55,7 +57,8 @@ int main(int argc, char **argv)
         }
     }
     fprintf(stderr,
-            "softsim-bench: '%s' is none of latency, paper, scaling, stability; softsim-bench "
+            "softsim-bench: '%s' is none of ablation, latency, paper, scaling, stability; "
+            "softsim-bench "
             "--help says more\n",
             name);
     return 2;
