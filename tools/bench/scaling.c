@@ -17,6 +17,7 @@
 #include "bench.h"
 #include "block.h"
 #include "body.h"
+#include "models/cnn_network.h"
 #include "process.h"
 #include "report.h"
 #include "rt/args.h"
@@ -656,8 +657,12 @@ static softsim_status write_page(const report *r, softsim_error *error)
                  "A cube of 100 mm of 10 kPa in tetrahedra (its surface for a model that lives "
                  "there), held below, one node of the top pushed; ticks of 1 ms, at most %d of "
                  "them. A process each: peak memory is the whole of it, with reading the mesh and "
-                 "the factors; create is the CPU time of all that comes before the first tick.",
-                 200);
+                 "the factors; create is the CPU time of all that comes before the first tick. "
+                 "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
+                 "or have more entries than an int counts, conjugate gradients find the columns "
+                 "(softsim-run --explain says which); tools, which need all columns, are refused "
+                 "by name long before.",
+                 200, SS_CNN_MAX_WORK);
     put_blocks(&page, r);
     if (status == SOFTSIM_OK) {
         status = plot_blocks(r, false, &page, error);
