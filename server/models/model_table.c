@@ -22,6 +22,9 @@ extern const ss_model_class ss_model_hybrid;
 #ifdef SS_MODEL_MASS_SPRING
 extern const ss_model_class ss_model_mass_spring;
 #endif
+#ifdef SS_MODEL_XPBD
+extern const ss_model_class ss_model_xpbd;
+#endif
 #ifdef SS_MODEL_COROTATIONAL
 extern const ss_model_class ss_model_corotational;
 #endif
@@ -44,6 +47,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_MASS_SPRING
     &ss_model_mass_spring,
+#endif
+#ifdef SS_MODEL_XPBD
+    &ss_model_xpbd,
 #endif
 #ifdef SS_MODEL_COROTATIONAL
     &ss_model_corotational,
