@@ -183,8 +183,9 @@ double ss_fem_rest_step(const ss_fem *fem);
 double ss_fem_step_limit(ss_body_integrator integrator, double rate2, double viscous_time);
 /* Says so to the body where elements are squeezed or turned inside out; after stable_step. */
 void ss_fem_judge(const ss_fem *fem, ss_body *body);
-/* Bytes that a force sweep reads, flops (fused multiply-adds count 2) of an element. */
-void ss_fem_work(const ss_fem *fem, double *out_bytes, double *out_flops);
+/* What a force sweep streams and computes for an element of stvk or stvk-guarded, without a cure:
+ * bytes, and flops (a fused multiply-add counts 2). */
+void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops);
 /* Lines about law, path, cure, step. Thread: set-up only. */
 void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
                     void (*line)(void *sink, const char *text), void *sink);
@@ -193,6 +194,9 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
  */
 
 bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, int32_t padded);
+/* R of every node, N/m: the stiffness of the averaged part is at most that diagonal. */
+bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *setup,
+                          double *out_stiffness);
 void ss_fem_average_fini(ss_fem_average *average);
 /* Pressures of the nodes at `u`; returns their energy, J. */
 double ss_fem_average_update(ss_fem *fem, const ss_real *u);
