@@ -42,6 +42,7 @@ enum {
                          .help = "law of the tissue: all agree at small strain"},                  \
     [SS_FEM_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",                                        \
                                .kind = SS_PARAM_FIELD,                                             \
+                               .takes_elements = true,                                             \
                                .max = 1e15,                                                        \
                                .exclusive_min = true,                                              \
                                .fallback = (double)NAN,                                            \
@@ -49,6 +50,7 @@ enum {
                                        "lame_mu_pa; an element takes the mean of its nodes"},      \
     [SS_FEM_POISSON_RATIO] = {.name = "poisson_ratio",                                             \
                               .kind = SS_PARAM_FIELD,                                              \
+                              .takes_elements = true,                                              \
                               .min = -1.0,                                                         \
                               .max = 0.49999,                                                      \
                               .exclusive_min = true,                                               \
@@ -56,18 +58,21 @@ enum {
                               .help = "nu; soft tissue is near 0.5"},                              \
     [SS_FEM_LAMBDA] = {.name = "lame_lambda_pa",                                                   \
                        .kind = SS_PARAM_FIELD,                                                     \
+                       .takes_elements = true,                                                     \
                        .min = -1e15,                                                               \
                        .max = 1e15,                                                                \
                        .fallback = (double)NAN,                                                    \
                        .help = "Lame's first constant, in place of E and nu"},                     \
     [SS_FEM_MU] = {.name = "lame_mu_pa",                                                           \
                    .kind = SS_PARAM_FIELD,                                                         \
+                   .takes_elements = true,                                                         \
                    .max = 1e15,                                                                    \
                    .exclusive_min = true,                                                          \
                    .fallback = (double)NAN,                                                        \
                    .help = "shear modulus, in place of E and nu"},                                 \
     [SS_FEM_DENSITY] = {.name = "density_kg_m3",                                                   \
                         .kind = SS_PARAM_FIELD,                                                    \
+                        .takes_elements = true,                                                    \
                         .max = 1e9,                                                                \
                         .exclusive_min = true,                                                     \
                         .fallback = 1000.0,                                                        \
@@ -77,10 +82,12 @@ enum {
 #define SS_FEM_FORCE_ROWS                                                                          \
     [SS_FEM_PHI] = {.name = "viscosity_phi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
+                    .takes_elements = true,                                                        \
                     .max = 1e12,                                                                   \
                     .help = "viscosity of dilatation"},                                            \
     [SS_FEM_PSI] = {.name = "viscosity_psi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
+                    .takes_elements = true,                                                        \
                     .max = 1e12,                                                                   \
                     .help = "viscosity of shear"},                                                 \
     [SS_FEM_STIFFNESS_DAMPING] = {.name = "stiffness_damping_s",                                   \
