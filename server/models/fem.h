@@ -33,8 +33,8 @@ enum {
     SS_FEM_ROW_COUNT
 };
 
-/* The first rows of a model's table of parameters. */
-#define SS_FEM_ROWS                                                                                \
+/* Elasticity and density: the first rows of every table of parameters of tetrahedra. */
+#define SS_FEM_SOLID_ROWS                                                                          \
     [SS_FEM_MATERIAL] = {.name = "material",                                                       \
                          .kind = SS_PARAM_CHOICE,                                                  \
                          .max = SS_TISSUE_KIND_COUNT - 1,                                          \
@@ -71,7 +71,10 @@ enum {
                         .max = 1e9,                                                                \
                         .exclusive_min = true,                                                     \
                         .fallback = 1000.0,                                                        \
-                        .help = "mass per volume"},                                                \
+                        .help = "mass per volume"}
+
+/* Damping, time step and cure for locking: the rows that follow where forces are ss_fem's. */
+#define SS_FEM_FORCE_ROWS                                                                          \
     [SS_FEM_PHI] = {.name = "viscosity_phi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
                     .max = 1e12,                                                                   \
@@ -100,6 +103,9 @@ enum {
                              .choices = "auto|none|nodal-pressure",                                \
                              .help = "shares the resistance to dilatation among the elements of "  \
                                      "a node; auto: where Poisson's ratio is above 0.4"}
+
+/* The first rows of a table with all of them. */
+#define SS_FEM_ROWS SS_FEM_SOLID_ROWS, SS_FEM_FORCE_ROWS
 
 /* What the body is made of; one value an element. */
 typedef struct ss_fem_material {
