@@ -421,7 +421,7 @@ static void tangent_is_symmetric_and_positive(void **state)
         double both[2];
         for (int way = 0; way < 2; ++way) {
             memset(o.force, 0, 128 * sizeof *o.force);
-            kernels->product(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
+            kernels->multiply(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
             both[way] = kernels->dot(128, way ? x : y, o.force);
             assert_true(kernels->dot(128, way ? y : x, o.force) > 0.0);
         }

@@ -4,9 +4,9 @@
 /*
  * Material of every element from the scene's rows, and what of it is refused, all in one go.
  *
- * A field has values at nodes; an element takes the mean of its four, so that a boundary between
- * two tissues is as sharp as the mesh. The rows say E and nu or lambda and mu; both must be
- * positive as moduli: mu > 0 and K = lambda + 2/3 mu > 0.
+ * A field has a value for each element, or at nodes: an element then takes the mean of its four, so
+ * that a boundary between two tissues is as sharp as the mesh. The rows say E and nu or lambda and
+ * mu; both must be positive as moduli: mu > 0 and K = lambda + 2/3 mu > 0.
  */
 #include <math.h>
 
@@ -19,15 +19,6 @@
 /* Of mu: the part of lambda that an element keeps with the cure. Less of it lets pressures of
  * neighbouring nodes alternate, more of it locks. */
 #define OWN_SHARE 0.5
-
-/* The mean of the corners. */
-static double element_value(const ss_model_plan *plan, int row, int32_t e)
-{
-    const ss_param_value *value = &plan->param[row];
-    const int32_t *c = plan->mesh->tetrahedron[e];
-    const double *at = value->per_node;
-    return at ? 0.25 * ((at[c[0]] + at[c[1]]) + (at[c[2]] + at[c[3]])) : value->number;
-}
 
 static bool is_given(const ss_model_plan *plan, int row)
 {
@@ -60,11 +51,11 @@ static void fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_mate
         return;
     }
     for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
-        double lambda = element_value(plan, SS_FEM_LAMBDA, e),
-               mu = element_value(plan, SS_FEM_MU, e);
+        double lambda = ss_plan_element_value(plan, SS_FEM_LAMBDA, e),
+               mu = ss_plan_element_value(plan, SS_FEM_MU, e);
         if (is_young) {
-            ss_tissue_lame(element_value(plan, SS_FEM_YOUNGS_MODULUS, e),
-                           element_value(plan, SS_FEM_POISSON_RATIO, e), &lambda, &mu);
+            ss_tissue_lame(ss_plan_element_value(plan, SS_FEM_YOUNGS_MODULUS, e),
+                           ss_plan_element_value(plan, SS_FEM_POISSON_RATIO, e), &lambda, &mu);
         }
         material->lambda[e] = lambda;
         material->mu[e] = mu;
@@ -86,8 +77,8 @@ static void fill_viscosity(const ss_model_plan *plan, ss_fem_material *material)
     const double time = plan->param[SS_FEM_STIFFNESS_DAMPING].number;
     for (int32_t e = 0; material->phi && e < plan->mesh->tetrahedron_count; ++e) {
         const double lambda = material->lambda[e], mu = material->mu[e];
-        material->phi[e] = element_value(plan, SS_FEM_PHI, e) + time * fmax(lambda, 0.0);
-        material->psi[e] = element_value(plan, SS_FEM_PSI, e) + time * mu;
+        material->phi[e] = ss_plan_element_value(plan, SS_FEM_PHI, e) + time * fmax(lambda, 0.0);
+        material->psi[e] = ss_plan_element_value(plan, SS_FEM_PSI, e) + time * mu;
         const double dilatation =
             (material->phi[e] + 2.0 / 3.0 * material->psi[e]) / (lambda + 2.0 / 3.0 * mu);
         material->viscous_time =
@@ -114,7 +105,7 @@ static bool has_viscosity(const ss_model_plan *plan)
     bool is_any = false;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
         const ss_param_value *value = &plan->param[rows[k]];
-        is_any = is_any || value->per_node || value->number > 0.0;
+        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
     }
     return is_any;
 }
@@ -143,7 +134,7 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
     }
     fill_moduli(plan, name, &material, error);
     for (size_t e = 0; e < n; ++e) {
-        material.density[e] = element_value(plan, SS_FEM_DENSITY, (int32_t)e);
+        material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
     }
     fill_viscosity(plan, &material);
     fill_own(plan, &material);
