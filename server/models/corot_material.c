@@ -12,6 +12,7 @@
 const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
     {.name = "material",
      .kind = SS_PARAM_CHOICE,
+     .max = SS_TISSUE_KIND_COUNT - 1,
      .fallback = SS_TISSUE_LINEAR,
      .choices = SS_TISSUE_CHOICES,
      .help = "linear alone: small strain in each element, turned with it"},
