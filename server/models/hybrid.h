@@ -69,10 +69,15 @@ typedef struct ss_hybrid {
 
     /* core */
     ss_fem_blocks core;
-    int32_t *lane;       /* by element: 8 block + lane */
-    double *rest_volume; /* m^3 that an element stands for while all sleeps: its own and its part
-                            of the layer's */
-    double *volume;      /* m^3 that it stands for now */
+    int32_t *lane;  /* by element: 8 block + lane */
+    double *volume; /* m^3 that an element stands for: without what its ghosts may take */
+
+    /* the sleeping layer */
+    ss_layer_cells cells;
+    ss_fem_blocks cell_blocks; /* the law's side of the cells */
+    int32_t *cell_of;         /* by particle */
+    double *cell_volume;      /* m^3 that a cell stands for now */
+    double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
 
     /* particles */
     ss_hybrid_particle *particle;
@@ -129,13 +134,28 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
                      ss_body_energy *out);
 void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out);
 void ss_hybrid_diagonal(void *owner, double *diagonal);
-/* The share of particle p's stiffness that is the layer's; the rest is its host's. */
+/* After a change of cell_volume, of volume. */
+void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c);
+void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e);
+/* The share that p would have with the whole layer awake: the layer's own 1, ghosts less. */
+double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p);
+/* The same with a neighbour of that weight awake, but none nearer. */
+double ss_hybrid_share_beside(double weight);
+/* The share of particle p's stiffness that is the layer's; the rest is its cell's. */
 void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share);
 /* Particle p becomes a point with share 0, or stops being one; its neighbours are near then. */
 void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p);
 void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
 /* Displacement (or velocity) of a tied particle. */
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3]);
+
+/* ---- hybrid_cells.c --------------------------------------------------------------------------- */
+
+/* Cells and their blocks; false when out of memory. Thread: set-up only. */
+bool ss_hybrid_create_cells(ss_hybrid *hybrid);
+void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
+/* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
+bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
 
 /* ---- hybrid_wake.c ---------------------------------------------------------------------------- */
 

@@ -34,11 +34,6 @@
 #define DRIFT     0.8   /* of an offset is left after an outer step */
 #define NEAR_TIE  0.1   /* spacings */
 #define LOOK_MOVE 0.25  /* spacings */
-/* Roots of the weights at distances of a spacing and of root 3 spacings; least share worth a point.
- */
-#define ROOT_AT_EDGE     0.6326
-#define ROOT_AT_DIAGONAL 0.0969
-#define SHARE_FLOOR      0.02
 enum { BINS = 64, PATIENCE = 64 };
 
 /* ---- mass and momentum -----------------------------------------------------------------------
@@ -165,13 +160,11 @@ static void set_target(ss_hybrid *hybrid, int32_t p)
     double target = is_up(hybrid, p) ? 1.0 : 0.0;
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1] && target == 0.0; ++t) {
         if (is_up(hybrid, layer->neighbour[t])) { /* nearest first */
-            const double root = sqrt((double)layer->pair[4 * (ptrdiff_t)t + 3]);
-            target = fmin(1.0, fmax(SHARE_FLOOR, (root - ROOT_AT_DIAGONAL) /
-                                                     (ROOT_AT_EDGE - ROOT_AT_DIAGONAL)));
+            target = ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
             break;
         }
     }
-    hybrid->particle[p].target = target > SHARE_FLOOR ? (ss_real)target : 0;
+    hybrid->particle[p].target = (ss_real)target;
     hybrid->is_fading = true;
 }
 
