@@ -293,11 +293,13 @@ static bool create_skin(ss_hybrid *hybrid)
     hybrid->mark = ss_memory_get(nodes, sizeof *hybrid->mark);
     hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
     hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
+    hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
     hybrid->mode = ss_memory_get(4 * nodes, sizeof *hybrid->mode);
     hybrid->product = ss_memory_get(4 * nodes, sizeof *hybrid->product);
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
-        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->mode == NULL ||
+        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
+        hybrid->mode == NULL ||
         hybrid->product == NULL) {
         return false;
     }
@@ -432,7 +434,6 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
     ss_hybrid_settle(hybrid);
     hybrid->is_all_awake = is_all_awake;
     ss_body_destroy(&hybrid->body);
-    hybrid->skin_u = NULL;
     const double limit = ss_fem_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
                                            hybrid->material.viscous_time);
     status = create_body(hybrid, plan, mass, STEP_SHARE * limit, error);
@@ -496,7 +497,7 @@ static void destroy(ss_model *model)
         hybrid->wanted,   hybrid->idle,        hybrid->drifting,    hybrid->state,
         hybrid->particle_force, hybrid->rider_first, hybrid->rider, hybrid->ride,
         hybrid->riding,   hybrid->riding_at,   hybrid->mark,        hybrid->shown,
-        hybrid->shown_v,  hybrid->distance,    hybrid->found,       hybrid->mode,
+        hybrid->shown_v,  hybrid->laid,  hybrid->distance,    hybrid->found,       hybrid->mode,
         hybrid->product,  hybrid->fixed};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);

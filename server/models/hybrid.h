@@ -105,7 +105,7 @@ typedef struct ss_hybrid {
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
     int32_t turn;                  /* which sleeping skin nodes are laid next */
     bool must_lay;                 /* all of them */
-    const ss_real *skin_u;         /* as laid last; NULL: never */
+    ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
 
     /* where the tools are */

@@ -273,11 +273,10 @@ static void fade(ss_hybrid *hybrid, double step)
 static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
 {
     const ss_layer *layer = hybrid->layer;
-    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const double *x = hybrid->tool[probe].to.position;
     const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
                          hybrid->sleep_reach + hybrid->skin_edge;
-    const ss_real *shown = hybrid->skin_u != NULL ? hybrid->skin_u : nodes->u;
+    const ss_real *shown = hybrid->laid;
     double total = 0.0;
     ss_set3(out, 0.0, 0.0, 0.0);
     for (int32_t s = 0; s < layer->skin_count; ++s) {
