@@ -13,6 +13,9 @@ extern const ss_model_class ss_model_fem;
 #ifdef SS_MODEL_HYBRID
 extern const ss_model_class ss_model_hybrid;
 #endif
+#ifdef SS_MODEL_MASS_SPRING
+extern const ss_model_class ss_model_mass_spring;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -23,6 +26,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_HYBRID
     &ss_model_hybrid,
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+    &ss_model_mass_spring,
 #endif
     NULL};
 
