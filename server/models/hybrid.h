@@ -106,7 +106,6 @@ typedef struct ss_hybrid {
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
     int32_t turn;                  /* which sleeping skin nodes are laid next */
-    bool must_lay;                 /* all of them */
     ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
 

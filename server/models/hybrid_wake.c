@@ -444,7 +444,7 @@ static void settle_now(ss_hybrid *hybrid)
         fade(hybrid, 1.0);
     }
     ss_hybrid_fade_skin(hybrid, 1);
-    hybrid->must_lay = true;
+
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
 }
 
@@ -492,6 +492,7 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         begin_asleep(hybrid);
     }
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
     hybrid->turn = 0;
 }
 
