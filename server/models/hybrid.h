@@ -69,10 +69,17 @@ typedef struct ss_hybrid {
 
     /* core */
     ss_fem_blocks core;
-    int32_t *lane;       /* by element: 8 block + lane */
-    double *rest_volume; /* m^3 that an element stands for while all sleeps: its own and its part
-                            of the layer's */
-    double *volume;      /* m^3 that it stands for now */
+    int32_t *lane;  /* by element: 8 block + lane */
+    double *volume; /* m^3 that an element stands for: without what its ghosts may take */
+
+    /* the sleeping layer */
+    ss_layer_cells cells;
+    ss_fem_blocks cell_blocks; /* the law's side of the cells */
+    int32_t *cell_of;         /* by particle */
+    double *cell_volume;      /* m^3 that a cell stands for now */
+    double *cell_asleep;      /* and while all sleeps */
+    double *mass_asleep;      /* kg, by node of the body: while all sleeps */
+    double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
 
     /* particles */
     ss_hybrid_particle *particle;
@@ -99,8 +106,7 @@ typedef struct ss_hybrid {
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
     int32_t turn;                  /* which sleeping skin nodes are laid next */
-    bool must_lay;                 /* all of them */
-    const ss_real *skin_u;         /* as laid last; NULL: never */
+    ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
 
     /* where the tools are */
@@ -129,7 +135,14 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
                      ss_body_energy *out);
 void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out);
 void ss_hybrid_diagonal(void *owner, double *diagonal);
-/* The share of particle p's stiffness that is the layer's; the rest is its host's. */
+/* After a change of cell_volume, of volume. */
+void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c);
+void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e);
+/* The share that p would have with the whole layer awake: the layer's own 1, ghosts less. */
+double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p);
+/* The same with a neighbour of that weight awake, but none nearer. */
+double ss_hybrid_share_beside(double weight);
+/* The share of particle p's stiffness that is the layer's; the rest is its cell's. */
 void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share);
 /* Particle p becomes a point with share 0, or stops being one; its neighbours are near then. */
 void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p);
@@ -137,8 +150,18 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
 /* Displacement (or velocity) of a tied particle. */
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3]);
 
+/* ---- hybrid_cells.c --------------------------------------------------------------------------- */
+
+/* Cells and their blocks; false when out of memory. Thread: set-up only. */
+bool ss_hybrid_create_cells(ss_hybrid *hybrid);
+void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
+/* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
+bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
+
 /* ---- hybrid_wake.c ---------------------------------------------------------------------------- */
 
+/* No node of the body is a particle's. */
+void ss_hybrid_idle_all(ss_hybrid *hybrid);
 /* All asleep, or all awake where nothing sleeps. */
 void ss_hybrid_settle(ss_hybrid *hybrid);
 /* Before every outer step; true when anything changed that forces depend on. */
@@ -163,6 +186,10 @@ void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 
 /* ---- hybrid_bound.c --------------------------------------------------------------------------- */
 
-/* Fills rate2 from the stiffest motions asleep and awake. False when out of memory. */
+/* omega^2 of the stiffest motion at the present state, from above, 1/s^2. */
+double ss_hybrid_settle_rate(ss_hybrid *hybrid);
+/* As before the first step. */
+void ss_hybrid_forget(ss_hybrid *hybrid);
+/* Fills rate2 from the stiffest motions asleep and awake. */
 void ss_hybrid_measure(ss_hybrid *hybrid);
 double ss_hybrid_stable_step(void *owner, const ss_body *body);

@@ -75,23 +75,29 @@ static bool is_close(const ss_hybrid *hybrid, int32_t node, const ss_real *at)
     return false;
 }
 
+/* The body lays displacements, and motions that its solver tries, in the same array: what is known
+ * of the sleeping skin is kept apart. Motions are wanted under the tools alone. */
 void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
 {
     ss_hybrid *hybrid = owner;
     const ss_layer *layer = hybrid->layer;
-    hybrid->turn = (hybrid->turn + 1) % TURNS;
+    const bool is_motion = u != hybrid->u;
+    ss_real *out = is_motion ? skin_u : hybrid->laid;
+    hybrid->turn = is_motion ? hybrid->turn : (hybrid->turn + 1) % TURNS;
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
         const int32_t s = layer->skin_of[i];
-        ss_real *at = skin_u + 4 * (ptrdiff_t)i;
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
         if (s < 0) {
-            ss_quad_store(at, ss_quad_load(u + 4 * (ptrdiff_t)i));
-        } else if (hybrid->must_lay || hybrid->ride[s].count > 0 || s % TURNS == hybrid->turn ||
-                   is_close(hybrid, i, at)) {
-            ss_quad_store(at, place_of(hybrid, s, u));
+            ss_quad_store(out + at, ss_quad_load(u + at));
+        } else if (hybrid->ride[s].count > 0 ||
+                   (!is_motion && s % TURNS == hybrid->turn) ||
+                   is_close(hybrid, i, hybrid->laid + at)) {
+            ss_quad_store(out + at, place_of(hybrid, s, u));
         }
     }
-    hybrid->must_lay = false;
-    hybrid->skin_u = skin_u;
+    if (!is_motion) {
+        memcpy(skin_u, hybrid->laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
+    }
 }
 
 static void give_row(int32_t count, const int32_t *node, const ss_real *weight, ss_quad f,

@@ -34,11 +34,6 @@
 #define DRIFT     0.8   /* of an offset is left after an outer step */
 #define NEAR_TIE  0.1   /* spacings */
 #define LOOK_MOVE 0.25  /* spacings */
-/* Roots of the weights at distances of a spacing and of root 3 spacings; least share worth a point.
- */
-#define ROOT_AT_EDGE     0.6326
-#define ROOT_AT_DIAGONAL 0.0969
-#define SHARE_FLOOR      0.02
 enum { BINS = 64, PATIENCE = 64 };
 
 /* ---- mass and momentum -----------------------------------------------------------------------
@@ -165,13 +160,11 @@ static void set_target(ss_hybrid *hybrid, int32_t p)
     double target = is_up(hybrid, p) ? 1.0 : 0.0;
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1] && target == 0.0; ++t) {
         if (is_up(hybrid, layer->neighbour[t])) { /* nearest first */
-            const double root = sqrt((double)layer->pair[4 * (ptrdiff_t)t + 3]);
-            target = fmin(1.0, fmax(SHARE_FLOOR, (root - ROOT_AT_DIAGONAL) /
-                                                     (ROOT_AT_EDGE - ROOT_AT_DIAGONAL)));
+            target = ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
             break;
         }
     }
-    hybrid->particle[p].target = target > SHARE_FLOOR ? (ss_real)target : 0;
+    hybrid->particle[p].target = (ss_real)target;
     hybrid->is_fading = true;
 }
 
@@ -280,11 +273,10 @@ static void fade(ss_hybrid *hybrid, double step)
 static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
 {
     const ss_layer *layer = hybrid->layer;
-    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const double *x = hybrid->tool[probe].to.position;
     const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
                          hybrid->sleep_reach + hybrid->skin_edge;
-    const ss_real *shown = hybrid->skin_u != NULL ? hybrid->skin_u : nodes->u;
+    const ss_real *shown = hybrid->laid;
     double total = 0.0;
     ss_set3(out, 0.0, 0.0, 0.0);
     for (int32_t s = 0; s < layer->skin_count; ++s) {
@@ -452,8 +444,33 @@ static void settle_now(ss_hybrid *hybrid)
         fade(hybrid, 1.0);
     }
     ss_hybrid_fade_skin(hybrid, 1);
-    hybrid->must_lay = true;
+
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
+}
+
+void ss_hybrid_idle_all(ss_hybrid *hybrid)
+{
+    for (int32_t k = 0; k < hybrid->max_awake; ++k) {
+        hybrid->idle[k] = hybrid->mesh->node_count + hybrid->max_awake - 1 - k;
+    }
+    hybrid->idle_count = hybrid->max_awake;
+}
+
+/* Volumes, masses and the order of idle nodes to the bits of the start, which adding and taking
+ * away brings back but for rounding. */
+static void begin_asleep(ss_hybrid *hybrid)
+{
+    const int32_t nodes = hybrid->mesh->node_count;
+    ss_hybrid_idle_all(hybrid);
+    for (int32_t c = 0; c < hybrid->cells.count; ++c) {
+        hybrid->cell_volume[c] = hybrid->cell_asleep[c];
+        ss_hybrid_write_cell(hybrid, c);
+    }
+    for (int32_t i = 0; i < nodes; ++i) {
+        if (hybrid->mass_asleep[i] != ss_body_read_nodes(hybrid->body)->mass[i]) {
+            ss_body_set_mass(hybrid->body, i, hybrid->mass_asleep[i]);
+        }
+    }
 }
 
 void ss_hybrid_settle(ss_hybrid *hybrid)
@@ -471,7 +488,12 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
     }
+    if (hybrid->awake_count == 0) {
+        begin_asleep(hybrid);
+    }
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
+    hybrid->turn = 0;
 }
 
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)

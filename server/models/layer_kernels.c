@@ -148,6 +148,51 @@ static void push(const ss_layer_pass *pass)
     }
 }
 
+static void strain_cells(const ss_layer_cells *cells, const ss_real *u, const ss_real *v)
+{
+    for (int32_t k = 0; k < cells->count; ++k) {
+        ss_quad h[3] = {ss_quad_all(0), ss_quad_all(0), ss_quad_all(0)};
+        ss_quad rate[3] = {ss_quad_all(0), ss_quad_all(0), ss_quad_all(0)};
+        for (ptrdiff_t t = cells->first[k]; t < cells->first[k + 1]; ++t) {
+            const ss_real *row = cells->row + 4 * t;
+            const ptrdiff_t at = 4 * (ptrdiff_t)cells->node[t];
+            const ss_quad x = ss_quad_load(u + at);
+            for (int c = 0; c < 3; ++c) {
+                h[c] = ss_quad_fma(ss_quad_all(row[c]), x, h[c]);
+            }
+            if (v != NULL) {
+                const ss_quad w = ss_quad_load(v + at);
+                for (int c = 0; c < 3; ++c) {
+                    rate[c] = ss_quad_fma(ss_quad_all(row[c]), w, rate[c]);
+                }
+            }
+        }
+        for (int c = 0; c < 3; ++c) {
+            ss_real *out = cells->gradient + 8 * (ptrdiff_t)(1 + 3 * k + c);
+            ss_quad_store(out, h[c]);
+            ss_quad_store(out + 4, rate[c]);
+        }
+    }
+}
+
+static void push_cells(const ss_layer_cells *cells, ss_real *force)
+{
+    for (int32_t k = 0; k < cells->count; ++k) {
+        const ss_real *stress = cells->stress + 8 * (ptrdiff_t)(1 + 3 * k);
+        const ss_quad p[3] = {ss_quad_load(stress), ss_quad_load(stress + 8),
+                              ss_quad_load(stress + 16)};
+        for (ptrdiff_t t = cells->first[k]; t < cells->first[k + 1]; ++t) {
+            const ss_real *row = cells->row + 4 * t;
+            ss_real *at = force + 4 * (ptrdiff_t)cells->node[t];
+            ss_quad f = ss_quad_load(at);
+            for (int c = 0; c < 3; ++c) {
+                f = ss_quad_fma(ss_quad_all(row[c]), p[c], f);
+            }
+            ss_quad_store(at, f);
+        }
+    }
+}
+
 /* x is at most, or at least, the number. */
 static inline ss_quad no_more(ss_quad x, ss_real most)
 {
@@ -266,6 +311,8 @@ static double cohere(const ss_layer_pass *pass, bool wants_energy)
 
 extern const ss_layer_kernels PATH;
 const ss_layer_kernels PATH = {.name = PATH_NAME,
+                               .strain_cells = strain_cells,
+                               .push_cells = push_cells,
                                .place = place,
                                .strain = strain,
                                .push = push,

@@ -34,8 +34,22 @@ typedef struct ss_layer_pass {
     const ss_real *stress;      /* likewise, first quad: -V P, column c */
 } ss_layer_pass;
 
+/* Cells that sleeping particles are counted by: gradients that are fixed rows over nodes. */
+typedef struct ss_layer_cells {
+    int32_t count;
+    int32_t *first; /* count + 1 */
+    int32_t *node;
+    ss_real *row;      /* quads: H = sum u row^T, 1/m */
+    ss_real *gradient; /* as a pass has them, of its cells */
+    ss_real *stress;
+} ss_layer_cells;
+
 typedef struct ss_layer_kernels {
     const char *name;
+    /* gradient of every cell; `v` may be NULL. */
+    void (*strain_cells)(const ss_layer_cells *cells, const ss_real *u, const ss_real *v);
+    /* force += stress of every cell. */
+    void (*push_cells)(const ss_layer_cells *cells, ss_real *force);
     /* state of the near particles from the nodes; clears their forces. */
     void (*place)(const ss_layer_pass *pass);
     /* gradient of every point. */
