@@ -73,7 +73,7 @@ static const subject known[] = {
     {"hybrid", "hybrid", "  layer: {spacing_m: 0.0125, thickness_m: 0.0125}\n", false, false,
      SOLID},
     {"mass-spring", "mass-spring", "", false, false, SOLID},
-    {"xpbd", "xpbd", "", false, false, SOLID},
+    {"xpbd", "xpbd", "  material: stable-neo-hookean\n", false, false, SOLID},
     {"corotational", "corotational", "", false, false, SOLID},
 };
 /* A model that is not in the list yet. */
