@@ -308,7 +308,8 @@ static softsim_status run(runner *r, softsim_error *error)
     const double size3 = SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE;
     const ss_audit_plan plan = {.reach = r->plan.reach_m,
                                 .floor = floor_share * r->trial->stiffness_pa * size3,
-                                .has_work = r->plan.drive == SS_ASSAY_LOADS};
+                                .has_work = r->plan.drive == SS_ASSAY_LOADS &&
+                                            !ss_assay_has_own_work(r->trial->subject)};
     ss_audit_begin(&r->audit, &plan);
     play(r);
     judge(r);

@@ -83,6 +83,8 @@ int32_t ss_assay_subject_count(void);
 bool ss_assay_is_surface(int32_t subject);
 /* Does it keep the shape that it was given? */
 bool ss_assay_is_plastic(int32_t subject);
+/* Does it book what it does by itself as work, so that F.du is not all of it? */
+bool ss_assay_has_own_work(int32_t subject);
 /* Does the model have what the kind varies? */
 bool ss_assay_applies(int32_t subject, ss_assay_kind kind);
 

@@ -23,11 +23,18 @@ typedef struct knob {
     double factor, power;
 } knob;
 
+/* What sets a model apart. */
+enum {
+    PLAIN = 0,
+    SURFACE = 1, /* it has no use for what is inside */
+    PLASTIC = 2, /* it keeps the shape that it was given */
+    OWN_WORK = 4 /* what it does by itself is booked as work: unloading */
+};
+
 typedef struct subject {
     const char *name, *model;
     const char *text; /* choices, as they stand in the scene */
-    bool is_surface;  /* it has no use for what is inside */
-    bool is_plastic;  /* it keeps the shape that it was given */
+    int traits;
     knob knob[MAX_KNOBS];
 } subject;
 
@@ -44,8 +51,7 @@ static const subject known[] = {
     {"cnn-energy surface",
      "cnn-energy",
      "",
-     true,
-     false,
+     SURFACE,
      {{"modulus_j", SCALED, 5.0, 1.0},
       {"pretension_j", SCALED, 0.5, 1.0},
       {"enclosed_bulk_pa", SCALED, 2000.0, 1.0},
@@ -55,8 +61,7 @@ static const subject known[] = {
     {"cnn-energy volume",
      "cnn-energy",
      "  domain: volume\n",
-     false,
-     false,
+     PLAIN,
      {{"modulus_j", SCALED, 5.0, 1.0},
       {"density_kg_m3", DENSITY, 1000.0, 0.0},
       {"damping_n_s_per_m4", SCALED, 1.5e5, 0.5},
@@ -64,17 +69,15 @@ static const subject known[] = {
     {"cnn-chainmail",
      "cnn-chainmail",
      "",
-     false,
-     false,
+     OWN_WORK,
      {{"link_stiffness_n_per_m", SCALED, 200.0, 1.0}}},
-    {"chainmail", "chainmail", "", false, true, {{NULL, FIXED, 0.0, 0.0}}},
-    {"fem stable-neo-hookean", "fem", "  material: stable-neo-hookean\n", false, false, SOLID},
-    {"fem stvk-guarded", "fem", "  material: stvk-guarded\n", false, false, SOLID},
-    {"hybrid", "hybrid", "  layer: {spacing_m: 0.0125, thickness_m: 0.0125}\n", false, false,
-     SOLID},
-    {"mass-spring", "mass-spring", "", false, false, SOLID},
-    {"xpbd", "xpbd", "  material: stable-neo-hookean\n", false, false, SOLID},
-    {"corotational", "corotational", "", false, false, SOLID},
+    {"chainmail", "chainmail", "", PLASTIC, {{NULL, FIXED, 0.0, 0.0}}},
+    {"fem stable-neo-hookean", "fem", "  material: stable-neo-hookean\n", PLAIN, SOLID},
+    {"fem stvk-guarded", "fem", "  material: stvk-guarded\n", PLAIN, SOLID},
+    {"hybrid", "hybrid", "  layer: {spacing_m: 0.0125, thickness_m: 0.0125}\n", PLAIN, SOLID},
+    {"mass-spring", "mass-spring", "", PLAIN, SOLID},
+    {"xpbd", "xpbd", "  material: stable-neo-hookean\n", PLAIN, SOLID},
+    {"corotational", "corotational", "", PLAIN, SOLID},
 };
 /* A model that is not in the list yet. */
 static const knob solid[MAX_KNOBS] = SOLID;
@@ -153,12 +156,17 @@ static bool has_use(const subject *s, knob_use use)
 
 bool ss_assay_is_surface(int32_t index)
 {
-    return get(index)->is_surface;
+    return (get(index)->traits & SURFACE) != 0;
 }
 
 bool ss_assay_is_plastic(int32_t index)
 {
-    return get(index)->is_plastic;
+    return (get(index)->traits & PLASTIC) != 0;
+}
+
+bool ss_assay_has_own_work(int32_t index)
+{
+    return (get(index)->traits & OWN_WORK) != 0;
 }
 
 bool ss_assay_applies(int32_t index, ss_assay_kind kind)
