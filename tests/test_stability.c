@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -299,16 +300,77 @@ static void a_teleport_is_refused_by_the_gate_and_said(void **state)
     assert_true(r.is_agreed);
 }
 
+/* Commas outside quotes. */
+static int32_t count_commas(const char *line)
+{
+    int32_t count = 0;
+    bool is_quoted = false;
+    for (const char *at = line; *at != '\0' && *at != '\n'; ++at) {
+        is_quoted = is_quoted != (*at == '"');
+        count += *at == ',' && !is_quoted;
+    }
+    return count;
+}
+
+/* The report has a row for every run, lost ones too, with every column of its head. */
+static void every_run_has_a_row_with_every_column(void **state)
+{
+    (void)state;
+    ss_assay assay[] = {{0, SS_ASSAY_CONTRADICTION, 1e4, 0.0, 3},
+                        {0, SS_ASSAY_FLATTENED, 1e4, 0.5, 1},
+                        {0, SS_ASSAY_FLATTENED, 1e4, 0.1, 1}};
+    const ss_stability list = {.trial = assay, .count = 3, .folder = folder, .scratch = folder};
+    char lost[] = "crashed: Killed, twice", *text[2] = {NULL, NULL};
+    ss_sweep_run run[] = {{false, NULL}, {false, NULL}, {true, lost}};
+    const ss_sweep_result result = {.is_complete = true, .count = 3, .lost = 1, .run = run};
+    const ss_yardstick yardstick = {.cores = 1};
+    softsim_error error = {.status = SOFTSIM_OK};
+    for (int32_t i = 0; i < 2; ++i) {
+        size_t size = 0;
+        FILE *out = open_memstream(&text[i], &size);
+        assert_non_null(out);
+        assert_int_equal(ss_stability_run(&list, i, out, &error), SOFTSIM_OK);
+        assert_int_equal(fclose(out), 0);
+        run[i].text = text[i];
+    }
+    assert_int_equal(ss_stability_report(&list, &result, &yardstick, &error), SOFTSIM_OK);
+    char line[1024], path[128];
+    int32_t lines = 0, columns = 0;
+    snprintf(path, sizeof path, "%s/stability.csv", folder);
+    FILE *csv = fopen(path, "re");
+    assert_non_null(csv);
+    for (; fgets(line, sizeof line, csv) != NULL; ++lines) {
+        columns = lines == 0 ? count_commas(line) : columns;
+        assert_int_equal(count_commas(line), columns);
+    }
+    fclose(csv);
+    assert_int_equal(lines, 4);
+    assert_int_equal(columns, 21);
+    free(text[0]);
+    free(text[1]);
+}
+
 static int make_folder(void **state)
 {
     (void)state;
     return mkdtemp(folder) != NULL ? 0 : -1;
 }
 
-/* Fails when a run has left a file. */
+/* Fails when a run has left a file; the report's own are known. */
 static int remove_folder(void **state)
 {
+    static const char *const names[] = {"stability.csv",
+                                        "stability.html",
+                                        "stability-contradiction.gp",
+                                        "stability-contradiction.svg",
+                                        "stability-flattened.gp",
+                                        "stability-flattened.svg"};
     (void)state;
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char path[128];
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        unlink(path);
+    }
     return rmdir(folder);
 }
 
@@ -326,6 +388,7 @@ int main(void)
         cmocka_unit_test(a_soft_body_owns_up_as_a_stiff_one_does),
         cmocka_unit_test(contradictions_are_refused_by_name),
         cmocka_unit_test(a_teleport_is_refused_by_the_gate_and_said),
+        cmocka_unit_test(every_run_has_a_row_with_every_column),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -20,6 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "process.h"
 #include "sweep.h"
 
 static char folder[] = "/tmp/test_sweep_XXXXXX";
@@ -212,6 +213,35 @@ static void a_killed_sweep_goes_on(void **state)
     ss_sweep_result_fini(&result);
 }
 
+/* As a terminal does it: to the sweep and to its runs at once. */
+static void an_interrupted_sweep_loses_no_run(void **state)
+{
+    (void)state;
+    static const deed slow = {.salt = "slow", .pause_us = 20000};
+    ss_sweep_result result;
+    char log[256];
+    int status = 0;
+    remove_all();
+    const pid_t pid = fork();
+    if (pid == 0) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        const ss_sweep sweep = sweep_of(&slow, 2);
+        setpgid(0, 0);
+        ss_process_catch_stop();
+        _exit(ss_sweep_execute(&sweep, &result, &error) == SOFTSIM_OK ? 0 : 1);
+    }
+    do {
+        usleep(1000);
+        read_log(log);
+    } while (strlen(log) < RUNS / 2);
+    kill(-pid, SIGINT);
+    waitpid(pid, &status, 0);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    execute(&slow, 2, &result);
+    assert_good_results(&result);
+    ss_sweep_result_fini(&result);
+}
+
 static void a_torn_record_is_run_again(void **state)
 {
     (void)state;
@@ -366,6 +396,7 @@ int main(void)
         cmocka_unit_test(every_run_is_done_once_whatever_the_jobs),
         cmocka_unit_test(a_lost_run_is_a_result_with_its_reason),
         cmocka_unit_test(a_killed_sweep_goes_on),
+        cmocka_unit_test(an_interrupted_sweep_loses_no_run),
         cmocka_unit_test(a_torn_record_is_run_again),
         cmocka_unit_test(another_sweep_is_refused),
         cmocka_unit_test(parts_are_removed_only_when_all_is_done),

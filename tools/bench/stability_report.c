@@ -22,12 +22,9 @@ typedef enum fate { STABLE, GUARDED, DEGRADED, REFUSED, DIVERGED, FAILED, FATES 
 static const struct {
     const char *name;
     int colour;
-} fates[FATES] = {{"stable", 0x4daf4a},
-                  {"guarded, trusted", 0xffe066},
-                  {"guarded, degraded", 0xff8c1a},
-                  {"refused", 0xbbbbbb},
-                  {"diverged, and said so", 0xe41a1c},
-                  {"failure: the judgements disagree", 0x000000}};
+} fates[FATES] = {
+    {"stable", 0x4daf4a},  {"guarded, trusted", 0xffe066}, {"guarded, degraded", 0xff8c1a},
+    {"refused", 0xbbbbbb}, {"diverged, said", 0xe41a1c},   {"failure", 0x000000}};
 
 static fate fate_of(const ss_stability_row *row)
 {
@@ -176,8 +173,9 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
     fputs("EOD\n", file);
     put_tics(&m, file);
     fprintf(file,
-            "set xrange [-0.5:%g]\nset yrange [-0.5:%g]\nset xlabel \"%s\"\nset tics out nomirror "
-            "font ',10'\nset key outside top center horizontal font ',10'\nplot ",
+            "set termoption noenhanced\nset tmargin 5\nset xrange [-0.5:%g]\nset yrange [-0.5:%g]\n"
+            "set xlabel \"%s\"\nset tics out nomirror font ',10'\n"
+            "set key outside top center horizontal height 1 samplen 2 font ',10'\nplot ",
             m.column_count - 0.5, m.line_count - 0.5, ss_assay_value_name(kind));
     for (int f = 0; f < FATES; ++f) {
         fprintf(file, "keyentry with boxes fs solid 1 lc rgb 0x%06x title '%s', ", fates[f].colour,

@@ -376,8 +376,9 @@ _Noreturn static void do_run(const sweeper *s, int32_t index, int fd, pid_t pare
     size_t size = 0;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     close(s->part_fd); /* a run that outlives us for a moment must not keep our lock */
-    signal(SIGINT, SIG_DFL);
-    signal(SIGTERM, SIG_DFL);
+    /* A terminal's interrupt goes to all of us: the sweep stops, and this run is not lost. */
+    signal(SIGINT, SIG_IGN);
+    signal(SIGTERM, SIG_IGN);
     FILE *out = getppid() == parent ? open_memstream(&text, &size) : NULL;
     if (out == NULL) {
         _exit(EXIT_FAILURE);
