@@ -109,7 +109,7 @@ enum {
                              .max = 2.0,                                                           \
                              .choices = "auto|none|nodal-pressure",                                \
                              .help = "shares the resistance to dilatation among the elements of "  \
-                                     "a node; auto: where Poisson's ratio is above 0.4"}
+                                     "a node; auto: where Poisson's ratio is above 0.45"}
 
 /* The first rows of a table with all of them. */
 #define SS_FEM_ROWS SS_FEM_SOLID_ROWS, SS_FEM_FORCE_ROWS
