@@ -173,6 +173,9 @@ void ss_body_renew(ss_body *body);
  * (0..1) of their way through the outer step. Keeps the active contact samples for the two below.
  */
 void ss_body_external(ss_body *body, const ss_real *u, double path);
+/* Where the tools are on their way as the sub-step begins. Explicit forces of a contact are taken
+ * there: with the tools ahead of the nodes, pressing and letting go would both gain energy. */
+double ss_body_path_start(const ss_body *body);
 /* Loads only: constant through an outer step. */
 const ss_real *ss_body_loads(const ss_body *body);
 /* Adds the contact's and grasps' stiffness to diagonal[i], N/m: rows of an upper bound. */

@@ -6,8 +6,8 @@
  * stiff the contact may be.
  *
  * A sample that is d deep pushes with A kc d, kc in N/m^3: the same on every mesh. It is as stiff
- * as the planned sub-step h allows, kc <= CONTACT_SHARE sigma / h^2 with sigma the mean mass per
- * area of the surface's nodes, and no stiffer than a penetration of a tenth of the radius at the
+ * as the planned sub-step h allows, kc <= share sigma / h^2 with sigma the mean mass per area
+ * of the surface's nodes, and no stiffer than a penetration of a tenth of the radius at the
  * working force, F_w / (0.03 R^3). With omega_c^2 = max_i k_i / m_i of the samples that touch
  * now, and omega_e the law's, omega^2 <= omega_e^2 + omega_c^2 bounds every mode (largest
  * eigenvalues of sums), so that sub-steps shorten by what the contact takes and no more.
@@ -22,8 +22,13 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* omega_c^2 h^2 of a node of mean mass per area, h the planned sub-step. */
-#define CONTACT_SHARE 0.5
+/* omega_c^2 h^2 of a node of mean mass per area, h the planned sub-step: times edge / radius, and
+ * its bounds. A node by itself resists with about a quarter of 1/h^2 of its mass, tissue under a
+ * tool with edge / radius of that: 3 makes the contact some ten times as stiff as the tissue. Where
+ * the mesh is as coarse as the tool its sub-steps are cheap; where it is fine less will do. */
+#define CONTACT_SHARE     3.0
+#define MIN_CONTACT_SHARE 0.5
+#define MAX_CONTACT_SHARE 3.0
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
@@ -114,10 +119,13 @@ softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
 void ss_body_set_contact_stiffness(ss_body *body)
 {
     const double h = body->own.planned_step;
-    const double stable = isfinite(h) ? CONTACT_SHARE * body->sigma / (h * h) : (double)INFINITY;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_body_tool *tool = &body->tool[k];
         if (tool->is_used) {
+            const double wanted =
+                CONTACT_SHARE * ss_surface_mean_edge(body->surface) / tool->radius;
+            const double share = fmin(fmax(wanted, MIN_CONTACT_SHARE), MAX_CONTACT_SHARE);
+            const double stable = isfinite(h) ? share * body->sigma / (h * h) : (double)INFINITY;
             tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);
             ss_touch_set_stiffness(tool->touch, tool->stiffness);
         }
@@ -456,6 +464,11 @@ void ss_body_external(ss_body *body, const ss_real *u, double path)
     memcpy(body->nodes.force, body->load_force, ss_body_bytes(body));
     ss_body_add_contact(body, u, path, body->nodes.force);
     body->has_elastic = false;
+}
+
+double ss_body_path_start(const ss_body *body)
+{
+    return body->path;
 }
 
 const ss_real *ss_body_loads(const ss_body *body)

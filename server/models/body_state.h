@@ -74,6 +74,7 @@ struct ss_body {
     double work, dissipated;
     bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
     double pool;                /* J: gains of the last tenth of a second or so, losses taken off */
+    double path;                /* 0..1 of the tools' way, where the sub-step began */
     /* derived; valid while is_ready */
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */

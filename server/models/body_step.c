@@ -337,6 +337,7 @@ static bool substep(ss_body *body, progress *p)
         return false;
     }
     const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    body->path = p->path;
     place_driven(body, p->path, fraction, h, true);
     body->work += 0.5 * fraction * ss_body_tool_work(body) + 0.5 * h * ss_body_driven_power(body);
     const bool is_finite = advance(body, h, p->path, fraction, next);

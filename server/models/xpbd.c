@@ -5,7 +5,7 @@
 /*
  * xpbd: extended position-based dynamics of neo-Hookean tetrahedra in small steps.
  *
- * A step is cut in `substeps`, each of one sweep over the constraints (Macklin et al., "Small steps
+ * A step is cut in sub-steps, each of one sweep over the constraints (Macklin et al., "Small steps
  * in physics simulation", 2019):
  *
  *   d = h (v / (1 + alpha h) + h W f_external),  one sweep of constraints on u + d that changes d,
@@ -35,7 +35,7 @@
 #include "rt/memory.h"
 
 /* The rows of elasticity and density, then these. */
-enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEPS, ROW_COUNT };
+enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEP, ROW_COUNT };
 
 static const ss_param_row rows[ROW_COUNT] = {
     SS_FEM_SOLID_ROWS,
@@ -43,14 +43,14 @@ static const ss_param_row rows[ROW_COUNT] = {
                           .kind = SS_PARAM_NUMBER,
                           .max = 1e9,
                           .help = "damping per mass: it damps all modes, and free flight"},
-    [ROW_SUBSTEPS] = {.name = "substeps",
-                      .kind = SS_PARAM_INTEGER,
-                      .min = 1.0,
-                      .max = 1000.0,
-                      .fallback = 10.0,
-                      .help =
-                          "sweeps a step, at least: more are stiffer, less damped and nearer to "
-                          "the law"}};
+    [ROW_SUBSTEP] = {.name = "substep_s",
+                     .kind = SS_PARAM_NUMBER,
+                     .max = 1.0,
+                     .exclusive_min = true,
+                     .fallback = 1e-4,
+                     .help =
+                         "longest sub-step, a sweep each: shorter ones are stiffer, less damped "
+                         "and nearer to the law"}};
 
 /* The body asks for this share of a step that it takes for the limit; that is twice the sub-step,
  * so that a contact's stiffness leaves margin. */
@@ -69,10 +69,10 @@ struct ss_model {
     ss_fem_material material;
     const ss_xpbd_kernels *kernels;
     ss_xpbd_packs packs;
-    ss_real *way;         /* of the nodes in a sub-step, m */
-    double step, substep; /* s, as planned */
-    double least;         /* J of the most squeezed element in the step */
-    double longest;       /* s, of the sub-steps in the step */
+    ss_real *way;   /* of the nodes in a sub-step, m */
+    double substep; /* s, as planned */
+    double least;   /* J of the most squeezed element in the step */
+    double longest; /* s, of the sub-steps in the step */
 };
 
 /* ---- steps -------------------------------------------------------------------------------- */
@@ -89,7 +89,8 @@ static void advance(void *owner, ss_body *body, double h, double path_end)
     ss_model *model = owner;
     ss_body_nodes *nodes = ss_body_get_nodes(body);
     const int32_t n = nodes->padded_count;
-    ss_body_external(body, nodes->u, path_end);
+    (void)path_end;
+    ss_body_external(body, nodes->u, ss_body_path_start(body));
     model->kernels->predict(n, h, 1.0 / (1.0 + ss_body_mass_damping(body) * h), nodes->mobility,
                             nodes->force, nodes->v, model->way);
     ss_xpbd_pass pass = {.packs = &model->packs,
@@ -142,7 +143,7 @@ static void step(ss_model *model, double time, double dt,
     }
     if (model->longest > ss_fem_rest_step(model->fem)) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "softer than its law: more substeps would be nearer");
+                      "softer than its law: shorter sub-steps would be nearer");
     }
 }
 
@@ -170,12 +171,6 @@ static softsim_status check_rows(const ss_model_plan *plan, softsim_error *error
                           "xpbd: material: constraints of |F| and J are stable-neo-hookean or "
                           "neo-hookean: take one of them, or the models fem (all materials) or "
                           "corotational (linear)");
-        status = SOFTSIM_ERROR_SCENE;
-    }
-    if (plan->param[ROW_SUBSTEPS].number > plan->max_substeps) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "xpbd: substeps: %.0f are more than simulation.max_substeps (%d)",
-                          plan->param[ROW_SUBSTEPS].number, plan->max_substeps);
         status = SOFTSIM_ERROR_SCENE;
     }
     return status;
@@ -238,8 +233,8 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return status;
     }
     model->kernels = ss_xpbd_kernels_get();
-    model->step = plan->step;
-    model->substep = plan->step / plan->param[ROW_SUBSTEPS].number;
+    /* Stable at any length: the budget makes them longer, not the body slower. */
+    model->substep = fmax(plan->param[ROW_SUBSTEP].number, plan->step / plan->max_substeps);
     status = create_body(model, plan, error);
     if (status != SOFTSIM_OK) {
         return status;
@@ -273,7 +268,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
 static double step_cost_us(const ss_model_plan *plan)
 {
     double cost =
-        COST_STEP + COST_ELEMENT * plan->param[ROW_SUBSTEPS].number * plan->mesh->tetrahedron_count;
+        COST_STEP + COST_ELEMENT * plan->param[ROW_SUBSTEP].number * plan->mesh->tetrahedron_count;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
     }
@@ -333,9 +328,11 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
              limit);
     line(sink, text);
     if (model->substep > limit) {
-        snprintf(text, sizeof text,
-                 "warning: the body is softer than its law; substeps: %.0f would be enough",
-                 ceil(model->step / limit));
+        snprintf(
+            text, sizeof text,
+            "warning: the body is softer than its law; substep_s: %.3g would be enough, with a "
+            "step that max_substeps allows",
+            limit);
         line(sink, text);
     }
     ss_body_explain(model->body, line, sink);
