@@ -306,6 +306,8 @@ static ss_corot_pass run(octet *o, const ss_corot_kernels *kernels)
     return pass;
 }
 
+/* Small and large strain; inside out; anything; half turns; from 5 on such as have more than one
+ * nearest rotation, or nearly so. */
 static void random_deformation(int kind, double f[3][3])
 {
     double q[4], size = 0.0;
@@ -320,11 +322,17 @@ static void random_deformation(int kind, double f[3][3])
         const double stretch = kind == 0   ? 1.0 + 1e-3 * random_unit()
                                : kind == 1 ? 1.0 + 0.5 * random_unit()
                                : kind == 2 ? (j == 2 ? -0.4 : 1.0 + 0.3 * random_unit())
+                               : kind == 5 ? (j == 2   ? -0.7
+                                              : j == 1 ? 0.7
+                                                       : 1.2)
+                               : kind == 6 ? (j == 2 ? -1.0 : 1.0)
+                               : kind == 7 ? (j == 0 ? 0.5 : 0.0)
                                            : 2.0 * random_unit();
         double column[3] = {j == 0, j == 1, j == 2}, out[3];
         ss_rotate(out, q, column);
         for (int i = 0; i < 3; ++i) {
-            f[i][j] = stretch * out[i] + (kind == 3 ? random_unit() : 0.0);
+            const double shake = kind == 3 ? 1.0 : kind >= 5 ? 1e-5 : 0.0;
+            f[i][j] = stretch * out[i] + shake * random_unit();
         }
     }
     if (kind == 4) { /* half a turn about an axis, stretched along it */
@@ -342,7 +350,7 @@ static void turns_by_the_nearest_rotation(void **state)
     const ss_corot_kernels *kernels;
     for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
         random_state = 7;
-        for (int kind = 0; kind < 5; ++kind) {
+        for (int kind = 0; kind < 8; ++kind) {
             for (int repeat = 0; repeat < 40; ++repeat) {
                 double expected = 0.0;
                 int inverted = 0;
@@ -359,8 +367,9 @@ static void turns_by_the_nearest_rotation(void **state)
                     inverted += ss_dot3(n, f[2]) < 0.0;
                 }
                 const ss_corot_pass pass = run(&o, kernels);
-                assert_near(pass.energy, expected, BY_TYPE(1e-4, 1e-10) * (expected + 1e-3));
-                assert_int_equal(pass.inverted_count, inverted);
+                const double share = kind < 5 ? BY_TYPE(1e-4, 1e-10) : 1e-3;
+                assert_near(pass.energy, expected, share * (expected + 1e-3));
+                assert_true(kind > 6 || pass.inverted_count == inverted);
             }
         }
     }

@@ -43,10 +43,12 @@
 enum {
     RUN = 32,       /* blocks, or chunks of scalars, summed in ss_real before double */
     MAX_ROOTS = 24, /* Newton steps for the eigenvalue; halves the distance at a double root */
-    MAX_QUICK = 4,  /* Newton steps for the rotation from the guess, */
-    MAX_SURE = 8    /* and from the eigenvector */
+    POWERS = 24,
+    MAX_QUICK = 4, /* Newton steps for the rotation from the guess, */
+    MAX_SURE = 8   /* and from the eigenvector */
 };
 #define ROOT_TOLERANCE 1e-4 /* the Newton steps on the rotation do the rest */
+#define LEAST_SLOPE    2e-3 /* of the polynomial, a few hundred times rounding */
 #define MAX_TURN       0.5  /* of one of them */
 #define DEFINITE       1e-3 /* least of tr(S) I - S that counts as positive definite */
 /* |w|^2: below the first R is good, below the second after the step. */
@@ -64,17 +66,20 @@ typedef struct quaternion {
 
 /* ---- the rotation ------------------------------------------------------------------------- */
 
-/* The largest root of x^4 - 2 x^2 - 8 d x + c. */
+/* The largest root of x^4 - 2 x^2 - 8 d x + c, with three real ones below it; at a double root only
+ * to the square root of rounding. */
 SS_INLINE ss_wide largest_root(ss_wide d, ss_wide c)
 {
-    const ss_wide d8 = all(8.0) * d;
+    const ss_wide d8 = all(8.0) * d, none = all(0.0);
     ss_wide x = all(1.7320509);
     for (int k = 0; k < MAX_ROOTS; ++k) {
         const ss_wide square = x * x;
         const ss_wide value = ss_wide_fnma(d8, x, ss_wide_fma(square, square - all(2.0), c));
-        const ss_wide slope = ss_wide_fma(all(4.0) * x, square - all(1.0), all(0.0) - d8);
-        /* above the root both are positive; what rounding leaves at a double root moves nothing */
-        const ss_wide step = ss_wide_most(value, all(0.0)) / ss_wide_most(slope, all(1e-6));
+        const ss_wide slope = ss_wide_fma(all(4.0) * x, square - all(1.0), none - d8);
+        /* above the root both are positive; beside a double root they are rounding, and the end */
+        const ss_wide least = all(LEAST_SLOPE);
+        const ss_wide step = ss_wide_below(slope, least, none,
+                                           ss_wide_most(value, none) / ss_wide_most(slope, least));
         x = x - step;
         if (!ss_wide_any_below(all(ROOT_TOLERANCE), step)) {
             break;
@@ -90,6 +95,18 @@ SS_INLINE void take_larger(ss_wide size, const ss_wide column[4], ss_wide *best,
         q->m[k] = ss_wide_below(*best, size, column[k], q->m[k]);
     }
     *best = ss_wide_most(*best, size);
+}
+
+SS_INLINE void normalise(quaternion *q)
+{
+    ss_wide square = q->m[0] * q->m[0];
+    for (int k = 1; k < 4; ++k) {
+        square = ss_wide_fma(q->m[k], q->m[k], square);
+    }
+    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
+    for (int k = 0; k < 4; ++k) {
+        q->m[k] = q->m[k] * inverse;
+    }
 }
 
 /* The eigenvector of N = Horn's matrix of f for its eigenvalue x, from the adjugate of N - x I. */
@@ -126,16 +143,24 @@ SS_INLINE quaternion eigenvector(const tensor *f, ss_wide x)
     take_larger(none - b11, column[0], &best, &q);
     take_larger(none - b22, column[1], &best, &q);
     take_larger(none - b33, column[2], &best, &q);
-    /* Where the largest eigenvalue is double any of its vectors would do and the adjugate is 0. */
-    const ss_wide limit = all(1e-6);
-    ss_wide square = q.m[0] * q.m[0];
-    for (int k = 1; k < 4; ++k) {
-        square = ss_wide_fma(q.m[k], q.m[k], square);
+    const ss_wide few = all(1e-4);
+    if (ss_wide_any_below(best, few)) {
+        /* A multiple eigenvalue: little of the adjugate is left beside rounding, and any of its
+         * vectors will do. Powers of N + sqrt 3 I, which is positive, take away the others. */
+        const ss_wide shift = x + all(1.7320509);
+        ss_wide p[4] = {all(1.0), all(0.6), all(0.5), all(0.4)};
+        for (int k = 0; k < POWERS; ++k) {
+            const ss_wide w = p[0], u = p[1], v = p[2], z = p[3];
+            p[0] = shift * w + (a00 * w + a01 * u + a02 * v + a03 * z);
+            p[1] = shift * u + (a01 * w + a11 * u + a12 * v + a13 * z);
+            p[2] = shift * v + (a02 * w + a12 * u + a22 * v + a23 * z);
+            p[3] = shift * z + (a03 * w + a13 * u + a23 * v + a33 * z);
+        }
+        for (int k = 0; k < 4; ++k) {
+            q.m[k] = ss_wide_below(best, few, p[k], q.m[k]);
+        }
     }
-    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
-    for (int k = 0; k < 4; ++k) {
-        q.m[k] = ss_wide_below(best, limit, all(k == 0 ? 1.0 : 0.0), q.m[k] * inverse);
-    }
+    normalise(&q);
     return q;
 }
 
@@ -162,18 +187,6 @@ SS_INLINE quaternion nearest_rotation(const tensor *h)
     }
     const ss_wide x = largest_root(det, ss_wide_fnma(all(4.0), cofactors, all(1.0)));
     return eigenvector(&f, x);
-}
-
-SS_INLINE void normalise(quaternion *q)
-{
-    ss_wide square = q->m[0] * q->m[0];
-    for (int k = 1; k < 4; ++k) {
-        square = ss_wide_fma(q->m[k], q->m[k], square);
-    }
-    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
-    for (int k = 0; k < 4; ++k) {
-        q->m[k] = q->m[k] * inverse;
-    }
 }
 
 /* Exact where I + h is a rotation. */
@@ -220,12 +233,12 @@ SS_INLINE symmetric strain_of(const tensor *h, const tensor *turn, const quatern
     return e;
 }
 
-/* One Newton step on tr(R^T F): q := q (1, w/2), normalised; returns |w|^2, or 1 where no maximum
- * is near. */
+/* One step on tr(R^T F): q := q (1, w/2), normalised; returns |w|^2, or 1 where no maximum is near.
+ */
 SS_INLINE ss_wide polish(const symmetric *e, const ss_wide axis[3], quaternion *q)
 {
-    /* G = tr(S) I - S, S = I + e, a little larger, for it is singular where R is not unique */
-    const ss_wide base = all(2.0 + 1e-5);
+    /* G = tr(S) I - S, S = I + e */
+    const ss_wide base = all(2.0);
     const ss_wide xx = (base + e->m[1]) + e->m[2], yy = (base + e->m[0]) + e->m[2];
     const ss_wide zz = (base + e->m[0]) + e->m[1];
     const ss_wide yz = all(0.0) - e->m[3], xz = all(0.0) - e->m[4], xy = all(0.0) - e->m[5];
@@ -233,11 +246,20 @@ SS_INLINE ss_wide polish(const symmetric *e, const ss_wide axis[3], quaternion *
     const ss_wide cxz = ss_wide_fnma(xz, yy, xy * yz), cyy = ss_wide_fnma(xz, xz, xx * zz);
     const ss_wide cyz = ss_wide_fnma(xx, yz, xy * xz), czz = ss_wide_fnma(xy, xy, xx * yy);
     const ss_wide det = ss_wide_fma(xz, cxz, ss_wide_fma(xy, cxy, xx * cxx));
-    const ss_wide inverse = all(1.0) / ss_wide_most(det, all(1e-12));
-    const ss_wide w[3] = {
+    /* the least of Sylvester's minors: below DEFINITE no maximum is near, or it is no point, and a
+     * step along the gradient is all that is safe */
+    const ss_wide none = all(0.0), definite = all(DEFINITE);
+    const ss_wide minor = none - ss_wide_most(none - xx, ss_wide_most(none - czz, none - det));
+    const ss_wide inverse = all(1.0) / ss_wide_most(det, definite);
+    const ss_wide plain = all(1.0) / ss_wide_most(xx + yy + zz, all(0.1));
+    const ss_wide newton[3] = {
         inverse * ss_wide_fma(cxz, axis[2], ss_wide_fma(cxy, axis[1], cxx * axis[0])),
         inverse * ss_wide_fma(cyz, axis[2], ss_wide_fma(cyy, axis[1], cxy * axis[0])),
         inverse * ss_wide_fma(czz, axis[2], ss_wide_fma(cyz, axis[1], cxz * axis[0]))};
+    ss_wide w[3];
+    for (int k = 0; k < 3; ++k) {
+        w[k] = ss_wide_below(minor, definite, plain * axis[k], newton[k]);
+    }
     const ss_wide square = ss_wide_fma(w[2], w[2], ss_wide_fma(w[1], w[1], w[0] * w[0]));
     const ss_wide limit = all(MAX_TURN * MAX_TURN);
     const ss_wide half = all(0.5) * ss_wide_root(limit / ss_wide_most(square, limit));
@@ -248,9 +270,7 @@ SS_INLINE ss_wide polish(const symmetric *e, const ss_wide axis[3], quaternion *
     q->m[2] = ss_wide_fma(p.m[0], y, ss_wide_fma(p.m[3], x, ss_wide_fnma(p.m[1], z, p.m[2])));
     q->m[3] = ss_wide_fma(p.m[0], z, ss_wide_fma(p.m[1], y, ss_wide_fnma(p.m[2], x, p.m[3])));
     normalise(q);
-    const ss_wide definite = all(DEFINITE), far = all(1.0);
-    const ss_wide sure = ss_wide_below(det, definite, far, square);
-    return ss_wide_below(xx, definite, far, ss_wide_below(czz, definite, far, sure));
+    return ss_wide_below(minor, definite, all(1.0), square);
 }
 
 /* What belongs to a rotation of an element. */

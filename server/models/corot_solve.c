@@ -133,11 +133,12 @@ static void place(const task *t)
 {
     ss_model *model = t->model;
     ss_body_nodes *nodes = ss_body_get_nodes(t->body);
+    const ss_real h = (ss_real)t->h;
     for (int32_t k = 0; k < model->scalar_count; ++k) {
         const bool is_free = nodes->mobility[k] > 0;
         const ss_real w = model->old_v[k] + model->change[k];
         model->velocity[k] = w;
-        nodes->u[k] = is_free ? (ss_real)((double)model->old_u[k] + t->h * (double)w) : nodes->u[k];
+        nodes->u[k] = is_free ? model->old_u[k] + h * w : nodes->u[k];
     }
 }
 
@@ -204,10 +205,10 @@ static void set_residual(task *t, bool may_guess)
     if (model->has_viscosity) {
         (void)add_viscous(model, model->velocity, model->residual);
     }
-    const double alpha = model->material.mass_damping;
+    const ss_real rate = (ss_real)(1.0 / t->h), alpha = (ss_real)model->material.mass_damping;
     for (int32_t k = 0; k < model->scalar_count; ++k) {
-        const double rate = (double)model->change[k] / t->h + alpha * (double)model->velocity[k];
-        model->residual[k] -= (ss_real)((double)model->mass[k] * rate);
+        model->residual[k] -=
+            model->mass[k] * (rate * model->change[k] + alpha * model->velocity[k]);
     }
     kernels->scale(model->scalar_count, 1.0, model->inverse, model->residual, model->scaled);
     t->size = sqrt(kernels->dot(model->scalar_count, model->residual, model->scaled));
@@ -244,9 +245,9 @@ static void solve(task *t, double enough)
 static void take(const task *t, double share)
 {
     ss_model *model = t->model;
-    const double factor = share / t->h;
+    const ss_real rate = (ss_real)(share / t->h);
     for (int32_t k = 0; k < model->scalar_count; ++k) {
-        model->change[k] += (ss_real)(factor * (double)model->step[k]);
+        model->change[k] += rate * model->step[k];
     }
 }
 
