@@ -92,7 +92,8 @@ static const ss_scene_row values_row[] = {
     {.name = "file",
      .kind = SS_SCENE_FILE,
      .is_required = true,
-     .help = "CSV with the header node,value and a row for every node"},
+     .help = "CSV with the header node,value and a row for every node; for "
+             "material of tetrahedra also element,value"},
 };
 const ss_scene_table ss_scene_values = TABLE(values_row);
 
@@ -191,6 +192,11 @@ static const ss_scene_row object_row[] = {
      .is_required = true,
      .unless = "grid",
      .help = "of the file of the mesh, or of a grid's nodes"},
+    {.name = "outer",
+     .kind = SS_SCENE_FILE,
+     .needs = "mesh",
+     .help = "surface around the mesh's volume, in the same units and place: what lies between is "
+             "the layer of hybrid"},
     {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
     {.name = "repair",
      .kind = SS_SCENE_BOOL,

@@ -42,6 +42,7 @@ struct ss_scene_row {
     double min, max;  /* of each number */
     bool exclusive_min;
     bool is_required;
+    bool takes_elements;  /* FIELD: a file may have the header element,value */
     char one_of;          /* keys of a table with the same letter: A..Z exactly one of them must be
                              given, a..z at most one; 0: independent */
     const char *needs;    /* a key of the same mapping without which this one means nothing */
@@ -93,6 +94,8 @@ bool ss_scene_in_range(const ss_scene_row *row, double value);
  */
 bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quoted,
                           double *out_value, char *why, size_t why_size);
+/* What is given for a model's row below the scene's `model`; a row `a.b` is key b of mapping a. */
+ss_scene_node *ss_scene_find_model_node(const ss_scene_node *model, const char *name);
 /* `row` of a model as a row of a scene. */
 ss_scene_row ss_scene_row_of_param(const ss_param_row *param);
 

@@ -11,12 +11,16 @@ static const struct {
     char title[32]; /* becomes argv[0], in a copy */
     const char *about;
 } reports[] = {
+    {"ablation", ss_bench_ablation, "softsim-bench ablation",
+     "time and bytes of what a scene's plan leaves out"},
     {"latency", ss_bench_latency, "softsim-bench latency",
      "pose to force, lateness and missed periods of the whole chain"},
     {"paper", ss_bench_paper, "softsim-bench paper",
      "the figures and tables of a paper, each claim passed or failed"},
     {"scaling", ss_bench_scaling, "softsim-bench scaling",
      "step time, smoothness and energy against the number of nodes"},
+    {"stability", ss_bench_stability, "softsim-bench stability",
+     "what breaks a model, and whether the program says so"},
 };
 enum { REPORT_COUNT = sizeof reports / sizeof reports[0] };
 
@@ -53,8 +57,9 @@ int main(int argc, char **argv)
         }
     }
     fprintf(stderr,
-            "softsim-bench: '%s' is none of latency, paper, scaling; softsim-bench --help says "
-            "more\n",
+            "softsim-bench: '%s' is none of ablation, latency, paper, scaling, stability; "
+            "softsim-bench "
+            "--help says more\n",
             name);
     return 2;
 }
