@@ -3,8 +3,8 @@
 /*
  * One job of the accuracy report. Calibration is on the first level of the material: what shapes
  * the field is fitted to the field, then all forces are multiplied by one number so that the force
- * is right. Where nothing is pushed (gravity, pressure) that number moves the field and is fitted
- * with the rest.
+ * is right. Where nothing is pushed (gravity, pressure) that number is the field's amplitude: the
+ * shape is fitted with the amplitude that suits it best, then the amplitude.
  */
 #include <dirent.h>
 #include <errno.h>
@@ -40,7 +40,6 @@ typedef struct work {
     char folder[64]; /* temporary */
     int32_t first;   /* level of the material */
     bool is_calibrated;
-    double calibrated_error;
     softsim_error *error;
     softsim_status status;
 } work;
@@ -152,9 +151,18 @@ static void set_free(work *w, const double *x)
     for (int32_t k = 0; k < w->model->free_count; ++k) {
         w->knobs.free[k] = exp(x[k]);
     }
-    if (w->model->has_scale && w->body.pushed_count == 0) {
-        w->knobs.scale = exp(x[w->model->free_count]);
-    }
+}
+
+/* Does the model's scale move the field, and not the force? */
+static bool is_amplitude_free(const work *w)
+{
+    return w->model->has_scale && w->body.pushed_count == 0;
+}
+
+static double amplitude_of(const work *w, const ss_static_run *run)
+{
+    return ss_norms_amplitude(w->body.mesh->node_count, w->body.weight, (const double(*)[3])run->u,
+                              reference_of(w, w->first));
 }
 
 /* The field's error on the first level with these parameters. */
@@ -168,6 +176,10 @@ static double fit_value(void *context, const double *x)
         w->status = run_level(w, w->c->level[w->first].value, &run);
     }
     if (w->status == SOFTSIM_OK && run.is_good) {
+        const double amplitude = is_amplitude_free(w) ? amplitude_of(w, &run) : 1.0;
+        for (int32_t i = 0; i < w->body.mesh->node_count; ++i) {
+            ss_scale3(run.u[i], run.u[i], amplitude);
+        }
         error = ss_norms_compute(w->body.mesh->node_count, w->body.weight,
                                  (const double(*)[3])run.u, reference_of(w, w->first))
                     .field;
@@ -176,48 +188,53 @@ static double fit_value(void *context, const double *x)
     return error;
 }
 
-static void fit_force(work *w)
+/* The factor that the scale still lacks, from a run on the first level; 0: not to be had. */
+static double missing_scale(work *w)
 {
     const ss_case_level *level = &w->c->level[w->first];
     ss_static_run run = {.u = NULL};
-    if (isnan(level->force) || w->body.pushed_count == 0 || !w->model->has_scale ||
-        w->status != SOFTSIM_OK) {
-        return;
-    }
+    double factor = 0.0;
     w->status = run_level(w, level->value, &run);
-    const double force = ss_dot3(run.force, w->c->direction);
-    if (w->status == SOFTSIM_OK && run.is_good && force * level->force > 0.0) {
-        w->knobs.scale *= level->force / force;
+    if (w->status == SOFTSIM_OK && run.is_good) {
+        factor = is_amplitude_free(w) ? 1.0 / amplitude_of(w, &run)
+                                      : level->force / ss_dot3(run.force, w->c->direction);
     }
     ss_static_run_fini(&run);
+    return factor > 0.0 && isfinite(factor) ? factor : 0.0;
+}
+
+/* Forces are in proportion to the scale; fields only where they are small, hence three goes. */
+static void fit_scale(work *w)
+{
+    const bool is_known = is_amplitude_free(w) || !isnan(w->c->level[w->first].force);
+    const int32_t most = is_amplitude_free(w) ? 3 : 1;
+    for (int32_t k = 0; k < most && w->model->has_scale && is_known && w->status == SOFTSIM_OK;
+         ++k) {
+        const double factor = missing_scale(w);
+        w->knobs.scale *= factor > 0.0 ? factor : 1.0;
+    }
 }
 
 static softsim_status calibrate(work *w)
 {
-    const int32_t free_count = w->model->free_count;
-    const bool is_scale_free = w->model->has_scale && w->body.pushed_count == 0;
     double x[SS_SIMPLEX_MAX] = {0.0};
-    ss_simplex simplex = {.count = free_count + is_scale_free,
+    ss_simplex simplex = {.count = w->model->free_count,
                           .step = 1.5,
                           .tolerance = 2e-3,
                           .most = w->plan->is_quick ? fit_most / 2 : fit_most,
                           .context = w,
                           .value = fit_value};
-    for (int32_t k = 0; k < free_count; ++k) {
+    for (int32_t k = 0; k < simplex.count; ++k) {
         simplex.low[k] = log(w->model->free[k].low);
         simplex.high[k] = log(w->model->free[k].high);
         x[k] = log(w->model->free[k].start);
     }
-    simplex.low[free_count < SS_SIMPLEX_MAX ? free_count : 0] =
-        is_scale_free ? log(1e-6) : simplex.low[0];
-    simplex.high[free_count < SS_SIMPLEX_MAX ? free_count : 0] =
-        is_scale_free ? log(1e6) : simplex.high[0];
     if (simplex.count > 0) {
-        w->calibrated_error = ss_simplex_minimise(&simplex, x);
+        const double error = ss_simplex_minimise(&simplex, x);
+        w->is_calibrated = isfinite(error);
         set_free(w, x);
     }
-    w->is_calibrated = simplex.count == 0 || isfinite(w->calibrated_error);
-    fit_force(w);
+    fit_scale(w);
     return w->status;
 }
 

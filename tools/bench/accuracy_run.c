@@ -305,6 +305,10 @@ static void judge(const settling *s, const softsim_state *state, bool is_settled
     const size_t size = sizeof out->verdict;
     snprintf(text, size, "%s%s%.200s", out->is_good ? names[state->worst_verdict & 3] : "diverged",
              *state->worst_reason != '\0' ? ": " : "", state->worst_reason);
+    if (!out->is_good && *state->worst_reason == '\0') {
+        snprintf(text, size, "diverged: a node is further than %g body sizes from its place",
+                 far_share);
+    }
     if (out->is_good && !is_settled) {
         const size_t used = strlen(text);
         snprintf(text + used, size - used, "; not settled, about %.2g of the field is missing",
