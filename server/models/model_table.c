@@ -7,10 +7,16 @@
 #ifdef SS_MODEL_CNN_ENERGY
 extern const ss_model_class ss_model_cnn_energy;
 #endif
+#ifdef SS_MODEL_FEM
+extern const ss_model_class ss_model_fem;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
     &ss_model_cnn_energy,
+#endif
+#ifdef SS_MODEL_FEM
+    &ss_model_fem,
 #endif
     NULL};
 
