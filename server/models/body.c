@@ -82,6 +82,24 @@ double ss_body_mean_edge(const ss_mesh *mesh)
     return count > 0.0 ? sum / count : 0.0;
 }
 
+/* Runge-Kutta: |z| on the imaginary axis, the least anywhere else on the boundary of its region of
+ * stability, and on the real axis. */
+#define RK4_UNDAMPED 2.8284271247461903
+#define RK4_LEAST    2.6155
+#define RK4_REAL     2.7852
+
+double ss_body_step_limit(ss_body_integrator integrator, double rate2, double viscous_time,
+                          double mass_damping)
+{
+    const double omega = sqrt(rate2);
+    if (integrator == SS_BODY_SYMPLECTIC_EULER) { /* any mass damping is stable */
+        return rate2 > 0.0 ? sqrt(viscous_time * viscous_time + 4.0 / rate2) - viscous_time
+                           : (double)INFINITY;
+    }
+    const double damping = mass_damping + viscous_time * rate2;
+    return fmin((damping > 0.0 ? RK4_LEAST : RK4_UNDAMPED) / omega, RK4_REAL / damping);
+}
+
 /* ---- set-up ------------------------------------------------------------------------------- */
 
 static bool get_quads(const ss_body *body, ss_real **out)
@@ -248,6 +266,12 @@ softsim_status ss_body_create(const ss_body_plan *plan, ss_body **out_body, soft
 softsim_status ss_body_start(ss_body *body)
 {
     ss_body_reset(body);
+    if (body->own.planned_step == 0.0) {
+        const double share = body->own.step_share * body->law_step;
+        const double parts = fmax(1.0, ceil(body->plan.step / share - 1e-9));
+        body->own.planned_step = body->plan.step / parts;
+    }
+    ss_body_set_contact_stiffness(body);
     const softsim_status status = ss_body_set_rest_felt(body);
     ss_body_reset(body);
     return status;

@@ -51,16 +51,13 @@ static softsim_status create_tool(ss_body *body, ss_body_tool *tool, const ss_sh
 {
     const ss_model_plan *plan = &body->plan;
     const double radius = ss_shape_curvature_radius(shape);
-    const double h = body->own.planned_step;
     tool->is_used = true;
     tool->shape = shape;
     tool->reach = plan->contact_reach > 0.0
                       ? plan->contact_reach
                       : fmax(ss_surface_mean_edge(body->surface), 0.5 * radius);
     tool->radius = radius > 0.0 ? radius : tool->reach;
-    tool->stiffness =
-        ss_plan_contact_stiffness(plan, CONTACT_SHARE * body->sigma / (h * h), tool->radius);
-    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    const ss_touch_options options = {.delta = tool->reach, .stiffness = 1.0};
     const softsim_status status = ss_touch_create(body->surface, shape, &options, &tool->touch);
     tool->shape_y = ss_memory_get((size_t)body->nodes.padded_count * 4, sizeof *tool->shape_y);
     if (!tool->shape_y || !ss_grasp_init(&tool->grasp, body->skin->node_count)) {
@@ -112,6 +109,19 @@ softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
         }
     }
     return status;
+}
+
+void ss_body_set_contact_stiffness(ss_body *body)
+{
+    const double h = body->own.planned_step;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (tool->is_used) {
+            tool->stiffness = ss_plan_contact_stiffness(
+                &body->plan, CONTACT_SHARE * body->sigma / (h * h), tool->radius);
+            ss_touch_set_stiffness(tool->touch, tool->stiffness);
+        }
+    }
 }
 
 void ss_body_tools_fini(ss_body *body)

@@ -155,6 +155,8 @@ double ss_body_driven_power(const ss_body *body);
 /* ---- body_contact.c: tools ------------------------------------------------------------------ */
 
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error);
+/* kc of all tools, for the planned step. Thread: set-up only. */
+void ss_body_set_contact_stiffness(ss_body *body);
 void ss_body_tools_fini(ss_body *body);
 void ss_body_tools_reset(ss_body *body);
 /* Takes over where the tools go; false where a jump made the forces invalid. */
