@@ -20,7 +20,7 @@ static const double settled_left = 3e-4;
 static const double longest_phase = 400.0;
 static const double far_share = 10.0;  /* of the body's diagonal: further is diverged */
 static const double pilot_share = 0.1; /* of the level */
-static const double pilot_phase = 7.9;
+static const double pilot_phase = 14.0;
 static const double slowest_omega = 1.0; /* 1/s: what is slower is not waited for */
 static const double least_phase = 3.0;   /* omega t after the ramp before anything is settled */
 
@@ -385,34 +385,48 @@ void ss_static_run_fini(ss_static_run *run)
 
 /* ---- the pilot ---------------------------------------------------------------------------- */
 
+/* Sums over looks, the time in units of looks: of u (= the integral s of u at the end), of s, of k
+ * s by node; of |u|^2 and |s|^2, weighted. */
 typedef struct pilot {
-    double (*u)[3], (*v)[3], (*mean)[3]; /* mean: sum over looks */
+    double (*u)[3], (*integral)[3], (*sum)[3], (*moment)[3];
     uint8_t *is_driven;
-    double speed2, place2; /* sums over looks of sum_i w |.|^2 */
+    double place2, integral2;
     int32_t looks;
 } pilot;
 
-static double pilot_omega(const pilot *p, const ss_case_body *body)
+/* Phase from look to look: with m the mean of u, sqrt(<|u - m|^2> / <|s - m k - c|^2>), c the mean
+ * of s - m k. */
+static double pilot_rate(const pilot *p, const ss_case_body *body)
 {
-    double middle2 = 0.0;
+    const double n = p->looks, k1 = 0.5 * (n + 1.0), k2 = (n + 1.0) * (2.0 * n + 1.0) / 6.0;
+    double place2 = p->place2 / n, integral2 = p->integral2 / n;
     for (int32_t i = 0; i < body->mesh->node_count; ++i) {
-        middle2 += body->weight[i] * ss_dot3(p->mean[i], p->mean[i]) / p->looks;
+        double mean[3], middle[3], moment[3];
+        ss_scale3(mean, p->integral[i], 1.0 / n);
+        ss_scale3(middle, p->sum[i], 1.0 / n);
+        ss_madd3(middle, middle, -k1, mean);
+        ss_scale3(moment, p->moment[i], 1.0 / n);
+        place2 -= body->weight[i] * ss_dot3(mean, mean);
+        integral2 -= body->weight[i] * (2.0 * ss_dot3(mean, moment) - k2 * ss_dot3(mean, mean) +
+                                        ss_dot3(middle, middle));
     }
-    const double spread2 = p->place2 - middle2;
-    return spread2 > 1e-12 * p->place2 && p->speed2 > 0.0 ? sqrt(p->speed2 / spread2) : (double)NAN;
+    return place2 > 1e-9 * p->place2 / n && integral2 > 0.0 ? sqrt(place2 / integral2)
+                                                            : (double)NAN;
 }
 
 static void pilot_look(pilot *p, softsim_world *world, const ss_case_body *body)
 {
-    softsim_read_nodes(world, NULL, p->u, p->v);
+    ++p->looks;
+    softsim_read_nodes(world, NULL, p->u, NULL);
     for (int32_t i = 0; i < body->mesh->node_count; ++i) {
         if (p->is_driven[i] == 0) {
-            p->speed2 += body->weight[i] * ss_dot3(p->v[i], p->v[i]);
+            ss_add3(p->integral[i], p->integral[i], p->u[i]);
+            ss_add3(p->sum[i], p->sum[i], p->integral[i]);
+            ss_madd3(p->moment[i], p->moment[i], p->looks, p->integral[i]);
             p->place2 += body->weight[i] * ss_dot3(p->u[i], p->u[i]);
-            ss_add3(p->mean[i], p->mean[i], p->u[i]);
+            p->integral2 += body->weight[i] * ss_dot3(p->integral[i], p->integral[i]);
         }
     }
-    ++p->looks;
 }
 
 static softsim_status fly(const ss_static_plan *plan, pilot *p, softsim_world *world,
@@ -421,15 +435,13 @@ static softsim_status fly(const ss_static_plan *plan, pilot *p, softsim_world *w
     double cpu_ms = 0.0, time = 0.0, omega = (double)NAN;
     while (!(omega * time >= pilot_phase) && time * slowest_omega < pilot_phase &&
            cpu_ms < 1e3 * plan->longest_cpu_s) {
-        for (int32_t k = 0; k < 2; ++k) {
-            cpu_ms += 1e-3 * tick(world);
-            time += plan->step_s;
-        }
+        cpu_ms += 1e-3 * tick(world);
+        time += plan->step_s;
         if (ss_process_is_stopped()) {
             return stopped(error);
         }
         pilot_look(p, world, plan->body);
-        omega = p->looks > 4 ? pilot_omega(p, plan->body) : (double)NAN;
+        omega = p->looks % 8 == 0 ? pilot_rate(p, plan->body) / plan->step_s : omega;
     }
     *out_omega = omega;
     return SOFTSIM_OK;
@@ -443,13 +455,14 @@ softsim_status ss_static_measure(const ss_static_plan *plan, double *out_omega,
     char verdict[320];
     softsim_world *world = NULL;
     pilot p = {.u = calloc(n, sizeof *p.u),
-               .v = calloc(n, sizeof *p.v),
-               .mean = calloc(n, sizeof *p.mean),
+               .integral = calloc(n, sizeof *p.integral),
+               .sum = calloc(n, sizeof *p.sum),
+               .moment = calloc(n, sizeof *p.moment),
                .is_driven = calloc(n, 1)};
     softsim_status status = SOFTSIM_OK;
     *out_omega = (double)NAN;
     ss_scale3(gravity, plan->c->gravity, pilot_share * plan->level);
-    if (p.u == NULL || p.v == NULL || p.mean == NULL || p.is_driven == NULL) {
+    if (!p.u || !p.integral || !p.sum || !p.moment || !p.is_driven) {
         status = no_memory(error);
     } else {
         for (int32_t i = 0; i < plan->body->pushed_count; ++i) {
@@ -463,8 +476,9 @@ softsim_status ss_static_measure(const ss_static_plan *plan, double *out_omega,
     }
     softsim_destroy(&world);
     free(p.u);
-    free(p.v);
-    free(p.mean);
+    free(p.integral);
+    free(p.sum);
+    free(p.moment);
     free(p.is_driven);
     return status;
 }

@@ -11,10 +11,12 @@
  * (Aitken); settled is where that has been below 3e-4 twice. Rejected: a bound on the kinetic
  * energy, which says nothing of a slow, overdamped mode.
  *
- * omega is measured: the body, undamped, under a tenth of its first load; omega^2 = <|v|^2> / <|u -
- * <u>|^2>, the mean over time weighting each motion by how far it goes, until omega t = 7.9 (a body
- * that is still being set in motion has omega t = 3.9 whatever it will be). Mass damping of 1.4
- * omega then leaves it 0.7 times critically damped. Thread: main of its process.
+ * omega is measured: the body, undamped, under a tenth of its first load at once; omega^2 = <|u -
+ * <u>|^2> / <|s - <s>|^2>, s the integral of u - <u> in time: so that the slow motions count, which
+ * have to be waited for, and not the many fast ones that a jerk begins (|v|^2 in place of |s|^2
+ * puts a plate's at ten times its lowest). It takes until omega t = 14: a body that is still being
+ * set in motion has 7.6 whatever it will be. Mass damping of 1.4 omega then is 0.7 of critical.
+ * Thread: main of its process.
  */
 #include <stdbool.h>
 #include <stdint.h>
