@@ -13,7 +13,7 @@
 #include "rt/clock.h"
 #include "rt/vec.h"
 
-enum { PATH_SIZE = 512, MAX_LOOKS = 4096, MAX_SUBSTEPS = 2000 };
+enum { PATH_SIZE = 512, MAX_LOOKS = 4096, MAX_SUBSTEPS = 2000, CALM_LOOKS = 8 };
 static const double ramp_phase = 3.14159265358979; /* omega t at the ramp's end */
 static const double look_phase = 0.25;
 static const double settled_left = 3e-4;
@@ -274,7 +274,7 @@ static softsim_status run_to_rest(settling *s, softsim_state *state, bool *out_i
     const double calm_from = (ramp_phase + least_phase) / plan->omega;
     double time = 0.0;
     *out_is_sane = true;
-    while (s->calm < 2 && time * plan->omega < longest_phase &&
+    while (s->calm < CALM_LOOKS && time * plan->omega < longest_phase &&
            s->cpu_ms < 1e3 * plan->longest_cpu_s && *out_is_sane) {
         for (int32_t k = 0; k < look_ticks; ++k) {
             const double us = tick(s->world);
@@ -331,7 +331,7 @@ static softsim_status settle(settling *s, ss_static_run *out, softsim_error *err
     out->p50_us = ss_samples_quantile(&s->step_us, 0.5);
     out->p99_us = ss_samples_quantile(&s->step_us, 0.99);
     out->to_1pct_ms = is_good ? time_to_1pct(s) : (double)NAN;
-    judge(s, &state, s->calm >= 2, out);
+    judge(s, &state, s->calm >= CALM_LOOKS, out);
     for (int32_t k = 0; k < softsim_prescribed_count(s->world) && is_good; ++k) {
         double force[3];
         softsim_read_reaction(s->world, k, force);

@@ -8,8 +8,8 @@
  * Quasi-statics: the load comes over a ramp, and the body is damped until it has settled. Field
  * u_k is read every quarter of 1/omega; c_k = |u_k - u_{k-1}| / |u_k| in the norm of the errors.
  * For a motion that dies out geometrically with q = c_k / c_{k-1} what is left is c_k q / (1 - q)
- * (Aitken); settled is where that has been below 3e-4 twice. Rejected: a bound on the kinetic
- * energy, which says nothing of a slow, overdamped mode.
+ * (Aitken); settled is where that has been below 3e-4 for 2/omega, longer than a swing takes to
+ * turn. Rejected: a bound on the kinetic energy, which says nothing of a slow, overdamped mode.
  *
  * omega is measured: the body, undamped, under a tenth of its first load at once; omega^2 = <|u -
  * <u>|^2> / <|s - <s>|^2>, s the integral of u - <u> in time: so that the slow motions count, which
