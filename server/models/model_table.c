@@ -7,6 +7,9 @@
 #ifdef SS_MODEL_CNN_ENERGY
 extern const ss_model_class ss_model_cnn_energy;
 #endif
+#ifdef SS_MODEL_COROTATIONAL
+extern const ss_model_class ss_model_corotational;
+#endif
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
@@ -17,6 +20,9 @@ extern const ss_model_class ss_model_mass_spring;
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
     &ss_model_cnn_energy,
+#endif
+#ifdef SS_MODEL_COROTATIONAL
+    &ss_model_corotational,
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,

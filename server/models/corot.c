@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/corot.h"
+/*
+ * The model corotational: tetrahedra of linear elasticity that turn with the body (Mueller and
+ * Gross, "Interactive virtual materials", 2004), stepped by implicit Euler: stable at any step and
+ * stiffness, at the price of damping fast motions. For stiff scenes; what is soft and fast is
+ * better served by fem. Masses, loads, tools and the ledger are the body's (body.h).
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "models/tetrahedron.h"
+#include "rt/memory.h"
+
+/* Microseconds a step, a tetrahedron in it (two evaluations and ten products) and a node. */
+#define COST_STEP        2.0
+#define COST_TETRAHEDRON 0.058
+#define COST_NODE        0.06
+/* Above, linear tetrahedra are far too stiff. */
+#define POISSON_WARNING 0.45
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+static void destroy(ss_model *model)
+{
+    if (!model) {
+        return;
+    }
+    ss_body_destroy(&model->body);
+    ss_fem_blocks_fini(&model->blocks);
+    ss_corot_material_fini(&model->material);
+    void *const owned[] = {model->stiff,   model->viscous,  model->mass,       model->system,
+                           model->turned,  model->elastic,  model->old_u,      model->old_v,
+                           model->change,  model->velocity, model->away,       model->residual,
+                           model->scaled,  model->search,   model->product,    model->step,
+                           model->inverse, model->contact,  model->evaluated_u};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_memory_free(model);
+}
+
+static softsim_status allocate(ss_model *model)
+{
+    const size_t nodes = (size_t)model->scalar_count / 4;
+    const size_t lanes = (size_t)model->blocks.count * SS_FEM_LANES;
+    ss_real **const quads[] = {
+        &model->mass,     &model->elastic, &model->old_u,    &model->old_v,      &model->change,
+        &model->velocity, &model->away,    &model->residual, &model->scaled,     &model->search,
+        &model->product,  &model->step,    &model->inverse,  &model->evaluated_u};
+    bool is_good = true;
+    for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
+        *quads[k] = ss_memory_get(4 * nodes, sizeof(ss_real));
+        is_good = is_good && *quads[k];
+    }
+    model->turned = ss_memory_get(lanes * SS_FEM_SHAPES, sizeof *model->turned);
+    model->system = ss_memory_get(lanes * SS_FEM_MODULI, sizeof *model->system);
+    model->stiff = ss_memory_get(nodes, sizeof *model->stiff);
+    model->viscous = ss_memory_get(nodes, sizeof *model->viscous);
+    model->contact = ss_memory_get(nodes, sizeof *model->contact);
+    is_good = is_good && model->turned && model->system && model->stiff && model->viscous &&
+              model->contact;
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* A third of the trace of the diagonal blocks: V (lambda + 4 mu) |grad N|^2 / 3. */
+static void set_diagonals(ss_model *model)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    const ss_corot_material *material = &model->material;
+    for (int32_t t = 0; t < mesh->tetrahedron_count; ++t) {
+        const int32_t *c = mesh->tetrahedron[t];
+        double gradient[4][3];
+        const double volume =
+            ss_tetrahedron_gradients(mesh->position[c[0]], mesh->position[c[1]],
+                                     mesh->position[c[2]], mesh->position[c[3]], gradient);
+        for (int a = 0; a < 4; ++a) {
+            const double third = volume * ss_dot3(gradient[a], gradient[a]) / 3.0;
+            model->stiff[c[a]] += third * (material->lambda[t] + 4.0 * material->mu[t]);
+            model->viscous[c[a]] +=
+                material->phi ? third * (material->phi[t] + 4.0 * material->psi[t]) : 0.0;
+        }
+    }
+    for (int32_t k = 0; k < 4 * model->node_count; ++k) {
+        const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
+        model->mass[k] = nodes->mobility[k] > 0 ? (ss_real)nodes->mass[k / 4] : 0;
+    }
+}
+
+static bool fill_blocks(ss_model *model)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    const ss_corot_material *material = &model->material;
+    const ss_fem_stuff stuff = {.node_count = mesh->node_count,
+                                .element_count = mesh->tetrahedron_count,
+                                .position = (const double(*)[3])mesh->position,
+                                .corner = (const int32_t(*)[4])mesh->tetrahedron,
+                                .lambda_own = material->lambda,
+                                .lambda = material->lambda,
+                                .mu = material->mu,
+                                .phi = material->phi,
+                                .psi = material->psi};
+    return ss_fem_blocks_create(&stuff, &model->blocks);
+}
+
+static void add_diagonal(void *owner, double *diagonal)
+{
+    const ss_model *model = owner;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        diagonal[i] += model->stiff[i];
+    }
+}
+
+static double stable_step(void *owner, const ss_body *body)
+{
+    (void)owner;
+    (void)body;
+    return (double)INFINITY;
+}
+
+static void forget(void *owner)
+{
+    ss_model *model = owner;
+    model->is_evaluated = false;
+    model->newton_count = model->product_count = model->evaluation_count = 0;
+}
+
+static softsim_status create_body(ss_model *model, softsim_error *error)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    double *mass = ss_memory_get((size_t)mesh->node_count, sizeof *mass);
+    if (!mass) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    ss_body_volume_masses(mesh, model->material.density, true, mass);
+    const ss_body_plan plan = {.name = "corotational",
+                               .plan = &model->plan,
+                               .node_count = mesh->node_count,
+                               .mass = mass,
+                               .mass_damping = model->material.mass_damping,
+                               .edge = model->edge,
+                               .planned_step = (double)INFINITY,
+                               .step_share = 1.0,
+                               .elastic = {.owner = model,
+                                           .force = ss_corot_force,
+                                           .tangent = ss_corot_tangent,
+                                           .diagonal = add_diagonal,
+                                           .stable_step = stable_step,
+                                           .advance = ss_corot_advance,
+                                           .reset = forget,
+                                           .viscous_time = model->material.viscous_time}};
+    const softsim_status status = ss_body_create(&plan, &model->body, error);
+    ss_memory_free(mass);
+    return status;
+}
+
+static softsim_status build(ss_model *model, softsim_error *error)
+{
+    const ss_param_value *param = model->plan.param;
+    softsim_status status = ss_corot_material_create(&model->plan, &model->material, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    model->has_viscosity = model->material.phi != NULL;
+    model->edge = ss_body_mean_edge(model->plan.mesh);
+    model->tolerance = param[SS_COROT_TOLERANCE].number;
+    model->max_newton = (int32_t)param[SS_COROT_NEWTON_ITERATIONS].number;
+    model->max_products = (int32_t)param[SS_COROT_SOLVER_ITERATIONS].number;
+    status = create_body(model, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    model->scalar_count = 4 * ss_body_read_nodes(model->body)->padded_count;
+    if (!fill_blocks(model) || allocate(model) != SOFTSIM_OK) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    set_diagonals(model);
+    /* the tangent at rest, before anything has moved */
+    ss_body_energy unused = {.is_wanted = true};
+    ss_corot_force(model, model->old_u, model->old_v, model->residual, &unused);
+    return ss_body_start(model->body);
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    *out_model = NULL;
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    if (!model) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    model->plan = *plan;
+    model->node_count = plan->mesh->node_count;
+    model->kernels = ss_corot_kernels_get();
+    const softsim_status status = build(model, error);
+    model->plan.param = NULL;
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    *out_model = model;
+    return SOFTSIM_OK;
+}
+
+/* ---- the class ---------------------------------------------------------------------------- */
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    return COST_STEP + COST_TETRAHEDRON * plan->mesh->tetrahedron_count +
+           COST_NODE * plan->mesh->node_count;
+}
+
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    ss_body_step(model->body, time, dt, tool);
+}
+
+static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
+{
+    ss_body_contacts(model->body, probe, near, out);
+}
+
+static void reset(ss_model *model)
+{
+    ss_body_reset(model->body);
+}
+
+static void info(const ss_model *model, ss_model_info *out)
+{
+    ss_body_info(model->body, out);
+}
+
+static const ss_real *displacement(const ss_model *model)
+{
+    return ss_body_read_nodes(model->body)->u;
+}
+
+static const ss_real *velocity(const ss_model *model)
+{
+    return ss_body_read_nodes(model->body)->v;
+}
+
+static void reaction(const ss_model *model, int32_t set, double out_force[3])
+{
+    ss_body_reaction(model->body, set, out_force);
+}
+
+static uint64_t hash(const ss_model *model, uint64_t seed)
+{
+    return ss_body_hash(model->body, seed);
+}
+
+typedef struct printer {
+    void (*line)(void *sink, const char *text);
+    void *sink;
+} printer;
+
+static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    out->line(out->sink, text);
+}
+
+static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const printer out = {line, sink};
+    const int64_t lanes = (int64_t)model->blocks.count * SS_FEM_LANES;
+    const int64_t per_lane = (int64_t)sizeof(ss_real) * (2 * SS_FEM_SHAPES + 2 * SS_FEM_MODULI) +
+                             4 * (int64_t)sizeof(int32_t);
+    say(&out, "elements: %d tetrahedra in blocks of 8 (%s), %lld bytes",
+        model->plan.mesh->tetrahedron_count, model->kernels->name, (long long)(lanes * per_lane));
+    say(&out,
+        "step: implicit Euler, stable at any length; at most %d Newton iterations and %d products, "
+        "to %.3g of the residual",
+        model->max_newton, model->max_products, model->tolerance);
+    say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
+    if (model->material.largest_poisson > POISSON_WARNING) {
+        say(&out,
+            "warning: Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and are too "
+            "stiff; refine the mesh, or use fem, which has a cure",
+            model->material.largest_poisson, POISSON_WARNING);
+    }
+    ss_body_explain(model->body, line, sink);
+}
+
+extern const ss_model_class ss_model_corotational;
+const ss_model_class ss_model_corotational = {
+    .name = "corotational",
+    .help = "linear tetrahedra that turn with the body, stepped implicitly: for stiff scenes",
+    .row = ss_corot_rows,
+    .row_count = SS_COROT_ROW_COUNT,
+    .needs_volume = true,
+    .step_cost_us = step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = step,
+    .contacts = contacts,
+    .reset = reset,
+    .info = info,
+    .displacement = displacement,
+    .velocity = velocity,
+    .reaction = reaction,
+    .hash = hash,
+    .explain = explain};
