@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "accuracy.h"
+#include "accuracy_scene.h"
 #include "bench.h"
 #include "child.h"
 #include "models/model.h"
@@ -27,7 +28,7 @@ static const char standard_folder[] = "tests/reference";
 
 typedef struct options {
     ss_arg_list cases, compare;
-    const char *model, *mesh, *out;
+    const char *scene, *model, *mesh, *out;
     double budget_us;
     int64_t jobs;
     bool is_quick;
@@ -41,6 +42,7 @@ typedef struct report {
     ss_yardstick yardstick;
     char found[SS_ACCURACY_MAX_CASES][SS_CASE_PATH]; /* folders of the standard cases */
     int32_t found_count;
+    ss_accuracy_worth worth; /* of a scene's reference */
     ss_accuracy_mean mean[256];
 } report;
 
@@ -53,6 +55,8 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
         {"--case", SS_ARG_LIST, &o.cases, 0, 0, "DIR",
          "a reference problem, a folder with a case.yaml; may be given again (all of "
          "tests/reference)"},
+        {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "SCENE.yaml",
+         "a scene in place of cases: its reference is made by refinement, and judged"},
         {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
         {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
         {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
@@ -75,6 +79,10 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
     *out = o;
     if (result == SS_ARGS_RUN && strlen(o.out) > SS_ACCURACY_PATH - 300) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
+    }
+    if (result == SS_ARGS_RUN && o.scene != NULL && o.cases.count > 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--scene stands in place of --case; leave one out");
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
@@ -148,9 +156,31 @@ static void find_standard_cases(report *r)
     }
 }
 
+/* The scene as a case of the report's own. */
+static softsim_status make_scene_case(report *r, softsim_error *error)
+{
+    char path[SS_ACCURACY_PATH + 16];
+    snprintf(path, sizeof path, "%s/case", r->o.out);
+    if (strlen(path) >= SS_CASE_PATH) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    snprintf(r->found[r->found_count++], SS_CASE_PATH, "%s", path);
+    softsim_status status = ss_report_make_folder(r->o.out, error);
+    status = status == SOFTSIM_OK ? ss_report_make_folder(path, error) : status;
+    return status == SOFTSIM_OK
+               ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
+               : status;
+}
+
 static softsim_status load_cases(report *r, softsim_error *error)
 {
-    if (r->o.cases.count == 0) {
+    if (r->o.scene != NULL) {
+        const softsim_status status = make_scene_case(r, error);
+        if (status != SOFTSIM_OK) {
+            return status;
+        }
+    } else if (r->o.cases.count == 0) {
         find_standard_cases(r);
     }
     const int32_t count = r->o.cases.count > 0 ? r->o.cases.count : r->found_count;
@@ -491,6 +521,10 @@ static softsim_status write_page(report *r, softsim_error *error)
     ss_page_text(&page, "Calibrated: what a model leaves free was fitted on the first level of "
                         "each material and mesh, the field first, then the force; its other levels "
                         "are predictions, its first is not.");
+    if (r->o.scene != NULL) {
+        printf("%s\n", r->worth.text);
+        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.text);
+    }
     ss_page_link(&page, "accuracy.csv");
     put_places(r, &page);
     for (int32_t k = 0; k < r->plan.case_count && status == SOFTSIM_OK; ++k) {

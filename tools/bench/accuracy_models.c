@@ -185,7 +185,10 @@ const char *ss_accuracy_model_material(const ss_accuracy_model *model, const cha
             return model->material[i];
         }
     }
-    return model->material[0] != NULL ? material : NULL;
+    /* Another name is a law that only models of any law can have. */
+    const bool is_any = model->material[0] != NULL && model->material[1] != NULL &&
+                        strcmp(model->material[0], model->material[1]) != 0;
+    return is_any ? material : model->material[0];
 }
 
 ss_accuracy_body ss_accuracy_body_of(const ss_case *c, const ss_mesh *mesh)

@@ -61,7 +61,7 @@ typedef struct ss_accuracy_model {
 const ss_accuracy_model *ss_accuracy_model_find(const char *name);
 /* Has it physical parameters of its own, so that nothing is fitted? */
 bool ss_accuracy_model_is_physical(const ss_accuracy_model *model);
-/* The model's name of a case's material; the case's own name where it is none of the three. */
+/* The model's name of a case's material. */
 const char *ss_accuracy_model_material(const ss_accuracy_model *model, const char *material);
 ss_accuracy_body ss_accuracy_body_of(const ss_case *c, const ss_mesh *mesh);
 /* The lines as a text, to be freed; NULL when out of memory. */
