@@ -364,6 +364,7 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
 {
     uint64_t hash = ss_hash_bytes(seed, &body->nodes.kick_lag, sizeof body->nodes.kick_lag);
     hash = ss_hash_bytes(hash, &body->pool, sizeof body->pool);
+    hash = ss_hash_bytes(hash, &body->is_slowed, sizeof body->is_slowed);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_body_tool *tool = &body->tool[k];
         if (tool->is_used) {
@@ -394,6 +395,7 @@ void ss_body_reset(ss_body *body)
     body->kinetic = body->elastic = body->shadow = body->power = 0.0;
     body->nodes.kick_lag = body->settled_lag = 0.0;
     body->is_ready = body->has_elastic = false;
+    body->is_slowed = body->was_slowed = false;
     body->fault_bits = 0;
     body->verdict = SOFTSIM_VERDICT_GOOD;
     body->reason = "";

@@ -114,11 +114,11 @@ softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
 void ss_body_set_contact_stiffness(ss_body *body)
 {
     const double h = body->own.planned_step;
+    const double stable = isfinite(h) ? CONTACT_SHARE * body->sigma / (h * h) : (double)INFINITY;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_body_tool *tool = &body->tool[k];
         if (tool->is_used) {
-            tool->stiffness = ss_plan_contact_stiffness(
-                &body->plan, CONTACT_SHARE * body->sigma / (h * h), tool->radius);
+            tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);
             ss_touch_set_stiffness(tool->touch, tool->stiffness);
         }
     }

@@ -28,40 +28,45 @@ static ss_real lane_most(ss_pair a)
     return most;
 }
 
-/* The nodes of a block that are too fast, one by one; returns the energy taken. */
-static double slow_down(int32_t first, int32_t end, double limit, const ss_real *mobility,
-                        const double *mass, ss_real *v)
+/* What a kick did to v. */
+typedef struct kick {
+    double keep, gain;
+    const ss_real *mobility, *force;
+} kick;
+
+/* The nodes of a block that are too fast, one by one. Energy taken: the impulse that is
+ * lost times the mean of the velocities before and after, as the ledger counts every force. */
+static void slow_down(int32_t first, int32_t end, double limit, const kick *by, const double *mass,
+                      ss_real *v, ss_body_speed *out)
 {
-    double taken = 0.0;
     for (int32_t i = first; i < end; ++i) {
-        ss_real *w = v + 4 * (ptrdiff_t)i;
-        const ss_real *m = mobility + 4 * (ptrdiff_t)i;
-        const double x = (double)w[0], y = (double)w[1], z = (double)w[2];
-        const double square = x * x + y * y + z * z;
-        if (!(square > limit * limit) || (m[0] == 0 && m[1] == 0 && m[2] == 0)) {
-            continue;
-        }
-        const double factor = limit / sqrt(square);
-        for (int k = 0; k < 3; ++k) {
-            if (m[k] > 0) {
-                const double before = (double)w[k];
-                w[k] = (ss_real)(before * factor);
-                taken += 0.5 * mass[i] * (before * before - (double)w[k] * (double)w[k]);
+        const ptrdiff_t node = 4 * (ptrdiff_t)i;
+        const double x = (double)v[node], y = (double)v[node + 1], z = (double)v[node + 2];
+        const double length = sqrt(x * x + y * y + z * z);
+        for (ptrdiff_t at = node; length > limit && at < node + 3; ++at) {
+            const double light = (double)by->mobility[at];
+            if (light > 0.0) {
+                const double fast = (double)v[at];
+                const double before =
+                    by->keep != 0.0 ? (fast - by->gain * light * (double)by->force[at]) / by->keep
+                                    : 0.0;
+                v[at] = (ss_real)(fast * (limit / length));
+                out->is_slowed = true;
+                out->taken += 0.5 * mass[i] * (fast - (double)v[at]) * (before + (double)v[at]);
             }
         }
     }
-    return taken;
 }
 
-double ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
-                          const ss_real *mobility, const ss_real *force, const double *mass,
-                          ss_real *v, ss_real *u, double *out_slowed)
+ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
+                                 const ss_real *mobility, const ss_real *force, const double *mass,
+                                 ss_real *v, ss_real *u)
 {
     const ss_pair kept = ss_pair_all((ss_real)keep), gained = ss_pair_all((ss_real)gain);
     const ss_pair step = ss_pair_all((ss_real)h);
     const double near = limit * limit / 3.0; /* below: no component can make it too fast */
-    double sum = 0.0;
-    *out_slowed = 0.0;
+    const kick by = {.keep = keep, .gain = gain, .mobility = mobility, .force = force};
+    ss_body_speed speed = {0};
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
         const int32_t end = block_end(first, count);
         ss_pair square = ss_pair_all(0), most = ss_pair_all(0);
@@ -72,16 +77,16 @@ double ss_body_kick_drift(int32_t count, double keep, double gain, double h, dou
             ss_pair_store(v + at, w);
         }
         if ((double)lane_most(most) > near) {
-            *out_slowed += slow_down(first, end, limit, mobility, mass, v);
+            slow_down(first, end, limit, &by, mass, v, &speed);
         }
         for (ptrdiff_t at = 4 * (ptrdiff_t)first; at < 4 * (ptrdiff_t)end; at += 8) {
             const ss_pair w = ss_pair_load(v + at);
             square = ss_pair_fma(w, w, square);
             ss_pair_store(u + at, ss_pair_fma(step, w, ss_pair_load(u + at)));
         }
-        sum += ss_pair_sum(square);
+        speed.square += ss_pair_sum(square);
     }
-    return sum;
+    return speed;
 }
 
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,

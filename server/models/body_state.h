@@ -72,7 +72,8 @@ struct ss_body {
     /* state beside nodes.u and nodes.v */
     int64_t step;
     double work, dissipated;
-    double pool; /* J: gains of the last tenth of a second or so, losses taken off */
+    bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
+    double pool;                /* J: gains of the last tenth of a second or so, losses taken off */
     /* derived; valid while is_ready */
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */
@@ -111,12 +112,18 @@ static inline const ss_real *ss_body_skin_u(const ss_body *body, const ss_real *
 
 /* ---- body_kernels.c: passes over all nodes -------------------------------------------------- */
 
+/* What a kick left. */
+typedef struct ss_body_speed {
+    double square; /* sum |v|^2, not finite when a v is not */
+    double taken;  /* J, by the limit */
+    bool is_slowed;
+} ss_body_speed;
+
 /* v := keep v + gain mobility force on axes that may move, slowed to `limit` (m/s) where faster;
- * u += h v. Returns sum |v|^2, not finite when a v is not; *out_slowed: energy (J) taken by the
- * limit. `mass`: a value a node. */
-double ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
-                          const ss_real *mobility, const ss_real *force, const double *mass,
-                          ss_real *v, ss_real *u, double *out_slowed);
+ * u += h v. `mass`: a value a node. */
+ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
+                                 const ss_real *mobility, const ss_real *force, const double *mass,
+                                 ss_real *v, ss_real *u);
 /* out_rate = mobility force - damping v on axes that may move, else 0. */
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,
                    const ss_real *v, ss_real *out_rate);

@@ -41,20 +41,26 @@
 /* Gains: of the energy, and the time over which they are added up, s. */
 #define MAX_SILENT_GAIN 0.01
 #define GAIN_TIME       0.1
+/* Of the energy: what the shadow (see set_motion) may be. A mode at omega h has (omega h / 2)^2 of
+ * its stored energy, 1/4 at half the stable step, all of it where the method becomes unstable. */
+#define MAX_SHADOW 0.75
 /* omega h at which the integrators become unstable: of an undamped motion. */
 #define EULER_LIMIT 2.0
 #define RK4_LIMIT   2.8284271247461903
 
 /* ---- evaluation --------------------------------------------------------------------------- */
 
+/* Kinetic energy, and what the method's own energy has less, half m b^2 (dv/dt)^2. Where nodes are
+ * slowed down, forces say nothing of the next velocity. */
 static void set_motion(ss_body *body)
 {
     const ss_body_nodes *nodes = &body->nodes;
+    const double lag = body->is_slowed ? 0.0 : nodes->kick_lag;
     double square, rate;
-    ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping, nodes->mobility,
-                   body->mass, nodes->force, nodes->v, &square, &rate);
+    ss_body_motion(nodes->padded_count, lag, body->own.mass_damping, nodes->mobility, body->mass,
+                   nodes->force, nodes->v, &square, &rate);
     body->kinetic = 0.5 * square + ss_body_driven_kinetic(body);
-    body->shadow = 0.5 * nodes->kick_lag * nodes->kick_lag * rate;
+    body->shadow = 0.5 * lag * lag * rate;
 }
 
 /* All forces at the present state with the tools at `path`; with the energies at the end of an
@@ -100,10 +106,11 @@ static double ledger_sum(const ss_body *body)
 
 /* ---- integrators -------------------------------------------------------------------------- */
 
-static void told_slow(ss_body *body, double taken)
+static void tell_slow(ss_body *body, const ss_body_speed *speed)
 {
-    if (taken > 0.0) {
-        body->dissipated += taken;
+    body->dissipated += speed->taken;
+    if (speed->is_slowed) {
+        body->is_slowed = true;
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
                       "a node faster than a fifth of an edge a sub-step was slowed down");
     }
@@ -126,15 +133,15 @@ static bool symplectic_euler(ss_body *body, double h)
     ss_body_nodes *nodes = &body->nodes;
     const double alpha = body->own.mass_damping, b = nodes->kick_lag, a = 0.5 * h;
     const double keep = (1.0 - a * alpha) / (1.0 + b * alpha);
-    double taken;
+    const double limit = MAX_EDGES * body->own.edge / h;
     book_losses(body, b + a - body->settled_lag);
     body->settled_lag = 0.0;
-    const double square = ss_body_kick_drift(nodes->padded_count, keep, keep * b + a, h,
-                                             MAX_EDGES * body->own.edge / h, nodes->mobility,
-                                             nodes->force, nodes->mass, nodes->v, nodes->u, &taken);
+    const ss_body_speed speed =
+        ss_body_kick_drift(nodes->padded_count, keep, keep * b + a, h, limit, nodes->mobility,
+                           nodes->force, nodes->mass, nodes->v, nodes->u);
     nodes->kick_lag = a;
-    told_slow(body, taken);
-    return isfinite(square);
+    tell_slow(body, &speed);
+    return isfinite(speed.square);
 }
 
 /* Classical Runge-Kutta; tools and loads at the stages' times. */
@@ -176,14 +183,13 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     ss_body_axpy(n, h, sum, nodes->v);
     /* The same limit as with the other method, on the way and on the velocity. */
     ss_body_blend(n, end, -1.0, nodes->u, us);
-    double taken, unused;
     const double limit = MAX_EDGES * body->own.edge;
     (void)ss_body_kick_drift(n, 1.0, 0.0, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
-                             us, nodes->u, &unused);
-    const double square = ss_body_kick_drift(n, 1.0, 0.0, 0.0, limit / h, nodes->mobility,
-                                             nodes->force, nodes->mass, nodes->v, us, &taken);
-    told_slow(body, taken);
-    return isfinite(square);
+                             us, nodes->u);
+    const ss_body_speed speed = ss_body_kick_drift(n, 1.0, 0.0, 0.0, limit / h, nodes->mobility,
+                                                   nodes->force, nodes->mass, nodes->v, us);
+    tell_slow(body, &speed);
+    return isfinite(speed.square);
 }
 
 /* ---- guards ------------------------------------------------------------------------------- */
@@ -226,6 +232,10 @@ static void judge_gain(ss_body *body, double gain, double dt)
         body->dissipated -= gain; /* what such a method loses by its nature */
         gain = 0.0;
     }
+    /* The method's own energy cannot tell that a step is too long: its two halves then grow with
+     * opposite signs. */
+    const double unstable = body->shadow - MAX_SHADOW * (body->elastic + body->kinetic);
+    gain += fmax(0.0, unstable);
     body->pool = fmax(-most, body->pool * exp(-dt / GAIN_TIME) + gain);
     if (body->is_explicit && body->pool < -0.999 * most) {
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "sub-steps lost energy to their length");
@@ -373,6 +383,8 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->verdict = SOFTSIM_VERDICT_GOOD;
     body->reason = "";
     body->worst_element = -1;
+    body->was_slowed = body->is_slowed;
+    body->is_slowed = false;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
@@ -398,7 +410,9 @@ void ss_body_step(ss_body *body, double time, double dt,
         fault(body, "not finite: last good state restored, waiting for reset");
         return;
     }
-    judge_gain(body, ledger_sum(body) - before, dt);
+    if (!body->is_slowed && !body->was_slowed) { /* what the limit took is booked but roughly */
+        judge_gain(body, ledger_sum(body) - before, dt);
+    }
     clamp_displacements(body);
     if (p.left > 1e-6 * dt) {
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_BUDGET,

@@ -57,7 +57,7 @@ enum {
 #define LAST_SQUARE 1e-10
 #else
 #define GOOD_SQUARE 1e-11
-#define LAST_SQUARE 1e-6
+#define LAST_SQUARE 1e-5
 #endif
 
 /* Lanes of a block that one pass of a kernel takes. */
@@ -496,10 +496,10 @@ static void evaluate(ss_corot_pass *pass)
 static void product(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
                     double scale, const ss_real *x, ss_real *out)
 {
-    const ss_wide factor = all(scale);
+    const ss_wide factor = all(-scale); /* spread takes off */
     for (int32_t b = 0; b < blocks->count; ++b) {
         for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
-            const ptrdiff_t at = (ptrdiff_t)b * SS_FEM_LANES + 0;
+            const ptrdiff_t at = (ptrdiff_t)b * SS_FEM_LANES;
             const int32_t *node = blocks->node + 4 * at + lane;
             const ss_real *shape = turned + SS_FEM_SHAPES * at + lane;
             const ss_real *m = modulus + SS_FEM_MODULI * at + lane;
@@ -559,7 +559,7 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
         const int32_t end = first + RUN * SS_FEM_LANES < count ? first + RUN * SS_FEM_LANES : count;
         ss_wide sum = all(0.0);
         for (int32_t k = first; k < end; k += SS_WIDE_LANES) {
-            const ss_wide left = ss_wide_fma(factor, ss_wide_load(q + k), ss_wide_load(r + k));
+            const ss_wide left = ss_wide_fnma(factor, ss_wide_load(q + k), ss_wide_load(r + k));
             const ss_wide next = ss_wide_load(inverse + k) * left;
             ss_wide_store(x + k, ss_wide_fma(factor, ss_wide_load(p + k), ss_wide_load(x + k)));
             ss_wide_store(r + k, left);

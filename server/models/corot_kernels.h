@@ -28,7 +28,7 @@ typedef struct ss_corot_pass {
 typedef struct ss_corot_kernels {
     const char *name;
     void (*evaluate)(ss_corot_pass *pass);
-    /* out -= scale K x, elements turned as they are. */
+    /* out += scale K x, elements turned as they are. */
     void (*product)(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
                     double scale, const ss_real *x, ss_real *out);
     /* Over `count` scalars: */
@@ -37,7 +37,7 @@ typedef struct ss_corot_kernels {
     void (*scale)(int32_t count, double s, const ss_real *a, const ss_real *x, ss_real *out);
     /* p = z + s p */
     void (*turn)(int32_t count, double s, const ss_real *z, ss_real *p);
-    /* x += s p, r += s q, z = inverse r; returns r.z */
+    /* x += s p, r -= s q, z = inverse r; returns r.z */
     double (*descend)(int32_t count, double s, const ss_real *p, const ss_real *q,
                       const ss_real *inverse, ss_real *x, ss_real *r, ss_real *z);
 } ss_corot_kernels;

@@ -21,11 +21,12 @@
  * their places then, f(u) = f(u_last) - K (u - u_last): a product in place of the rotations.
  *
  * Linear solver: conjugate gradients with the diagonal. At the steps of a haptic loop the inertia
- * M/h^2 carries most of the diagonal (stiffness is 15 to 20 times it at 1 ms, 20,000 tetrahedra of
- * 3 kPa), so that some ten products do, of 3.2 ns a tetrahedron each. Rejected: the factor of the
- * rest stiffness as preconditioner, whose two back-solves stream all of it through memory and cost
- * more than the ten products together; blocks of 3x3 on the diagonal, which save few products (the
- * blocks of inner nodes are nearly multiples of the identity) and would have to be turned.
+ * M/h^2 carries much of the matrix (stiffness reaches some 16 times it at 1 ms in 25,000
+ * tetrahedra of 3 kPa), so that some eight products do, of 3.2 ns a tetrahedron each. Rejected: the
+ * factor of the rest stiffness as preconditioner: for 4952 nodes it has 27 MB, which take 1.9 ms to
+ * read forth and back, the time of 24 products with the matrix; blocks of 3x3 on the diagonal,
+ * which save few products (those of inner nodes are nearly multiples of the identity) and would
+ * have to be turned.
  *
  * Enough: |r| <= tolerance of the larger of |r(0)| and a tenth of |f_loads + f_contact|, or what
  * the rounding of u alone amounts to; |r|^2 = r.P^-1 r, P the diagonal. Newton's iteration ends at
@@ -76,7 +77,7 @@ static void add(int32_t count, const ss_real *x, ss_real *out)
 static double add_viscous(ss_model *model, const ss_real *v, ss_real *force)
 {
     memset(model->product, 0, bytes_of(model));
-    model->kernels->product(&model->blocks, model->turned, model->blocks.viscosity, 1.0, v,
+    model->kernels->product(&model->blocks, model->turned, model->blocks.viscosity, -1.0, v,
                             model->product);
     add(model->scalar_count, model->product, force);
     return fmax(0.0, -model->kernels->dot(model->scalar_count, v, model->product));
@@ -97,7 +98,7 @@ void ss_corot_force(void *owner, const ss_real *u, const ss_real *v, ss_real *fo
 void ss_corot_tangent(void *owner, const ss_real *x, ss_real *out)
 {
     ss_model *model = owner;
-    model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, -1.0, x, out);
+    model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, 1.0, x, out);
 }
 
 /* ---- one system --------------------------------------------------------------------------- */
@@ -153,7 +154,7 @@ static void add_elastic(task *t, const ss_real *u, bool may_guess, ss_real *forc
     if (!is_near) {
         evaluate(model, u);
     } else if (furthest > 0.0) {
-        model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, 1.0,
+        model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, -1.0,
                                 model->away, force);
     }
     add(model->scalar_count, model->elastic, force);
@@ -223,11 +224,11 @@ static void solve(task *t, double enough)
     memcpy(model->search, model->scaled, bytes_of(model));
     while (rho > enough * enough && model->product_count < model->max_products) {
         ++model->product_count;
-        kernels->scale(n, -t->inertia, model->mass, model->search, model->product);
+        kernels->scale(n, t->inertia, model->mass, model->search, model->product);
         kernels->product(&model->blocks, model->turned, model->system, 1.0, model->search,
                          model->product);
         ss_body_contact_tangent(t->body, model->search, model->product);
-        const double curvature = -kernels->dot(n, model->search, model->product);
+        const double curvature = kernels->dot(n, model->search, model->product);
         if (!(curvature > 0.0)) {
             break; /* nothing left but rounding */
         }

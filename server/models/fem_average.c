@@ -15,7 +15,7 @@
  * and the derivative of W puts on every element the mean of its four nodes' pressures in place of
  * its own lambda q. It is one potential, so energy is kept and the tangent is symmetric. Averaging
  * all of lambda lets modes appear in which dilatation alternates between elements, so each element
- * keeps lambda_own = min(lambda, mu) to itself (Puso, Solberg 2006 stabilise alike). With lambda_a
+ * keeps lambda_own = min(lambda, mu/2) to itself (Puso, Solberg 2006 stabilise alike). With lambda_a
  * the harmonic mean of its elements' the sum is never stiffer than the elements themselves (Cauchy
  * and Schwarz), which keeps the bound of fem_step.c.
  * Costs a second sweep. Rejected: F-bar over patches (not symmetric or not one potential), the

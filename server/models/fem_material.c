@@ -18,7 +18,7 @@
 #define CURED_RATIO 0.4
 /* Of mu: the part of lambda that an element keeps with the cure. Less of it lets pressures of
  * neighbouring nodes alternate, more of it locks. */
-#define OWN_SHARE 1.0
+#define OWN_SHARE 0.5
 
 /* The mean of the corners. */
 static double element_value(const ss_model_plan *plan, int row, int32_t e)

@@ -1,0 +1,920 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * models/corotational: the rotation is the nearest one, inside out too, and the force the exact
+ * gradient of the energy; at rest and turned nothing acts; at small strain it settles where an
+ * independent solver says; it stays bounded at any step, stiffness and ratio of masses, comes back
+ * from being crushed, turned inside out and scrambled; it never makes energy; what it says of
+ * reactions, contact and itself is so.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "models/corot.h"
+#include "rt/vec.h"
+#include "static_fem.h"
+
+#ifdef SOFTSIM_DOUBLE
+#define BY_TYPE(single, twice) (twice)
+#else
+#define BY_TYPE(single, twice) (single)
+#endif
+
+#define assert_near(a, b, tolerance)                                                               \
+    do {                                                                                           \
+        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
+        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
+            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
+        }                                                                                          \
+    } while (0)
+
+typedef double vector[3];
+
+/* ---- a body under test -------------------------------------------------------------------- */
+
+typedef struct setup {
+    ss_mesh *mesh;
+    uint8_t *fixed;
+    ss_param_value param[SS_COROT_ROW_COUNT];
+    ss_load load[2];
+    ss_prescribed prescribed[2];
+    ss_model_plan plan;
+    const ss_model_class *class;
+    softsim_error error;
+    ss_model *model;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    double time;
+} setup;
+
+static uint64_t random_state = 1;
+
+static double random_unit(void)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+}
+
+/* A block of nx x ny x nz cells of six tetrahedra, one corner at the origin. */
+static ss_mesh *make_block(int nx, int ny, int nz, double lx, double ly, double lz)
+{
+    static const int path[6][2] = {{1, 2}, {1, 4}, {2, 1}, {2, 4}, {4, 1}, {4, 2}};
+    const int nodes = (nx + 1) * (ny + 1) * (nz + 1);
+    vector *position = calloc((size_t)nodes, sizeof *position);
+    int32_t(*tet)[4] = calloc((size_t)(6 * nx * ny * nz), sizeof *tet);
+    int32_t count = 0;
+    for (int i = 0; i < nodes; ++i) {
+        const int x = i % (nx + 1), y = i / (nx + 1) % (ny + 1), z = i / (nx + 1) / (ny + 1);
+        ss_set3(position[i], lx * x / nx, ly * y / ny, lz * z / nz);
+    }
+    for (int cell = 0; cell < nx * ny * nz; ++cell) {
+        const int x = cell % nx, y = cell / nx % ny, z = cell / nx / ny;
+        int32_t corner[8];
+        for (int k = 0; k < 8; ++k) {
+            corner[k] = (x + (k & 1)) + (nx + 1) * ((y + (k >> 1 & 1)) + (ny + 1) * (z + (k >> 2)));
+        }
+        for (int p = 0; p < 6; ++p) {
+            const int a = path[p][0], b = path[p][0] | path[p][1];
+            const bool is_even = p == 0 || p == 3 || p == 4;
+            int32_t *t = tet[count++];
+            t[0] = corner[0];
+            t[1] = corner[is_even ? a : b];
+            t[2] = corner[is_even ? b : a];
+            t[3] = corner[7];
+        }
+    }
+    ss_mesh *mesh = NULL;
+    assert_int_equal(ss_mesh_create(nodes, (const vector *)position, 0, NULL, count,
+                                    (const int32_t(*)[4])tet, &mesh, NULL),
+                     SOFTSIM_OK);
+    free(position);
+    free(tet);
+    return mesh;
+}
+
+static void give(setup *s, int row, double value)
+{
+    s->param[row] = (ss_param_value){.number = value, .is_given = true};
+}
+
+static void setup_init(setup *s, ss_mesh *mesh, double young, double poisson)
+{
+    memset(s, 0, sizeof *s);
+    s->mesh = mesh;
+    s->class = ss_model_find("corotational");
+    s->fixed = calloc((size_t)mesh->node_count, 1);
+    for (int k = 0; k < s->class->row_count; ++k) {
+        s->param[k].number = s->class->row[k].fallback;
+    }
+    give(s, SS_COROT_YOUNGS_MODULUS, young);
+    give(s, SS_COROT_POISSON_RATIO, poisson);
+    s->plan = (ss_model_plan){.mesh = mesh,
+                              .fixed = s->fixed,
+                              .param = s->param,
+                              .load = s->load,
+                              .prescribed = s->prescribed,
+                              .working_force = 2.0,
+                              .max_force = 8.0,
+                              .step = 1e-3,
+                              .max_substeps = 64,
+                              .threads = 1};
+}
+
+static void create(setup *s)
+{
+    if (s->class->create(&s->plan, &s->model, &s->error) != SOFTSIM_OK) {
+        fail_msg("create: %s", s->error.text);
+    }
+}
+
+/* A bar of 4 x 2 x 2 cells, 8 x 4 x 4 cm, held at x = 0. */
+enum { BAR_NODES = 5 * 3 * 3 };
+static void setup_bar(setup *s, double young, double poisson)
+{
+    setup_init(s, make_block(4, 2, 2, 0.08, 0.04, 0.04), young, poisson);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][0] < 1e-9 ? 7 : 0;
+    }
+}
+
+static void setup_fini(setup *s)
+{
+    if (s->model) {
+        s->class->destroy(s->model);
+    }
+    free(s->fixed);
+    ss_mesh_destroy(&s->mesh);
+}
+
+static void steps(setup *s, int count, double dt)
+{
+    for (int k = 0; k < count; ++k) {
+        s->class->step(s->model, s->time, dt, s->tool);
+        s->time += dt;
+    }
+}
+
+static ss_model_info info_of(const setup *s)
+{
+    ss_model_info info;
+    s->class->info(s->model, &info);
+    return info;
+}
+
+static double energy_of(const setup *s)
+{
+    const ss_model_info info = info_of(s);
+    return info.elastic + info.kinetic;
+}
+
+static double moved(const setup *s, int32_t node, int axis)
+{
+    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
+}
+
+static double largest(const setup *s)
+{
+    double most = 0.0;
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double u = fabs(moved(s, i, k));
+            most = u <= most ? most : u; /* a number that is none stays */
+        }
+    }
+    return most;
+}
+
+/* Puts all free axes where `to` says, from rest. */
+static void place(setup *s, void (*to)(const double x[3], double out_u[3]))
+{
+    ss_body_nodes *nodes = ss_body_get_nodes(s->model->body);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        double u[3];
+        to(s->mesh->position[i], u);
+        for (int k = 0; k < 3; ++k) {
+            const bool is_free = nodes->mobility[4 * i + k] > 0;
+            nodes->u[4 * i + k] = is_free ? (ss_real)u[k] : nodes->u[4 * i + k];
+            nodes->v[4 * i + k] = 0;
+        }
+    }
+    ss_body_renew(s->model->body);
+}
+
+/* ---- one element -------------------------------------------------------------------------- */
+
+/* tr(R^T F) of the best rotation, by Horn's matrix and Jacobi's rotations: slow and sure. */
+static double best_trace(const double f[3][3])
+{
+    double n[4][4] = {
+        {f[0][0] + f[1][1] + f[2][2], f[2][1] - f[1][2], f[0][2] - f[2][0], f[1][0] - f[0][1]},
+        {0, f[0][0] - f[1][1] - f[2][2], f[0][1] + f[1][0], f[2][0] + f[0][2]},
+        {0, 0, f[1][1] - f[0][0] - f[2][2], f[1][2] + f[2][1]},
+        {0, 0, 0, f[2][2] - f[0][0] - f[1][1]}};
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < i; ++j) {
+            n[i][j] = n[j][i];
+        }
+    }
+    for (int sweep = 0; sweep < 30; ++sweep) {
+        for (int p = 0; p < 4; ++p) {
+            for (int q = p + 1; q < 4; ++q) {
+                if (n[p][q] == 0.0) {
+                    continue;
+                }
+                const double angle = 0.5 * atan2(2.0 * n[p][q], n[q][q] - n[p][p]);
+                const double c = cos(angle), d = sin(angle);
+                for (int k = 0; k < 4; ++k) {
+                    const double a = n[k][p], b = n[k][q];
+                    n[k][p] = c * a - d * b;
+                    n[k][q] = d * a + c * b;
+                }
+                for (int k = 0; k < 4; ++k) {
+                    const double a = n[p][k], b = n[q][k];
+                    n[p][k] = c * a - d * b;
+                    n[q][k] = d * a + c * b;
+                }
+            }
+        }
+    }
+    return fmax(fmax(n[0][0], n[1][1]), fmax(n[2][2], n[3][3]));
+}
+
+/* Eight tetrahedra with a corner at the origin and edges along the axes, each displaced by H x. */
+typedef struct octet {
+    ss_fem_blocks blocks;
+    ss_real *u, *turned, *force;
+} octet;
+
+static void octet_init(octet *o, double lambda, double mu)
+{
+    vector position[32];
+    int32_t corner[8][4];
+    double lambdas[8], mus[8];
+    for (int t = 0; t < 8; ++t) {
+        for (int a = 0; a < 4; ++a) {
+            corner[t][a] = 4 * t + a;
+            ss_set3(position[4 * t + a], a == 1, a == 2, a == 3);
+        }
+        lambdas[t] = lambda;
+        mus[t] = mu;
+    }
+    const ss_fem_stuff stuff = {.node_count = 32,
+                                .element_count = 8,
+                                .position = (const vector *)position,
+                                .corner = (const int32_t(*)[4])corner,
+                                .lambda_own = lambdas,
+                                .lambda = lambdas,
+                                .mu = mus};
+    assert_true(ss_fem_blocks_create(&stuff, &o->blocks));
+    o->u = aligned_alloc(64, 128 * sizeof *o->u);
+    o->turned = aligned_alloc(64, 72 * sizeof *o->turned);
+    o->force = aligned_alloc(64, 128 * sizeof *o->force);
+    memset(o->u, 0, 128 * sizeof *o->u);
+}
+
+static void octet_fini(octet *o)
+{
+    ss_fem_blocks_fini(&o->blocks);
+    free(o->u);
+    free(o->turned);
+    free(o->force);
+}
+
+/* Element t has F: its corner 1 + j goes to column j. */
+static void deform(octet *o, int t, const double f[3][3])
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            o->u[16 * t + 4 * (1 + j) + i] = (ss_real)(f[i][j] - (i == j ? 1.0 : 0.0));
+        }
+    }
+}
+
+static ss_corot_pass run(octet *o, const ss_corot_kernels *kernels)
+{
+    ss_corot_pass pass = {.blocks = &o->blocks, .u = o->u, .turned = o->turned, .force = o->force};
+    memset(o->force, 0, 128 * sizeof *o->force);
+    kernels->evaluate(&pass);
+    return pass;
+}
+
+static void random_deformation(int kind, double f[3][3])
+{
+    double q[4], size = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        q[k] = random_unit();
+        size += q[k] * q[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        q[k] /= sqrt(size);
+    }
+    for (int j = 0; j < 3; ++j) {
+        const double stretch = kind == 0   ? 1.0 + 1e-3 * random_unit()
+                               : kind == 1 ? 1.0 + 0.5 * random_unit()
+                               : kind == 2 ? (j == 2 ? -0.4 : 1.0 + 0.3 * random_unit())
+                                           : 2.0 * random_unit();
+        double column[3] = {j == 0, j == 1, j == 2}, out[3];
+        ss_rotate(out, q, column);
+        for (int i = 0; i < 3; ++i) {
+            f[i][j] = stretch * out[i] + (kind == 3 ? random_unit() : 0.0);
+        }
+    }
+    if (kind == 4) { /* half a turn about an axis, stretched along it */
+        const double half[3][3] = {{-1.0, 0.0, 0.0}, {0.0, -1.1, 0.1}, {0.0, 0.1, 0.9}};
+        memcpy(f, half, sizeof half);
+    }
+}
+
+/* With lambda = 0: W = mu V |F - R|^2 = mu V (|F|^2 + 3 - 2 tr(R^T F)), least at the best R. */
+static void turns_by_the_nearest_rotation(void **state)
+{
+    (void)state;
+    octet o;
+    octet_init(&o, 0.0, 6.0);
+    const ss_corot_kernels *kernels;
+    for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
+        random_state = 7;
+        for (int kind = 0; kind < 5; ++kind) {
+            for (int repeat = 0; repeat < 40; ++repeat) {
+                double expected = 0.0;
+                int inverted = 0;
+                for (int t = 0; t < 8; ++t) {
+                    double f[3][3], square = 0.0;
+                    random_deformation(kind, f);
+                    for (int k = 0; k < 9; ++k) {
+                        square += f[k / 3][k % 3] * f[k / 3][k % 3];
+                    }
+                    deform(&o, t, (const double(*)[3])f);
+                    expected += square + 3.0 - 2.0 * best_trace((const double(*)[3])f);
+                    double n[3];
+                    ss_cross3(n, f[0], f[1]);
+                    inverted += ss_dot3(n, f[2]) < 0.0;
+                }
+                const ss_corot_pass pass = run(&o, kernels);
+                assert_near(pass.energy, expected, BY_TYPE(1e-4, 1e-10) * (expected + 1e-3));
+                assert_int_equal(pass.inverted_count, inverted);
+            }
+        }
+    }
+    octet_fini(&o);
+}
+
+static void force_is_the_gradient_of_the_energy(void **state)
+{
+    (void)state;
+    octet o;
+    octet_init(&o, 12.0, 6.0);
+    const double h = BY_TYPE(1e-2, 1e-6);
+    const ss_corot_kernels *kernels;
+    for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
+        random_state = 11;
+        for (int kind = 0; kind < 3; ++kind) {
+            for (int t = 0; t < 8; ++t) {
+                double f[3][3];
+                random_deformation(kind, f);
+                deform(&o, t, (const double(*)[3])f);
+            }
+            for (int at = 0; at < 128; ++at) {
+                if (at % 4 == 3) {
+                    continue;
+                }
+                const ss_real before = o.u[at];
+                o.u[at] = before + (ss_real)h;
+                const double above = run(&o, kernels).energy;
+                o.u[at] = before - (ss_real)h;
+                const double below = run(&o, kernels).energy;
+                o.u[at] = before;
+                (void)run(&o, kernels);
+                assert_near((double)o.force[at], (below - above) / (2.0 * h), BY_TYPE(5e-3, 1e-7));
+            }
+        }
+    }
+    octet_fini(&o);
+}
+
+static void tangent_is_symmetric_and_positive(void **state)
+{
+    (void)state;
+    octet o;
+    octet_init(&o, 12.0, 6.0);
+    ss_real *x = aligned_alloc(64, 128 * sizeof *x), *y = aligned_alloc(64, 128 * sizeof *y);
+    const ss_corot_kernels *kernels = ss_corot_kernels_get();
+    for (int kind = 0; kind < 5; ++kind) {
+        for (int t = 0; t < 8; ++t) {
+            double f[3][3];
+            random_deformation(kind, f);
+            deform(&o, t, (const double(*)[3])f);
+        }
+        (void)run(&o, kernels);
+        for (int k = 0; k < 128; ++k) {
+            x[k] = k % 4 < 3 ? (ss_real)random_unit() : 0;
+            y[k] = k % 4 < 3 ? (ss_real)random_unit() : 0;
+        }
+        double both[2];
+        for (int way = 0; way < 2; ++way) {
+            memset(o.force, 0, 128 * sizeof *o.force);
+            kernels->product(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
+            both[way] = kernels->dot(128, way ? x : y, o.force);
+            assert_true(kernels->dot(128, way ? y : x, o.force) > 0.0);
+        }
+        assert_near(both[0], both[1], BY_TYPE(1e-4, 1e-12));
+    }
+    free(x);
+    free(y);
+    octet_fini(&o);
+}
+
+/* ---- at rest ------------------------------------------------------------------------------ */
+
+static void rest_stays_rest(void **state)
+{
+    (void)state;
+    setup s;
+    setup_bar(&s, 1e4, 0.45);
+    create(&s);
+    steps(&s, 20, 1e-3);
+    assert_true(largest(&s) == 0.0);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
+/* A quarter turn about z, a little about x, and away. */
+static void turned(const double x[3], double out_u[3])
+{
+    const double q[4] = {0.6, 0.1, 0.0, sqrt(1.0 - 0.36 - 0.01)};
+    double y[3];
+    ss_rotate(y, q, x);
+    ss_sub3(out_u, y, x);
+    out_u[1] += 0.3;
+}
+
+static void a_turned_body_is_at_rest(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, make_block(3, 2, 2, 0.06, 0.04, 0.04), 1e4, 0.45);
+    create(&s);
+    place(&s, turned);
+    steps(&s, 1, 1e-9);
+    /* a strain of 1e-3 would store 5e-7 J in these 96 ml of 1e4 Pa */
+    assert_true(info_of(&s).elastic < BY_TYPE(1e-11, 1e-27));
+    const double before = moved(&s, 5, 1);
+    steps(&s, 20, 1e-3);
+    assert_near(moved(&s, 5, 1), before, BY_TYPE(1e-6, 1e-13));
+    setup_fini(&s);
+}
+
+static void free_fall_is_exact(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, make_block(2, 2, 2, 0.04, 0.04, 0.04), 1e3, 0.3);
+    s.plan.gravity[2] = -10.0;
+    give(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-10));
+    create(&s);
+    steps(&s, 50, 1e-3);
+    /* implicit Euler: u = g h^2 n (n + 1) / 2 */
+    assert_near(moved(&s, 3, 2), -10.0 * 1e-6 * 50.0 * 51.0 / 2.0, BY_TYPE(1e-7, 1e-12));
+    assert_near((double)s.class->velocity(s.model)[2], -0.5, BY_TYPE(1e-6, 1e-12));
+    setup_fini(&s);
+}
+
+/* ---- where it settles --------------------------------------------------------------------- */
+
+static void settle(setup *s)
+{
+    give(s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-9));
+    give(s, SS_COROT_SOLVER_ITERATIONS, 5000.0);
+    create(s);
+    steps(s, 40, 10.0); /* of ten seconds each: implicit Euler is at rest at once */
+    assert_int_equal(info_of(s).verdict, SOFTSIM_VERDICT_GOOD);
+}
+
+static void settles_where_the_static_solution_is(void **state)
+{
+    (void)state;
+    setup s;
+    setup_bar(&s, 2e4, 0.4);
+    const double g = 1e-4; /* tiny: turning plays no part */
+    s.plan.gravity[1] = -g;
+    settle(&s);
+    const int32_t n = s.mesh->node_count;
+    vector *u = calloc((size_t)n, sizeof *u), *r = calloc((size_t)n, sizeof *r);
+    ss_static_problem problem = {.mesh = s.mesh,
+                                 .law = {.kind = SS_TISSUE_LINEAR},
+                                 .held = s.fixed,
+                                 .density = 1000.0,
+                                 .gravity = {0.0, -g, 0.0}};
+    ss_tissue_lame(2e4, 0.4, &problem.law.lambda, &problem.law.mu);
+    assert_int_equal(ss_static_solve(&problem, u, r, NULL, &s.error), SOFTSIM_OK);
+    double most = 0.0, worst = 0.0, support[3] = {0.0, 0.0, 0.0}, reaction[3];
+    for (int32_t i = 0; i < n; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            most = fmax(most, fabs(u[i][k]));
+            worst = fmax(worst, fabs(u[i][k] - moved(&s, i, k)));
+            support[k] += r[i][k];
+        }
+    }
+    assert_true(worst < BY_TYPE(5e-5, 1e-6) * most);
+    s.class->reaction(s.model, -1, reaction);
+    assert_near(reaction[1], support[1], 1e-4 * support[1]);
+    assert_near(reaction[1], 1000.0 * 0.08 * 0.04 * 0.04 * g, 1e-4 * support[1]);
+    free(u);
+    free(r);
+    setup_fini(&s);
+}
+
+/* Reference b: the beam at 0.02 g, on its coarsest mesh; its floor is for linear tetrahedra. */
+static void bends_as_the_reference_beam(void **state)
+{
+    (void)state;
+    setup s;
+    ss_mesh *mesh = NULL;
+    assert_int_equal(ss_mesh_load(SOURCE_DIR "/tests/reference/b_cantilever/mesh_99.msh", 1.0, NULL,
+                                  &mesh, NULL),
+                     SOFTSIM_OK);
+    setup_init(&s, mesh, 5e4, 0.3);
+    int32_t tip = -1;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const double *x = mesh->position[i];
+        s.fixed[i] = x[0] < 1e-9 ? 7 : 0;
+        tip = fabs(x[0] - 0.1) + fabs(x[1]) + fabs(x[2]) < 1e-9 ? i : tip;
+    }
+    s.plan.gravity[2] = -9.81 * 0.02;
+    settle(&s);
+    assert_near(moved(&s, tip, 2), -0.00092822, 2e-7); /* the floor's last digit is 1e-8 */
+    setup_fini(&s);
+}
+
+static void driven_nodes_arrive_and_push_back(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t end[16], count = 0;
+    vector displacement[16];
+    setup_bar(&s, 1e4, 0.0);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        if (s.mesh->position[i][0] > 0.08 - 1e-9) {
+            ss_set3(displacement[count], 0.008, 0.0, 0.0);
+            end[count++] = i;
+        }
+    }
+    s.prescribed[0] = (ss_prescribed){.node = end,
+                                      .node_count = count,
+                                      .displacement = displacement,
+                                      .axis = {true, true, true},
+                                      .ramp = 0.1};
+    s.plan.prescribed_count = 1;
+    give(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-8));
+    create(&s);
+    steps(&s, 50, 0.01);
+    double there[3], here[3];
+    for (int k = 0; k < count; ++k) {
+        assert_near(moved(&s, end[k], 0), 0.008, 1e-9);
+        assert_near(moved(&s, end[k], 1), 0.0, 1e-12);
+    }
+    s.class->reaction(s.model, 0, there);
+    s.class->reaction(s.model, -1, here);
+    const double force = 1e4 * 0.1 * 0.04 * 0.04; /* E strain area, without Poisson's ratio */
+    assert_near(there[0], force, 1e-4 * force);
+    assert_near(here[0], -force, 1e-4 * force);
+    const ss_model_info info = info_of(&s);
+    assert_near(info.elastic, 0.5 * force * 0.008, 1e-4 * force * 0.008);
+    assert_true(info.work >= info.elastic);
+    setup_fini(&s);
+}
+
+static void elements_differ_in_stiffness(void **state)
+{
+    (void)state;
+    setup soft, hard;
+    setup_bar(&soft, 1e4, 0.3);
+    setup_bar(&hard, 1e4, 0.3);
+    double young[BAR_NODES];
+    assert_int_equal(hard.mesh->node_count, BAR_NODES);
+    for (int32_t i = 0; i < hard.mesh->node_count; ++i) {
+        young[i] = hard.mesh->position[i][0] > 0.05 ? 1e6 : 1e4;
+    }
+    hard.param[SS_COROT_YOUNGS_MODULUS] = (ss_param_value){.per_node = young, .is_given = true};
+    soft.plan.gravity[2] = hard.plan.gravity[2] = -0.1;
+    settle(&soft);
+    settle(&hard);
+    const int32_t tip = soft.mesh->node_count - 1;
+    assert_true(moved(&hard, tip, 2) > 0.98 * moved(&soft, tip, 2)); /* it sinks less, */
+    assert_true(moved(&hard, tip, 2) < 0.5 * moved(&soft, tip, 2)); /* but still where it is soft */
+    setup_fini(&soft);
+    setup_fini(&hard);
+}
+
+/* ---- bounded ------------------------------------------------------------------------------ */
+
+static void stays_bounded(double young, double poisson, double dt, double ratio, int count)
+{
+    setup s;
+    setup_bar(&s, young, poisson);
+    s.plan.gravity[2] = -9.81;
+    double density[BAR_NODES];
+    assert_int_equal(s.mesh->node_count, BAR_NODES);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        density[i] = i % 2 == 0 ? 1000.0 : 1000.0 * ratio;
+    }
+    s.param[SS_COROT_DENSITY] = (ss_param_value){.per_node = density, .is_given = true};
+    create(&s);
+    for (int k = 0; k < count; ++k) {
+        steps(&s, 1, dt);
+        assert_true(largest(&s) < 0.3);
+        assert_int_equal(info_of(&s).fault_bits & SS_MODEL_FAULT_NOT_FINITE, 0);
+    }
+    setup_fini(&s);
+}
+
+static void stays_bounded_at_any_step_stiffness_and_mass(void **state)
+{
+    (void)state;
+    stays_bounded(1e4, 0.45, 1.0, 1.0, 10);
+    stays_bounded(1e4, 0.45, 1e-6, 1.0, 10);
+    stays_bounded(1e13, 0.45, 1e-3, 1.0, 10);
+    stays_bounded(1e4, 0.4999, 1e-3, 1.0, 10);
+    stays_bounded(1e4, 0.45, 1e-3, 1e-6, 10);
+    stays_bounded(1e5, 0.45, 1e-2, 1e3, 10);
+}
+
+static void scrambled(const double x[3], double out_u[3])
+{
+    (void)x;
+    for (int k = 0; k < 3; ++k) {
+        out_u[k] = 0.08 * random_unit();
+    }
+}
+
+static void mirrored(const double x[3], double out_u[3])
+{
+    ss_set3(out_u, -2.0 * x[0], 0.0, 0.0);
+}
+
+static void flattened(const double x[3], double out_u[3])
+{
+    ss_set3(out_u, -x[0], 0.0, 0.0);
+}
+
+static void comes_back(void (*from)(const double x[3], double out_u[3]))
+{
+    setup s;
+    setup_bar(&s, 1e4, 0.45);
+    give(&s, SS_COROT_MASS_DAMPING, 5.0);
+    create(&s);
+    place(&s, from);
+    steps(&s, 1, 1e-9);
+    const double before = energy_of(&s);
+    double last = before;
+    int guarded = info_of(&s).verdict != SOFTSIM_VERDICT_GOOD;
+    for (int k = 0; k < 100; ++k) {
+        steps(&s, 1, 0.01);
+        const double energy = energy_of(&s);
+        assert_true(energy <= last + 0.02 * before);
+        last = energy;
+        guarded += info_of(&s).verdict != SOFTSIM_VERDICT_GOOD;
+    }
+    steps(&s, 50, 0.1);
+    assert_true(guarded > 0);
+    assert_true(energy_of(&s) < 1e-6 * before);
+    assert_true(largest(&s) < 1e-4);
+    assert_int_equal(s.model->inverted_count, 0);
+    setup_fini(&s);
+}
+
+static void comes_back_from_anything(void **state)
+{
+    (void)state;
+    random_state = 3;
+    comes_back(scrambled);
+    comes_back(mirrored);
+    comes_back(flattened);
+}
+
+static void never_makes_energy(void **state)
+{
+    (void)state;
+    static const double dt[] = {1e-4, 1e-3, 1e-2};
+    for (int k = 0; k < 3; ++k) {
+        setup s;
+        setup_bar(&s, 1e4, 0.45);
+        s.plan.gravity[2] = -9.81;
+        create(&s);
+        const double scale = 1.3e-3; /* J: the weight of 128 g over a millimetre */
+        for (int n = 0; n < 100; ++n) {
+            steps(&s, 1, dt[k]);
+            const ss_model_info info = info_of(&s);
+            const double gain = info.elastic + info.kinetic + info.dissipated - info.work;
+            assert_true(fabs(gain) < 0.01 * scale);
+            assert_int_equal(info.fault_bits, 0);
+        }
+        setup_fini(&s);
+    }
+}
+
+static void viscosity_and_mass_damping_dissipate(void **state)
+{
+    (void)state;
+    static const int row[] = {SS_COROT_MASS_DAMPING, SS_COROT_STIFFNESS_DAMPING,
+                              SS_COROT_VISCOSITY_PSI};
+    static const double value[] = {20.0, 0.02, 100.0};
+    double left[4];
+    for (int k = 0; k < 4; ++k) {
+        setup s;
+        setup_bar(&s, 1e4, 0.3);
+        if (k < 3) {
+            give(&s, row[k], value[k]);
+        }
+        s.plan.gravity[2] = -1.0;
+        create(&s);
+        steps(&s, 200, 1e-3);
+        left[k] = info_of(&s).kinetic;
+        setup_fini(&s);
+    }
+    for (int k = 0; k < 3; ++k) {
+        assert_true(left[k] < 0.5 * left[3]);
+    }
+}
+
+/* ---- contact ------------------------------------------------------------------------------ */
+
+static void setup_press(setup *s, double stiffness)
+{
+    setup_bar(s, 1e4, 0.4);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][2] < 1e-9 ? 7 : 0;
+    }
+    s->plan.tool[0] =
+        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    s->plan.contact_stiffness = stiffness;
+    create(s);
+}
+
+/* Presses the top's middle down to `depth`, in steps of 1 ms at 0.1 m/s, and stays. */
+static void press(setup *s, double depth, int count)
+{
+    ss_model_tool *tool = &s->tool[0];
+    const double start = 0.04 + 0.015 + 0.001;
+    for (int k = 0; k < count; ++k) {
+        const double z = start - fmin(depth + 0.001, 1e-4 * (k + 1));
+        tool->from =
+            tool->is_present ? tool->to : (ss_tool_pose){{0.04, 0.02, start}, {1.0, 0.0, 0.0, 0.0}};
+        tool->to = (ss_tool_pose){{0.04, 0.02, z}, {1.0, 0.0, 0.0, 0.0}};
+        tool->is_present = true;
+        steps(s, 1, 1e-3);
+    }
+}
+
+static void presses_and_is_pressed(void **state)
+{
+    (void)state;
+    double force[2];
+    for (int k = 0; k < 2; ++k) {
+        setup s;
+        setup_press(&s,
+                    k == 0 ? 1e8 : 1e11); /* the second far beyond what an explicit step bears */
+        press(&s, 0.006, 400);
+        ss_contact_set set;
+        double reaction[3];
+        s.class->contacts(s.model, 0, 0.01, &set);
+        s.class->reaction(s.model, -1, reaction);
+        force[k] = set.force[2];
+        assert_true(set.count > 0 && force[k] > 0.1);
+        assert_near(reaction[2], force[k], 0.02 * force[k]);
+        assert_true(set.contact[0].stiffness > force[k] / 0.006);
+        assert_true(set.depth < (k == 0 ? 0.002 : 1e-4));
+        assert_int_equal(info_of(&s).fault_bits, 0);
+        setup_fini(&s);
+    }
+    assert_near(force[0], force[1], 0.3 * force[1]);
+}
+
+static void holds_what_it_grasps(void **state)
+{
+    (void)state;
+    setup s;
+    setup_press(&s, 0.0);
+    press(&s, 0.003, 60);
+    s.tool[0].is_grasping = true;
+    steps(&s, 1, 1e-3);
+    for (int k = 0; k < 60; ++k) { /* up again, 6 mm */
+        s.tool[0].from = s.tool[0].to;
+        s.tool[0].to.position[2] += 1e-4;
+        steps(&s, 1, 1e-3);
+    }
+    s.tool[0].from = s.tool[0].to;
+    steps(&s, 100, 1e-3);
+    ss_contact_set set;
+    s.class->contacts(s.model, 0, 0.01, &set);
+    assert_true(set.is_held);
+    assert_true(set.force[2] < -0.01); /* the tissue pulls it down */
+    setup_fini(&s);
+}
+
+/* ---- what it promises --------------------------------------------------------------------- */
+
+static void same_input_gives_same_bits(void **state)
+{
+    (void)state;
+    uint64_t hash[3];
+    setup s;
+    setup_press(&s, 0.0);
+    for (int k = 0; k < 3; ++k) {
+        if (k == 2) { /* once more after a reset */
+            s.class->reset(s.model);
+        } else if (k == 1) {
+            setup_fini(&s);
+            setup_press(&s, 0.0);
+        }
+        memset(s.tool, 0, sizeof s.tool);
+        s.time = 0.0;
+        press(&s, 0.004, 80);
+        const size_t bytes = (size_t)s.mesh->node_count * 4 * sizeof(ss_real);
+        hash[k] = s.class->hash(s.model, 14695981039346656037u);
+        const unsigned char *u = (const unsigned char *)s.class->displacement(s.model);
+        for (size_t b = 0; b < bytes; ++b) {
+            hash[k] = (hash[k] ^ u[b]) * 0x100000001b3u;
+        }
+    }
+    assert_true(hash[0] == hash[1]);
+    assert_true(hash[0] == hash[2]);
+    setup_fini(&s);
+}
+
+static void says_when_it_was_not_solved(void **state)
+{
+    (void)state;
+    setup s;
+    setup_bar(&s, 1e6, 0.49);
+    s.plan.gravity[2] = -9.81;
+    give(&s, SS_COROT_SOLVER_ITERATIONS, 1.0);
+    give(&s, SS_COROT_NEWTON_ITERATIONS, 1.0);
+    create(&s);
+    steps(&s, 1, 0.01);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(info_of(&s).reason, "not solved"));
+    assert_true(largest(&s) < 0.1);
+    setup_fini(&s);
+}
+
+static void refuse(setup *s, const char *words)
+{
+    assert_int_equal(s->class->create(&s->plan, &s->model, &s->error), SOFTSIM_ERROR_SCENE);
+    assert_non_null(strstr(s->error.text, words));
+    setup_fini(s);
+}
+
+static void refuses_what_it_cannot_honour(void **state)
+{
+    (void)state;
+    setup s;
+    setup_bar(&s, 1e4, 0.3);
+    give(&s, SS_COROT_MATERIAL, SS_TISSUE_NEO_HOOKEAN);
+    refuse(&s, "use the model fem");
+    setup_bar(&s, 1e4, 0.3);
+    s.param[SS_COROT_POISSON_RATIO].is_given = false;
+    refuse(&s, "one pair");
+    setup_bar(&s, 1e4, 0.3);
+    give(&s, SS_COROT_LAME_MU, 1e3);
+    refuse(&s, "one pair");
+    setup_bar(&s, 1e4, 0.3);
+    s.param[SS_COROT_YOUNGS_MODULUS].is_given = s.param[SS_COROT_POISSON_RATIO].is_given = false;
+    give(&s, SS_COROT_LAME_MU, 1e3);
+    give(&s, SS_COROT_LAME_LAMBDA, -1e3);
+    refuse(&s, "no stable");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turns_by_the_nearest_rotation),
+        cmocka_unit_test(force_is_the_gradient_of_the_energy),
+        cmocka_unit_test(tangent_is_symmetric_and_positive),
+        cmocka_unit_test(rest_stays_rest),
+        cmocka_unit_test(a_turned_body_is_at_rest),
+        cmocka_unit_test(free_fall_is_exact),
+        cmocka_unit_test(settles_where_the_static_solution_is),
+        cmocka_unit_test(bends_as_the_reference_beam),
+        cmocka_unit_test(driven_nodes_arrive_and_push_back),
+        cmocka_unit_test(elements_differ_in_stiffness),
+        cmocka_unit_test(stays_bounded_at_any_step_stiffness_and_mass),
+        cmocka_unit_test(comes_back_from_anything),
+        cmocka_unit_test(never_makes_energy),
+        cmocka_unit_test(viscosity_and_mass_damping_dissipate),
+        cmocka_unit_test(presses_and_is_pressed),
+        cmocka_unit_test(holds_what_it_grasps),
+        cmocka_unit_test(same_input_gives_same_bits),
+        cmocka_unit_test(says_when_it_was_not_solved),
+        cmocka_unit_test(refuses_what_it_cannot_honour),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
