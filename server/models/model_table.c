@@ -18,6 +18,8 @@ extern const ss_model_class ss_model_mass_spring;
 #endif
 #ifdef SS_MODEL_CNN_CHAINMAIL
 extern const ss_model_class ss_model_cnn_chainmail;
+#ifdef SS_MODEL_HYBRID
+extern const ss_model_class ss_model_hybrid;
 #endif
 
 static const ss_model_class *const table[] = {
@@ -35,6 +37,8 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_CNN_CHAINMAIL
     &ss_model_cnn_chainmail,
+#ifdef SS_MODEL_HYBRID
+    &ss_model_hybrid,
 #endif
     NULL};
 
