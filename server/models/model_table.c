@@ -7,24 +7,28 @@
 #ifdef SS_MODEL_CNN_ENERGY
 extern const ss_model_class ss_model_cnn_energy;
 #endif
+#ifdef SS_MODEL_CNN_CHAINMAIL
+extern const ss_model_class ss_model_cnn_chainmail;
+#endif
 #ifdef SS_MODEL_COROTATIONAL
 extern const ss_model_class ss_model_corotational;
 #endif
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
-#ifdef SS_MODEL_MASS_SPRING
-extern const ss_model_class ss_model_mass_spring;
-#endif
-#ifdef SS_MODEL_CNN_CHAINMAIL
-extern const ss_model_class ss_model_cnn_chainmail;
 #ifdef SS_MODEL_HYBRID
 extern const ss_model_class ss_model_hybrid;
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+extern const ss_model_class ss_model_mass_spring;
 #endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
     &ss_model_cnn_energy,
+#endif
+#ifdef SS_MODEL_CNN_CHAINMAIL
+    &ss_model_cnn_chainmail,
 #endif
 #ifdef SS_MODEL_COROTATIONAL
     &ss_model_corotational,
@@ -32,13 +36,11 @@ static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
 #endif
-#ifdef SS_MODEL_MASS_SPRING
-    &ss_model_mass_spring,
-#endif
-#ifdef SS_MODEL_CNN_CHAINMAIL
-    &ss_model_cnn_chainmail,
 #ifdef SS_MODEL_HYBRID
     &ss_model_hybrid,
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+    &ss_model_mass_spring,
 #endif
     NULL};
 

@@ -25,6 +25,7 @@ static const double step_s = 1e-3;
 static const double damping_share = 1.4;
 static const double still_omega = 60.0; /* 1/s: of a model that has no motion of its own */
 static const int32_t fit_most = 60;
+static const double fit_share = 0.04; /* of a level's time for each of them */
 static const double pi = 3.14159265358979;
 
 typedef struct work {
@@ -37,8 +38,9 @@ typedef struct work {
     ss_accuracy_body size;
     ss_accuracy_knobs knobs;
     double omega;
-    char folder[64]; /* temporary */
-    int32_t first;   /* level of the material */
+    char folder[64];      /* temporary */
+    int32_t first;        /* level of the material */
+    double longest_cpu_s; /* of a run */
     bool is_calibrated;
     softsim_error *error;
     softsim_status status;
@@ -106,7 +108,7 @@ static softsim_status run_level(work *w, double level, ss_static_run *out)
                                  .level = level,
                                  .omega = w->omega,
                                  .step_s = step_s,
-                                 .longest_cpu_s = w->plan->longest_cpu_s};
+                                 .longest_cpu_s = w->longest_cpu_s};
     const softsim_status status = ss_static_execute(&plan, out, w->error);
     free(text);
     return status;
@@ -229,12 +231,14 @@ static softsim_status calibrate(work *w)
         simplex.high[k] = log(w->model->free[k].high);
         x[k] = log(w->model->free[k].start);
     }
+    w->longest_cpu_s = fit_share * w->plan->longest_cpu_s;
     if (simplex.count > 0) {
         const double error = ss_simplex_minimise(&simplex, x);
         w->is_calibrated = isfinite(error);
         set_free(w, x);
     }
     fit_scale(w);
+    w->longest_cpu_s = w->plan->longest_cpu_s;
     return w->status;
 }
 
@@ -378,7 +382,11 @@ static void begin(work *w, const ss_accuracy_plan *plan, int32_t index, softsim_
 {
     const ss_accuracy_job *job = &plan->job[index];
     int32_t count = 0;
-    *w = (work){.plan = plan, .job = job, .c = &plan->c[job->case_index], .error = error};
+    *w = (work){.plan = plan,
+                .job = job,
+                .c = &plan->c[job->case_index],
+                .longest_cpu_s = plan->longest_cpu_s,
+                .error = error};
     w->model = ss_accuracy_model_find(job->model);
     w->mesh = &ss_case_meshes(w->c, w->model != NULL && w->model->on_surface, &count)[job->mesh];
     while (job->material >= 0 && w->first < w->c->level_count &&

@@ -116,10 +116,46 @@ static void keep_reason(const softsim_error *refusal, char out[320])
     snprintf(out, 320, "refused: %.*s", (int)strcspn(text, "\n"), text);
 }
 
-/* NULL when refused, with the reason. */
+static softsim_status no_memory(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    return SOFTSIM_ERROR_MEMORY;
+}
+
+/* A world may have nodes of its own behind the body's (a layer's); those of the body must be where
+ * they were written. Closes it when they are not. */
+static softsim_status check_nodes(const ss_static_plan *plan, softsim_world **world,
+                                  int32_t *out_count, char out_verdict[320], softsim_error *error)
+{
+    const ss_mesh *mesh = plan->body->mesh;
+    const double near = 1e-5 * ss_mesh_diagonal(mesh);
+    softsim_state state;
+    softsim_read(*world, &state);
+    double(*position)[3] = calloc((size_t)state.node_count + 1, sizeof *position);
+    if (position == NULL) {
+        softsim_destroy(world);
+        return no_memory(error);
+    }
+    softsim_read_nodes(*world, position, NULL, NULL);
+    bool is_same = state.node_count >= mesh->node_count;
+    for (int32_t i = 0; i < mesh->node_count && is_same; ++i) {
+        double d[3];
+        ss_sub3(d, position[i], mesh->position[i]);
+        is_same = ss_norm3(d) <= near;
+    }
+    free(position);
+    *out_count = state.node_count;
+    if (!is_same) {
+        snprintf(out_verdict, 320, "refused: the world's nodes are not those of the mesh");
+        softsim_destroy(world);
+    }
+    return SOFTSIM_OK;
+}
+
+/* NULL when refused, with the reason. *out_count: the world's nodes, the body's first. */
 static softsim_status open_world(const ss_static_plan *plan, double level, const double gravity[3],
-                                 double ramp_s, softsim_world **out_world, char out_verdict[320],
-                                 softsim_error *error)
+                                 double ramp_s, softsim_world **out_world, int32_t *out_count,
+                                 char out_verdict[320], softsim_error *error)
 {
     char path[PATH_SIZE];
     softsim_error refusal = {.status = SOFTSIM_OK};
@@ -134,14 +170,9 @@ static softsim_status open_world(const ss_static_plan *plan, double level, const
     *out_world = softsim_create(path, &config, &refusal);
     if (*out_world == NULL) {
         keep_reason(&refusal, out_verdict);
+        return SOFTSIM_OK;
     }
-    return SOFTSIM_OK;
-}
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
+    return check_nodes(plan, out_world, out_count, out_verdict, error);
 }
 
 static softsim_status stopped(softsim_error *error)
@@ -340,33 +371,39 @@ static softsim_status settle(settling *s, ss_static_run *out, softsim_error *err
     return SOFTSIM_OK;
 }
 
+/* What a run that was not refused needs. */
+static softsim_status begin_settling(settling *s, int32_t nodes, softsim_error *error)
+{
+    const double longest = longest_phase / (s->plan->omega * s->plan->step_s) + 1000.0;
+    s->look_every = 1;
+    s->u = calloc((size_t)nodes, sizeof *s->u);
+    s->before = calloc((size_t)nodes, sizeof *s->before);
+    return s->u != NULL && s->before != NULL &&
+                   ss_samples_init(&s->step_us, (int64_t)fmin(longest, 4e6))
+               ? SOFTSIM_OK
+               : no_memory(error);
+}
+
 softsim_status ss_static_execute(const ss_static_plan *plan, ss_static_run *out,
                                  softsim_error *error)
 {
     double gravity[3];
-    const int32_t n = plan->body->mesh->node_count;
-    const double longest = longest_phase / (plan->omega * plan->step_s) + 1000.0;
+    int32_t nodes = 0;
     *out = (ss_static_run){.to_1pct_ms = (double)NAN};
     ss_scale3(gravity, plan->c->gravity, plan->level);
     settling *s = calloc(1, sizeof *s);
-    out->u = calloc((size_t)n, sizeof *out->u);
-    if (s == NULL || out->u == NULL) {
-        free(s);
+    if (s == NULL) {
         return no_memory(error);
     }
-    *s = (settling){.plan = plan, .u = out->u, .look_every = 1};
-    s->before = calloc((size_t)n, sizeof *s->before);
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (s->before == NULL || !ss_samples_init(&s->step_us, (int64_t)fmin(longest, 4e6))) {
-        no_memory(error);
-    } else {
-        status = open_world(plan, plan->level, gravity, ramp_phase / plan->omega, &s->world,
-                            out->verdict, error);
-    }
+    s->plan = plan;
+    softsim_status status = open_world(plan, plan->level, gravity, ramp_phase / plan->omega,
+                                       &s->world, &nodes, out->verdict, error);
     out->is_refused = status == SOFTSIM_OK && s->world == NULL;
     if (status == SOFTSIM_OK && s->world != NULL) {
-        status = settle(s, out, error);
+        status = begin_settling(s, nodes, error);
+        status = status == SOFTSIM_OK ? settle(s, out, error) : status;
     }
+    out->u = s->u;
     softsim_destroy(&s->world);
     for (int32_t k = 0; k < s->look_count; ++k) {
         free(s->look[k].u);
@@ -447,32 +484,39 @@ static softsim_status fly(const ss_static_plan *plan, pilot *p, softsim_world *w
     return SOFTSIM_OK;
 }
 
+static softsim_status begin_pilot(pilot *p, const ss_case_body *body, int32_t nodes,
+                                  softsim_error *error)
+{
+    const size_t n = (size_t)nodes;
+    p->u = calloc(n, sizeof *p->u);
+    p->integral = calloc(n, sizeof *p->integral);
+    p->sum = calloc(n, sizeof *p->sum);
+    p->moment = calloc(n, sizeof *p->moment);
+    p->is_driven = calloc(n, 1);
+    if (!p->u || !p->integral || !p->sum || !p->moment || !p->is_driven) {
+        return no_memory(error);
+    }
+    for (int32_t i = 0; i < body->pushed_count; ++i) {
+        p->is_driven[body->pushed[i]] = 1;
+    }
+    return SOFTSIM_OK;
+}
+
 softsim_status ss_static_measure(const ss_static_plan *plan, double *out_omega,
                                  softsim_error *error)
 {
-    const size_t n = (size_t)plan->body->mesh->node_count;
     double gravity[3];
     char verdict[320];
+    int32_t nodes = 0;
     softsim_world *world = NULL;
-    pilot p = {.u = calloc(n, sizeof *p.u),
-               .integral = calloc(n, sizeof *p.integral),
-               .sum = calloc(n, sizeof *p.sum),
-               .moment = calloc(n, sizeof *p.moment),
-               .is_driven = calloc(n, 1)};
-    softsim_status status = SOFTSIM_OK;
+    pilot p = {.u = NULL};
     *out_omega = (double)NAN;
     ss_scale3(gravity, plan->c->gravity, pilot_share * plan->level);
-    if (!p.u || !p.integral || !p.sum || !p.moment || !p.is_driven) {
-        status = no_memory(error);
-    } else {
-        for (int32_t i = 0; i < plan->body->pushed_count; ++i) {
-            p.is_driven[plan->body->pushed[i]] = 1;
-        }
-        status = open_world(plan, pilot_share * plan->level, gravity, plan->step_s, &world, verdict,
-                            error);
-    }
+    softsim_status status = open_world(plan, pilot_share * plan->level, gravity, plan->step_s,
+                                       &world, &nodes, verdict, error);
     if (status == SOFTSIM_OK && world != NULL) {
-        status = fly(plan, &p, world, out_omega, error);
+        status = begin_pilot(&p, plan->body, nodes, error);
+        status = status == SOFTSIM_OK ? fly(plan, &p, world, out_omega, error) : status;
     }
     softsim_destroy(&world);
     free(p.u);
@@ -492,11 +536,15 @@ softsim_status ss_static_swing(const ss_static_plan *plan, const double gravity[
     static const char *const names[] = {"good", "guarded", "degraded", "fault"};
     softsim_world *world = NULL;
     softsim_state state;
-    double(*u)[3] = calloc((size_t)plan->body->mesh->node_count, sizeof *u);
+    double(*u)[3] = NULL;
+    int32_t nodes = 0;
     *out_count = 0;
     softsim_status status =
-        u == NULL ? no_memory(error)
-                  : open_world(plan, plan->level, gravity, 0.0, &world, out_verdict, error);
+        open_world(plan, plan->level, gravity, 0.0, &world, &nodes, out_verdict, error);
+    if (status == SOFTSIM_OK && world != NULL) {
+        u = calloc((size_t)nodes, sizeof *u);
+        status = u != NULL ? SOFTSIM_OK : no_memory(error);
+    }
     while (status == SOFTSIM_OK && world != NULL && *out_count < count) {
         tick(world);
         softsim_read_nodes(world, NULL, u, NULL);

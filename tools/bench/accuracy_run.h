@@ -39,7 +39,7 @@ typedef struct ss_static_plan {
 typedef struct ss_static_run {
     bool is_refused; /* `verdict` says why */
     bool is_good;    /* the fields below mean something: neither refused nor diverged */
-    double (*u)[3];  /* m, in the body's order */
+    double (*u)[3];  /* m, in the body's order; NULL when refused */
     double force[3]; /* of the tool on the tissue, N; 0 without pushed nodes */
     double p50_us, p99_us, dt_s;
     double to_1pct_ms; /* thread CPU time until within 1 % of the last field; NaN: never */
