@@ -278,6 +278,10 @@ static uint64_t hash_plan(const ss_world *world)
         if (value->per_node) {
             hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
         }
+        if (value->by_element) {
+            hash = ss_world_fnv(hash, value->by_element,
+                                (size_t)ss_mesh_element_count(mesh) * sizeof *value->by_element);
+        }
         hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
         if (value->per_element) {
             hash = ss_world_fnv(hash, value->per_element,

@@ -72,7 +72,7 @@ static void reported_step_is_not_beyond_the_largest(void **state)
         assert_true(reported <= largest * (1.0 + 1e-4));
         assert_true(reported >= 0.97 * largest);
         assert_true(bound <= largest * (1.0 + 1e-5));
-        assert_true(bound >= (k < 3 ? 0.5 : 0.2) * largest);
+        assert_true(bound >= (k < 3 ? 0.55 : 0.4) * largest);
         setup_fini(&s);
     }
 }

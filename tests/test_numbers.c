@@ -321,6 +321,13 @@ static void write_files(const char *name, const ss_mesh *mesh)
         fprintf(file, "%d,%d,1,0\n", e, e);
     }
     fclose(file);
+    snprintf(text, sizeof text, "%s.stiff.csv", name);
+    file = open_file(text);
+    fprintf(file, "element,value\n");
+    for (int32_t e = elements - 1; e >= 0; --e) {
+        fprintf(file, "%d,%.17g\n", e, 2.0 + 1e-3 * e);
+    }
+    fclose(file);
     snprintf(text, sizeof text, "%s.lift.csv", name);
     file = open_file(text);
     fprintf(file, "node,ux,uy,uz\n");
@@ -333,8 +340,14 @@ static void write_files(const char *name, const ss_mesh *mesh)
 static const ss_param_row jelly_row[] = {
     {.name = "rho", .kind = SS_PARAM_FIELD, .max = 10, .fallback = 1, .help = "conductance"},
     {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
+    {.name = "stiff",
+     .kind = SS_PARAM_FIELD,
+     .max = 10,
+     .takes_elements = true,
+     .fallback = 1,
+     .help = "stiffness"},
 };
-static const ss_scene_model jelly = {.name = "jelly", .row = jelly_row, .row_count = 2};
+static const ss_scene_model jelly = {.name = "jelly", .row = jelly_row, .row_count = 3};
 
 static void a_scene_is_renumbered_with_its_mesh(void **state)
 {
@@ -346,7 +359,8 @@ static void a_scene_is_renumbered_with_its_mesh(void **state)
         static const char text[] =
             "softsim: 1\nobject: {mesh: s.msh, units: m, fixed: [{nodes: [3, 5, 8]}, {group: even, "
             "axes: y}]}\n"
-            "model: {name: jelly, rho: {file: s.msh.rho.csv}, grain: {file: s.msh.grain.csv}}\n"
+            "model: {name: jelly, rho: {file: s.msh.rho.csv}, grain: {file: s.msh.grain.csv}, "
+            "stiff: {file: s.msh.stiff.csv}}\n"
             "loads: [{nodes: [100, 7, 31], force_n: [0, 0, 1]}]\n"
             "prescribed: [{displacement_file: s.msh.lift.csv}]\n";
         ss_scene *s = NULL;
@@ -371,6 +385,8 @@ static void a_scene_is_renumbered_with_its_mesh(void **state)
         for (int32_t e = 0; e < ss_mesh_element_count(s->mesh); ++e) {
             const double f = s->mesh->file_element[e];
             assert_true(fabs(s->param[1].per_element[e][0] - f / sqrt(f * f + 1.0)) < 1e-15);
+            assert_null(s->param[2].per_node);
+            assert_true(s->param[2].by_element[e] == 2.0 + 1e-3 * f);
         }
         const ss_mesh_group *group = &s->mesh->group[0];
         assert_int_equal(group->node_count, (s->mesh->node_count + 1) / 2);
@@ -387,6 +403,44 @@ static void a_scene_is_renumbered_with_its_mesh(void **state)
             assert_true(s->prescribed[0].displacement[i][2] == 1e-5 * (20 + i));
         }
         ss_scene_destroy(&s);
+    }
+}
+
+/* What is wrong with a file of elements, by line; a row that takes nodes alone says so. */
+static void element_files_are_read_with_care(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file, *key, *message;
+    } rows[] = {
+        {"element,value\n0,1\n", "stiff", "gives no value to"},
+        {"element,value\n0,1\n0,2\n", "stiff", "bad.csv:3: error: element 0 is given twice"},
+        {"element,value\n99999,1\n", "stiff", "bad.csv:2: error: there is no element 99999"},
+        {"element,value\n0,11\n", "stiff", "bad.csv:2: error: the value"},
+        {"element,value\n0\n", "stiff", "not two cells; each row is element,value"},
+        {"tet,value\n", "stiff", "it must be node,value or element,value"},
+        {"element,value\n0,1\n", "rho", "it must be node,value"},
+    };
+    ss_mesh *mesh = make_scattered(TRIANGLES);
+    write_files("s.msh", mesh);
+    ss_mesh_destroy(&mesh);
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        char text[160];
+        ss_scene *s = NULL;
+        FILE *file = open_file("bad.csv");
+        fputs(rows[k].file, file);
+        fclose(file);
+        snprintf(text, sizeof text,
+                 "softsim: 1\nobject: {mesh: s.msh, units: m}\n"
+                 "model: {name: jelly, %s: {file: bad.csv}}\n",
+                 rows[k].key);
+        error = (softsim_error){0};
+        assert_int_not_equal(ss_scene_load_text(in_folder("s.yaml"), text, strlen(text), NULL, 0,
+                                                &jelly, 1, NULL, &s, &error),
+                             SOFTSIM_OK);
+        if (!strstr(error.text, rows[k].message)) {
+            fail_msg("'%s' does not say '%s'", error.text, rows[k].message);
+        }
     }
 }
 
@@ -537,6 +591,7 @@ int main(void)
         cmocka_unit_test(blocks_have_few_neighbours_outside),
         cmocka_unit_test(numbers_that_are_right_already_have_no_map),
         cmocka_unit_test(a_scene_is_renumbered_with_its_mesh),
+        cmocka_unit_test(element_files_are_read_with_care),
         cmocka_unit_test(a_shuffled_file_gives_the_same_body_in_its_own_numbers),
     };
     return cmocka_run_group_tests_name("numbers", tests, make_folder, remove_folder);

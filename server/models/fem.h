@@ -33,8 +33,8 @@ enum {
     SS_FEM_ROW_COUNT
 };
 
-/* The first rows of a model's table of parameters. */
-#define SS_FEM_ROWS                                                                                \
+/* Elasticity and density: the first rows of every table of parameters of tetrahedra. */
+#define SS_FEM_SOLID_ROWS                                                                          \
     [SS_FEM_MATERIAL] = {.name = "material",                                                       \
                          .kind = SS_PARAM_CHOICE,                                                  \
                          .max = SS_TISSUE_KIND_COUNT - 1,                                          \
@@ -42,6 +42,7 @@ enum {
                          .help = "law of the tissue: all agree at small strain"},                  \
     [SS_FEM_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",                                        \
                                .kind = SS_PARAM_FIELD,                                             \
+                               .takes_elements = true,                                             \
                                .max = 1e15,                                                        \
                                .exclusive_min = true,                                              \
                                .fallback = (double)NAN,                                            \
@@ -49,6 +50,7 @@ enum {
                                        "lame_mu_pa; an element takes the mean of its nodes"},      \
     [SS_FEM_POISSON_RATIO] = {.name = "poisson_ratio",                                             \
                               .kind = SS_PARAM_FIELD,                                              \
+                              .takes_elements = true,                                              \
                               .min = -1.0,                                                         \
                               .max = 0.49999,                                                      \
                               .exclusive_min = true,                                               \
@@ -56,28 +58,36 @@ enum {
                               .help = "nu; soft tissue is near 0.5"},                              \
     [SS_FEM_LAMBDA] = {.name = "lame_lambda_pa",                                                   \
                        .kind = SS_PARAM_FIELD,                                                     \
+                       .takes_elements = true,                                                     \
                        .min = -1e15,                                                               \
                        .max = 1e15,                                                                \
                        .fallback = (double)NAN,                                                    \
                        .help = "Lame's first constant, in place of E and nu"},                     \
     [SS_FEM_MU] = {.name = "lame_mu_pa",                                                           \
                    .kind = SS_PARAM_FIELD,                                                         \
+                   .takes_elements = true,                                                         \
                    .max = 1e15,                                                                    \
                    .exclusive_min = true,                                                          \
                    .fallback = (double)NAN,                                                        \
                    .help = "shear modulus, in place of E and nu"},                                 \
     [SS_FEM_DENSITY] = {.name = "density_kg_m3",                                                   \
                         .kind = SS_PARAM_FIELD,                                                    \
+                        .takes_elements = true,                                                    \
                         .max = 1e9,                                                                \
                         .exclusive_min = true,                                                     \
                         .fallback = 1000.0,                                                        \
-                        .help = "mass per volume"},                                                \
+                        .help = "mass per volume"}
+
+/* Damping, time step and cure for locking: the rows that follow where forces are ss_fem's. */
+#define SS_FEM_FORCE_ROWS                                                                          \
     [SS_FEM_PHI] = {.name = "viscosity_phi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
+                    .takes_elements = true,                                                        \
                     .max = 1e12,                                                                   \
                     .help = "viscosity of dilatation"},                                            \
     [SS_FEM_PSI] = {.name = "viscosity_psi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
+                    .takes_elements = true,                                                        \
                     .max = 1e12,                                                                   \
                     .help = "viscosity of shear"},                                                 \
     [SS_FEM_STIFFNESS_DAMPING] = {.name = "stiffness_damping_s",                                   \
@@ -100,6 +110,9 @@ enum {
                              .choices = "auto|none|nodal-pressure",                                \
                              .help = "shares the resistance to dilatation among the elements of "  \
                                      "a node; auto: where Poisson's ratio is above 0.4"}
+
+/* The first rows of a table with all of them. */
+#define SS_FEM_ROWS SS_FEM_SOLID_ROWS, SS_FEM_FORCE_ROWS
 
 /* What the body is made of; one value an element. */
 typedef struct ss_fem_material {
@@ -183,8 +196,9 @@ double ss_fem_rest_step(const ss_fem *fem);
 double ss_fem_step_limit(ss_body_integrator integrator, double rate2, double viscous_time);
 /* Says so to the body where elements are squeezed or turned inside out; after stable_step. */
 void ss_fem_judge(const ss_fem *fem, ss_body *body);
-/* Bytes that a force sweep reads, flops (fused multiply-adds count 2) of an element. */
-void ss_fem_work(const ss_fem *fem, double *out_bytes, double *out_flops);
+/* What a force sweep streams and computes for an element of stvk or stvk-guarded, without a cure:
+ * bytes, and flops (a fused multiply-add counts 2). */
+void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops);
 /* Lines about law, path, cure, step. Thread: set-up only. */
 void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
                     void (*line)(void *sink, const char *text), void *sink);
@@ -193,6 +207,9 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
  */
 
 bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, int32_t padded);
+/* R of every node, N/m: the stiffness of the averaged part is at most that diagonal. */
+bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *setup,
+                          double *out_stiffness);
 void ss_fem_average_fini(ss_fem_average *average);
 /* Pressures of the nodes at `u`; returns their energy, J. */
 double ss_fem_average_update(ss_fem *fem, const ss_real *u);

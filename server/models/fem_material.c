@@ -4,9 +4,9 @@
 /*
  * Material of every element from the scene's rows, and what of it is refused, all in one go.
  *
- * A field has values at nodes; an element takes the mean of its four, so that a boundary between
- * two tissues is as sharp as the mesh. The rows say E and nu or lambda and mu; both must be
- * positive as moduli: mu > 0 and K = lambda + 2/3 mu > 0.
+ * A field has a value for each element, or at nodes: an element then takes the mean of its four, so
+ * that a boundary between two tissues is as sharp as the mesh. The rows say E and nu or lambda and
+ * mu; both must be positive as moduli: mu > 0 and K = lambda + 2/3 mu > 0.
  */
 #include <math.h>
 
@@ -20,12 +20,15 @@
  * neighbouring nodes alternate, more of it locks. */
 #define OWN_SHARE 0.5
 
-/* The mean of the corners. */
+/* Its own, or the mean of the corners. */
 static double element_value(const ss_model_plan *plan, int row, int32_t e)
 {
     const ss_param_value *value = &plan->param[row];
     const int32_t *c = plan->mesh->tetrahedron[e];
     const double *at = value->per_node;
+    if (value->by_element) {
+        return value->by_element[e];
+    }
     return at ? 0.25 * ((at[c[0]] + at[c[1]]) + (at[c[2]] + at[c[3]])) : value->number;
 }
 
@@ -114,7 +117,7 @@ static bool has_viscosity(const ss_model_plan *plan)
     bool is_any = false;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
         const ss_param_value *value = &plan->param[rows[k]];
-        is_any = is_any || value->per_node || value->number > 0.0;
+        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
     }
     return is_any;
 }

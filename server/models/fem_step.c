@@ -42,6 +42,8 @@ enum { MAX_TURNS = 400 };
 #define MARGIN 0.01
 /* A change of the largest strain that is worth a look. */
 #define STRAIN_CHANGE 0.05
+/* A bound that costs more than this of omega^2 is looked at element by element. */
+#define WORTH_LOOKING 1.1
 /* Below this |2E| no element is squeezed to the guard's ratio of volumes: (1 - s/sqrt 3)^3 = J0^2.
  */
 #define UNGUARDED_STRAIN 0.43
@@ -155,8 +157,13 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
 {
     ss_fem_stability *stability = &fem->stability;
     const ss_fem_material *material = setup->material;
+    double most[2] = {0.0, 0.0};
     double *claims = ss_memory_get((size_t)setup->node_count, sizeof *claims);
-    if (!claims) {
+    double *shared = ss_memory_get((size_t)setup->node_count, sizeof *shared);
+    if (!claims || !shared ||
+        (fem->average.modulus && !ss_fem_average_bound(&fem->average, setup, shared))) {
+        ss_memory_free(claims);
+        ss_memory_free(shared);
         return false;
     }
     for (int32_t e = 0; e < setup->mesh->tetrahedron_count; ++e) {
@@ -175,20 +182,30 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
             continue;
         }
         const int32_t *c = setup->mesh->tetrahedron[e];
-        double gradient[4][3], mass[4];
+        double gradient[4][3], mass[4], averaged = 0.0;
         const double volume = element_geometry(setup, e, gradient);
         for (int a = 0; a < 4; ++a) {
             mass[a] = setup->mass[c[a]] * claim(setup, e, volume, gradient[a]) / claims[c[a]];
+            averaged = fmax(averaged, shared[c[a]] / setup->mass[c[a]]);
         }
-        const double rate2 = element_rate2(material->lambda[e], material->mu[e], volume,
+        const double whole = element_rate2(material->lambda[e], material->mu[e], volume,
                                            (const double(*)[3])gradient, mass);
-        stability->bound[k] = (ss_real)rate2;
-        if (rate2 > stability->rest_bound) {
-            stability->rest_bound = rate2;
-            stability->worst = e;
-        }
+        const double own = element_rate2(material->lambda_own[e], material->mu[e], volume,
+                                         (const double(*)[3])gradient, mass);
+        stability->bound[k] = (ss_real)whole;
+        stability->growth[k] = (ss_real)(own + averaged);
+        most[0] = fmax(most[0], whole);
+        most[1] = fmax(most[1], own + averaged);
+    }
+    /* One of the two for all elements: they are two ways of dealing out the same energy. */
+    stability->rest_bound = most[0];
+    if (fem->average.modulus && most[1] < most[0]) {
+        stability->rest_bound = most[1];
+        memcpy(stability->bound, stability->growth,
+               (size_t)fem->blocks.count * SS_FEM_LANES * sizeof(ss_real));
     }
     ss_memory_free(claims);
+    ss_memory_free(shared);
     return true;
 }
 
@@ -360,7 +377,8 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
     /* |F|^2 <= 1 + |D|, tr D <= sqrt 3 |D|, so s/(lambda + 2 mu) <= sqrt 3 / 2 |D| */
     double bound = s->rest_bound * (1.0 + 1.8661 * strain);
     const bool may_turn = strain > TURNING_STRAIN || s->turned > 0;
-    if (may_turn || (has_rule && (bound > 4.0 * s->rate2 || strain > UNGUARDED_STRAIN))) {
+    if (may_turn ||
+        (has_rule && (bound > 4.0 * WORTH_LOOKING * s->rate2 || strain > UNGUARDED_STRAIN))) {
         const double looked = look_at_elements(fem);
         bound = has_rule ? looked : bound;
     } else {

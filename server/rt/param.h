@@ -28,6 +28,7 @@ typedef struct ss_param_row {
     bool exclusive_min;
     bool is_required;
     bool is_live;        /* the command `set` reaches it */
+    bool takes_elements; /* a FIELD whose file may give a value per element instead */
     double fallback;     /* the default; NaN: absent unless given */
     const char *choices; /* "a|b|c" for SS_PARAM_CHOICE */
     const char *help;
@@ -37,6 +38,7 @@ typedef struct ss_param_row {
 typedef struct ss_param_value {
     double number;            /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
     double *per_node;         /* of a FIELD that varies: node_count values; NULL when uniform */
+    double *by_element;       /* of a FIELD by a file of elements; then per_node is NULL */
     double direction[3];      /* of a uniform DIRECTION, a unit vector; 0 when not given */
     double (*per_element)[3]; /* of a DIRECTION by file, unit vectors; NULL when uniform */
     bool is_given;

@@ -593,6 +593,7 @@ ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
                           .max = param->max,
                           .exclusive_min = param->exclusive_min,
                           .is_required = param->is_required,
+                          .takes_elements = param->takes_elements,
                           .fallback = param->fallback,
                           .choices = param->choices,
                           .help = param->help,

@@ -414,38 +414,74 @@ static bool has_all(ss_scene_space *space, ss_scene_node *node, const char *what
     return missing == 0;
 }
 
-static bool read_field_file(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
-                            double *out_value)
+/* The first line is one of the two headers; with the second, *out_is_element. */
+static bool take_field_header(data_file *file, const ss_scene_row *row, bool *out_is_element)
 {
-    data_file file;
-    ss_scene_node *name = ss_scene_node_find(node, "file");
-    memset(space->mask, 0, (size_t)space->mesh->node_count);
-    if (!open_data(&file, space, name)) {
+    if (!row->takes_elements) {
+        return take_header(file, "node,value");
+    }
+    const char *line = next_line(file);
+    *out_is_element = line != NULL && strcmp(line, "element,value") == 0;
+    if (!*out_is_element && (line == NULL || strcmp(line, "node,value") != 0)) {
+        fault_line(file, "the first line is '%.60s'; it must be node,value or element,value",
+                   line != NULL ? line : "");
         return false;
     }
-    char *line = take_header(&file, "node,value") ? next_line(&file) : NULL;
-    for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
+    return true;
+}
+
+/* The rows below the header, one of each of `count` nodes or elements (`what`). */
+static bool read_field_rows(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *name,
+                            data_file *file, const char *what, int32_t count, double *out_value)
+{
+    uint8_t *has = calloc((size_t)count, 1);
+    if (has == NULL) {
+        ss_scene_node_fault(space->report, name, "out of memory");
+        return false;
+    }
+    char *line = next_line(file);
+    for (; line != NULL && file->faults < MAX_FILE_FAULTS; line = next_line(file)) {
         char *cell[MAX_CELLS];
         char why[96];
         if (split(line, cell) != 2) {
-            fault_line(&file, "not two cells; each row is node,value");
+            fault_line(file, "not two cells; each row is %s,value", what);
             continue;
         }
-        const int32_t i = take_node(&file, cell[0]);
+        const int32_t i = take_number(file, cell[0], what, count, has);
         double value = 0;
         if (!ss_scene_read_scalar(row, cell[1], false, &value, why, sizeof why)) {
             char expected[200];
             ss_scene_row one = *row;
             one.kind = SS_SCENE_NUMBER;
             ss_scene_describe(&one, expected, sizeof expected);
-            fault_line(&file, "the value %s; give %s", why, expected);
+            fault_line(file, "the value %s; give %s", why, expected);
         } else if (i >= 0) {
             out_value[i] = value;
         }
     }
-    const bool is_good = file.faults == 0;
+    const bool is_whole = file->faults == 0 && has_all(space, name, what, count, has);
+    free(has);
+    return is_whole;
+}
+
+static bool read_field_file(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
+                            double *out_value, double *out_element, bool *out_is_element)
+{
+    data_file file;
+    ss_scene_node *name = ss_scene_node_find(node, "file");
+    if (!open_data(&file, space, name)) {
+        return false;
+    }
+    bool is_good = take_field_header(&file, row, out_is_element);
+    if (is_good && *out_is_element) {
+        is_good = read_field_rows(space, row, name, &file, "element",
+                                  ss_mesh_element_count(space->mesh), out_element);
+    } else if (is_good) {
+        is_good =
+            read_field_rows(space, row, name, &file, "node", space->mesh->node_count, out_value);
+    }
     close_data(&file);
-    return is_good && has_all(space, name, "node", space->mesh->node_count, space->mask);
+    return is_good;
 }
 
 /* First match wins. */
@@ -480,10 +516,12 @@ static bool read_field_regions(ss_scene_space *space, ss_scene_node *list, doubl
 }
 
 bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
-                         double *out_value)
+                         double *out_value, double *out_element, bool *out_is_element)
 {
-    return node->kind == SS_SCENE_MAP ? read_field_file(space, row, node, out_value)
-                                      : read_field_regions(space, node, out_value);
+    *out_is_element = false;
+    return node->kind == SS_SCENE_MAP
+               ? read_field_file(space, row, node, out_value, out_element, out_is_element)
+               : read_field_regions(space, node, out_value);
 }
 
 bool ss_scene_read_directions(ss_scene_space *space, ss_scene_node *node,

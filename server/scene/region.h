@@ -25,9 +25,11 @@ bool ss_scene_join_path(const char *folder, const char *path, char *out, size_t 
 /* The nodes of the one region among `map`'s keys as 1 in space->mask; how many, or -1 after a
  * fault (also when none is taken). */
 int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map);
-/* A value per node of `row`'s field, given by file or regions; false after a fault. */
+/* A value per node of `row`'s field, given by file or regions; false after a fault. Where the row
+ * takes elements, a file may give a value per element (ss_mesh_element_count) instead: then
+ * *out_is_element is true and out_element (else unused, may be NULL) filled. */
 bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
-                         double *out_value);
+                         double *out_value, double *out_element, bool *out_is_element);
 /* A unit vector per element (ss_mesh_element_count) by file; false after a fault. */
 bool ss_scene_read_directions(ss_scene_space *space, ss_scene_node *node,
                               double (*out_direction)[3]);

@@ -47,6 +47,8 @@ bool ss_scene_renumber(ss_scene *scene)
         ss_param_value *value = &scene->param[i];
         is_done = is_done &&
                   reorder(value->per_node, mesh->file_node, nodes, sizeof *value->per_node) &&
+                  reorder(value->by_element, mesh->file_element, ss_mesh_element_count(mesh),
+                          sizeof *value->by_element) &&
                   reorder(value->per_element, mesh->file_element, ss_mesh_element_count(mesh),
                           sizeof *value->per_element);
     }

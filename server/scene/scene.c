@@ -363,6 +363,26 @@ static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value
     }
 }
 
+/* A value per node, or per element. */
+static void take_field(loader *l, const ss_scene_row *row, ss_scene_node *node,
+                       ss_param_value *value)
+{
+    const ss_mesh *mesh = l->scene->mesh;
+    bool is_element = false;
+    value->per_node = calloc((size_t)mesh->node_count, sizeof *value->per_node);
+    value->by_element = row->takes_elements
+                            ? calloc((size_t)ss_mesh_element_count(mesh), sizeof *value->by_element)
+                            : NULL;
+    if (value->per_node == NULL || (row->takes_elements && value->by_element == NULL)) {
+        fault_memory(l);
+        return;
+    }
+    ss_scene_read_field(&l->space, row, node, value->per_node, value->by_element, &is_element);
+    double **const unused = is_element ? &value->per_node : &value->by_element;
+    free(*unused);
+    *unused = NULL;
+}
+
 /* Rows of the model's table; those that vary over the mesh need it. */
 static void take_parameters(loader *l, bool has_mesh)
 {
@@ -388,12 +408,7 @@ static void take_parameters(loader *l, bool has_mesh)
             char why[96];
             ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
         } else if (has_mesh) {
-            value->per_node = calloc((size_t)scene->mesh->node_count, sizeof *value->per_node);
-            if (value->per_node == NULL) {
-                fault_memory(l);
-                return;
-            }
-            ss_scene_read_field(&l->space, row, node, value->per_node);
+            take_field(l, row, node, value);
         }
     }
 }
@@ -644,6 +659,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
     }
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
         free(scene->param[i].per_node);
+        free(scene->param[i].by_element);
         free(scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {

@@ -92,7 +92,8 @@ static const ss_scene_row values_row[] = {
     {.name = "file",
      .kind = SS_SCENE_FILE,
      .is_required = true,
-     .help = "CSV with the header node,value and a row for every node"},
+     .help = "CSV with the header node,value and a row for every node; for "
+             "material of tetrahedra also element,value"},
 };
 const ss_scene_table ss_scene_values = TABLE(values_row);
 

@@ -42,6 +42,7 @@ struct ss_scene_row {
     double min, max;  /* of each number */
     bool exclusive_min;
     bool is_required;
+    bool takes_elements;  /* FIELD: a file may have the header element,value */
     char one_of;          /* keys of a table with the same letter: A..Z exactly one of them must be
                              given, a..z at most one; 0: independent */
     const char *needs;    /* a key of the same mapping without which this one means nothing */
