@@ -136,6 +136,20 @@ static softsim_status create_layer(ss_hybrid *hybrid, const ss_model_plan *plan,
     return status;
 }
 
+static double mean_skin_edge(const ss_mesh *mesh)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            double d[3];
+            ss_sub3(d, mesh->position[mesh->triangle[t][k]],
+                    mesh->position[mesh->triangle[t][(k + 1) % 3]]);
+            sum += ss_norm3(d);
+        }
+    }
+    return sum / (3.0 * mesh->triangle_count);
+}
+
 static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *plan,
                                       softsim_error *error)
 {
@@ -173,6 +187,7 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
     memcpy(hybrid->material.lambda_own, hybrid->material.lambda,
            (size_t)plan->mesh->tetrahedron_count * sizeof(double));
     hybrid->material.is_averaged = false;
+    hybrid->skin_edge = mean_skin_edge(plan->mesh);
     hybrid->least_spacing = coarsest;
     for (int32_t p = 0; p < layer->count; ++p) {
         hybrid->least_spacing = fmin(hybrid->least_spacing, layer->spacing[p]);
@@ -180,32 +195,10 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
     return SOFTSIM_OK;
 }
 
-/* Blocks of the core, and what each element stands for: itself and the layer that it is host of. */
 static bool create_core(ss_hybrid *hybrid)
 {
     const ss_mesh *mesh = hybrid->mesh;
-    const ss_layer *layer = hybrid->layer;
     const size_t elements = (size_t)mesh->tetrahedron_count;
-    hybrid->volume = ss_memory_get(elements, sizeof *hybrid->volume);
-    hybrid->rest_volume = ss_memory_get(elements, sizeof *hybrid->rest_volume);
-    hybrid->lane = ss_memory_get(elements, sizeof *hybrid->lane);
-    double *share = ss_memory_get(elements, sizeof *share);
-    const bool has_memory = hybrid->volume != NULL && hybrid->rest_volume != NULL &&
-                            hybrid->lane != NULL && share != NULL;
-    for (int32_t e = 0; has_memory && e < mesh->tetrahedron_count; ++e) {
-        const int32_t *c = mesh->tetrahedron[e];
-        double gradient[4][3];
-        share[e] = ss_tetrahedron_gradients(mesh->position[c[0]], mesh->position[c[1]],
-                                            mesh->position[c[2]], mesh->position[c[3]], gradient);
-        hybrid->volume[e] = share[e];
-    }
-    for (int32_t p = 0; has_memory && p < layer->own_count; ++p) {
-        hybrid->volume[layer->host[p]] += layer->volume[p];
-    }
-    for (int32_t e = 0; has_memory && e < mesh->tetrahedron_count; ++e) {
-        hybrid->rest_volume[e] = hybrid->volume[e];
-        share[e] = hybrid->volume[e] / share[e];
-    }
     const ss_fem_stuff stuff = {.node_count = mesh->node_count,
                                 .element_count = mesh->tetrahedron_count,
                                 .position = (const double(*)[3])mesh->position,
@@ -214,57 +207,40 @@ static bool create_core(ss_hybrid *hybrid)
                                 .lambda = hybrid->material.lambda,
                                 .mu = hybrid->material.mu,
                                 .phi = hybrid->material.phi,
-                                .psi = hybrid->material.psi,
-                                .volume_share = share};
-    const bool is_good = has_memory && ss_fem_blocks_create(&stuff, &hybrid->core);
-    for (int32_t k = 0; is_good && k < hybrid->core.count * SS_FEM_LANES; ++k) {
-        if (hybrid->core.element[k] >= 0) {
-            hybrid->lane[hybrid->core.element[k]] = k;
+                                .psi = hybrid->material.psi};
+    hybrid->volume = ss_memory_get(elements, sizeof *hybrid->volume);
+    hybrid->lane = ss_memory_get(elements, sizeof *hybrid->lane);
+    if (hybrid->volume == NULL || hybrid->lane == NULL ||
+        !ss_fem_blocks_create(&stuff, &hybrid->core)) {
+        return false;
+    }
+    for (int32_t k = 0; k < hybrid->core.count * SS_FEM_LANES; ++k) {
+        const int32_t e = hybrid->core.element[k];
+        if (e >= 0) {
+            const int32_t *c = mesh->tetrahedron[e];
+            double gradient[4][3];
+            hybrid->lane[e] = k;
+            hybrid->volume[e] =
+                ss_tetrahedron_gradients(mesh->position[c[0]], mesh->position[c[1]],
+                                         mesh->position[c[2]], mesh->position[c[3]], gradient);
         }
     }
-    ss_memory_free(share);
-    return is_good;
+    return true;
 }
 
-/* The law's side of the points: blocks of elements on unit edges, empty so far. */
 static bool create_points(ss_hybrid *hybrid)
 {
     const size_t points = (size_t)hybrid->max_points;
-    const size_t blocks = (points + SS_FEM_LANES - 1) / SS_FEM_LANES;
-    const size_t values = blocks * SS_FEM_LANES;
-    ss_fem_blocks *out = &hybrid->points;
-    *out = (ss_fem_blocks){
-        .element_count = hybrid->max_points,
-        .node_count = 1 + 3 * hybrid->max_points,
-        .node = ss_memory_get(values * 4, sizeof *out->node),
-        .shape = ss_memory_get(values * SS_FEM_SHAPES, sizeof *out->shape),
-        .modulus = ss_memory_get(values * SS_FEM_MODULI, sizeof *out->modulus),
-        .viscosity = hybrid->material.phi != NULL
-                         ? ss_memory_get(values * 2, sizeof *out->viscosity)
-                         : NULL,
-        .kappa = ss_memory_get(values, sizeof *out->kappa),
-        .volume = ss_memory_get(values, sizeof *out->volume),
-        .element = ss_memory_get(values, sizeof *out->element)};
+    const size_t columns = 8 * (1 + 3 * (points + SS_FEM_LANES));
     hybrid->point = ss_memory_get(points, sizeof *hybrid->point);
     hybrid->coefficient = ss_memory_get(2 * points, sizeof *hybrid->coefficient);
-    hybrid->gradient = ss_memory_get(8 * (1 + 3 * values), sizeof *hybrid->gradient);
-    hybrid->stress = ss_memory_get(8 * (1 + 3 * values), sizeof *hybrid->stress);
-    if (out->node == NULL || out->shape == NULL || out->modulus == NULL || out->kappa == NULL ||
-        out->volume == NULL || out->element == NULL ||
-        (hybrid->material.phi != NULL && out->viscosity == NULL) || hybrid->point == NULL ||
-        hybrid->coefficient == NULL || hybrid->gradient == NULL || hybrid->stress == NULL) {
-        return false;
-    }
-    for (size_t k = 0; k < values; ++k) {
-        const size_t b = k / SS_FEM_LANES;
-        const size_t l = k % SS_FEM_LANES;
-        for (size_t a = 0; a < 3; ++a) {
-            out->node[(b * 4 + 1 + a) * SS_FEM_LANES + l] = (int32_t)(8 * (1 + 3 * k + a));
-            out->shape[(b * SS_FEM_SHAPES + 4 * a) * SS_FEM_LANES + l] = 1;
-        }
-        out->element[k] = k < points ? (int32_t)k : -1;
-    }
-    return true;
+    hybrid->gradient = ss_memory_get(columns, sizeof *hybrid->gradient);
+    hybrid->stress = ss_memory_get(columns, sizeof *hybrid->stress);
+    hybrid->spread = ss_memory_get(8 * points, sizeof *hybrid->spread);
+    return hybrid->point != NULL && hybrid->coefficient != NULL && hybrid->gradient != NULL &&
+           hybrid->stress != NULL && hybrid->spread != NULL &&
+           ss_hybrid_create_blocks(hybrid->max_points, hybrid->material.phi != NULL,
+                                   &hybrid->points);
 }
 
 static bool create_particles(ss_hybrid *hybrid)
@@ -317,11 +293,13 @@ static bool create_skin(ss_hybrid *hybrid)
     hybrid->mark = ss_memory_get(nodes, sizeof *hybrid->mark);
     hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
     hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
+    hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
     hybrid->mode = ss_memory_get(4 * nodes, sizeof *hybrid->mode);
     hybrid->product = ss_memory_get(4 * nodes, sizeof *hybrid->product);
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
-        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->mode == NULL ||
+        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
+        hybrid->mode == NULL ||
         hybrid->product == NULL) {
         return false;
     }
@@ -368,17 +346,6 @@ static void hold(ss_hybrid *hybrid, uint8_t *fixed)
                 hybrid->is_held[layer->skin_particle[k]] = 1;
             }
         }
-    }
-}
-
-static void after_substep(void *owner, ss_body *body, double h)
-{
-    ss_hybrid *hybrid = owner;
-    (void)body;
-    (void)h;
-    if (hybrid->is_due) {
-        hybrid->is_due = false;
-        ss_hybrid_wake(hybrid);
     }
 }
 
@@ -437,7 +404,6 @@ static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, 
                                            .diagonal = ss_hybrid_diagonal,
                                            .viscous_time = hybrid->material.viscous_time,
                                            .stable_step = ss_hybrid_stable_step,
-                                           .after_substep = after_substep,
                                            .reset = settle,
                                            .hash = hash_layer},
                                .skin = {.mesh = plan->mesh,
@@ -468,7 +434,6 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
     ss_hybrid_settle(hybrid);
     hybrid->is_all_awake = is_all_awake;
     ss_body_destroy(&hybrid->body);
-    hybrid->skin_u = NULL;
     const double limit = ss_fem_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
                                            hybrid->material.viscous_time);
     status = create_body(hybrid, plan, mass, STEP_SHARE * limit, error);
@@ -496,7 +461,8 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     ss_model_plan own = *plan;
     double *mass = ss_memory_get(nodes + (size_t)hybrid->max_awake, sizeof *mass);
     hybrid->fixed = ss_memory_get(nodes, 1);
-    if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) || !create_points(hybrid) ||
+    if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
+        !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) ||
         !create_particles(hybrid) || !create_skin(hybrid)) {
         ss_memory_free(mass);
         return SOFTSIM_ERROR_MEMORY;
@@ -504,11 +470,7 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     memcpy(hybrid->fixed, plan->fixed, nodes);
     hold(hybrid, hybrid->fixed);
     own.fixed = hybrid->fixed;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            hybrid->shape[k] = &plan->tool[k].shape;
-        }
-    }
+    memcpy(hybrid->shape, plan->tool, sizeof hybrid->shape);
     fill_masses(hybrid, mass);
     status = measure_and_create_body(hybrid, &own, mass, error);
     ss_memory_free(mass);
@@ -527,14 +489,15 @@ static void destroy(ss_model *model)
     ss_fem_blocks_fini(&hybrid->core);
     ss_fem_blocks_fini(&hybrid->points);
     ss_point_grid_fini(&hybrid->grid);
+    ss_hybrid_destroy_cells(hybrid);
     void *const owned[] = {
-        hybrid->lane,     hybrid->rest_volume, hybrid->volume,      hybrid->particle,
+        hybrid->lane, hybrid->volume,      hybrid->particle,
         hybrid->node_of,  hybrid->is_held,     hybrid->offset,      hybrid->point,
-        hybrid->coefficient, hybrid->gradient, hybrid->stress,      hybrid->near,
+        hybrid->coefficient, hybrid->gradient, hybrid->spread, hybrid->stress, hybrid->near,
         hybrid->wanted,   hybrid->idle,        hybrid->drifting,    hybrid->state,
         hybrid->particle_force, hybrid->rider_first, hybrid->rider, hybrid->ride,
         hybrid->riding,   hybrid->riding_at,   hybrid->mark,        hybrid->shown,
-        hybrid->shown_v,  hybrid->distance,    hybrid->found,       hybrid->mode,
+        hybrid->shown_v,  hybrid->laid,  hybrid->distance,    hybrid->found,       hybrid->mode,
         hybrid->product,  hybrid->fixed};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
@@ -560,9 +523,9 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
         return status;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (hybrid->shape[k] != NULL) {
-            hybrid->close_reach[k] = ss_shape_bounding_radius(hybrid->shape[k]) +
-                                     hybrid->sleep_reach + 2.0 * ss_body_mean_edge(plan->mesh);
+        if (hybrid->shape[k].is_used) {
+            hybrid->close_reach[k] =
+                ss_shape_bounding_radius(&hybrid->shape[k].shape) + 3.0 * hybrid->skin_edge;
         }
     }
     *out_model = (ss_model *)hybrid;
@@ -578,9 +541,11 @@ static void step(ss_model *model, double time, double dt,
     ss_hybrid *hybrid = (ss_hybrid *)model;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         hybrid->tool[k] = tool != NULL ? tool[k] : (ss_model_tool){0};
-        hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k] != NULL;
+        hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k].is_used;
     }
-    hybrid->is_due = true;
+    if (ss_hybrid_wake(hybrid)) {
+        ss_body_renew(hybrid->body);
+    }
     ss_body_step(hybrid->body, time, dt, tool);
 }
 
@@ -629,8 +594,9 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     const ss_layer *layer = hybrid->layer;
     char text[256];
     snprintf(text, sizeof text,
-             "layer: %d particles and %d ghosts in the core, spacing %.4g m%s, %d pairs, kernels %s",
-             layer->own_count, layer->count - layer->own_count, layer->spacing[0],
+             "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
+             "kernels %s",
+             layer->own_count, hybrid->cells.count, layer->count - layer->own_count, layer->spacing[0],
              hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
              layer->pair_first[layer->count], hybrid->kernels->name);
     line(sink, text);

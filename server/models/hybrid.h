@@ -69,10 +69,15 @@ typedef struct ss_hybrid {
 
     /* core */
     ss_fem_blocks core;
-    int32_t *lane;       /* by element: 8 block + lane */
-    double *rest_volume; /* m^3 that an element stands for while all sleeps: its own and its part
-                            of the layer's */
-    double *volume;      /* m^3 that it stands for now */
+    int32_t *lane;  /* by element: 8 block + lane */
+    double *volume; /* m^3 that an element stands for: without what its ghosts may take */
+
+    /* the sleeping layer */
+    ss_layer_cells cells;
+    ss_fem_blocks cell_blocks; /* the law's side of the cells */
+    int32_t *cell_of;         /* by particle */
+    double *cell_volume;      /* m^3 that a cell stands for now */
+    double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
 
     /* particles */
     ss_hybrid_particle *particle;
@@ -82,7 +87,7 @@ typedef struct ss_hybrid {
     uint8_t *fixed;   /* of mesh nodes, without the skin */
     ss_real *offset;  /* quads, m: a tied particle that came to rest beside its tie */
     int32_t *point, point_count;
-    ss_real *coefficient, *gradient, *stress; /* as ss_layer_pass has them */
+    ss_real *coefficient, *gradient, *spread, *stress; /* as ss_layer_pass has them */
     ss_fem_blocks points;                     /* the law's side of the points */
     int32_t *near, near_count;
     int32_t *wanted, wanted_count;
@@ -90,7 +95,7 @@ typedef struct ss_hybrid {
     int32_t *drifting, drifting_count; /* particles with an offset */
     ss_real *state, *particle_force;
     int32_t awake_count;
-    bool is_fading; /* a share is not at its target */
+    bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
 
     /* skin */
     int32_t *rider_first, *rider; /* by particle: places in the layer's skin rows that name it */
@@ -100,20 +105,19 @@ typedef struct ss_hybrid {
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
     int32_t turn;                  /* which sleeping skin nodes are laid next */
     bool must_lay;                 /* all of them */
-    const ss_real *skin_u;         /* as laid last; NULL: never */
+    ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    const ss_shape *shape[SOFTSIM_MAX_PROBES];
+    ss_tool_plan shape[SOFTSIM_MAX_PROBES];
     double close_reach[SOFTSIM_MAX_PROBES]; /* m: skin nearer to a tool's origin is always laid */
     double scanned[SOFTSIM_MAX_PROBES][3]; /* m: middle of the tool at rest at the last scan */
     bool was_scanned[SOFTSIM_MAX_PROBES];
     ss_point_grid grid;                    /* of own particles */
     double *distance;                      /* by own particle: to the tools at the last scan, m */
     int32_t *found, found_count;           /* particles in reach at the last scan */
-    bool is_due;                           /* this outer step has not looked yet */
-    double least_spacing;                  /* m */
+    double least_spacing, skin_edge;       /* m; the edge is the mean one of the surface */
 
     /* step bound */
     ss_real *mode, *product;
@@ -130,23 +134,35 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
                      ss_body_energy *out);
 void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out);
 void ss_hybrid_diagonal(void *owner, double *diagonal);
-/* The share of particle p's stiffness that is the layer's; the rest is its host's. */
+/* After a change of cell_volume, of volume. */
+void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c);
+void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e);
+/* The share that p would have with the whole layer awake: the layer's own 1, ghosts less. */
+double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p);
+/* The same with a neighbour of that weight awake, but none nearer. */
+double ss_hybrid_share_beside(double weight);
+/* The share of particle p's stiffness that is the layer's; the rest is its cell's. */
 void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share);
 /* Particle p becomes a point with share 0, or stops being one; its neighbours are near then. */
 void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p);
 void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
-/* Energy that p's whole volume has at displacements u, J: by the layer, and by its host. */
-double ss_hybrid_point_energy(const ss_hybrid *hybrid, int32_t p);
-double ss_hybrid_host_energy(const ss_hybrid *hybrid, int32_t p, const ss_real *u);
 /* Displacement (or velocity) of a tied particle. */
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3]);
+
+/* ---- hybrid_cells.c --------------------------------------------------------------------------- */
+
+/* Cells and their blocks; false when out of memory. Thread: set-up only. */
+bool ss_hybrid_create_cells(ss_hybrid *hybrid);
+void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
+/* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
+bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
 
 /* ---- hybrid_wake.c ---------------------------------------------------------------------------- */
 
 /* All asleep, or all awake where nothing sleeps. */
 void ss_hybrid_settle(ss_hybrid *hybrid);
-/* Once an outer step, between two evaluations of the forces. */
-void ss_hybrid_wake(ss_hybrid *hybrid);
+/* Before every outer step; true when anything changed that forces depend on. */
+bool ss_hybrid_wake(ss_hybrid *hybrid);
 /* Wakes the up to max_awake particles nearest to skin node s, for measuring. */
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s);
 

@@ -4,24 +4,23 @@
 /*
  * One volume, shared by tetrahedra and particles.
  *
- * Every particle p, of the layer or a ghost, stands for a volume V_p, of which the share a_p is
- * integrated by the particle and the rest by its host, the tetrahedron that it lies in or that
- * reaches out to it best:
+ * Every particle p stands for a volume V_p, of which the share a_p is integrated by the particle.
+ * At most that is all of it in the layer, and the collar's share c_p of a ghost, which falls from 1
+ * beside the layer to 0 a cell's diagonal further in. What particles do not integrate now, cells
+ * do, coarse points each with the mean gradient of some tetrahedra (hybrid_cells.c):
  *
- *   E = sum_e V_e W(F_e) + sum_p a_p V_p [W(F_p) + residual + cohesion]
- *   V_e = |e| + sum over the layer's (1 - a_p) V_p - sum over ghosts a_p V_p
+ *   E = sum_e V_e W(F_e) + sum_c V_c W(F_c) + sum_p a_p V_p [W(F_p) + residual + cohesion]
+ *   V_e = |e| - sum over its ghosts c_p V_p      V_c = sum over its guests (c_p - a_p) V_p
  *
  * The weights of every piece of material add up to 1, whatever sleeps: that is the partition of
  * unity that the paper's eq. (11), a sum of both interpolations, lacks (it doubles the overlap).
  * Two old problems are one then. The collar, without which the particles hang on the core by a
- * seventh of what they should, is the ghosts' share; and a thin wall stays as stiff as it is when
- * its skin sleeps, because the skin's energy goes on being counted, as that of the tetrahedron
- * behind it, at no cost at all. Mass goes the same way: a sleeping particle's mass is on the four
- * nodes of its host, so that no element gets stiffer by more than it gets heavier and the stable
- * step of the core stays what it was.
+ * seventh of what they should, is the ghosts' share; and a thin wall does not soften where its skin
+ * sleeps, because its energy goes on being counted. A sleeping particle's mass is on the four nodes
+ * of the tetrahedron that reaches out to it best.
  *
- * Neighbours of an awake particle share in falling measure, a = root(w/w_1) with the weight at the
- * nearest neighbour's distance as unit: what lies next to the awake region is integrated on both
+ * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance of a
+ * cell's diagonal: what lies next to the awake region is integrated on both
  * sides, as inside a whole layer. Shares move in small steps: forces have no jumps.
  *
  * The law is the tetrahedra's own: a point is an element on three unit edges whose corners move by
@@ -68,10 +67,23 @@ static lane_values stuff(const ss_fem_material *material, int32_t e, double volu
                          .volume = volume};
 }
 
-static void write_element(ss_hybrid *hybrid, int32_t e)
+void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e)
 {
     const lane_values value = stuff(&hybrid->material, e, hybrid->volume[e], 0.0);
     put_lane(&hybrid->core, hybrid->lane[e], &value);
+}
+
+void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c)
+{
+    const double volume = hybrid->cell_volume[c];
+    const lane_values value = {.lambda = volume * hybrid->cell_lambda[c],
+                               .mu = volume * hybrid->cell_mu[c],
+                               .kappa = volume * (hybrid->cell_lambda[c] +
+                                                  2.0 * hybrid->cell_mu[c]),
+                               .phi = volume * hybrid->cell_phi[c],
+                               .psi = volume * hybrid->cell_psi[c],
+                               .volume = volume};
+    put_lane(&hybrid->cell_blocks, c, &value);
 }
 
 static void write_point(ss_hybrid *hybrid, int32_t k)
@@ -89,13 +101,42 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
     hybrid->coefficient[2 * k + 1] = (ss_real)(10.0 * hybrid->cohesion * mu / pairs);
 }
 
+/* Roots of the weights at distances of a spacing and of root 3 spacings; least share worth a point.
+ */
+#define ROOT_AT_EDGE     0.6326
+#define ROOT_AT_DIAGONAL 0.0969
+#define SHARE_FLOOR      0.02
+
+double ss_hybrid_share_beside(double weight)
+{
+    const double share = (sqrt(weight) - ROOT_AT_DIAGONAL) / (ROOT_AT_EDGE - ROOT_AT_DIAGONAL);
+    return share > SHARE_FLOOR ? fmin(share, 1.0) : 0.0;
+}
+
+double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p)
+{
+    const ss_layer *layer = hybrid->layer;
+    if (p < layer->own_count) {
+        return 1.0;
+    }
+    for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
+        if (layer->neighbour[t] < layer->own_count) { /* nearest first */
+            const bool has_gradient = layer->moment[8 * (ptrdiff_t)p + 6] > 0;
+            return has_gradient
+                       ? ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3])
+                       : 0.0;
+        }
+    }
+    return 0.0;
+}
+
 void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share)
 {
     ss_hybrid_particle *particle = &hybrid->particle[p];
-    const int32_t e = hybrid->layer->host[p];
-    hybrid->volume[e] -= (share - (double)particle->share) * hybrid->layer->volume[p];
+    const double taken = (share - (double)particle->share) * hybrid->layer->volume[p];
+    hybrid->cell_volume[hybrid->cell_of[p]] -= taken;
+    ss_hybrid_write_cell(hybrid, hybrid->cell_of[p]);
     particle->share = (ss_real)share;
-    write_element(hybrid, e);
     write_point(hybrid, particle->point);
 }
 
@@ -177,6 +218,7 @@ static ss_layer_pass pass_of(ss_hybrid *hybrid, const ss_real *u, const ss_real 
                            .point = hybrid->point,
                            .coefficient = hybrid->coefficient,
                            .gradient = hybrid->gradient,
+                           .spread = hybrid->spread,
                            .stress = hybrid->stress};
 }
 
@@ -192,43 +234,43 @@ static ss_fem_pass point_pass(const ss_hybrid *hybrid)
         .blocks = &hybrid->points, .kind = hybrid->material.kind, .u = hybrid->gradient};
 }
 
-static void clear_stress(ss_hybrid *hybrid)
+static ss_fem_pass cell_pass(const ss_hybrid *hybrid)
 {
-    memset(hybrid->stress, 0, 8 * (size_t)(1 + 3 * hybrid->point_count) * sizeof *hybrid->stress);
+    return (ss_fem_pass){.blocks = &hybrid->cell_blocks,
+                         .kind = hybrid->material.kind,
+                         .u = hybrid->cells.gradient,
+                         .out = hybrid->cells.stress};
 }
 
-/* Energy of residual and cohesion of point k at its state, J. */
-static double pair_energy(const ss_hybrid *hybrid, int32_t k)
+static void clear_stress(ss_real *stress, int32_t count)
 {
-    const ss_layer *layer = hybrid->layer;
-    const int32_t p = hybrid->point[k];
-    const ss_real *own = hybrid->state + 8 * (ptrdiff_t)p;
-    const ss_real *h = hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-    double residual = 0.0;
-    double cohesion = 0.0;
-    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-        const ss_real *to = hybrid->state + 8 * (ptrdiff_t)layer->neighbour[t];
-        const double w = (double)layer->pair[4 * t + 3];
-        double length2 = 0.0;
-        double rest2 = 0.0;
-        double e2 = 0.0;
-        for (int a = 0; a < 3; ++a) {
-            const double x = (double)layer->pair[4 * t + a] / w;
-            const double d = (double)(to[a] - own[a]);
-            double e = d;
-            for (int c = 0; c < 3; ++c) {
-                e -= (double)h[8 * c + a] * (double)layer->pair[4 * t + c] / w;
-            }
-            e2 += e * e;
-            length2 += (x + d) * (x + d);
-            rest2 += x * x;
-        }
-        double slope;
-        residual += w * e2;
-        cohesion += 1.0 + ss_layer_pair_potential(sqrt(length2 / rest2), &slope);
+    memset(stress, 0, 8 * (size_t)(1 + 3 * count) * sizeof *stress);
+}
+
+/* Energy of the points' residuals at the state of the last strain, J. */
+static double residual_energy(const ss_hybrid *hybrid)
+{
+    double energy = 0.0;
+    for (ptrdiff_t k = 0; k < hybrid->point_count; ++k) {
+        const ss_real *spread = hybrid->spread + 8 * k;
+        energy += 0.5 * (double)hybrid->coefficient[2 * k] *
+                  ((double)spread[0] + (double)spread[1] + (double)spread[2]);
     }
-    return 0.5 * ((double)hybrid->coefficient[2 * k] * residual +
-                  (double)hybrid->coefficient[2 * k + 1] * cohesion);
+    return energy;
+}
+
+static void add_cells(ss_hybrid *hybrid, const ss_real *u, const ss_real *v, ss_real *force,
+                      ss_body_energy *out)
+{
+    ss_fem_pass pass = cell_pass(hybrid);
+    hybrid->kernels->strain_cells(&hybrid->cells, u, v);
+    clear_stress(hybrid->cells.stress, hybrid->cells.count);
+    pass.v = v != NULL ? hybrid->cells.gradient + 4 : NULL;
+    pass.wants_energy = out->is_wanted;
+    hybrid->law->force(&pass);
+    hybrid->kernels->push_cells(&hybrid->cells, force);
+    out->elastic += pass.energy;
+    out->power += pass.power;
 }
 
 void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
@@ -245,6 +287,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     out->power += core.power;
     hybrid->u = u;
     hybrid->strain = fmax(hybrid->strain, core.strain);
+    add_cells(hybrid, u, is_viscous ? v : NULL, force, out);
     if (hybrid->point_count == 0) {
         return;
     }
@@ -252,22 +295,19 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     ss_fem_pass points = point_pass(hybrid);
     hybrid->kernels->place(&pass);
     hybrid->kernels->strain(&pass);
-    clear_stress(hybrid);
+    clear_stress(hybrid->stress, hybrid->point_count);
     points.v = is_viscous ? hybrid->gradient + 4 : NULL;
     points.out = hybrid->stress;
     points.wants_energy = out->is_wanted;
     hybrid->law->force(&points);
     hybrid->kernels->push(&pass);
     if (hybrid->cohesion > 0.0) {
-        hybrid->kernels->cohere(&pass);
+        out->elastic += hybrid->kernels->cohere(&pass, out->is_wanted);
     }
     hybrid->kernels->give(&pass);
-    out->elastic += points.energy;
+    out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
     hybrid->strain = fmax(hybrid->strain, points.strain);
-    for (int32_t k = 0; out->is_wanted && k < hybrid->point_count; ++k) {
-        out->elastic += pair_energy(hybrid, k);
-    }
 }
 
 /* Cohesion's stiffness at rest, 3 e/r0^2 along each pair, of which a point has half. */
@@ -302,16 +342,22 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     core.x = x;
     core.out = out;
     hybrid->law->tangent(&core);
+    ss_fem_pass cells = cell_pass(hybrid);
+    cells.x = hybrid->cells.gradient + 4;
+    hybrid->kernels->strain_cells(&hybrid->cells, hybrid->u, x);
+    clear_stress(hybrid->cells.stress, hybrid->cells.count);
+    hybrid->law->tangent(&cells);
+    hybrid->kernels->push_cells(&hybrid->cells, out);
     if (hybrid->point_count == 0) {
         return;
     }
-    /* The gradients of the state stay in their first quads, those of x go to the second; and the
-     * signs: a force is -K x, so the points' share is made for -x and given as it is. */
+    /* The gradients of the state stay in the first quads, those of x go to the second. `push` makes
+     * forces, -K x, of what the law's tangent gives with the other sign. */
     ss_layer_pass pass = pass_of(hybrid, hybrid->u, x, out);
     ss_fem_pass points = point_pass(hybrid);
     hybrid->kernels->place(&pass);
     hybrid->kernels->strain(&pass);
-    clear_stress(hybrid);
+    clear_stress(hybrid->stress, hybrid->point_count);
     points.x = hybrid->gradient + 4;
     points.out = hybrid->stress;
     hybrid->law->tangent(&points);
@@ -321,10 +367,10 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     }
     for (ptrdiff_t c = 8; c < 8 * (ptrdiff_t)(1 + 3 * hybrid->point_count); c += 8) {
         for (int a = 0; a < 3; ++a) {
-            hybrid->gradient[c + a] = hybrid->gradient[c + 4 + a];
             hybrid->stress[c + a] = -hybrid->stress[c + a];
         }
     }
+    pass.gradient += 4;
     hybrid->kernels->push(&pass);
     if (hybrid->cohesion > 0.0) {
         add_cohesion_tangent(hybrid);
@@ -363,6 +409,15 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
         diagonal[mesh->tetrahedron[e][0]] +=
             modulus * (first[0] * first[0] + first[1] * first[1] + first[2] * first[2]);
     }
+    for (int32_t c = 0; c < hybrid->cells.count; ++c) {
+        const double modulus = hybrid->cell_volume[c] *
+                               (hybrid->cell_lambda[c] + 4.0 * hybrid->cell_mu[c]) / 3.0;
+        for (ptrdiff_t t = hybrid->cells.first[c]; t < hybrid->cells.first[c + 1]; ++t) {
+            const ss_real *row = hybrid->cells.row + 4 * t;
+            diagonal[hybrid->cells.node[t]] +=
+                modulus * (double)(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
+        }
+    }
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
         const int32_t e = hybrid->layer->host[p];
@@ -376,48 +431,8 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
     }
 }
 
-/* ---- energies of a change --------------------------------------------------------------------
+/* ---- ties ------------------------------------------------------------------------------------
  */
-
-double ss_hybrid_point_energy(const ss_hybrid *hybrid, int32_t p)
-{
-    const int32_t k = hybrid->particle[p].point;
-    const int32_t e = hybrid->layer->host[p];
-    const ss_real *column = hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-    const ss_tissue_law law = {.kind = hybrid->material.kind,
-                               .lambda = hybrid->material.lambda[e],
-                               .mu = hybrid->material.mu[e]};
-    double h[9];
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            h[3 * i + j] = (double)column[8 * j + i];
-        }
-    }
-    return hybrid->layer->volume[p] * ss_tissue_energy(&law, h);
-}
-
-double ss_hybrid_host_energy(const ss_hybrid *hybrid, int32_t p, const ss_real *u)
-{
-    const int32_t e = hybrid->layer->host[p];
-    const int32_t *node = hybrid->mesh->tetrahedron[e];
-    const ptrdiff_t b = hybrid->lane[e] / SS_FEM_LANES;
-    const int l = hybrid->lane[e] % SS_FEM_LANES;
-    const ss_real *shape = hybrid->core.shape + b * SS_FEM_SHAPES * SS_FEM_LANES + l;
-    const ss_tissue_law law = {.kind = hybrid->material.kind,
-                               .lambda = hybrid->material.lambda[e],
-                               .mu = hybrid->material.mu[e]};
-    double h[9] = {0};
-    for (int a = 0; a < 3; ++a) {
-        for (int i = 0; i < 3; ++i) {
-            const double d = (double)(u[4 * (ptrdiff_t)node[a + 1] + i] -
-                                      u[4 * (ptrdiff_t)node[0] + i]);
-            for (int j = 0; j < 3; ++j) {
-                h[3 * i + j] += d * (double)shape[SS_FEM_LANES * (3 * a + j)];
-            }
-        }
-    }
-    return hybrid->layer->volume[p] * ss_tissue_energy(&law, h);
-}
 
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3])
 {

@@ -75,23 +75,31 @@ static bool is_close(const ss_hybrid *hybrid, int32_t node, const ss_real *at)
     return false;
 }
 
+/* The body lays displacements, and motions that its solver tries, in the same array: what is known
+ * of the sleeping skin is kept apart. Motions are wanted under the tools alone. */
 void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
 {
     ss_hybrid *hybrid = owner;
     const ss_layer *layer = hybrid->layer;
-    hybrid->turn = (hybrid->turn + 1) % TURNS;
+    const bool is_motion = u != hybrid->u;
+    ss_real *out = is_motion ? skin_u : hybrid->laid;
+    hybrid->turn = is_motion ? hybrid->turn : (hybrid->turn + 1) % TURNS;
+    const bool is_all = !is_motion && hybrid->must_lay;
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
         const int32_t s = layer->skin_of[i];
-        ss_real *at = skin_u + 4 * (ptrdiff_t)i;
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
         if (s < 0) {
-            ss_quad_store(at, ss_quad_load(u + 4 * (ptrdiff_t)i));
-        } else if (hybrid->must_lay || hybrid->ride[s].count > 0 || s % TURNS == hybrid->turn ||
-                   is_close(hybrid, i, at)) {
-            ss_quad_store(at, place_of(hybrid, s, u));
+            ss_quad_store(out + at, ss_quad_load(u + at));
+        } else if (is_all || hybrid->ride[s].count > 0 ||
+                   (!is_motion && s % TURNS == hybrid->turn) ||
+                   is_close(hybrid, i, hybrid->laid + at)) {
+            ss_quad_store(out + at, place_of(hybrid, s, u));
         }
     }
-    hybrid->must_lay = false;
-    hybrid->skin_u = skin_u;
+    if (!is_motion) {
+        hybrid->must_lay = false;
+        memcpy(skin_u, hybrid->laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
+    }
 }
 
 static void give_row(int32_t count, const int32_t *node, const ss_real *weight, ss_quad f,
@@ -208,6 +216,7 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
     for (int32_t k = hybrid->rider_first[p]; k < hybrid->rider_first[p + 1]; ++k) {
         const int32_t s = hybrid->rider[k];
         hybrid->ride[s].wanted += change;
+        hybrid->is_skin_fading = true;
         if (hybrid->riding_at[s] < 0 && change > 0) {
             hybrid->riding_at[s] = hybrid->riding_count;
             hybrid->riding[hybrid->riding_count++] = s;
@@ -220,13 +229,16 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
 
 void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
 {
+    hybrid->is_skin_fading = false;
     for (int32_t k = hybrid->riding_count - 1; k >= 0; --k) {
         const int32_t s = hybrid->riding[k];
         ss_hybrid_ride *ride = &hybrid->ride[s];
         if (ride->wanted > 0) {
             ride->theta = ride->theta + step < 1 ? ride->theta + step : 1;
+            hybrid->is_skin_fading = hybrid->is_skin_fading || ride->theta < 1;
         } else if (ride->theta > step) {
             ride->theta -= step;
+            hybrid->is_skin_fading = true;
         } else {
             const int32_t last = hybrid->riding[--hybrid->riding_count];
             hybrid->riding[k] = last;

@@ -19,10 +19,10 @@
  * velocity nor, since stiffness and skin rows only fade, force.
  *
  * Mass and momentum. Waking takes m/4 and m/4 v_p from each node of the host, falling asleep gives
- * both back: exact, but for axes that are held, whose support takes the difference. Kinetic energy
- * is not kept (one velocity for several is a loss), nor is the stored one while a share fades (the
- * layer bends where its host cannot): both differences are worked out and booked, so that the
- * body's ledger still tells true gains. Rejected: freezing the particle where it is (springs of the
+ * both back: exact, but for axes that are held, whose support takes the difference. Energy is not
+ * kept: one velocity for several is a loss, and the layer bends where its host cannot. The forces
+ * and energies are therefore evaluated anew after a change, and the body books the difference as
+ * work, so that its ledger still tells true gains. Rejected: freezing the particle where it is (springs of the
  * frozen lattice would hold the dent).
  */
 #include <math.h>
@@ -44,25 +44,20 @@ static double particle_mass(const ss_hybrid *hybrid, int32_t p)
     return hybrid->layer->volume[p] * hybrid->material.density[hybrid->layer->host[p]];
 }
 
-/* Moves `mass` (m/4, < 0: back) of velocity v out of node i; returns the kinetic energy that is
- * lost. */
-static double take_mass(ss_hybrid *hybrid, int32_t i, double mass, const double v[3])
+/* Moves `mass` (m/4, < 0: back) of velocity v out of node i. */
+static void take_mass(ss_hybrid *hybrid, int32_t i, double mass, const double v[3])
 {
     ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
     const double before = nodes->mass[i];
     const double after = before - mass;
-    double lost = 0.0;
     for (int a = 0; a < 3; ++a) {
         ss_real *at = &nodes->v[4 * (ptrdiff_t)i + a];
         const double old = (double)*at;
         if (nodes->mobility[4 * (ptrdiff_t)i + a] > 0) {
-            const double new = (before * old - mass * v[a]) / after;
-            lost += 0.5 * (before * old * old - after * new * new - mass * v[a] * v[a]);
-            *at = (ss_real) new;
+            *at = (ss_real)((before * old - mass * v[a]) / after);
         }
     }
     ss_body_set_mass(hybrid->body, i, after);
-    return lost;
 }
 
 static void get_up(ss_hybrid *hybrid, int32_t p)
@@ -73,11 +68,10 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
     const double mass = particle_mass(hybrid, p);
     double u[3];
     double v[3];
-    double lost = 0.0;
     ss_hybrid_tied(hybrid, p, nodes->u, u);
     ss_hybrid_tied(hybrid, p, nodes->v, v);
     for (int k = 0; k < 4; ++k) {
-        lost += take_mass(hybrid, host[k], 0.25 * mass, v);
+        take_mass(hybrid, host[k], 0.25 * mass, v);
     }
     ss_body_set_mass(hybrid->body, node, mass);
     for (int a = 0; a < 3; ++a) {
@@ -88,7 +82,6 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
     }
     hybrid->node_of[p] = node;
     ++hybrid->awake_count;
-    ss_body_book(hybrid->body, lost, 0.0);
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
 
@@ -100,12 +93,11 @@ static void lie_down(ss_hybrid *hybrid, int32_t p)
     const double mass = particle_mass(hybrid, p);
     double u[3];
     double v[3];
-    double lost = 0.0;
     for (int a = 0; a < 3; ++a) {
         v[a] = (double)nodes->v[4 * (ptrdiff_t)node + a];
     }
     for (int k = 0; k < 4; ++k) {
-        lost += take_mass(hybrid, host[k], -0.25 * mass, v);
+        take_mass(hybrid, host[k], -0.25 * mass, v);
     }
     ss_hybrid_tied(hybrid, p, nodes->u, u);
     for (int a = 0; a < 3; ++a) {
@@ -119,7 +111,6 @@ static void lie_down(ss_hybrid *hybrid, int32_t p)
     hybrid->idle[hybrid->idle_count++] = node;
     hybrid->node_of[p] = -1;
     --hybrid->awake_count;
-    ss_body_book(hybrid->body, lost, 0.0);
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
 
@@ -166,16 +157,14 @@ static bool is_up(const ss_hybrid *hybrid, int32_t p)
 static void set_target(ss_hybrid *hybrid, int32_t p)
 {
     const ss_layer *layer = hybrid->layer;
-    const double unit = pow(1.0 - 1.0 / (SS_LAYER_SUPPORT * SS_LAYER_SUPPORT), 3.0);
-    double most = 0.0;
-    for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-        if (is_up(hybrid, layer->neighbour[t])) {
-            most = fmax(most, (double)layer->pair[4 * (ptrdiff_t)t + 3]);
-            break; /* nearest first */
+    double target = is_up(hybrid, p) ? 1.0 : 0.0;
+    for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1] && target == 0.0; ++t) {
+        if (is_up(hybrid, layer->neighbour[t])) { /* nearest first */
+            target = ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
+            break;
         }
     }
-    hybrid->particle[p].target =
-        is_up(hybrid, p) ? 1 : (ss_real)fmin(1.0, sqrt(most / unit));
+    hybrid->particle[p].target = (ss_real)target;
     hybrid->is_fading = true;
 }
 
@@ -208,10 +197,10 @@ static void want(ss_hybrid *hybrid, int32_t p)
         if (!(layer->moment[8 * (ptrdiff_t)q + 6] > 0)) {
             continue; /* a ghost at the end of the lattice: no gradient of its own */
         }
-        if (hybrid->particle[q].point < 0) {
+        set_target(hybrid, q);
+        if (hybrid->particle[q].point < 0 && hybrid->particle[q].target > 0) {
             ss_hybrid_add_point(hybrid, q);
         }
-        set_target(hybrid, q);
     }
     ss_hybrid_tell_skin(hybrid, p, 1);
 }
@@ -231,23 +220,15 @@ static void let_go(ss_hybrid *hybrid, int32_t p)
 /* ---- shares ---------------------------------------------------------------------------------
  */
 
-/* Moves p's share by at most `step`; books what that does to the stored energy. Points that came
- * since the last force have no gradient yet: they come with the look, after the shares. */
+/* Moves p's share by at most `step`. */
 static void move_share(ss_hybrid *hybrid, int32_t p, double step)
 {
     const ss_hybrid_particle *particle = &hybrid->particle[p];
     const double from = (double)particle->share;
     const double to = fmin(fmax((double)particle->target, from - step), from + step);
-    if (to == from) {
-        return;
+    if (to != from) {
+        ss_hybrid_set_share(hybrid, p, to);
     }
-    if (step < 1.0) {
-        const double change =
-            ss_hybrid_point_energy(hybrid, p) -
-            ss_hybrid_host_energy(hybrid, p, ss_body_read_nodes(hybrid->body)->u);
-        ss_body_book(hybrid->body, 0.0, (to - from) * change);
-    }
-    ss_hybrid_set_share(hybrid, p, to);
 }
 
 /* Gets up half way to its share, lies down when it is let go and near its tie. */
@@ -287,29 +268,33 @@ static void fade(ss_hybrid *hybrid, double step)
 /* ---- where the tools are ---------------------------------------------------------------------
  */
 
-/* Displacement of the skin node nearest to the tool; false where none is near enough to matter. */
+/* Displacement of the skin under the tool: the mean over the nodes in reach, the nearest counting
+ * most, so that it moves smoothly. False where none is in reach. */
 static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
 {
     const ss_layer *layer = hybrid->layer;
-    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const double *x = hybrid->tool[probe].to.position;
-    double best = hybrid->close_reach[probe] * hybrid->close_reach[probe];
-    bool is_found = false;
-    const ss_real *shown = hybrid->skin_u != NULL ? hybrid->skin_u : nodes->u;
+    const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
+                         hybrid->sleep_reach + hybrid->skin_edge;
+    const ss_real *shown = hybrid->laid;
+    double total = 0.0;
+    ss_set3(out, 0.0, 0.0, 0.0);
     for (int32_t s = 0; s < layer->skin_count; ++s) {
         const int32_t i = layer->skin_node[s];
-        const ss_real *u = shown + 4 * (ptrdiff_t)i;
-        const double d[3] = {hybrid->mesh->position[i][0] + (double)u[0] - x[0],
-                             hybrid->mesh->position[i][1] + (double)u[1] - x[1],
-                             hybrid->mesh->position[i][2] + (double)u[2] - x[2]};
-        const double square = ss_dot3(d, d);
-        if (square < best) {
-            best = square;
-            is_found = true;
-            ss_set3(out, (double)u[0], (double)u[1], (double)u[2]);
+        const double u[3] = {(double)shown[4 * (ptrdiff_t)i], (double)shown[4 * (ptrdiff_t)i + 1],
+                             (double)shown[4 * (ptrdiff_t)i + 2]};
+        const double d[3] = {hybrid->mesh->position[i][0] + u[0] - x[0],
+                             hybrid->mesh->position[i][1] + u[1] - x[1],
+                             hybrid->mesh->position[i][2] + u[2] - x[2]};
+        const double inside = 1.0 - ss_dot3(d, d) / (reach * reach);
+        if (inside > 0.0) {
+            const double weight = inside * inside * inside * inside;
+            total += weight;
+            ss_madd3(out, out, weight, u);
         }
     }
-    return is_found;
+    ss_scale3(out, out, total > 0.0 ? 1.0 / total : 0.0);
+    return total > 0.0;
 }
 
 /* Distances of the own particles that the pulled-back tool may reach; collects them in `found`. */
@@ -317,7 +302,7 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3])
 {
     const ss_layer *layer = hybrid->layer;
     const ss_point_grid *grid = &hybrid->grid;
-    const ss_shape *shape = hybrid->shape[probe];
+    const ss_shape *shape = &hybrid->shape[probe].shape;
     const double *q = hybrid->tool[probe].to.orientation;
     const double reach = ss_shape_bounding_radius(shape) + hybrid->sleep_reach;
     int32_t low[3];
@@ -429,22 +414,25 @@ static void look(ss_hybrid *hybrid)
     hybrid->found_count = 0;
 }
 
-void ss_hybrid_wake(ss_hybrid *hybrid)
+bool ss_hybrid_wake(ss_hybrid *hybrid)
 {
     if (hybrid->is_all_awake) {
-        return;
+        return false;
     }
+    look(hybrid);
+    const bool is_changing =
+        hybrid->is_fading || hybrid->drifting_count > 0 || hybrid->is_skin_fading;
     if (hybrid->is_fading) {
         fade(hybrid, STEP);
     }
-    look(hybrid);
     if (hybrid->drifting_count > 0) {
         drift(hybrid);
     }
-    if (hybrid->riding_count > 0) {
+    if (hybrid->is_skin_fading) {
         ss_hybrid_fade_skin(hybrid, (ss_real)STEP);
     }
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
+    return is_changing;
 }
 
 /* ---- all at once ----------------------------------------------------------------------------

@@ -30,19 +30,34 @@ typedef struct ss_layer_pass {
     const int32_t *point;       /* particles */
     const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
     ss_real *gradient;          /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
+    ss_real *spread;            /* pairs, by point: sum w u^2, w v^2 by axis */
     const ss_real *stress;      /* likewise, first quad: -V P, column c */
 } ss_layer_pass;
 
+/* Cells that sleeping particles are counted by: gradients that are fixed rows over nodes. */
+typedef struct ss_layer_cells {
+    int32_t count;
+    int32_t *first; /* count + 1 */
+    int32_t *node;
+    ss_real *row;      /* quads: H = sum u row^T, 1/m */
+    ss_real *gradient; /* as a pass has them, of its cells */
+    ss_real *stress;
+} ss_layer_cells;
+
 typedef struct ss_layer_kernels {
     const char *name;
+    /* gradient of every cell; `v` may be NULL. */
+    void (*strain_cells)(const ss_layer_cells *cells, const ss_real *u, const ss_real *v);
+    /* force += stress of every cell. */
+    void (*push_cells)(const ss_layer_cells *cells, ss_real *force);
     /* state of the near particles from the nodes; clears their forces. */
     void (*place)(const ss_layer_pass *pass);
     /* gradient of every point. */
     void (*strain)(const ss_layer_pass *pass);
     /* particle_force += stress and residual forces of every point. */
     void (*push)(const ss_layer_pass *pass);
-    /* particle_force += cohesion of every point. */
-    void (*cohere)(const ss_layer_pass *pass);
+    /* particle_force += cohesion of every point; returns its energy where wanted, J. */
+    double (*cohere)(const ss_layer_pass *pass, bool wants_energy);
     /* force += what the near particles' forces are on the nodes. */
     void (*give)(const ss_layer_pass *pass);
 } ss_layer_kernels;
