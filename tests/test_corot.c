@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "models/corot.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 #include "static_fem.h"
 
@@ -274,18 +275,17 @@ static void octet_init(octet *o, double lambda, double mu)
                                 .lambda = lambdas,
                                 .mu = mus};
     assert_true(ss_fem_blocks_create(&stuff, &o->blocks));
-    o->u = aligned_alloc(64, 128 * sizeof *o->u);
-    o->turned = aligned_alloc(64, 72 * sizeof *o->turned);
-    o->force = aligned_alloc(64, 128 * sizeof *o->force);
-    memset(o->u, 0, 128 * sizeof *o->u);
+    o->u = ss_memory_get(128, sizeof *o->u);
+    o->turned = ss_memory_get(72, sizeof *o->turned);
+    o->force = ss_memory_get(128, sizeof *o->force);
 }
 
 static void octet_fini(octet *o)
 {
     ss_fem_blocks_fini(&o->blocks);
-    free(o->u);
-    free(o->turned);
-    free(o->force);
+    ss_memory_free(o->u);
+    ss_memory_free(o->turned);
+    ss_memory_free(o->force);
 }
 
 /* Element t has F: its corner 1 + j goes to column j. */
@@ -405,7 +405,7 @@ static void tangent_is_symmetric_and_positive(void **state)
     (void)state;
     octet o;
     octet_init(&o, 12.0, 6.0);
-    ss_real *x = aligned_alloc(64, 128 * sizeof *x), *y = aligned_alloc(64, 128 * sizeof *y);
+    ss_real *x = ss_memory_get(128, sizeof *x), *y = ss_memory_get(128, sizeof *y);
     const ss_corot_kernels *kernels = ss_corot_kernels_get();
     for (int kind = 0; kind < 5; ++kind) {
         for (int t = 0; t < 8; ++t) {
@@ -421,14 +421,14 @@ static void tangent_is_symmetric_and_positive(void **state)
         double both[2];
         for (int way = 0; way < 2; ++way) {
             memset(o.force, 0, 128 * sizeof *o.force);
-            kernels->product(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
+            kernels->multiply(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
             both[way] = kernels->dot(128, way ? x : y, o.force);
             assert_true(kernels->dot(128, way ? y : x, o.force) > 0.0);
         }
         assert_near(both[0], both[1], BY_TYPE(1e-4, 1e-12));
     }
-    free(x);
-    free(y);
+    ss_memory_free(x);
+    ss_memory_free(y);
     octet_fini(&o);
 }
 

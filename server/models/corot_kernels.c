@@ -31,16 +31,14 @@
  * (Theobald 2005; c_0 from the singular values), Newton's method from sqrt 3, which no eigenvalue
  * exceeds, falls to the largest, and the adjugate of N - x I is a multiple of q q^T; the Newton
  * steps then finish it. R - I, not R, is multiplied with H, so that small strains keep their
- * digits. No rotation is kept from step to step: what an element feels depends
- * on where its nodes are alone. Rejected: warm-started quaternions (Mueller et al. 2016), faster by
- * a few ns but state that must be saved, hashed and reset, and wrong after a jump; the polar
- * factor by Higham's iteration, which mirrors instead of turning where F is inside out; a singular
- * value decomposition, three times the work.
+ * digits. No rotation is kept from step to step: what an element feels depends on where its nodes
+ * are alone. Rejected: warm-started quaternions (Mueller et al. 2016), state that must be saved,
+ * hashed and reset, for a start hardly better than the guess; the polar factor by Higham's
+ * iteration, which mirrors instead of turning where F is inside out.
  */
 #include <stdbool.h>
-#include <stddef.h>
 
-#include "models/wide.h"
+#include "models/fem_element.h"
 
 enum {
     RUN = 32,       /* blocks, or chunks of scalars, summed in ss_real before double */
@@ -60,103 +58,11 @@ enum {
 #define LAST_SQUARE 1e-5
 #endif
 
-/* Lanes of a block that one pass of a kernel takes. */
-typedef struct part {
-    const int32_t *at; /* corner a: at + 8 a */
-    const ss_real *shape, *modulus;
-} part;
-
-typedef struct tensor {
-    ss_wide m[3][3];
-} tensor;
-
-/* Symmetric: xx yy zz yz xz xy. */
-typedef struct symmetric {
-    ss_wide m[6];
-} symmetric;
-
 typedef struct quaternion {
     ss_wide m[4];
 } quaternion;
 
-SS_INLINE ss_wide all(double s)
-{
-    return ss_wide_all((ss_real)s);
-}
-
-/* ---- nodes -------------------------------------------------------------------------------- */
-
-/* sum_a (x_a - x_0) g_a^T with the gradients at `shape`. */
-SS_INLINE tensor gradient(const int32_t *at, const ss_real *shape, const ss_real *field)
-{
-    ss_wide x0[3], d[3][3];
-    tensor h;
-    ss_wide_gather(field, at, x0);
-    for (int a = 0; a < 3; ++a) {
-        ss_wide_gather(field, at + SS_FEM_LANES * (a + 1), d[a]);
-        for (int i = 0; i < 3; ++i) {
-            d[a][i] = d[a][i] - x0[i];
-        }
-    }
-    for (int j = 0; j < 3; ++j) {
-        const ss_wide g0 = ss_wide_load(shape + SS_FEM_LANES * j);
-        const ss_wide g1 = ss_wide_load(shape + SS_FEM_LANES * (3 + j));
-        const ss_wide g2 = ss_wide_load(shape + SS_FEM_LANES * (6 + j));
-        for (int i = 0; i < 3; ++i) {
-            h.m[i][j] = ss_wide_fma(d[2][i], g2, ss_wide_fma(d[1][i], g1, d[0][i] * g0));
-        }
-    }
-    return h;
-}
-
-/* out -= s g_a at corners 1 to 3 and its opposite sum at corner 0. */
-SS_INLINE void spread(const int32_t *at, const ss_real *turned, const symmetric *s, ss_real *out)
-{
-    ss_wide f[4][3];
-    for (int a = 0; a < 3; ++a) {
-        const ss_wide x = ss_wide_load(turned + SS_FEM_LANES * (3 * a));
-        const ss_wide y = ss_wide_load(turned + SS_FEM_LANES * (3 * a + 1));
-        const ss_wide z = ss_wide_load(turned + SS_FEM_LANES * (3 * a + 2));
-        const ss_wide *m = s->m;
-        f[a + 1][0] = all(0.0) - ss_wide_fma(m[4], z, ss_wide_fma(m[5], y, m[0] * x));
-        f[a + 1][1] = all(0.0) - ss_wide_fma(m[3], z, ss_wide_fma(m[1], y, m[5] * x));
-        f[a + 1][2] = all(0.0) - ss_wide_fma(m[2], z, ss_wide_fma(m[3], y, m[4] * x));
-    }
-    for (int i = 0; i < 3; ++i) {
-        f[0][i] = all(0.0) - ((f[1][i] + f[2][i]) + f[3][i]);
-    }
-    for (int a = 0; a < 4; ++a) {
-        ss_wide_scatter_add(out, at + SS_FEM_LANES * a, f[a]);
-    }
-}
-
-/* l tr(e) I + 2 m e; *out_twice_energy = s : e */
-SS_INLINE symmetric hooke(ss_wide l, ss_wide m, const symmetric *e, ss_wide *out_twice_energy)
-{
-    const ss_wide trace = (e->m[0] + e->m[1]) + e->m[2];
-    const ss_wide mean = l * trace, twice = m + m;
-    symmetric s;
-    ss_wide square = e->m[0] * e->m[0];
-    ss_wide shear = e->m[3] * e->m[3];
-    for (int k = 0; k < 3; ++k) {
-        s.m[k] = ss_wide_fma(twice, e->m[k], mean);
-        s.m[3 + k] = twice * e->m[3 + k];
-    }
-    square = ss_wide_fma(e->m[1], e->m[1], square);
-    square = ss_wide_fma(e->m[2], e->m[2], square);
-    shear = ss_wide_fma(e->m[4], e->m[4], shear);
-    shear = ss_wide_fma(e->m[5], e->m[5], shear);
-    *out_twice_energy = ss_wide_fma(mean, trace, twice * (square + (shear + shear)));
-    return s;
-}
-
 /* ---- the rotation ------------------------------------------------------------------------- */
-
-SS_INLINE ss_wide minor_of(const tensor *a, int i, int j)
-{
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-    return ss_wide_fnma(a->m[i1][j2], a->m[i2][j1], a->m[i1][j1] * a->m[i2][j2]);
-}
 
 /* The largest root of x^4 - 2 x^2 - 8 d x + c. */
 SS_INLINE ss_wide largest_root(ss_wide d, ss_wide c)
@@ -226,9 +132,9 @@ SS_INLINE quaternion eigenvector(const tensor *f, ss_wide x)
     for (int k = 1; k < 4; ++k) {
         square = ss_wide_fma(q.m[k], q.m[k], square);
     }
-    const ss_wide factor = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
+    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
     for (int k = 0; k < 4; ++k) {
-        q.m[k] = ss_wide_below(best, limit, all(k == 0 ? 1.0 : 0.0), q.m[k] * factor);
+        q.m[k] = ss_wide_below(best, limit, all(k == 0 ? 1.0 : 0.0), q.m[k] * inverse);
     }
     return q;
 }
@@ -244,9 +150,9 @@ SS_INLINE quaternion nearest_rotation(const tensor *h)
     for (int k = 1; k < 9; ++k) {
         square = ss_wide_fma(f.m[k / 3][k % 3], f.m[k / 3][k % 3], square);
     }
-    const ss_wide factor = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-20)));
+    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-20)));
     for (int k = 0; k < 9; ++k) {
-        f.m[k / 3][k % 3] = f.m[k / 3][k % 3] * factor;
+        f.m[k / 3][k % 3] = f.m[k / 3][k % 3] * inverse;
     }
     ss_wide cofactors = all(0.0), det = all(0.0);
     for (int k = 0; k < 9; ++k) {
@@ -264,9 +170,9 @@ SS_INLINE void normalise(quaternion *q)
     for (int k = 1; k < 4; ++k) {
         square = ss_wide_fma(q->m[k], q->m[k], square);
     }
-    const ss_wide factor = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
+    const ss_wide inverse = all(1.0) / ss_wide_root(ss_wide_most(square, all(1e-30)));
     for (int k = 0; k < 4; ++k) {
-        q->m[k] = q->m[k] * factor;
+        q->m[k] = q->m[k] * inverse;
     }
 }
 
@@ -300,9 +206,7 @@ SS_INLINE symmetric strain_of(const tensor *h, const tensor *turn, const quatern
     tensor g; /* R^T h */
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            ss_wide sum = ss_wide_fma(turn->m[0][i], h->m[0][j], h->m[i][j]);
-            sum = ss_wide_fma(turn->m[1][i], h->m[1][j], sum);
-            g.m[i][j] = ss_wide_fma(turn->m[2][i], h->m[2][j], sum);
+            g.m[i][j] = column_product(turn, i, h, j, h->m[i][j]);
         }
     }
     const ss_wide half = all(0.5), w4 = all(4.0) * q->m[0];
@@ -406,67 +310,41 @@ SS_INLINE void turn_gradients(const tensor *turn, const ss_real *shape, ss_real 
     }
 }
 
-/* R s R^T, with turn = R - I */
-SS_INLINE symmetric turn_stress(const tensor *turn, const symmetric *s)
-{
-    static const int at[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-    tensor left; /* R s */
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            ss_wide sum = s->m[at[i][j]];
-            for (int k = 0; k < 3; ++k) {
-                sum = ss_wide_fma(turn->m[i][k], s->m[at[k][j]], sum);
-            }
-            left.m[i][j] = sum;
-        }
-    }
-    symmetric out;
-    for (int n = 0; n < 6; ++n) {
-        static const int row[6] = {0, 1, 2, 1, 0, 0}, column[6] = {0, 1, 2, 2, 2, 1};
-        ss_wide sum = left.m[row[n]][column[n]];
-        for (int k = 0; k < 3; ++k) {
-            sum = ss_wide_fma(left.m[row[n]][k], turn->m[column[n]][k], sum);
-        }
-        out.m[n] = sum;
-    }
-    return out;
-}
-
 /* The first element of the lanes whose determinant is below 0, and their number. */
-static void note_inverted(ss_corot_pass *pass, const int32_t *element, const ss_real *det)
+static void note_inverted(ss_corot_pass *pass, const int32_t *number, const ss_real *det)
 {
     for (int k = 0; k < SS_WIDE_LANES; ++k) {
-        if (det[k] < 0 && element[k] >= 0) {
-            const bool is_first = pass->inverted_count++ == 0 || element[k] < pass->first_inverted;
-            pass->first_inverted = is_first ? element[k] : pass->first_inverted;
+        if (det[k] < 0 && number[k] >= 0) {
+            const bool is_first = pass->inverted_count++ == 0 || number[k] < pass->first_inverted;
+            pass->first_inverted = is_first ? number[k] : pass->first_inverted;
         }
     }
 }
 
-/* One pass over SS_WIDE_LANES elements; returns twice their energy. */
-SS_INLINE ss_wide evaluate_part(ss_corot_pass *pass, const part *p, const int32_t *element,
+/* SS_WIDE_LANES elements; returns twice their energy. `number`: theirs in the mesh. */
+SS_INLINE ss_wide evaluate_some(ss_corot_pass *pass, const element *some, const int32_t *number,
                                 ss_real *turned)
 {
-    const tensor h = gradient(p->at, p->shape, pass->u);
-    ss_wide twice_energy;
     turned_element t;
-    t.q = guess_rotation(&h);
-    if (!settle(&h, MAX_QUICK, &t)) {
-        t.q = nearest_rotation(&h);
-        (void)settle(&h, MAX_SURE, &t);
+    t.q = guess_rotation(&some->h);
+    if (!settle(&some->h, MAX_QUICK, &t)) {
+        t.q = nearest_rotation(&some->h);
+        (void)settle(&some->h, MAX_SURE, &t);
     }
-    const ss_wide det = volume_ratio(&t.e);
-    if (ss_wide_any_below(det, all(0.0))) {
+    const ss_wide ratio = volume_ratio(&t.e);
+    if (ss_wide_any_below(ratio, all(0.0))) {
         _Alignas(64) ss_real lane[SS_WIDE_LANES];
-        ss_wide_store(lane, det);
-        note_inverted(pass, element, lane);
+        ss_wide_store(lane, ratio);
+        note_inverted(pass, number, lane);
     }
-    const ss_wide lambda = ss_wide_load(p->modulus), mu = ss_wide_load(p->modulus + SS_FEM_LANES);
-    const symmetric s = hooke(lambda, mu, &t.e, &twice_energy);
-    const symmetric outside = turn_stress(&t.turn, &s);
-    turn_gradients(&t.turn, p->shape, turned);
-    spread(p->at, turned, &outside, pass->force);
-    return twice_energy;
+    /* -s = -lambda tr(e) I - 2 mu e, for the force is -V R s grad N */
+    const ss_wide minus = all(-2.0);
+    const symmetric s = hooke(minus * some->lambda, minus * some->mu, &t.e, all(0.0));
+    tensor p = full(&s);
+    add_symmetric(&p, &t.turn, &s);
+    spread(some, &p, pass->force);
+    turn_gradients(&t.turn, some->shape, turned);
+    return all(0.0) - contract(&s, &t.e);
 }
 
 static void evaluate(ss_corot_pass *pass)
@@ -481,10 +359,13 @@ static void evaluate(ss_corot_pass *pass)
         for (int32_t b = first; b < end; ++b) {
             for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
                 const ptrdiff_t at = (ptrdiff_t)b * SS_FEM_LANES;
-                const part p = {blocks->node + 4 * at + lane,
-                                blocks->shape + SS_FEM_SHAPES * at + lane,
-                                blocks->modulus + SS_FEM_MODULI * at + lane};
-                sum = sum + evaluate_part(pass, &p, blocks->element + at + lane,
+                const ss_real *modulus = blocks->modulus + SS_FEM_MODULI * at + lane;
+                element some = {.at = blocks->node + 4 * at + lane,
+                                .shape = blocks->shape + SS_FEM_SHAPES * at + lane,
+                                .lambda = ss_wide_load(modulus),
+                                .mu = ss_wide_load(modulus + SS_FEM_LANES)};
+                some.h = gradient(&some, pass->u);
+                sum = sum + evaluate_some(pass, &some, blocks->element + at + lane,
                                           pass->turned + SS_FEM_SHAPES * at + lane);
             }
         }
@@ -493,27 +374,22 @@ static void evaluate(ss_corot_pass *pass)
     pass->energy = 0.5 * twice;
 }
 
-static void product(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
-                    double scale, const ss_real *x, ss_real *out)
+static void multiply(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
+                     double scale, const ss_real *x, ss_real *out)
 {
-    const ss_wide factor = all(-scale); /* spread takes off */
+    const ss_wide share = all(scale);
     for (int32_t b = 0; b < blocks->count; ++b) {
         for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
             const ptrdiff_t at = (ptrdiff_t)b * SS_FEM_LANES;
-            const int32_t *node = blocks->node + 4 * at + lane;
-            const ss_real *shape = turned + SS_FEM_SHAPES * at + lane;
             const ss_real *m = modulus + SS_FEM_MODULI * at + lane;
-            const tensor h = gradient(node, shape, x);
-            symmetric e;
-            for (int k = 0; k < 3; ++k) {
-                const int i = (k + 1) % 3, j = (k + 2) % 3;
-                e.m[k] = h.m[k][k];
-                e.m[3 + k] = all(0.5) * (h.m[i][j] + h.m[j][i]);
-            }
-            ss_wide unused;
-            const symmetric s = hooke(factor * ss_wide_load(m),
-                                      factor * ss_wide_load(m + SS_FEM_LANES), &e, &unused);
-            spread(node, shape, &s, out);
+            const element some = {.at = blocks->node + 4 * at + lane,
+                                  .shape = turned + SS_FEM_SHAPES * at + lane};
+            const tensor h = gradient(&some, x);
+            const symmetric d = twice_small(&h);
+            const symmetric s = hooke(share * ss_wide_load(m),
+                                      share * ss_wide_load(m + SS_FEM_LANES), &d, all(0.0));
+            const tensor p = full(&s);
+            spread(&some, &p, out);
         }
     }
 }
@@ -536,32 +412,32 @@ static double dot(int32_t count, const ss_real *x, const ss_real *y)
 
 static void scale(int32_t count, double s, const ss_real *a, const ss_real *x, ss_real *out)
 {
-    const ss_wide factor = all(s);
+    const ss_wide share = all(s);
     for (int32_t k = 0; k < count; k += SS_WIDE_LANES) {
-        ss_wide_store(out + k, factor * (ss_wide_load(a + k) * ss_wide_load(x + k)));
+        ss_wide_store(out + k, share * (ss_wide_load(a + k) * ss_wide_load(x + k)));
     }
 }
 
 static void turn(int32_t count, double s, const ss_real *z, ss_real *p)
 {
-    const ss_wide factor = all(s);
+    const ss_wide share = all(s);
     for (int32_t k = 0; k < count; k += SS_WIDE_LANES) {
-        ss_wide_store(p + k, ss_wide_fma(factor, ss_wide_load(p + k), ss_wide_load(z + k)));
+        ss_wide_store(p + k, ss_wide_fma(share, ss_wide_load(p + k), ss_wide_load(z + k)));
     }
 }
 
 static double descend(int32_t count, double s, const ss_real *p, const ss_real *q,
                       const ss_real *inverse, ss_real *x, ss_real *r, ss_real *z)
 {
-    const ss_wide factor = all(s);
+    const ss_wide share = all(s);
     double total = 0.0;
     for (int32_t first = 0; first < count; first += RUN * SS_FEM_LANES) {
         const int32_t end = first + RUN * SS_FEM_LANES < count ? first + RUN * SS_FEM_LANES : count;
         ss_wide sum = all(0.0);
         for (int32_t k = first; k < end; k += SS_WIDE_LANES) {
-            const ss_wide left = ss_wide_fnma(factor, ss_wide_load(q + k), ss_wide_load(r + k));
+            const ss_wide left = ss_wide_fnma(share, ss_wide_load(q + k), ss_wide_load(r + k));
             const ss_wide next = ss_wide_load(inverse + k) * left;
-            ss_wide_store(x + k, ss_wide_fma(factor, ss_wide_load(p + k), ss_wide_load(x + k)));
+            ss_wide_store(x + k, ss_wide_fma(share, ss_wide_load(p + k), ss_wide_load(x + k)));
             ss_wide_store(r + k, left);
             ss_wide_store(z + k, next);
             sum = ss_wide_fma(left, next, sum);
@@ -588,7 +464,7 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
 extern const ss_corot_kernels PATH;
 const ss_corot_kernels PATH = {.name = PATH_NAME,
                                .evaluate = evaluate,
-                               .product = product,
+                               .multiply = multiply,
                                .dot = dot,
                                .scale = scale,
                                .turn = turn,

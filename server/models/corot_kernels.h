@@ -29,8 +29,8 @@ typedef struct ss_corot_kernels {
     const char *name;
     void (*evaluate)(ss_corot_pass *pass);
     /* out += scale K x, elements turned as they are. */
-    void (*product)(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
-                    double scale, const ss_real *x, ss_real *out);
+    void (*multiply)(const ss_fem_blocks *blocks, const ss_real *turned, const ss_real *modulus,
+                     double scale, const ss_real *x, ss_real *out);
     /* Over `count` scalars: */
     double (*dot)(int32_t count, const ss_real *x, const ss_real *y);
     /* out = s a x */

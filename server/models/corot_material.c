@@ -2,55 +2,63 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/corot.h"
 /*
- * Parameters to values of every element: the mean of its four nodes. All that is wrong is named in
- * one go.
+ * Parameters to values of every element. All that is wrong is named in one go.
  */
 #include <math.h>
 
+#include "models/plan.h"
 #include "rt/memory.h"
 
 const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
     {.name = "material",
      .kind = SS_PARAM_CHOICE,
+     .max = SS_TISSUE_KIND_COUNT - 1,
      .fallback = SS_TISSUE_LINEAR,
      .choices = SS_TISSUE_CHOICES,
      .help = "linear alone: small strain in each element, turned with it"},
     {.name = "youngs_modulus_pa",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .max = 1e13,
      .exclusive_min = true,
      .fallback = NAN,
      .help = "stiffness, with poisson_ratio; or give lame_lambda_pa and lame_mu_pa"},
     {.name = "poisson_ratio",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .min = -0.99,
      .max = 0.4999,
      .fallback = NAN,
      .help = "0.5 would be incompressible; linear tetrahedra lock near it"},
     {.name = "lame_lambda_pa",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .min = -1e13,
      .max = 1e17,
      .fallback = NAN,
      .help = "in place of youngs_modulus_pa and poisson_ratio"},
     {.name = "lame_mu_pa",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .max = 1e13,
      .exclusive_min = true,
      .fallback = NAN,
      .help = "shear modulus"},
     {.name = "density_kg_m3",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .max = 1e9,
      .exclusive_min = true,
      .fallback = 1000.0,
      .help = "mass per volume"},
     {.name = "viscosity_phi_pa_s",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .max = 1e12,
      .help = "viscosity of dilatation"},
     {.name = "viscosity_psi_pa_s",
      .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
      .max = 1e12,
      .help = "viscosity of shear"},
     {.name = "stiffness_damping_s",
@@ -80,15 +88,6 @@ const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
      .fallback = 200.0,
      .help = "of conjugate gradients, at most, in a step"},
 };
-
-static double value_at(const ss_param_value *value, const int32_t corner[4])
-{
-    double sum = 0.0;
-    for (int a = 0; a < 4; ++a) {
-        sum += value->per_node ? value->per_node[corner[a]] : value->number;
-    }
-    return 0.25 * sum;
-}
 
 /* Which pair of constants is given; false after a fault. */
 static bool choose_pair(const ss_model_plan *plan, bool *out_is_lame, softsim_error *error)
@@ -120,14 +119,13 @@ static softsim_status fill(const ss_model_plan *plan, ss_corot_material *materia
     const int one = is_lame ? SS_COROT_LAME_LAMBDA : SS_COROT_YOUNGS_MODULUS;
     const int two = is_lame ? SS_COROT_LAME_MU : SS_COROT_POISSON_RATIO;
     for (int32_t t = 0; t < plan->mesh->tetrahedron_count; ++t) {
-        const int32_t *corner = plan->mesh->tetrahedron[t];
         double *lambda = &material->lambda[t], *mu = &material->mu[t];
-        *lambda = value_at(&plan->param[one], corner);
-        *mu = value_at(&plan->param[two], corner);
+        *lambda = ss_plan_element_value(plan, one, t);
+        *mu = ss_plan_element_value(plan, two, t);
         if (!is_lame) {
             ss_tissue_lame(*lambda, *mu, lambda, mu);
         }
-        material->density[t] = value_at(&plan->param[SS_COROT_DENSITY], corner);
+        material->density[t] = ss_plan_element_value(plan, SS_COROT_DENSITY, t);
         const bool is_good = *mu > 0.0 && 3.0 * *lambda + 2.0 * *mu > 0.0 && isfinite(*lambda);
         first_bad = is_good || bad_count > 0 ? first_bad : t;
         bad_count += !is_good;
@@ -149,7 +147,8 @@ static bool has_viscosity(const ss_model_plan *plan)
 {
     bool is_any = false;
     for (int row = SS_COROT_VISCOSITY_PHI; row <= SS_COROT_STIFFNESS_DAMPING; ++row) {
-        is_any = is_any || plan->param[row].per_node || plan->param[row].number > 0.0;
+        const ss_param_value *value = &plan->param[row];
+        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
     }
     return is_any;
 }
@@ -158,11 +157,10 @@ static void fill_viscosity(const ss_model_plan *plan, ss_corot_material *materia
 {
     const double time = plan->param[SS_COROT_STIFFNESS_DAMPING].number;
     for (int32_t t = 0; t < plan->mesh->tetrahedron_count; ++t) {
-        const int32_t *corner = plan->mesh->tetrahedron[t];
         const double lambda = material->lambda[t], mu = material->mu[t];
         const double phi =
-            value_at(&plan->param[SS_COROT_VISCOSITY_PHI], corner) + time * fmax(lambda, 0.0);
-        const double psi = value_at(&plan->param[SS_COROT_VISCOSITY_PSI], corner) + time * mu;
+            ss_plan_element_value(plan, SS_COROT_VISCOSITY_PHI, t) + time * fmax(lambda, 0.0);
+        const double psi = ss_plan_element_value(plan, SS_COROT_VISCOSITY_PSI, t) + time * mu;
         const double dilatation = (phi + 2.0 / 3.0 * psi) / (lambda + 2.0 / 3.0 * mu);
         material->phi[t] = phi;
         material->psi[t] = psi;

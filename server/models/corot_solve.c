@@ -77,8 +77,8 @@ static void add(int32_t count, const ss_real *x, ss_real *out)
 static double add_viscous(ss_model *model, const ss_real *v, ss_real *force)
 {
     memset(model->product, 0, bytes_of(model));
-    model->kernels->product(&model->blocks, model->turned, model->blocks.viscosity, -1.0, v,
-                            model->product);
+    model->kernels->multiply(&model->blocks, model->turned, model->blocks.viscosity, -1.0, v,
+                             model->product);
     add(model->scalar_count, model->product, force);
     return fmax(0.0, -model->kernels->dot(model->scalar_count, v, model->product));
 }
@@ -98,7 +98,7 @@ void ss_corot_force(void *owner, const ss_real *u, const ss_real *v, ss_real *fo
 void ss_corot_tangent(void *owner, const ss_real *x, ss_real *out)
 {
     ss_model *model = owner;
-    model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, 1.0, x, out);
+    model->kernels->multiply(&model->blocks, model->turned, model->blocks.modulus, 1.0, x, out);
 }
 
 /* ---- one system --------------------------------------------------------------------------- */
@@ -154,8 +154,8 @@ static void add_elastic(task *t, const ss_real *u, bool may_guess, ss_real *forc
     if (!is_near) {
         evaluate(model, u);
     } else if (furthest > 0.0) {
-        model->kernels->product(&model->blocks, model->turned, model->blocks.modulus, -1.0,
-                                model->away, force);
+        model->kernels->multiply(&model->blocks, model->turned, model->blocks.modulus, -1.0,
+                                 model->away, force);
     }
     add(model->scalar_count, model->elastic, force);
 }
@@ -225,8 +225,8 @@ static void solve(task *t, double enough)
     while (rho > enough * enough && model->product_count < model->max_products) {
         ++model->product_count;
         kernels->scale(n, t->inertia, model->mass, model->search, model->product);
-        kernels->product(&model->blocks, model->turned, model->system, 1.0, model->search,
-                         model->product);
+        kernels->multiply(&model->blocks, model->turned, model->system, 1.0, model->search,
+                          model->product);
         ss_body_contact_tangent(t->body, model->search, model->product);
         const double curvature = kernels->dot(n, model->search, model->product);
         if (!(curvature > 0.0)) {

@@ -20,18 +20,6 @@
  * neighbouring nodes alternate, more of it locks. */
 #define OWN_SHARE 0.5
 
-/* Its own, or the mean of the corners. */
-static double element_value(const ss_model_plan *plan, int row, int32_t e)
-{
-    const ss_param_value *value = &plan->param[row];
-    const int32_t *c = plan->mesh->tetrahedron[e];
-    const double *at = value->per_node;
-    if (value->by_element) {
-        return value->by_element[e];
-    }
-    return at ? 0.25 * ((at[c[0]] + at[c[1]]) + (at[c[2]] + at[c[3]])) : value->number;
-}
-
 static bool is_given(const ss_model_plan *plan, int row)
 {
     return plan->param[row].is_given;
@@ -63,11 +51,11 @@ static void fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_mate
         return;
     }
     for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
-        double lambda = element_value(plan, SS_FEM_LAMBDA, e),
-               mu = element_value(plan, SS_FEM_MU, e);
+        double lambda = ss_plan_element_value(plan, SS_FEM_LAMBDA, e),
+               mu = ss_plan_element_value(plan, SS_FEM_MU, e);
         if (is_young) {
-            ss_tissue_lame(element_value(plan, SS_FEM_YOUNGS_MODULUS, e),
-                           element_value(plan, SS_FEM_POISSON_RATIO, e), &lambda, &mu);
+            ss_tissue_lame(ss_plan_element_value(plan, SS_FEM_YOUNGS_MODULUS, e),
+                           ss_plan_element_value(plan, SS_FEM_POISSON_RATIO, e), &lambda, &mu);
         }
         material->lambda[e] = lambda;
         material->mu[e] = mu;
@@ -89,8 +77,8 @@ static void fill_viscosity(const ss_model_plan *plan, ss_fem_material *material)
     const double time = plan->param[SS_FEM_STIFFNESS_DAMPING].number;
     for (int32_t e = 0; material->phi && e < plan->mesh->tetrahedron_count; ++e) {
         const double lambda = material->lambda[e], mu = material->mu[e];
-        material->phi[e] = element_value(plan, SS_FEM_PHI, e) + time * fmax(lambda, 0.0);
-        material->psi[e] = element_value(plan, SS_FEM_PSI, e) + time * mu;
+        material->phi[e] = ss_plan_element_value(plan, SS_FEM_PHI, e) + time * fmax(lambda, 0.0);
+        material->psi[e] = ss_plan_element_value(plan, SS_FEM_PSI, e) + time * mu;
         const double dilatation =
             (material->phi[e] + 2.0 / 3.0 * material->psi[e]) / (lambda + 2.0 / 3.0 * mu);
         material->viscous_time =
@@ -146,7 +134,7 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
     }
     fill_moduli(plan, name, &material, error);
     for (size_t e = 0; e < n; ++e) {
-        material.density[e] = element_value(plan, SS_FEM_DENSITY, (int32_t)e);
+        material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
     }
     fill_viscosity(plan, &material);
     fill_own(plan, &material);

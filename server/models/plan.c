@@ -17,6 +17,17 @@ void ss_number_list_add(ss_number_list *list, int32_t number)
     }
 }
 
+double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e)
+{
+    const ss_param_value *value = &plan->param[row];
+    const int32_t *c = plan->mesh->tetrahedron[e];
+    const double *at = value->per_node;
+    if (value->by_element) {
+        return value->by_element[e];
+    }
+    return at ? 0.25 * ((at[c[0]] + at[c[1]]) + (at[c[2]] + at[c[3]])) : value->number;
+}
+
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k)
 {
     return set->axis[k] && isfinite(set->displacement[i][k]);

@@ -15,6 +15,9 @@ typedef struct ss_number_list {
 } ss_number_list;
 void ss_number_list_add(ss_number_list *list, int32_t number);
 
+/* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. */
+double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
+
 /* Is axis `k` of node `i` of a prescribed set driven? */
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
 /* 0 before `from`, 1 from `from` + `ramp` on. */
