@@ -170,8 +170,8 @@ void ss_chain_driven_update(ss_model *model, double time);
 void ss_chain_driven_place(ss_model *model, double path);
 /* Adds currents to pull. */
 void ss_chain_loads_apply(ss_model *model);
-/* What supports answer to pull. */
-void ss_chain_sample_reactions(ss_model *model);
+/* What supports answer to pull; not `is_full`: of the front's nodes. */
+void ss_chain_sample_reactions(ss_model *model, bool is_full);
 /* `sign` times 2 k sum I.u, J: before and after a sub-step, the difference is the loads' work. */
 double ss_chain_loads_work(const ss_model *model, double sign);
 
@@ -198,6 +198,7 @@ void ss_chain_coarse_reset(ss_model *model);
  * set-up only. */
 double ss_chain_coarse_rate(ss_model *model);
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse);
+const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);
 int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse);
 /* Moves all nodes by the coarse level's share of pull. */
 void ss_chain_coarse_move(ss_model *model, double h);
@@ -215,6 +216,9 @@ void ss_chain_step(ss_model *model, double time, double dt,
 void ss_chain_wake(ss_model *model, int32_t node);
 
 /* ---- chain_explain.c ---- */
+/* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
+ * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
+double ss_chain_planned_substeps(const ss_model_plan *plan);
 double ss_chain_step_cost_us(const ss_model_plan *plan);
 void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char *text),
                       void *sink);
