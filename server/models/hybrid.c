@@ -270,10 +270,7 @@ static bool create_particles(ss_hybrid *hybrid)
         hybrid->node_of[p] = -1;
         hybrid->distance[p] = (double)INFINITY;
     }
-    for (int32_t k = 0; k < hybrid->max_awake; ++k) {
-        hybrid->idle[k] = hybrid->mesh->node_count + hybrid->max_awake - 1 - k;
-    }
-    hybrid->idle_count = hybrid->max_awake;
+    ss_hybrid_idle_all(hybrid);
     return ss_point_grid_init(&hybrid->grid, hybrid->layer->own_count,
                               (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
 }
@@ -353,9 +350,7 @@ static void settle(void *owner)
 {
     ss_hybrid *hybrid = owner;
     ss_hybrid_settle(hybrid);
-    hybrid->rate2 = hybrid->rest_rate2;
-    hybrid->strain = hybrid->seen_strain = 0.0;
-    hybrid->age = 0;
+    ss_hybrid_forget(hybrid);
 }
 
 static uint64_t fnv(uint64_t hash, const void *data, size_t size)
@@ -460,11 +455,11 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     const size_t nodes = (size_t)plan->mesh->node_count;
     ss_model_plan own = *plan;
     double *mass = ss_memory_get(nodes + (size_t)hybrid->max_awake, sizeof *mass);
+    hybrid->mass_asleep = mass;
     hybrid->fixed = ss_memory_get(nodes, 1);
     if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
         !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) ||
         !create_particles(hybrid) || !create_skin(hybrid)) {
-        ss_memory_free(mass);
         return SOFTSIM_ERROR_MEMORY;
     }
     memcpy(hybrid->fixed, plan->fixed, nodes);
@@ -472,9 +467,7 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     own.fixed = hybrid->fixed;
     memcpy(hybrid->shape, plan->tool, sizeof hybrid->shape);
     fill_masses(hybrid, mass);
-    status = measure_and_create_body(hybrid, &own, mass, error);
-    ss_memory_free(mass);
-    return status;
+    return measure_and_create_body(hybrid, &own, mass, error);
 }
 
 static void destroy(ss_model *model)
@@ -498,7 +491,7 @@ static void destroy(ss_model *model)
         hybrid->particle_force, hybrid->rider_first, hybrid->rider, hybrid->ride,
         hybrid->riding,   hybrid->riding_at,   hybrid->mark,        hybrid->shown,
         hybrid->shown_v,  hybrid->laid,  hybrid->distance,    hybrid->found,       hybrid->mode,
-        hybrid->product,  hybrid->fixed};
+        hybrid->product,  hybrid->fixed,       hybrid->mass_asleep};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

@@ -77,6 +77,8 @@ typedef struct ss_hybrid {
     ss_fem_blocks cell_blocks; /* the law's side of the cells */
     int32_t *cell_of;         /* by particle */
     double *cell_volume;      /* m^3 that a cell stands for now */
+    double *cell_asleep;      /* and while all sleeps */
+    double *mass_asleep;      /* kg, by node of the body: while all sleeps */
     double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
 
     /* particles */
@@ -104,7 +106,6 @@ typedef struct ss_hybrid {
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
     int32_t turn;                  /* which sleeping skin nodes are laid next */
-    bool must_lay;                 /* all of them */
     ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
 
@@ -159,6 +160,8 @@ bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out)
 
 /* ---- hybrid_wake.c ---------------------------------------------------------------------------- */
 
+/* No node of the body is a particle's. */
+void ss_hybrid_idle_all(ss_hybrid *hybrid);
 /* All asleep, or all awake where nothing sleeps. */
 void ss_hybrid_settle(ss_hybrid *hybrid);
 /* Before every outer step; true when anything changed that forces depend on. */
@@ -183,6 +186,10 @@ void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 
 /* ---- hybrid_bound.c --------------------------------------------------------------------------- */
 
-/* Fills rate2 from the stiffest motions asleep and awake. False when out of memory. */
+/* omega^2 of the stiffest motion at the present state, from above, 1/s^2. */
+double ss_hybrid_settle_rate(ss_hybrid *hybrid);
+/* As before the first step. */
+void ss_hybrid_forget(ss_hybrid *hybrid);
+/* Fills rate2 from the stiffest motions asleep and awake. */
 void ss_hybrid_measure(ss_hybrid *hybrid);
 double ss_hybrid_stable_step(void *owner, const ss_body *body);

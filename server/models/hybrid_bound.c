@@ -76,7 +76,7 @@ static double turn(ss_hybrid *hybrid, double *out_residual)
     return fmax(quotient, 0.0) * (1.0 + *out_residual);
 }
 
-static void settle(ss_hybrid *hybrid)
+double ss_hybrid_settle_rate(ss_hybrid *hybrid)
 {
     double residual = 1.0;
     double rate2 = 0.0;
@@ -84,7 +84,7 @@ static void settle(ss_hybrid *hybrid)
     for (int k = 0; k < MAX_TURNS && residual > RESIDUAL; ++k) {
         rate2 = turn(hybrid, &residual);
     }
-    hybrid->rest_rate2 = fmax(hybrid->rest_rate2, rate2);
+    return rate2;
 }
 
 /* The skin node furthest from those tried before, in place k. */
@@ -113,17 +113,23 @@ void ss_hybrid_measure(ss_hybrid *hybrid)
 {
     int32_t tried[PLACES];
     hybrid->u = ss_body_read_nodes(hybrid->body)->u;
-    hybrid->rest_rate2 = 0.0;
     ss_hybrid_settle(hybrid);
-    settle(hybrid);
+    hybrid->rest_rate2 = ss_hybrid_settle_rate(hybrid);
     for (int32_t k = 0; k < PLACES && !hybrid->is_all_awake && hybrid->layer->skin_count > 0;
          ++k) {
         tried[k] = furthest(hybrid, tried, k);
         ss_hybrid_wake_around(hybrid, tried[k]);
-        settle(hybrid);
+        hybrid->rest_rate2 = fmax(hybrid->rest_rate2, ss_hybrid_settle_rate(hybrid));
         ss_hybrid_settle(hybrid);
     }
+    ss_hybrid_forget(hybrid);
+}
+
+void ss_hybrid_forget(ss_hybrid *hybrid)
+{
     hybrid->rate2 = hybrid->rest_rate2;
+    hybrid->strain = hybrid->seen_strain = 0.0;
+    hybrid->age = 0;
     stir(hybrid);
 }
 

@@ -256,12 +256,13 @@ static bool reserve(ss_hybrid *hybrid, size_t entries)
     cells->gradient = ss_memory_get(columns, sizeof *cells->gradient);
     cells->stress = ss_memory_get(columns, sizeof *cells->stress);
     hybrid->cell_volume = ss_memory_get(count, sizeof *hybrid->cell_volume);
+    hybrid->cell_asleep = ss_memory_get(count, sizeof *hybrid->cell_asleep);
     hybrid->cell_lambda = ss_memory_get(count, sizeof *hybrid->cell_lambda);
     hybrid->cell_mu = ss_memory_get(count, sizeof *hybrid->cell_mu);
     hybrid->cell_phi = ss_memory_get(count, sizeof *hybrid->cell_phi);
     hybrid->cell_psi = ss_memory_get(count, sizeof *hybrid->cell_psi);
     return cells->first != NULL && cells->node != NULL && cells->row != NULL &&
-           cells->gradient != NULL && cells->stress != NULL && hybrid->cell_volume != NULL &&
+           cells->gradient != NULL && cells->stress != NULL && hybrid->cell_volume != NULL && hybrid->cell_asleep != NULL &&
            hybrid->cell_lambda != NULL && hybrid->cell_mu != NULL && hybrid->cell_phi != NULL &&
            hybrid->cell_psi != NULL &&
            ss_hybrid_create_blocks(cells->count, hybrid->material.phi != NULL,
@@ -282,6 +283,7 @@ static bool fill_cells(builder *b)
         const int32_t count = gather(b, b->centre[c]);
         fill_cell(hybrid, c, b->list, count, b->mark);
         ss_hybrid_write_cell(hybrid, c);
+        hybrid->cell_asleep[c] = hybrid->cell_volume[c];
     }
     for (int32_t e = 0; e < b->mesh->tetrahedron_count; ++e) {
         ss_hybrid_write_element(hybrid, e);
@@ -306,7 +308,7 @@ void ss_hybrid_destroy_cells(ss_hybrid *hybrid)
     void *const owned[] = {cells->first,        cells->node,         cells->row,
                            cells->gradient,     cells->stress,       hybrid->cell_volume,
                            hybrid->cell_lambda, hybrid->cell_mu,     hybrid->cell_phi,
-                           hybrid->cell_psi,    hybrid->cell_of};
+                           hybrid->cell_psi,    hybrid->cell_of,      hybrid->cell_asleep};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

@@ -84,20 +84,18 @@ void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
     const bool is_motion = u != hybrid->u;
     ss_real *out = is_motion ? skin_u : hybrid->laid;
     hybrid->turn = is_motion ? hybrid->turn : (hybrid->turn + 1) % TURNS;
-    const bool is_all = !is_motion && hybrid->must_lay;
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
         const int32_t s = layer->skin_of[i];
         const ptrdiff_t at = 4 * (ptrdiff_t)i;
         if (s < 0) {
             ss_quad_store(out + at, ss_quad_load(u + at));
-        } else if (is_all || hybrid->ride[s].count > 0 ||
+        } else if (hybrid->ride[s].count > 0 ||
                    (!is_motion && s % TURNS == hybrid->turn) ||
                    is_close(hybrid, i, hybrid->laid + at)) {
             ss_quad_store(out + at, place_of(hybrid, s, u));
         }
     }
     if (!is_motion) {
-        hybrid->must_lay = false;
         memcpy(skin_u, hybrid->laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
     }
 }

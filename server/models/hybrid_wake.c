@@ -444,8 +444,33 @@ static void settle_now(ss_hybrid *hybrid)
         fade(hybrid, 1.0);
     }
     ss_hybrid_fade_skin(hybrid, 1);
-    hybrid->must_lay = true;
+
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
+}
+
+void ss_hybrid_idle_all(ss_hybrid *hybrid)
+{
+    for (int32_t k = 0; k < hybrid->max_awake; ++k) {
+        hybrid->idle[k] = hybrid->mesh->node_count + hybrid->max_awake - 1 - k;
+    }
+    hybrid->idle_count = hybrid->max_awake;
+}
+
+/* Volumes, masses and the order of idle nodes to the bits of the start, which adding and taking
+ * away brings back but for rounding. */
+static void begin_asleep(ss_hybrid *hybrid)
+{
+    const int32_t nodes = hybrid->mesh->node_count;
+    ss_hybrid_idle_all(hybrid);
+    for (int32_t c = 0; c < hybrid->cells.count; ++c) {
+        hybrid->cell_volume[c] = hybrid->cell_asleep[c];
+        ss_hybrid_write_cell(hybrid, c);
+    }
+    for (int32_t i = 0; i < nodes; ++i) {
+        if (hybrid->mass_asleep[i] != ss_body_read_nodes(hybrid->body)->mass[i]) {
+            ss_body_set_mass(hybrid->body, i, hybrid->mass_asleep[i]);
+        }
+    }
 }
 
 void ss_hybrid_settle(ss_hybrid *hybrid)
@@ -463,7 +488,12 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
     }
+    if (hybrid->awake_count == 0) {
+        begin_asleep(hybrid);
+    }
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
+    hybrid->turn = 0;
 }
 
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)
