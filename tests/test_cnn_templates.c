@@ -602,7 +602,8 @@ static void columns_agree_with_a_dense_solve(void **state)
 {
     (void)state;
     static const double direction[3] = {0.6, 0.0, 0.8};
-    for (int kind = 0; kind < 3; ++kind) {
+    for (int run = 0; run < 6; ++run) {
+        const int kind = run % 3; /* the second time without a factor */
         ss_mesh *mesh = kind == 0   ? make_cylinder(6, 8, 1.0, 3.0)
                         : kind == 1 ? make_grid_cylinder(6, 8, 1.0, 3.0)
                                     : make_block(3, 1.0);
@@ -620,8 +621,10 @@ static void columns_agree_with_a_dense_solve(void **state)
                                       .element = (ss_cnn_element)kind,
                                       .rho = along,
                                       .rho_across = across,
-                                      .direction = direction};
+                                      .direction = direction,
+                                      .max_work = run < 3 ? 0.0 : 1.0};
         ss_cnn_network *network = network_of(&fabric, held);
+        assert_int_equal(network->factor->is_given_up, run >= 3);
         for (int32_t cell = 0; cell < n; cell += 5) {
             if (!held[cell]) {
                 check_column(network, network, held, along, kind == 2, cell);
@@ -630,6 +633,33 @@ static void columns_agree_with_a_dense_solve(void **state)
         ss_cnn_network_destroy(&network);
         free_mesh(mesh);
     }
+}
+
+/* Nothing is held: every part drains and has a cell pinned. */
+static void a_drained_network_settles_the_same_without_a_factor(void **state)
+{
+    (void)state;
+    static const int32_t node[3] = {3, 17, 40};
+    static const double weight[3] = {0.5, 0.3, 0.2};
+    ss_mesh *mesh = make_cylinder(6, 8, 1.0, 3.0);
+    ss_cnn_fabric fabric = {.mesh = mesh, .element = SS_CNN_TRIANGLE};
+    double *kap[2], largest = 0.0;
+    for (int run = 0; run < 2; ++run) {
+        fabric.max_work = run == 0 ? 0.0 : 1.0;
+        ss_cnn_network *network = network_of(&fabric, NULL);
+        kap[run] = calloc((size_t)network->edges.padded_count, sizeof **kap);
+        assert_non_null(kap[run]);
+        assert_int_equal(ss_cnn_network_superpose(network, 3, node, weight, kap[run]), SOFTSIM_OK);
+        for (int32_t e = 0; e < network->edges.count; ++e) {
+            largest = fmax(largest, kap[0][e]);
+            assert_true(fabs(kap[run][e] - kap[0][e]) <= 1e-9 * largest);
+        }
+        ss_cnn_network_destroy(&network);
+    }
+    assert_true(largest > 0.0);
+    free(kap[0]);
+    free(kap[1]);
+    free_mesh(mesh);
 }
 
 int main(void)
@@ -649,6 +679,7 @@ int main(void)
         cmocka_unit_test(triangles_conduct_by_the_angle_to_the_projected_direction),
         cmocka_unit_test(tetrahedra_conduct_by_the_angle_in_space),
         cmocka_unit_test(columns_agree_with_a_dense_solve),
+        cmocka_unit_test(a_drained_network_settles_the_same_without_a_factor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,13 +20,16 @@
 #include "rt/thread.h"
 
 /* Columns solved in one pass over the factor. */
-enum { WIDTH = 8 };
+enum { WIDTH = SS_CNN_SOLVE_WIDTH };
 
 /* ---- solving ------------------------------------------------------------------------------ */
 
 /* x := A^-1 x for WIDTH right-hand sides side by side. */
-static void solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
+static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
 {
+    if (factor->is_given_up) {
+        return ss_cnn_iterate(factor, x);
+    }
     for (int j = 0; j < factor->n; ++j) {
         for (int p = factor->column[j]; p < factor->column[j + 1]; ++p) {
             for (int k = 0; k < WIDTH; ++k) {
@@ -48,11 +51,12 @@ static void solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
             x[j][k] = sum[k];
         }
     }
+    return SOFTSIM_OK;
 }
 
 /* ghat for sources on up to WIDTH cells; out_ghat is node_count x WIDTH. */
-static void solve_cells(const ss_cnn_network *network, int32_t count, const int32_t *node,
-                        double (*x)[WIDTH], double (*out_ghat)[WIDTH])
+static softsim_status solve_cells(const ss_cnn_network *network, int32_t count, const int32_t *node,
+                                  double (*x)[WIDTH], double (*out_ghat)[WIDTH])
 {
     const ss_cnn_factor *factor = network->factor;
     memset(x, 0, (size_t)factor->n * sizeof *x);
@@ -69,7 +73,7 @@ static void solve_cells(const ss_cnn_network *network, int32_t count, const int3
             }
         }
     }
-    solve_wide(factor, x);
+    const softsim_status status = solve_wide(factor, x);
     double least[WIDTH] = {0.0};
     for (int32_t i = 0; i < network->node_count; ++i) {
         for (int k = 0; k < WIDTH; ++k) {
@@ -83,6 +87,7 @@ static void solve_cells(const ss_cnn_network *network, int32_t count, const int3
             out_ghat[i][k] -= factor->component[i] == c ? least[k] : 0.0;
         }
     }
+    return status;
 }
 
 /* Qhat of column k of a solved block. */
@@ -108,6 +113,7 @@ typedef struct solve_job {
     const int32_t *node; /* by column */
     int32_t first, stride;
     double (*x)[WIDTH], (*ghat)[WIDTH];
+    softsim_status status; /* of the last block that did not work */
 } solve_job;
 
 static void store_column(ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
@@ -140,7 +146,9 @@ static void *run_solve_job(void *argument)
          first += job->stride * WIDTH) {
         const int32_t left = network->column_count - first;
         const int32_t count = left < WIDTH ? left : WIDTH;
-        solve_cells(network, count, job->node + first, job->x, job->ghat);
+        const softsim_status status =
+            solve_cells(network, count, job->node + first, job->x, job->ghat);
+        job->status = status == SOFTSIM_OK ? job->status : status;
         for (int32_t k = 0; k < count; ++k) {
             store_column(network, (const double(*)[WIDTH])job->ghat, k, first + k,
                          job->node[first + k]);
@@ -277,6 +285,7 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, i
     }
     for (int32_t k = 0; k < count; ++k) {
         ss_thread_join(&thread[k]);
+        status = status == SOFTSIM_OK ? job[k].status : status;
         ss_memory_free(job[k].x);
         ss_memory_free(job[k].ghat);
     }
@@ -296,13 +305,13 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
 {
     double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
     double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
-    const bool is_ready = x && ghat;
+    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     for (int32_t e = 0; e < network->edges.padded_count; ++e) {
         out_kap[e] = 0.0;
     }
-    for (int32_t first = 0; is_ready && first < count; first += WIDTH) {
+    for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
         const int32_t some = count - first < WIDTH ? count - first : WIDTH;
-        solve_cells(network, some, node + first, x, ghat);
+        status = solve_cells(network, some, node + first, x, ghat);
         for (int32_t k = 0; k < some; ++k) {
             const double(*block)[WIDTH] = (const double(*)[WIDTH])ghat;
             const int32_t cell = node[first + k];
@@ -316,7 +325,7 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
     }
     ss_memory_free(x);
     ss_memory_free(ghat);
-    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return status;
 }
 
 softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
@@ -325,11 +334,11 @@ softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t c
 {
     double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
     double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
-    const bool is_ready = x && ghat;
+    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     memset(out_potential, 0, (size_t)network->node_count * sizeof *out_potential);
-    for (int32_t first = 0; is_ready && first < count; first += WIDTH) {
+    for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
         const int32_t some = count - first < WIDTH ? count - first : WIDTH;
-        solve_cells(network, some, node + first, x, ghat);
+        status = solve_cells(network, some, node + first, x, ghat);
         for (int32_t i = 0; i < network->node_count; ++i) {
             for (int32_t k = 0; k < some; ++k) {
                 out_potential[i] += scale[first + k] * ghat[i][k];
@@ -338,7 +347,7 @@ softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t c
     }
     ss_memory_free(x);
     ss_memory_free(ghat);
-    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return status;
 }
 
 /* x := x minus its mean by S / rho over every drained part. */
@@ -366,10 +375,10 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
     double(*y)[WIDTH] = ss_memory_get((size_t)factor->n, sizeof *y);
     double *x = ss_memory_get((size_t)network->node_count, sizeof *x);
     double *sum = ss_memory_get(2 * (size_t)network->component_count, sizeof *sum);
-    const bool is_ready = x && y && sum;
+    softsim_status status = x && y && sum ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     uint32_t random = 1;
     *out_time = 0.0;
-    for (int32_t i = 0; is_ready && i < network->node_count; ++i) {
+    for (int32_t i = 0; status == SOFTSIM_OK && i < network->node_count; ++i) {
         random = random * 1664525u + 1013904223u;
         x[i] = factor->component[i] >= 0 &&
                        (factor->unknown[i] >= 0 || factor->is_drained[factor->component[i]])
@@ -377,7 +386,7 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
                    : 0.0;
     }
     /* x := W^-1 (S / rho) x, whose largest eigenvalue is the time constant. */
-    for (int round = 0; is_ready && factor->n > 0 && round < ROUNDS; ++round) {
+    for (int round = 0; status == SOFTSIM_OK && factor->n > 0 && round < ROUNDS; ++round) {
         double before = 0.0, after = 0.0;
         take_out_means(network, sum, x);
         memset(y, 0, (size_t)factor->n * sizeof *y);
@@ -393,7 +402,7 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
                 y[factor->unknown[i]][0] = network->size[i] / factor->rho[i] * x[i];
             }
         }
-        solve_wide(factor, y);
+        status = solve_wide(factor, y);
         for (int32_t i = 0; i < network->node_count; ++i) {
             const double next = factor->unknown[i] >= 0 ? y[factor->unknown[i]][0] : 0.0;
             after += network->size[i] / factor->rho[i] * x[i] * next;
@@ -404,7 +413,7 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
     ss_memory_free(x);
     ss_memory_free(y);
     ss_memory_free(sum);
-    return is_ready ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return status;
 }
 
 /* ---- reading columns while running -------------------------------------------------------- */

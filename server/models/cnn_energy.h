@@ -207,7 +207,7 @@ struct ss_model {
     bool is_relaxed;         /* the network in its own time, equation (2) */
     ss_cnn_relax *relax;     /* NULL at equilibrium */
     double diagonal, volume; /* m, m^3 */
-    double small_energy;     /* J: a thousandth of the working force over an edge */
+    double small_energy;     /* J: what no hand feels; without tools, rounding */
     double smallest_sigma;   /* kg/m^2 of the surface */
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
     double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */

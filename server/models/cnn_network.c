@@ -14,7 +14,8 @@
  * and its least potential is zero; one of its cells is pinned to solve and shifted afterwards.
  *
  * The matrix is factored once (approximate minimum degree, then L D L'); cnn_columns.c solves with
- * it. Rejected: conjugate gradients or relaxation of the cells at each step, which cost ten to a
+ * it. Large volumes fill up; above SS_CNN_MAX_WORK there is no factor, and cnn_iterate.c solves.
+ * Rejected: conjugate gradients or relaxation of the cells at each step, which cost ten to a
  * thousand times a back-solve, and whose small residual still leaves the field 9 to 41 % wrong at
  * 1e-3.
  */
@@ -146,8 +147,32 @@ static softsim_status build_matrix(const ss_cnn_network *network, int **out_colu
     return SOFTSIM_OK;
 }
 
+static softsim_status refuse_loose_cell(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                      "cnn-energy: the network has a cell without connection (degenerate "
+                      "elements): repair the mesh");
+    return SOFTSIM_ERROR_MESH;
+}
+
+/* Keeps the matrix in the factor's place. */
+static softsim_status give_up(ss_cnn_factor *factor, int *column, int *row, double *value,
+                              softsim_error *error)
+{
+    factor->is_given_up = true;
+    factor->entry_column = column;
+    factor->entry_row = row;
+    factor->entry = value;
+    for (int k = 0; k < factor->n; ++k) {
+        if (!(value[column[k]] > 0.0)) {
+            return refuse_loose_cell(error);
+        }
+    }
+    return SOFTSIM_OK;
+}
+
 /* L D L' of the permuted matrix; unknown[] then numbers nodes in permuted order. */
-static softsim_status factorise(ss_cnn_network *network, softsim_error *error)
+static softsim_status factorise(ss_cnn_network *network, double max_work, softsim_error *error)
 {
     ss_cnn_factor *factor = network->factor;
     const size_t n = (size_t)factor->n;
@@ -167,16 +192,14 @@ static softsim_status factorise(ss_cnn_network *network, softsim_error *error)
         goto done;
     }
     ldl_symbolic(factor->n, column, row, factor->column, parent, counts, flag, order, inverse);
-    int64_t fill = 0;
     for (int k = 0; k < factor->n; ++k) {
-        fill += counts[k];
+        factor->fill += counts[k];
+        factor->work += (double)counts[k] * counts[k];
     }
-    if (fill > INT32_MAX) { /* the library counts in int */
-        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
-                          "cnn-energy: the factor of %d cells would have %lld entries, more than "
-                          "%d: use a coarser mesh",
-                          factor->n, (long long)fill, INT32_MAX);
-        status = SOFTSIM_ERROR_UNSUPPORTED;
+    if (factor->fill > INT32_MAX || factor->work > (max_work > 0.0 ? max_work : SS_CNN_MAX_WORK)) {
+        status = give_up(factor, column, row, value, error);
+        column = row = NULL;
+        value = NULL;
         goto done;
     }
     factor->row = ss_memory_get((size_t)factor->column[n], sizeof *factor->row);
@@ -189,10 +212,7 @@ static softsim_status factorise(ss_cnn_network *network, softsim_error *error)
         ldl_numeric(factor->n, column, row, value, factor->column, parent, counts, factor->row,
                     factor->lower, factor->diagonal, scratch, pattern, flag, order, inverse);
     if (done_count != factor->n) {
-        softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                          "cnn-energy: the network has a cell without connection (degenerate "
-                          "elements): repair the mesh");
-        status = SOFTSIM_ERROR_MESH;
+        status = refuse_loose_cell(error);
         goto done;
     }
     for (int32_t i = 0; i < network->node_count; ++i) {
@@ -244,7 +264,7 @@ static softsim_status build(ss_cnn_network *network, const ss_cnn_fabric *fabric
     status = status == SOFTSIM_OK ? ss_cnn_network_build_rows(network, held, true, &network->held)
                                   : status;
     status = status == SOFTSIM_OK ? find_components(network, held) : status;
-    return status == SOFTSIM_OK ? factorise(network, error) : status;
+    return status == SOFTSIM_OK ? factorise(network, fabric->max_work, error) : status;
 }
 
 softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t *held,
@@ -296,6 +316,9 @@ static void free_factor(ss_cnn_factor *factor)
     ss_memory_free(factor->column);
     ss_memory_free(factor->row);
     ss_memory_free(factor->lower);
+    ss_memory_free(factor->entry_column);
+    ss_memory_free(factor->entry_row);
+    ss_memory_free(factor->entry);
     ss_memory_free(factor->diagonal);
     ss_memory_free(factor->component);
     ss_memory_free(factor->is_drained);
@@ -332,7 +355,9 @@ int64_t ss_cnn_network_bytes(const ss_cnn_network *network)
 {
     const int64_t entry = (int64_t)(2 * sizeof(int32_t) + 4 * sizeof(ss_real));
     const int64_t edge = (int64_t)(2 * sizeof(int32_t) + 3 * sizeof(ss_real) + 3 * sizeof(double));
+    const ss_cnn_factor *factor = network->factor;
+    const int64_t entries =
+        factor->is_given_up ? factor->entry_column[factor->n] : factor->column[factor->n];
     return entry * (network->rows.entry_count + network->held.entry_count) +
-           edge * network->edges.padded_count +
-           (int64_t)(sizeof(int) + sizeof(double)) * network->factor->column[network->factor->n];
+           edge * network->edges.padded_count + (int64_t)(sizeof(int) + sizeof(double)) * entries;
 }

@@ -30,6 +30,12 @@ enum { SS_CNN_LARGE_BODY = 4096 };
 /* Columns rebuilt and kept in the compact form; more touched cells go in batches of this size. */
 enum { SS_CNN_CACHE_SLOTS = 512 };
 
+/* Multiplications that a factor may take, some twenty seconds: a surface of a million cells, a
+ * volume of sixty thousand. Beyond, and beyond what the library counts, there is none. */
+#define SS_CNN_MAX_WORK 4e10
+/* Right-hand sides that are solved at a time. */
+enum { SS_CNN_SOLVE_WIDTH = 8 };
+
 /* What carries the cells: the triangles of a surface, its quads (a rectangular grid), or the
  * tetrahedra of a volume, whose inner nodes are cells too. */
 typedef enum ss_cnn_element { SS_CNN_TRIANGLE, SS_CNN_QUAD, SS_CNN_TETRAHEDRON } ss_cnn_element;
@@ -42,6 +48,7 @@ typedef struct ss_cnn_fabric {
     const double *rho_across;       /* > 0 a node, across it; NULL: isotropic */
     const double *direction;        /* of all elements; NULL: as the next says */
     const double (*per_element)[3]; /* of each; NULL with `direction` NULL: a grid's own u */
+    double max_work;                /* of a factor; 0: SS_CNN_MAX_WORK */
 } ss_cnn_fabric;
 
 /* What one element adds to the templates of its sides and to the sizes of its cells: sums over
@@ -55,11 +62,16 @@ typedef struct ss_cnn_share {
     double size[4];    /* to S_i or V_i of each corner: m^2 or m^3 */
 } ss_cnn_share;
 
-/* L D L' of the templates over the cells that are neither held nor pinned. */
+/* L D L' of the templates over the cells that are neither held nor pinned; or, where the factor
+ * would be too full, the matrix itself, whose equilibria cnn_iterate.c finds. */
 typedef struct ss_cnn_factor {
     int n;             /* unknowns */
     int *unknown;      /* node to position in the permuted system; -1 held, pinned or loose */
     int *column, *row; /* of L */
+    double fill, work; /* entries of L, and multiplications that it takes */
+    bool is_given_up;  /* there is no L, but the next, by columns, the diagonal first */
+    int *entry_column, *entry_row;
+    double *entry;
     double *lower, *diagonal;
     int32_t *component;  /* of a node; -1 loose */
     uint8_t *is_drained; /* a component: no held cell, hence a uniform sink */
@@ -126,6 +138,8 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
  * until the next call; a cell without a column gets NULL. RT-safe. */
 void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_t *node,
                             const ss_real **out_column);
+/* cnn_iterate.c: x := A^-1 x without a factor; ERROR_MESH when it does not converge. */
+softsim_status ss_cnn_iterate(const ss_cnn_factor *factor, double (*x)[SS_CNN_SOLVE_WIDTH]);
 int64_t ss_cnn_network_bytes(const ss_cnn_network *network);
 /* Bytes of the columns that solve_all would make. */
 int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network);

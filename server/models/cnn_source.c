@@ -50,6 +50,8 @@
 
 /* a of a tool that barely touches. */
 #define BARELY 0.25
+/* Of a load's modulus: energies below are rounding. */
+#define ROUNDING_SHARE 1e-6
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
@@ -117,9 +119,12 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
 void ss_cnn_source_moduli(ss_model *model)
 {
     const ss_cnn_material *m = &model->material;
+    double largest = 0.0; /* J, of the loads */
+    bool has_tool = false;
     for (int32_t k = 0; k < model->source_count; ++k) {
         ss_cnn_source *source = &model->source[k];
         source->modulus = m->is_modulus_energy ? m->modulus : m->modulus * source->qhat;
+        largest = fmax(largest, source->modulus);
         source->eps_limit = m->saturation / m->modulus *
                             (m->is_modulus_energy ? source->qhat_over_own : source->inverse_own);
         if (model->saturation) { /* alone it saturates cell by cell, not at their mean potential */
@@ -128,8 +133,12 @@ void ss_cnn_source_moduli(ss_model *model)
         }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        has_tool = has_tool || model->tool[k].is_used;
         model->tool[k].source.modulus =
             m->is_modulus_energy ? m->modulus : m->modulus * model->network->median_qhat;
+    }
+    if (!has_tool && largest > 0.0) { /* no hand to feel it: what rounding makes of the strain */
+        model->small_energy = ROUNDING_SHARE * largest;
     }
 }
 

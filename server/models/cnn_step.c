@@ -43,6 +43,9 @@ enum { MAX_REJECTED = 40 };
  * and said: closed loops at sensible speeds stay a hundred times below in all. A loss is only
  * said. */
 #define MAX_SILENT_GAIN 0.01
+/* Up to this share all of it can be taken out, and the motion is still to be trusted: what a step
+ * near the limit makes of a load that sets in. */
+#define MAX_SLIGHT_GAIN 0.1
 /* Diagonals of the body: a displacement beyond is cut off. */
 #define MAX_DISPLACEMENT 100.0
 
@@ -480,8 +483,12 @@ static void damp_gain(ss_model *model, double gain)
     ss_cnn_window_damp(model, sqrt(left));
     model->kinetic *= left;
     model->fault_bits |= SS_MODEL_FAULT_ENERGY;
-    model->verdict = SOFTSIM_VERDICT_DEGRADED;
-    model->reason = "energy from nowhere was taken out of the motion";
+    const bool is_slight =
+        left > 0.0 && gain <= MAX_SLIGHT_GAIN * (model->elastic + model->kinetic + gain);
+    if (!is_slight || model->verdict < SOFTSIM_VERDICT_GUARDED) {
+        model->verdict = is_slight ? SOFTSIM_VERDICT_GUARDED : SOFTSIM_VERDICT_DEGRADED;
+        model->reason = "energy from nowhere was taken out of the motion";
+    }
 }
 
 /* Energy that vanished in an accepted sub-step: Runge-Kutta damps motion near its stable step, and

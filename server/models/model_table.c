@@ -13,9 +13,6 @@ extern const ss_model_class ss_model_cnn_chainmail;
 #ifdef SS_MODEL_CHAINMAIL
 extern const ss_model_class ss_model_chainmail;
 #endif
-#ifdef SS_MODEL_COROTATIONAL
-extern const ss_model_class ss_model_corotational;
-#endif
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
@@ -28,6 +25,9 @@ extern const ss_model_class ss_model_mass_spring;
 #ifdef SS_MODEL_XPBD
 extern const ss_model_class ss_model_xpbd;
 #endif
+#ifdef SS_MODEL_COROTATIONAL
+extern const ss_model_class ss_model_corotational;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -38,9 +38,6 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_CHAINMAIL
     &ss_model_chainmail,
-#endif
-#ifdef SS_MODEL_COROTATIONAL
-    &ss_model_corotational,
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
@@ -53,6 +50,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_XPBD
     &ss_model_xpbd,
+#endif
+#ifdef SS_MODEL_COROTATIONAL
+    &ss_model_corotational,
 #endif
     NULL};
 

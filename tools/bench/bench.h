@@ -13,5 +13,9 @@ int ss_bench_accuracy(int argc, char **argv);
 int ss_bench_latency(int argc, char **argv);
 /* The figures and tables of a paper, claim by claim. */
 int ss_bench_paper(int argc, char **argv);
+/* What each omission of the plan is worth. */
+int ss_bench_ablation(int argc, char **argv);
 /* Step time, smoothness and energy against the number of nodes. */
 int ss_bench_scaling(int argc, char **argv);
+/* What breaks a model, and whether the program says so. */
+int ss_bench_stability(int argc, char **argv);

@@ -11,6 +11,8 @@ static const struct {
     char title[32]; /* becomes argv[0], in a copy */
     const char *about;
 } reports[] = {
+    {"ablation", ss_bench_ablation, "softsim-bench ablation",
+     "time and bytes of what a scene's plan leaves out"},
     {"accuracy", ss_bench_accuracy, "softsim-bench accuracy",
      "error against run time of every model, on problems with trusted solutions"},
     {"latency", ss_bench_latency, "softsim-bench latency",
@@ -19,6 +21,8 @@ static const struct {
      "the figures and tables of a paper, each claim passed or failed"},
     {"scaling", ss_bench_scaling, "softsim-bench scaling",
      "step time, smoothness and energy against the number of nodes"},
+    {"stability", ss_bench_stability, "softsim-bench stability",
+     "what breaks a model, and whether the program says so"},
 };
 enum { REPORT_COUNT = sizeof reports / sizeof reports[0] };
 
@@ -54,10 +58,11 @@ int main(int argc, char **argv)
             return reports[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(stderr,
-            "softsim-bench: '%s' is none of accuracy, latency, paper, scaling; softsim-bench "
-            "--help says "
-            "more\n",
-            name);
+    fprintf(
+        stderr,
+        "softsim-bench: '%s' is none of ablation, accuracy, latency, paper, scaling, stability; "
+        "softsim-bench "
+        "--help says more\n",
+        name);
     return 2;
 }

@@ -208,12 +208,18 @@ static softsim_status open_script(ss_output *script, const char *folder, const c
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error)
 {
+    return ss_plot_open_sized(script, folder, name, 800, 480, error);
+}
+
+softsim_status ss_plot_open_sized(ss_output *script, const char *folder, const char *name,
+                                  int32_t width, int32_t height, softsim_error *error)
+{
     const softsim_status status = open_script(script, folder, name, error);
     if (status == SOFTSIM_OK) {
         fprintf(script->file,
-                "set terminal svg size 800,480 dynamic font 'sans,13' background rgb 'white'\n"
+                "set terminal svg size %d,%d dynamic font 'sans,13' background rgb 'white'\n"
                 "set output '%s.svg'\n",
-                name);
+                width, height, name);
     }
     return status;
 }

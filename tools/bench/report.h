@@ -55,6 +55,9 @@ void ss_row_add_number(ss_row *row, double value);
  * rest of the gnuplot script, run in the folder. */
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error);
+/* The same of another size than 800 x 480. */
+softsim_status ss_plot_open_sized(ss_output *script, const char *folder, const char *name,
+                                  int32_t width, int32_t height, softsim_error *error);
 /* The same with a picture of `width` x `height` dots, `name`.png: for thousands of faces, where SVG
  * would be ten times as large. */
 softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const char *name,

@@ -368,12 +368,14 @@ static softsim_status put_record(sweeper *s, int32_t index, bool is_lost, const 
  */
 
 /* In the run's own process: a letter, then its text or why there is none. */
-_Noreturn static void do_run(const ss_sweep *sweep, int32_t index, int fd, pid_t parent)
+_Noreturn static void do_run(const sweeper *s, int32_t index, int fd, pid_t parent)
 {
+    const ss_sweep *sweep = s->sweep;
     softsim_error error = {.status = SOFTSIM_OK};
     char *text = NULL;
     size_t size = 0;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    close(s->part_fd); /* a run that outlives us for a moment must not keep our lock */
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
     FILE *out = getppid() == parent ? open_memstream(&text, &size) : NULL;
@@ -403,7 +405,7 @@ static softsim_status start_run(sweeper *s, slot *to, int32_t index, softsim_err
     to->pid = fork();
     if (to->pid == 0) {
         close(pipe_fd[0]);
-        do_run(s->sweep, index, pipe_fd[1], parent);
+        do_run(s, index, pipe_fd[1], parent);
     }
     close(pipe_fd[1]);
     if (to->pid < 0) {
