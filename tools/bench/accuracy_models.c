@@ -139,7 +139,7 @@ static const ss_accuracy_model table[] = {
      .about = "a stable neo-Hookean material by position corrections: close to it once a step has "
               "enough of them, softer or stiffer by as much as it lacks",
      .has_force = true,
-     .material = {"stable-neo-hookean", "stable-neo-hookean", "stable-neo-hookean"},
+     .material = {"stable-neo-hookean", "stable-neo-hookean", "neo-hookean"},
      .write = write_physical},
     {.name = "mass-spring",
      .about = "springs along edges: one elastic constant, Poisson's ratio near 1/4 whatever is "
