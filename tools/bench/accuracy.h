@@ -88,6 +88,7 @@ typedef struct ss_accuracy_mean {
     const ss_accuracy_row *first; /* names */
     double error_l2, error_force, p50_us, realtime, to_1pct_ms;
     bool is_calibrated;
+    bool is_other; /* another problem than the case's (ss_accuracy_model.note): never chosen */
 } ss_accuracy_mean;
 /* Those of `case_name` and `material`, in the order of the rows; returns how many there are. */
 int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, const char *material,

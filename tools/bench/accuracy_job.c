@@ -24,7 +24,8 @@
 static const double step_s = 1e-3;
 static const double damping_share = 1.4;
 static const double still_omega = 60.0; /* 1/s: of a model that has no motion of its own */
-static const int32_t fit_most = 60;
+/* Runs a free parameter, and in a hurry. */
+static const int32_t fit_most = 20, fit_quick = 12;
 static const double fit_share = 0.04; /* of a level's time for each of them */
 static const double pi = 3.14159265358979;
 
@@ -223,7 +224,7 @@ static softsim_status calibrate(work *w)
     ss_simplex simplex = {.count = w->model->free_count,
                           .step = 1.5,
                           .tolerance = 2e-3,
-                          .most = w->plan->is_quick ? fit_most / 2 : fit_most,
+                          .most = w->model->free_count * (w->plan->is_quick ? fit_quick : fit_most),
                           .context = w,
                           .value = fit_value};
     for (int32_t k = 0; k < simplex.count; ++k) {
@@ -338,6 +339,9 @@ static void fill_row(const work *w, int32_t level, const ss_static_run *run, ss_
     } else if (w->body.pushed_count > 0) {
         add_note(row->verdict, sizeof row->verdict, "; the model has no force of its own%s%s", "",
                  "");
+    }
+    if (w->model->note != NULL) {
+        add_note(row->verdict, sizeof row->verdict, "; %s%s", w->model->note, "");
     }
     if (used != NULL && strncmp(used, row->material, strlen(row->material)) != 0 &&
         !(strcmp(used, "neo-hookean") == 0 && strcmp(row->material, "nh") == 0)) {

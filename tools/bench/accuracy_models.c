@@ -43,7 +43,7 @@ static void write_physical(FILE *file, const ss_model_class *class, const ss_acc
  * sleeps while there is no tool. */
 static void write_hybrid(FILE *file, const ss_model_class *class, const ss_accuracy_knobs *k)
 {
-    const double spacing = 0.006 * k->body->size;
+    const double spacing = 0.012 * k->body->size;
     write_physical(file, class, k);
     fprintf(file, "  layer: {spacing_m: %.9g, thickness_m: %.9g}\n", spacing, 3.0 * spacing);
 }
@@ -126,6 +126,7 @@ static const ss_accuracy_model table[] = {
      .about = "the finite elements of fem under a layer of particles, which sleep while no tool is "
               "near, as here; the layer lies outside the body and makes it a little thicker, which "
               "is in its error",
+     .note = "the layer outside makes it a thicker body than the case's",
      .has_force = true,
      .material = EXACT,
      .write = write_hybrid},

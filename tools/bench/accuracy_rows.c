@@ -235,7 +235,9 @@ int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, c
             continue;
         }
         int32_t levels = 0;
-        out[count] = (ss_accuracy_mean){.first = row};
+        const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
+        out[count] = (ss_accuracy_mean){
+            .first = row, .is_other = row->source == 0 && model != NULL && model->note != NULL};
         for (int pass = 0; pass < 2; ++pass) {
             for (int32_t k = i; k < rows->count; ++k) {
                 const ss_accuracy_row *at = &rows->row[k];
@@ -260,7 +262,7 @@ const ss_accuracy_mean *ss_accuracy_choose(const ss_accuracy_mean *mean, int32_t
 {
     const ss_accuracy_mean *best = NULL;
     for (int32_t k = 0; k < count; ++k) {
-        if (mean[k].p50_us <= budget_us && !isnan(mean[k].error_l2) &&
+        if (mean[k].p50_us <= budget_us && !isnan(mean[k].error_l2) && !mean[k].is_other &&
             (best == NULL || mean[k].error_l2 < best->error_l2)) {
             best = &mean[k];
         }
