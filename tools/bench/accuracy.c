@@ -575,6 +575,7 @@ static softsim_status make_folders(const report *r, softsim_error *error)
 
 static softsim_status write_all(report *r, softsim_error *error)
 {
+    const int32_t own_count = r->rows.count;
     softsim_status status = ss_accuracy_rows_write(&r->rows, r->o.out, error);
     if (status == SOFTSIM_OK && r->dynamic.job_count > 0) {
         status = write_dynamics(r, error);
@@ -587,7 +588,7 @@ static softsim_status write_all(report *r, softsim_error *error)
         status = write_page(r, error);
     }
     if (status == SOFTSIM_OK) {
-        printf("%d rows in %s/accuracy.csv; %s/accuracy.html\n", r->rows.count, r->o.out, r->o.out);
+        printf("%d rows in %s/accuracy.csv; %s/accuracy.html\n", own_count, r->o.out, r->o.out);
     }
     return status;
 }

@@ -42,6 +42,13 @@ static void put_name(FILE *file, const char *text)
     }
 }
 
+/* The same in every picture; programs of others are black. */
+static const char *colour_of(const ss_accuracy_row *row)
+{
+    const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
+    return row->source == 0 && model != NULL ? model->colour : "black";
+}
+
 static bool is_first_of_model(const drawing *d, int32_t k)
 {
     for (int32_t i = 0; i < k; ++i) {
@@ -53,8 +60,22 @@ static bool is_first_of_model(const drawing *d, int32_t k)
     return true;
 }
 
+/* Of all points: gnuplot's own would go to whole decades. */
+typedef struct range {
+    double low[2], high[2]; /* time, error */
+} range;
+
+static void widen(range *r, double time, double error)
+{
+    const double at[2] = {time, error};
+    for (int k = 0; k < 2; ++k) {
+        r->low[k] = fmin(r->low[k], at[k]);
+        r->high[k] = fmax(r->high[k], at[k]);
+    }
+}
+
 static int32_t put_series(FILE *file, const drawing *d, int32_t of,
-                          double (*time)(const ss_accuracy_mean *))
+                          double (*time)(const ss_accuracy_mean *), range *r)
 {
     int32_t points = 0;
     fprintf(file, "$series%d << EOD\n", of);
@@ -63,6 +84,7 @@ static int32_t put_series(FILE *file, const drawing *d, int32_t of,
         if (m->first->source == d->mean[of].first->source &&
             strcmp(m->first->model, d->mean[of].first->model) == 0 && m->error_l2 > 0.0 &&
             time(m) > 0.0) {
+            widen(r, time(m), m->error_l2);
             fprintf(file, "%.6g %.6g \"", time(m), m->error_l2);
             put_name(file, m->first->mesh);
             fputs("\"\n", file);
@@ -107,6 +129,7 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
     char name[NAME_SIZE], text[400];
     ss_output script;
     bool is_drawn[MAX_MEANS] = {false};
+    range r = {.low = {(double)INFINITY, (double)INFINITY}};
     snprintf(name, sizeof name, "%s_%s_%s", kind, d->c->name, d->c->material[d->material]);
     const softsim_status status = ss_plot_open(&script, d->plan->folder, name, d->error);
     if (status != SOFTSIM_OK) {
@@ -114,32 +137,30 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
     }
     FILE *file = script.file;
     for (int32_t k = 0; k < d->mean_count; ++k) {
-        is_drawn[k] = is_first_of_model(d, k) && put_series(file, d, k, time) > 0;
+        is_drawn[k] = is_first_of_model(d, k) && put_series(file, d, k, time, &r) > 0;
     }
     if (put_front(file, d, time) == 0) {
         ss_output_abandon(&script);
         return SOFTSIM_OK;
     }
     fprintf(file,
-            "set logscale xy\nset grid\nset key outside right\nset offsets graph 0.06, graph 0.06, "
-            "graph 0.06, graph 0.06\nset xlabel '%s'\nset ylabel 'error of the field, mean of the "
-            "levels'\nplot ",
-            label);
-    int32_t colour = 0;
+            "set logscale xy\nset grid\nset key outside right\nset xrange [%.3g:%.3g]\nset yrange "
+            "[%.3g:%.3g]\nset xlabel '%s'\nset ylabel 'error of the field, mean of the levels'\n"
+            "plot ",
+            r.low[0] / 1.6, r.high[0] * 2.2, r.low[1] / 1.5, r.high[1] * 1.5, label);
     for (int32_t k = 0; k < d->mean_count; ++k) {
         const ss_accuracy_row *row = d->mean[k].first;
         if (!is_drawn[k]) {
             continue;
         }
-        ++colour;
-        fprintf(file, "$series%d using 1:2 with linespoints lw 1.5 pt %d lc %d title '", k,
-                row->source == 0 ? 7 : 4, colour);
+        fprintf(file, "$series%d using 1:2 with linespoints lw 1.5 pt %d lc rgb '%s' title '", k,
+                row->source == 0 ? 7 : 4, colour_of(row));
         put_name(file, row->model);
         fputs(row->source == 0 ? "', " : " *', ", file);
         fprintf(file,
-                "$series%d using 1:2:3 with labels left offset 0.7,0.4 font ',9' tc lt %d "
-                "notitle, ",
-                k, colour);
+                "$series%d using 1:2:3 with labels left offset 0.7,0.4 font ',9' tc rgb "
+                "'%s' notitle, ",
+                k, colour_of(row));
     }
     fputs("$front using 1:2 with linespoints lw 1 dt 2 pt 6 ps 2 lc rgb 'black' title 'Pareto "
           "front'\n",
@@ -221,7 +242,8 @@ static softsim_status draw_forces(drawing *d)
         "plot $reference with linespoints lw 3 pt 6 lc rgb 'black' title 'reference'",
         file);
     for (int32_t k = 0; k < count; ++k) {
-        fprintf(file, ", $force%d with linespoints lw 1.5 pt 7 ps 0.7 lc %d title '", k, k + 1);
+        fprintf(file, ", $force%d with linespoints lw 1.5 pt 7 ps 0.7 lc rgb '%s' title '", k,
+                colour_of(shown[k]->first));
         put_name(file, shown[k]->first->model);
         fputs(", ", file);
         put_name(file, shown[k]->first->mesh);

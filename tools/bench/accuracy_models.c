@@ -117,12 +117,14 @@ static void write_chainmail(FILE *file, const ss_model_class *class, const ss_ac
 
 static const ss_accuracy_model table[] = {
     {.name = "fem",
+     .colour = "#d55e00",
      .about = "solves the stated material; what is left is the mesh, which bends and squeezes too "
               "stiffly while it is coarse",
      .has_force = true,
      .material = EXACT,
      .write = write_physical},
     {.name = "hybrid",
+     .colour = "#7f3f98",
      .about = "the finite elements of fem under a layer of particles, which sleep while no tool is "
               "near, as here; the layer lies outside the body and makes it a little thicker, which "
               "is in its error",
@@ -131,23 +133,27 @@ static const ss_accuracy_model table[] = {
      .material = EXACT,
      .write = write_hybrid},
     {.name = "corotational",
+     .colour = "#0072b2",
      .about = "linear elasticity that turns with the body: right while strains are small, whatever "
               "the rotations, and stable at any step",
      .has_force = true,
      .material = {"linear", "linear", "linear"},
      .write = write_physical},
     {.name = "xpbd",
+     .colour = "#009e73",
      .about = "a stable neo-Hookean material by position corrections: close to it once a step has "
               "enough of them, softer or stiffer by as much as it lacks",
      .has_force = true,
      .material = {"stable-neo-hookean", "stable-neo-hookean", "neo-hookean"},
      .write = write_physical},
     {.name = "mass-spring",
+     .colour = "#8c6d1f",
      .about = "springs along edges: one elastic constant, Poisson's ratio near 1/4 whatever is "
               "asked for, and a stiffness that depends on how the mesh was cut",
      .has_force = true,
      .write = write_physical},
     {.name = "cnn-energy",
+     .colour = "#cc2277",
      .about = "a network on the surface, with no material inside: its shape is fitted. It follows "
               "a dent on a closed body; bulging, bending and what happens below the surface are "
               "not in it, and other levels than the fitted one are a prediction",
@@ -159,6 +165,7 @@ static const ss_accuracy_model table[] = {
      .write = write_energy,
      .omega = energy_omega},
     {.name = "cnn-chainmail",
+     .colour = "#5a9bd4",
      .about = "links that resist only beyond their slack: a fast local shape, far from an elastic "
               "body's in absolute terms, and judged here at rest although its motion is its point",
      .has_force = true,
@@ -167,6 +174,7 @@ static const ss_accuracy_model table[] = {
      .free = {{"alpha", 1e-4, 0.02, 4e-3}}, /* an elastic body has no toe */
      .write = write_cnn_chainmail},
     {.name = "chainmail",
+     .colour = "#7a7a7a",
      .about = "geometry alone: distances are kept within bounds, forces do not exist in it",
      .free_count = 2,
      .free = {{"alpha", 5e-3, 0.5, 0.1}, {"beta", 0.02, 1.0, 0.2}},

@@ -44,8 +44,9 @@ typedef struct ss_accuracy_free {
 
 typedef struct ss_accuracy_model {
     const char *name;
-    const char *about; /* its place, in a sentence or two */
-    const char *note;  /* why it is not quite the case's problem, for its verdicts; NULL: it is */
+    const char *colour; /* in pictures, as gnuplot takes it */
+    const char *about;  /* its place, in a sentence or two */
+    const char *note;   /* why it is not quite the case's problem, for its verdicts; NULL: it is */
     bool on_surface;
     bool has_force; /* false: what it says about forces is another's doing */
     bool has_scale;
