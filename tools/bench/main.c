@@ -13,6 +13,8 @@ static const struct {
 } reports[] = {
     {"ablation", ss_bench_ablation, "softsim-bench ablation",
      "time and bytes of what a scene's plan leaves out"},
+    {"accuracy", ss_bench_accuracy, "softsim-bench accuracy",
+     "error against run time of every model, on problems with trusted solutions"},
     {"latency", ss_bench_latency, "softsim-bench latency",
      "pose to force, lateness and missed periods of the whole chain"},
     {"paper", ss_bench_paper, "softsim-bench paper",
@@ -56,10 +58,11 @@ int main(int argc, char **argv)
             return reports[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(stderr,
-            "softsim-bench: '%s' is none of ablation, latency, paper, scaling, stability; "
-            "softsim-bench "
-            "--help says more\n",
-            name);
+    fprintf(
+        stderr,
+        "softsim-bench: '%s' is none of ablation, accuracy, latency, paper, scaling, stability; "
+        "softsim-bench "
+        "--help says more\n",
+        name);
     return 2;
 }
