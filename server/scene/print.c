@@ -51,9 +51,7 @@ static void end(printer *p, const char *comment)
     p->line(p->sink, p->buffer);
 }
 
-/* The shortest digits that read back as the same number; whole numbers in full, and an exponent
- * only behind a point and with its sign, as readers of YAML 1.1 need it too. */
-static void put_number(FILE *stream, double value)
+void ss_scene_put_number(FILE *stream, double value)
 {
     char text[40];
     if (value == floor(value) && fabs(value) < 1e15) {
@@ -71,8 +69,7 @@ static void put_number(FILE *stream, double value)
     fprintf(stream, "%.*s%s%s", (int)mantissa, text, is_bare ? ".0" : "", text + mantissa);
 }
 
-/* Words that YAML cannot misread stay plain, the rest goes into double quotes. */
-static void put_text(FILE *stream, const char *text, bool is_quoted)
+void ss_scene_put_text(FILE *stream, const char *text, bool is_quoted)
 {
     const size_t plain = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                       "0123456789_./+-");
@@ -99,9 +96,9 @@ static void put_scalar(printer *p, const ss_scene_node *node)
 {
     char path[2 * PATH_MAX];
     if (node->is_path && ss_scene_join_path(p->folder, node->text, path, sizeof path)) {
-        put_text(p->stream, path, true);
+        ss_scene_put_text(p->stream, path, true);
     } else {
-        put_text(p->stream, node->text, node->is_quoted);
+        ss_scene_put_text(p->stream, node->text, node->is_quoted);
     }
 }
 
@@ -138,7 +135,7 @@ static void put_value(FILE *stream, const ss_scene_row *row, double value)
     } else if (row->kind == SS_SCENE_RATE && value == 0) {
         fputs("auto", stream);
     } else {
-        put_number(stream, value);
+        ss_scene_put_number(stream, value);
     }
 }
 
@@ -182,7 +179,7 @@ static void put_field(printer *p, const ss_scene_row *row)
     if (row->kind == SS_SCENE_VECTOR) {
         fputc('[', p->stream);
         for (int k = 0; k < 3; k++) {
-            put_number(p->stream, value[k]);
+            ss_scene_put_number(p->stream, value[k]);
             fputs(k < 2 ? ", " : "]", p->stream);
         }
     } else {

@@ -686,8 +686,7 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
     return SOFTSIM_OK;
 }
 
-/* The file's bytes; NULL with a fault in `error`. */
-static char *read_scene(const char *path, size_t *out_size, softsim_error *error)
+char *ss_scene_read_file(const char *path, size_t *out_size, softsim_error *error)
 {
     struct stat status;
     /* Without waiting for the writer of a pipe, which is refused anyway. */
@@ -722,7 +721,7 @@ softsim_status ss_scene_load(const char *path, const char *const *overrides, int
     size_t size = 0;
     *out_scene = NULL;
     softsim_error local = {0};
-    char *text = read_scene(path, &size, &local);
+    char *text = ss_scene_read_file(path, &size, &local);
     if (text == NULL) {
         softsim_error_add(error, local.status, "%s", local.text);
         return local.status;
