@@ -503,6 +503,43 @@ static void the_program_refuses_what_is_wrong(void **state)
     assert_int_equal(run_program(help), 0);
 }
 
+static void a_reference_case_is_fitted_level_by_level(void **state)
+{
+    (void)state;
+    char told[4096], text[8192], out[128];
+    snprintf(out, sizeof out, "%s/case.yaml", folder);
+    const char *scene = path_of("plate.yaml");
+    const char *slab = SOURCE_DIR "/tests/reference/c_slab";
+    const char *good[] = {"--scene",   scene,   "--case", slab,          "--material",
+                          "linear",    "--out", out,      "--parameter", "model.pretension_j",
+                          "--press-s", "0.1",   NULL};
+    const int result = run_program(good);
+    read_file("err.txt", told, sizeof told);
+    if (result != 0) {
+        fail_msg("exit %d: %s", result, told);
+    }
+    assert_non_null(strstr(told, "c_slab, linear, mesh 300, 1 levels: misfit of the field"));
+    read_file("case.yaml", text, sizeof text);
+    const char *value = strstr(text, "\n  pretension_j: ");
+    assert_non_null(value);
+    assert_true(strtod(value + 17, NULL) > 0.2); /* from 0.1: the force asks for more */
+    static const char *const wrong[][4] = {
+        {SOURCE_DIR "/tests/reference/g_dynamics", NULL, NULL, "no levels at rest"},
+        {SOURCE_DIR "/tests/reference/c_slab", "--material", "wood", "no material 'wood'"},
+        {SOURCE_DIR "/tests/reference/c_slab", "--mesh", "9k", "no surface mesh '9k'; it has 300"},
+        {SOURCE_DIR "/tests", NULL, NULL, "case.yaml"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; ++k) {
+        const char *bad[] = {"--scene", scene,       "--case",    wrong[k][0], "--out",
+                             out,       wrong[k][1], wrong[k][2], NULL};
+        assert_int_equal(run_program(bad), 2);
+        read_file("err.txt", told, sizeof told);
+        if (strstr(told, wrong[k][3]) == NULL) {
+            fail_msg("case %zu: %s", k, told);
+        }
+    }
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -541,6 +578,7 @@ int main(void)
         cmocka_unit_test(a_patch_and_a_relaxation_give_the_damping),
         cmocka_unit_test(the_program_writes_the_scene_with_its_origin),
         cmocka_unit_test(the_program_refuses_what_is_wrong),
+        cmocka_unit_test(a_reference_case_is_fitted_level_by_level),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

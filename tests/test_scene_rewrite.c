@@ -170,6 +170,26 @@ static void numbers_are_found_by_path(void **state)
     ss_scene_destroy(&scene);
 }
 
+static void gather(void *sink, const char *line)
+{
+    char *to = sink;
+    snprintf(to + strlen(to), 1024 - strlen(to), "%s\n", line);
+}
+
+static void what_was_given_is_printed_alone(void **state)
+{
+    (void)state;
+    char out[1024] = "";
+    const char *set[] = {"model.modulus_j=2", "model.rho={file: rho.csv}", "model.cells=3"};
+    ss_scene *scene = load_with(text, set, 3);
+    ss_scene_print_given(scene, "model", gather, out);
+    char expected[512];
+    snprintf(expected, sizeof expected,
+             "  name: jelly\n  modulus_j: 2\n  rho: {file: \"%s/rho.csv\"}\n  cells: 3\n", folder);
+    assert_string_equal(out, expected);
+    ss_scene_destroy(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -179,6 +199,7 @@ int main(void)
         cmocka_unit_test(files_are_found_from_another_folder),
         cmocka_unit_test(lists_and_lost_folders_are_refused),
         cmocka_unit_test(numbers_are_found_by_path),
+        cmocka_unit_test(what_was_given_is_printed_alone),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

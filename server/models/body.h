@@ -89,7 +89,8 @@ typedef struct ss_body_plan {
     double mass_damping;       /* alpha, 1/s */
     double edge;               /* m, typical edge: a node moves at most 0.2 of it a sub-step */
     double planned_step;       /* s, the sub-step meant at rest: the contact's stiffness is chosen
-                                  by it; INFINITY: the model takes contact implicitly */
+                                  by it. 0: what the stable step at rest asks for (usual);
+                                  INFINITY: the model takes contact implicitly */
     double step_share;         /* of the stable step that sub-steps take, e.g. 0.5 */
     ss_body_integrator integrator; /* of models without `advance` */
     ss_body_elastic elastic;
@@ -130,6 +131,12 @@ void ss_body_volume_masses(const ss_mesh *mesh, const double *density, bool per_
 void ss_body_area_masses(const ss_mesh *mesh, const double *density, double *out_mass);
 /* Mean length of the edges of tetrahedra, else of triangles, m. */
 double ss_body_mean_edge(const ss_mesh *mesh);
+/* The largest stable step (s) of an explicit method for modes up to sqrt(rate2), 1/s^2, viscosity
+ * viscous_time times the stiffness (lagged, as forces see v) and mass damping (1/s): 2/omega
+ * (sqrt(1 + zeta^2) - zeta), zeta = viscous_time omega / 2; Runge-Kutta: within its region of
+ * stability. INFINITY for rate2 = 0 without damping. */
+double ss_body_step_limit(ss_body_integrator integrator, double rate2, double viscous_time,
+                          double mass_damping);
 /* Mass of one node from now on, with its momentum as it is told: for models that move mass. */
 void ss_body_set_mass(ss_body *body, int32_t node, double mass);
 

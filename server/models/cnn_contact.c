@@ -180,45 +180,6 @@ static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
     return fmin(viscosity, MAX_VISCOUS_TIME * tool->felt);
 }
 
-/* The direction in which the tissue pushes the tool: the first contact's where there is only one.
- */
-static void push_direction(const ss_cnn_tool *tool, const ss_contact_set *set, double out[3])
-{
-    ss_copy3(out, set->contact[0].normal);
-    if (set->count > 1) {
-        double force[3];
-        ss_copy3(force, tool->force);
-        if (ss_normalize3(force) > 0.0 && ss_dot3(force, out) > 0.0) {
-            ss_copy3(out, force);
-        }
-    }
-}
-
-/* The contacts' forces become the whole reaction along its direction (the forces through the
- * weights are not the contacts' own), and the tool's stiffness is shared by force. */
-static void share_contacts(const ss_cnn_tool *tool, const double normal[3], double viscosity,
-                           ss_contact_set *set)
-{
-    double along = 0.0, sum = 0.0;
-    for (int32_t k = 0; k < set->count; ++k) {
-        along += set->contact[k].force * ss_dot3(set->contact[k].normal, normal);
-        sum += set->contact[k].force;
-    }
-    const double whole = ss_dot3(tool->force, normal);
-    const double factor = along > 0.0 ? whole / along : 0.0;
-    for (int32_t k = 0; k < set->count; ++k) {
-        ss_contact *contact = &set->contact[k];
-        const double share = sum > 0.0 ? contact->force / sum : 1.0 / set->count;
-        contact->force = along > 0.0 ? contact->force * factor : whole * share;
-        if (!set->is_held) {
-            contact->force = fmax(0.0, contact->force);
-        }
-        contact->stiffness = share * tool->felt;
-        contact->tangential = share * tool->felt;
-        contact->viscosity = share * viscosity;
-    }
-}
-
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
 {
     memset(out, 0, sizeof *out);
@@ -234,9 +195,9 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     const bool is_touching = tool->penalty > 0.0 || tool->grasp.count > 0;
     if (out->count > 0 && is_touching) {
         double normal[3];
-        push_direction(tool, out, normal);
+        ss_contact_set_direction(out, tool->force, normal);
         const double viscosity = feel(model, tool, normal);
-        share_contacts(tool, normal, viscosity, out);
+        ss_contact_set_share(out, normal, tool->felt, viscosity);
     } else {
         for (int32_t k = 0; k < out->count; ++k) {
             out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;

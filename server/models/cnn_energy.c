@@ -208,13 +208,10 @@ static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_s
     tool->eps = ss_memory_get(n, sizeof *tool->eps);
     tool->eta = ss_memory_get(n, sizeof *tool->eta);
     tool->share = ss_memory_get(n, sizeof *tool->share);
-    tool->grasp.node = ss_memory_get(n, sizeof *tool->grasp.node);
-    tool->grasp.stiffness = ss_memory_get(n, sizeof *tool->grasp.stiffness);
-    tool->grasp.offset = ss_memory_get(n, sizeof *tool->grasp.offset);
     const bool is_good = get_quads(model, &tool->shape_y) &&
                          get_quads(model, &tool->weight_slope) && tool->mu && tool->fading_mu &&
-                         tool->eps && tool->eta && tool->share && tool->grasp.node &&
-                         tool->grasp.stiffness && tool->grasp.offset;
+                         tool->eps && tool->eta && tool->share &&
+                         ss_grasp_init(&tool->grasp, model->node_count);
     return status != SOFTSIM_OK ? status : is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
@@ -332,10 +329,9 @@ static void destroy(ss_model *model)
         ss_cnn_tool *tool = &model->tool[k];
         ss_touch_destroy(&tool->touch);
         ss_cnn_source_fini(&tool->source);
-        void *const owned[] = {tool->mu,           tool->eps,        tool->eta,
-                               tool->share,        tool->grasp.node, tool->grasp.stiffness,
-                               tool->grasp.offset, tool->shape_y,    tool->fading_mu,
-                               tool->weight_slope};
+        ss_grasp_fini(&tool->grasp);
+        void *const owned[] = {tool->mu,      tool->eps,       tool->eta,         tool->share,
+                               tool->shape_y, tool->fading_mu, tool->weight_slope};
         for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
             ss_memory_free(owned[m]);
         }
@@ -483,56 +479,39 @@ static const ss_real *velocity(const ss_model *model)
     return model->v;
 }
 
-static uint64_t add_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; ++k) {
-        hash = (hash ^ byte[k]) * 0x100000001b3u;
-    }
-    return hash;
-}
-
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
-    uint64_t hash = add_bytes(seed, model->u_low, quads);
+    uint64_t hash = ss_hash_bytes(seed, model->u_low, quads);
     if (model->window) {
         const ss_cnn_window *window = model->window;
-        hash = add_bytes(hash, window->rank, (size_t)window->block_count);
-        hash = add_bytes(hash, window->y, sizeof window->y);
-        hash = add_bytes(hash, window->w, sizeof window->w);
-        hash = add_bytes(hash, &window->age, sizeof window->age);
-        hash = add_bytes(hash, &window->tension, sizeof window->tension);
+        hash = ss_hash_bytes(hash, window->rank, (size_t)window->block_count);
+        hash = ss_hash_bytes(hash, window->y, sizeof window->y);
+        hash = ss_hash_bytes(hash, window->w, sizeof window->w);
+        hash = ss_hash_bytes(hash, &window->age, sizeof window->age);
+        hash = ss_hash_bytes(hash, &window->tension, sizeof window->tension);
     }
     for (int32_t k = 0; k < model->source_count; ++k) {
-        hash = add_bytes(hash, &model->source[k].is_on, sizeof(bool));
+        hash = ss_hash_bytes(hash, &model->source[k].is_on, sizeof(bool));
     }
     for (int32_t i = 0; model->relax && i < model->node_count; ++i) {
         const int32_t slot = model->relax->slot_of[i];
         for (int32_t j = 0; slot >= 0 && j < model->node_count; ++j) {
             const double potential = ss_cnn_relax_potential(model->relax, slot, j);
-            hash = add_bytes(hash, &potential, sizeof potential);
+            hash = ss_hash_bytes(hash, &potential, sizeof potential);
         }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
-        const ss_cnn_grasp *grasp = &tool->grasp;
-        const size_t count = (size_t)grasp->count;
         if (!tool->is_used) {
             continue;
         }
-        hash = add_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
-        hash = add_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
-        hash = add_bytes(hash, tool->shape_y, quads);
-        hash = add_bytes(hash, &tool->felt, sizeof tool->felt);
-        hash = add_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
-        hash = add_bytes(hash, &grasp->count, sizeof grasp->count);
-        if (count > 0) {
-            hash = add_bytes(hash, &grasp->share, sizeof grasp->share);
-            hash = add_bytes(hash, grasp->node, count * sizeof *grasp->node);
-            hash = add_bytes(hash, grasp->stiffness, count * sizeof *grasp->stiffness);
-            hash = add_bytes(hash, grasp->offset, count * sizeof *grasp->offset);
-        }
+        hash = ss_hash_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
+        hash = ss_hash_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
+        hash = ss_hash_bytes(hash, tool->shape_y, quads);
+        hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
+        hash = ss_hash_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
+        hash = ss_grasp_hash(&tool->grasp, hash);
     }
     return hash;
 }

@@ -14,7 +14,9 @@
 #include "models/cnn_kernels.h"
 #include "models/cnn_network.h"
 #include "models/cnn_relax.h"
+#include "models/grasp.h"
 #include "models/model.h"
+#include "models/plan.h"
 
 /* Rows of the parameter table, in its order. */
 enum {
@@ -46,9 +48,6 @@ enum {
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
-
-/* Stiffness of a grasp over that of contact, N/m^3 over N/m^3: it shares the stability bound. */
-#define SS_CNN_GRASP_SHARE 0.2
 
 /* What the body is made of, a value per node, SI. */
 typedef struct ss_cnn_material {
@@ -105,17 +104,6 @@ typedef struct ss_cnn_saturation {
     double potential[SS_CNN_MAX_SATURATED][SS_CNN_MAX_SATURATED];
 } ss_cnn_saturation;
 
-typedef struct ss_cnn_grasp {
-    bool is_pressed;
-    double share;        /* 1 while held, then ramped to 0 */
-    double share_before; /* at the start of the sub-step */
-    double square;       /* sum k_i |x_i|^2 / 2, J, at full share */
-    int32_t count;
-    int32_t *node;
-    double *stiffness;   /* N/m */
-    double (*offset)[3]; /* in the tool's frame */
-} ss_cnn_grasp;
-
 /* The cell that carries the whole source of a tool, and has the tool pressed on it yet? */
 typedef struct ss_cnn_contact_cell {
     int32_t node; /* -1: none, nothing is touched */
@@ -128,7 +116,7 @@ typedef struct ss_cnn_tool {
     ss_touch *touch;
     double radius, reach, full_weight, stiffness; /* R, delta, W1, kc */
     ss_cnn_source source;
-    ss_cnn_grasp grasp;
+    ss_grasp grasp;
     /* state */
     bool is_present;
     ss_tool_pose pose;     /* where the forces below were evaluated */
@@ -165,9 +153,8 @@ typedef struct ss_cnn_load {
 } ss_cnn_load;
 
 typedef struct ss_cnn_driven {
-    const ss_prescribed *plan;
-    int32_t source;              /* -1: none of its nodes can carry one */
-    double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
+    ss_driven_set set;
+    int32_t source; /* -1: none of its nodes can carry one */
 } ss_cnn_driven;
 
 /* Sources, and the enclosed volume, whose forces lead the far nodes; see cnn_window.c. */

@@ -24,13 +24,8 @@
 
 double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius)
 {
-    if (plan->contact_stiffness > 0.0) {
-        return plan->contact_stiffness;
-    }
     const double rate = RK4_RADIUS * CONTACT_SUBSTEPS / plan->step;
-    const double stable = CONTACT_SHARE * sigma * rate * rate;
-    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
-    return fmin(stable, working / (0.03 * radius * radius * radius));
+    return ss_plan_contact_stiffness(plan, CONTACT_SHARE * sigma * rate * rate, radius);
 }
 
 /* Microseconds a step, a node in it, an edge of each source, a tool and an edge under it: medians

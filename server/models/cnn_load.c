@@ -18,16 +18,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
 /* rho on an edge over rho at the loaded cell: the contact softens above, and fails far above. */
 #define RHO_RATIO_MAX 10.0
-
-static bool is_driven(const ss_prescribed *set, int32_t i, int k)
-{
-    return set->axis[k] && isfinite(set->displacement[i][k]);
-}
 
 /* ---- sources ------------------------------------------------------------------------------ */
 
@@ -99,34 +95,20 @@ static void fill_patch(const ss_model *model, const double *raw, patch *out)
     }
 }
 
-/* The triangles whose nodes are all in the load's group; their areas as weights. */
-static softsim_status find_pressure_triangles(ss_model *model, ss_cnn_load *load, double *raw)
+/* The areas of the triangles under pressure as weights. */
+static void weigh_triangles(const ss_model *model, const ss_cnn_load *load, double *raw)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    uint8_t *is_in = ss_memory_get((size_t)mesh->node_count, 1);
-    load->triangle = ss_memory_get((size_t)mesh->triangle_count, sizeof *load->triangle);
-    if (!is_in || !load->triangle) {
-        ss_memory_free(is_in);
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t k = 0; k < load->plan->node_count; ++k) {
-        is_in[load->plan->node[k]] = 1;
-    }
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        const int32_t *c = mesh->triangle[t];
-        if (is_in[c[0]] && is_in[c[1]] && is_in[c[2]]) {
-            double u[3], v[3], n[3];
-            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-            ss_cross3(n, u, v);
-            load->triangle[load->triangle_count++] = t;
-            for (int k = 0; k < 3; ++k) {
-                raw[c[k]] += ss_norm3(n);
-            }
+    for (int32_t t = 0; t < load->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[load->triangle[t]];
+        double u[3], v[3], n[3];
+        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+        ss_cross3(n, u, v);
+        for (int k = 0; k < 3; ++k) {
+            raw[c[k]] += ss_norm3(n);
         }
     }
-    ss_memory_free(is_in);
-    return SOFTSIM_OK;
 }
 
 /* A cell whose neighbourhood conducts far better than itself has almost no contact stiffness. */
@@ -180,18 +162,12 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
     load->plan = &model->plan.load[which];
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     if (load->plan->is_pressure) {
-        const softsim_status status = find_pressure_triangles(model, load, raw);
+        const softsim_status status = ss_plan_pressure_triangles(
+            &model->plan, "cnn-energy", which, &load->triangle, &load->triangle_count, error);
         if (status != SOFTSIM_OK) {
             return status;
         }
-        if (load->triangle_count == 0) {
-            softsim_error_add(
-                error, SOFTSIM_ERROR_SCENE,
-                "cnn-energy: load %d is a pressure, but no triangle has all its nodes "
-                "in the group",
-                which);
-            return SOFTSIM_ERROR_SCENE;
-        }
+        weigh_triangles(model, load, raw);
     } else {
         for (int32_t k = 0; k < load->plan->node_count; ++k) {
             raw[load->plan->node[k]] = 1.0;
@@ -212,16 +188,13 @@ static softsim_status create_driven(ss_model *model, int32_t which, patch *cells
 {
     ss_cnn_driven *driven = &model->driven[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
-    driven->plan = set;
-    driven->from = ss_memory_get((size_t)set->node_count, sizeof *driven->from);
-    driven->to = ss_memory_get((size_t)set->node_count, sizeof *driven->to);
-    if (!driven->from || !driven->to) {
+    if (!ss_driven_set_init(&driven->set, set)) {
         return SOFTSIM_ERROR_MEMORY;
     }
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            if (is_driven(set, i, k)) {
+            if (ss_plan_is_driven(set, i, k)) {
                 raw[set->node[i]] = 1.0;
                 model->mobility[4 * (ptrdiff_t)set->node[i] + k] = 0;
             }
@@ -285,8 +258,7 @@ void ss_cnn_loads_fini(ss_model *model)
         ss_memory_free(model->load[k].triangle);
     }
     for (int32_t k = 0; model->driven && k < model->plan.prescribed_count; ++k) {
-        ss_memory_free(model->driven[k].from);
-        ss_memory_free(model->driven[k].to);
+        ss_driven_set_fini(&model->driven[k].set);
     }
     for (int32_t k = 0; model->source && k < model->source_count; ++k) {
         ss_cnn_source_fini(&model->source[k]);
@@ -299,41 +271,10 @@ void ss_cnn_loads_fini(ss_model *model)
 
 /* ---- forces ------------------------------------------------------------------------------- */
 
-static double ramp_at(double from, double ramp, double time)
-{
-    if (time < from) {
-        return 0.0;
-    }
-    return ramp > 0.0 ? fmin(1.0, (time - from) / ramp) : 1.0;
-}
-
 static void add_node_force(ss_real *force, int32_t node, const double f[3])
 {
     for (int k = 0; k < 3; ++k) {
         force[4 * (ptrdiff_t)node + k] += (ss_real)f[k];
-    }
-}
-
-/* -p times a third of each triangle's area vector, as it lies now. */
-static void add_pressure(const ss_model *model, const ss_cnn_load *load, double pressure)
-{
-    const ss_mesh *mesh = model->plan.mesh;
-    for (int32_t k = 0; k < load->triangle_count; ++k) {
-        const int32_t *c = mesh->triangle[load->triangle[k]];
-        double p[3][3], u[3], v[3], n[3];
-        for (int a = 0; a < 3; ++a) {
-            const ss_real *moved = model->u + 4 * (ptrdiff_t)c[a];
-            ss_set3(p[a], mesh->position[c[a]][0] + (double)moved[0],
-                    mesh->position[c[a]][1] + (double)moved[1],
-                    mesh->position[c[a]][2] + (double)moved[2]);
-        }
-        ss_sub3(u, p[1], p[0]);
-        ss_sub3(v, p[2], p[0]);
-        ss_cross3(n, u, v);
-        ss_scale3(n, n, -pressure / 6.0);
-        for (int a = 0; a < 3; ++a) {
-            add_node_force(model->load_force, c[a], n);
-        }
     }
 }
 
@@ -343,7 +284,7 @@ bool ss_cnn_loads_update(ss_model *model, double time)
     for (int32_t l = 0; l < model->plan.load_count; ++l) {
         ss_cnn_load *load = &model->load[l];
         const ss_load *plan = load->plan;
-        const double factor = time < plan->to ? ramp_at(plan->from, plan->ramp, time) : 0.0;
+        const double factor = ss_plan_load_factor(plan, time);
         is_changed = is_changed || factor != load->factor || (plan->is_pressure && factor != 0.0);
         load->factor = factor;
     }
@@ -370,7 +311,8 @@ void ss_cnn_loads_build(ss_model *model)
     for (int32_t l = 0; l < model->plan.load_count; ++l) {
         const ss_cnn_load *load = &model->load[l];
         if (load->factor != 0.0 && load->plan->is_pressure) {
-            add_pressure(model, load, load->factor * load->plan->pressure);
+            ss_plan_add_pressure(model->plan.mesh, load->triangle_count, load->triangle, model->u,
+                                 load->factor * load->plan->pressure, model->load_force);
         } else if (load->factor != 0.0) {
             double f[3];
             ss_scale3(f, load->plan->force, load->factor / load->plan->node_count);
@@ -400,41 +342,15 @@ double ss_cnn_loads_work(const ss_model *model)
 void ss_cnn_driven_update(ss_model *model, double time)
 {
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        const ss_cnn_driven *driven = &model->driven[p];
-        const ss_prescribed *set = driven->plan;
-        const double factor = ramp_at(set->from, set->ramp, time);
-        for (int32_t i = 0; i < set->node_count; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                if (is_driven(set, i, k)) {
-                    driven->from[i][k] = (double)model->u[4 * (ptrdiff_t)set->node[i] + k];
-                    driven->to[i][k] = factor * set->displacement[i][k];
-                }
-            }
-        }
+        ss_driven_set_aim(&model->driven[p].set, model->u, time);
     }
 }
 
 void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h)
 {
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        const ss_cnn_driven *driven = &model->driven[p];
-        const ss_prescribed *set = driven->plan;
-        for (int32_t i = 0; i < set->node_count; ++i) {
-            const double half_mass = 0.5 * model->material.mass[set->node[i]];
-            for (int k = 0; k < 3; ++k) {
-                if (!is_driven(set, i, k)) {
-                    continue;
-                }
-                const ptrdiff_t at = 4 * (ptrdiff_t)set->node[i] + k;
-                const double way = driven->to[i][k] - driven->from[i][k];
-                const double before = (double)model->v[at];
-                model->u[at] = (ss_real)(driven->from[i][k] + path * way);
-                model->v[at] = h > 0.0 ? (ss_real)(way * fraction / h) : model->v[at];
-                /* The support also pays for the change of velocity. */
-                const double after = (double)model->v[at];
-                model->work += half_mass * (after * after - before * before);
-            }
-        }
+        model->work += ss_driven_set_place(&model->driven[p].set, path, fraction, h,
+                                           model->material.mass, model->u, model->v);
     }
 }
 
@@ -462,12 +378,12 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
 {
     double power = 0.0;
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        const ss_prescribed *set = model->driven[p].plan;
+        const ss_prescribed *set = model->driven[p].set.plan;
         for (int32_t i = 0; i < set->node_count; ++i) {
             double support[3];
             support_at(model, set->node[i], d, v, support);
             for (int k = 0; k < 3; ++k) {
-                if (is_driven(set, i, k)) {
+                if (ss_plan_is_driven(set, i, k)) {
                     power += support[k] * (double)v[4 * (ptrdiff_t)set->node[i] + k];
                 }
             }
@@ -524,11 +440,11 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3])
     double support[3];
     ss_cnn_window_fill(model);
     if (set >= 0) {
-        const ss_prescribed *driven = model->driven[set].plan;
+        const ss_prescribed *driven = model->driven[set].set.plan;
         for (int32_t i = 0; i < driven->node_count; ++i) {
             support_at(model, driven->node[i], model->d, model->v, support);
             for (int k = 0; k < 3; ++k) {
-                out_force[k] += is_driven(driven, i, k) ? support[k] : 0.0;
+                out_force[k] += ss_plan_is_driven(driven, i, k) ? support[k] : 0.0;
             }
         }
         return;

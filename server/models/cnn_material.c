@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -181,20 +182,6 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
 
 /* ---- values a node ------------------------------------------------------------------------ */
 
-/* The first few numbers of a fault: "3, 17, 20". */
-typedef struct number_list {
-    int32_t count;
-    char text[96];
-} number_list;
-
-static void add_number(number_list *list, int32_t number)
-{
-    if (list->count++ < 5) {
-        const size_t used = strlen(list->text);
-        snprintf(list->text + used, sizeof list->text - used, "%s%d", used > 0 ? ", " : "", number);
-    }
-}
-
 static double value_at(const ss_param_value *value, int32_t node)
 {
     return value->per_node ? value->per_node[node] : value->number;
@@ -206,14 +193,14 @@ static void fill_field(const ss_model_plan *plan, int row, const double *size, b
                        double *out, softsim_error *error)
 {
     const ss_param_row *spec = &ss_cnn_rows_table[row];
-    number_list bad = {0};
+    ss_number_list bad = {0};
     for (int32_t i = 0; i < plan->mesh->node_count; ++i) {
         const double value = value_at(&plan->param[row], i);
         const bool is_good = isfinite(value) && value <= spec->max &&
                              (spec->exclusive_min ? value > spec->min : value >= spec->min);
         const bool is_used = size[i] >= 0.0;
         if (is_used && !is_good) {
-            add_number(&bad, ss_mesh_file_node(plan->mesh, i));
+            ss_number_list_add(&bad, ss_mesh_file_node(plan->mesh, i));
         }
         out[i] = !is_used ? 0.0 : is_scaled ? value * size[i] : value;
     }
@@ -229,14 +216,14 @@ static void fill_field(const ss_model_plan *plan, int row, const double *size, b
 static void check_sizes(const ss_model_plan *plan, const double *size, bool is_volume,
                         bool is_scaled, softsim_error *error)
 {
-    number_list loose = {0}, flat = {0};
+    ss_number_list loose = {0}, flat = {0};
     const bool has_inner = !is_volume && plan->mesh->tetrahedron_count > 0;
     for (int32_t i = 0; i < plan->mesh->node_count; ++i) {
         if (size[i] < 0.0 && !has_inner) {
-            add_number(&loose, ss_mesh_file_node(plan->mesh, i));
+            ss_number_list_add(&loose, ss_mesh_file_node(plan->mesh, i));
         }
         if (size[i] == 0.0 && is_scaled) {
-            add_number(&flat, ss_mesh_file_node(plan->mesh, i));
+            ss_number_list_add(&flat, ss_mesh_file_node(plan->mesh, i));
         }
     }
     if (loose.count > 0) {
@@ -377,11 +364,11 @@ static void check_directions(const ss_model_plan *plan, const ss_cnn_material *m
         return;
     }
     const int32_t count = value->per_element ? ss_cnn_element_count(&fabric) : 1;
-    number_list bad = {0};
+    ss_number_list bad = {0};
     for (int32_t e = 0; e < count; ++e) {
         const double *d = value->per_element ? value->per_element[e] : value->direction;
         if (!(fabs(ss_norm3(d) - 1.0) <= 1e-6)) {
-            add_number(&bad, ss_mesh_file_element(plan->mesh, e));
+            ss_number_list_add(&bad, ss_mesh_file_element(plan->mesh, e));
         }
     }
     if (bad.count > 0) {
@@ -503,215 +490,27 @@ void ss_cnn_material_fini(ss_cnn_material *material)
 
 /* ---- the plan ----------------------------------------------------------------------------- */
 
-/* Is axis `k` of node `i` of a prescribed set driven? */
-static bool is_driven(const ss_prescribed *set, int32_t i, int k)
-{
-    return set->axis[k] && isfinite(set->displacement[i][k]);
-}
-
-static bool nodes_are_valid(const ss_model_plan *plan, const int32_t *node, int32_t count,
-                            const char *what, int32_t which, softsim_error *error)
-{
-    number_list bad = {0};
-    for (int32_t k = 0; k < count; ++k) {
-        if (node[k] < 0 || node[k] >= plan->mesh->node_count) {
-            add_number(&bad, node[k]); /* no node: the file has no number for it */
-        }
-    }
-    if (count <= 0 || bad.count > 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: %s %d names %d nodes, %d of them not in the mesh%s%s", what,
-                          which, count, bad.count, bad.count > 0 ? ": " : "", bad.text);
-    }
-    return count > 0 && bad.count == 0;
-}
-
-/* `size` of every node, below 0 where it is no cell. */
-static void check_load(const ss_model_plan *plan, const ss_load *load, int32_t which,
-                       const double *size, softsim_error *error)
-{
-    if (!nodes_are_valid(plan, load->node, load->node_count, "load", which, error)) {
-        return;
-    }
-    if (!ss_is_finite(load->force, 3) || !isfinite(load->pressure) || !isfinite(load->from) ||
-        isnan(load->to) || !(load->ramp >= 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: load %d has a force, pressure or time that is not a number",
-                          which);
-    }
-    number_list fixed = {0}, inner = {0};
-    for (int32_t k = 0; !load->is_pressure && k < load->node_count; ++k) {
-        if ((plan->fixed[load->node[k]] & 7) == 7) {
-            add_number(&fixed, ss_mesh_file_node(plan->mesh, load->node[k]));
-        }
-        if (size[load->node[k]] < 0.0) {
-            add_number(&inner, ss_mesh_file_node(plan->mesh, load->node[k]));
-        }
-    }
-    if (inner.count > 0 && plan->mesh->tetrahedron_count > 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: load %d pushes %d nodes (first %s) inside the volume, and "
-                          "domain: surface has no cells there: take them out, or domain: volume",
-                          which, inner.count, inner.text);
-    }
-    if (fixed.count > 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: load %d pushes %d fixed nodes (first %s), whose cells are "
-                          "held at zero: take them out",
-                          which, fixed.count, fixed.text);
-    }
-}
-
-static void check_prescribed(const ss_model_plan *plan, int32_t which, uint8_t *taken,
-                             softsim_error *error)
-{
-    const ss_prescribed *set = &plan->prescribed[which];
-    if (!nodes_are_valid(plan, set->node, set->node_count, "prescribed set", which, error)) {
-        return;
-    }
-    number_list clash = {0};
-    for (int32_t i = 0; i < set->node_count; ++i) {
-        bool is_clash = false;
-        for (int k = 0; k < 3; ++k) {
-            const uint8_t bit = (uint8_t)(1 << k);
-            if (is_driven(set, i, k)) {
-                is_clash = is_clash || (taken[set->node[i]] & bit) != 0;
-                taken[set->node[i]] = (uint8_t)(taken[set->node[i]] | bit);
-            }
-        }
-        if (is_clash) {
-            add_number(&clash, ss_mesh_file_node(plan->mesh, set->node[i]));
-        }
-    }
-    if (clash.count > 0) {
-        softsim_error_add(
-            error, SOFTSIM_ERROR_SCENE,
-            "cnn-energy: prescribed set %d drives %d nodes (first %s) along axes that "
-            "are fixed or driven already",
-            which, clash.count, clash.text);
-    }
-    if (!isfinite(set->from) || !(set->ramp >= 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: prescribed set %d has a time that is not a number", which);
-    }
-}
-
-/* Adds the constraint rows (axis, r x axis) of the axes in `mask` to the 6 x 6 normal matrix. */
-static void add_constraint(double matrix[6][6], const double r[3], uint8_t mask)
-{
-    for (int k = 0; k < 3; ++k) {
-        if ((mask & (1 << k)) == 0) {
-            continue;
-        }
-        double row[6] = {0.0}, axis[3] = {0.0}, moment[3];
-        axis[k] = 1.0;
-        ss_cross3(moment, r, axis);
-        row[k] = 1.0;
-        ss_copy3(row + 3, moment);
-        for (int a = 0; a < 6; ++a) {
-            for (int b = 0; b < 6; ++b) {
-                matrix[a][b] += row[a] * row[b];
-            }
-        }
-    }
-}
-
-/* Rank 6 by elimination with full pivoting. */
-static bool is_full_rank(double matrix[6][6])
-{
-    double largest = 0.0;
-    for (int step = 0; step < 6; ++step) {
-        int row = step;
-        for (int a = step; a < 6; ++a) {
-            row = matrix[a][a] > matrix[row][row] ? a : row;
-        }
-        for (int b = 0; b < 6; ++b) {
-            const double t = matrix[step][b];
-            matrix[step][b] = matrix[row][b];
-            matrix[row][b] = t;
-        }
-        for (int a = 0; a < 6; ++a) {
-            const double t = matrix[a][step];
-            matrix[a][step] = matrix[a][row];
-            matrix[a][row] = t;
-        }
-        const double pivot = matrix[step][step];
-        largest = pivot > largest ? pivot : largest;
-        if (!(pivot > 1e-8 * largest)) {
-            return false;
-        }
-        for (int a = step + 1; a < 6; ++a) {
-            const double factor = matrix[a][step] / pivot;
-            for (int b = step; b < 6; ++b) {
-                matrix[a][b] -= factor * matrix[step][b];
-            }
-        }
-    }
-    return true;
-}
-
-/* Do the fixed and driven axes of cells stop every rigid motion of the body? */
-static bool is_held(const ss_model_plan *plan, const double *cell_size)
-{
-    const ss_mesh *mesh = plan->mesh;
-    double centre[3] = {0.0}, size = 0.0, matrix[6][6] = {{0.0}};
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        ss_madd3(centre, centre, 1.0 / mesh->node_count, mesh->position[i]);
-    }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        double r[3];
-        ss_sub3(r, mesh->position[i], centre);
-        size = fmax(size, ss_norm3(r));
-    }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        double r[3];
-        ss_sub3(r, mesh->position[i], centre);
-        ss_scale3(r, r, 1.0 / size);
-        add_constraint(matrix, r, cell_size[i] >= 0.0 ? plan->fixed[i] : 0);
-    }
-    for (int32_t p = 0; p < plan->prescribed_count; ++p) {
-        const ss_prescribed *set = &plan->prescribed[p];
-        for (int32_t i = 0; i < set->node_count; ++i) {
-            double r[3];
-            ss_sub3(r, mesh->position[set->node[i]], centre);
-            ss_scale3(r, r, 1.0 / size);
-            const int mask = (is_driven(set, i, 0) ? 1 : 0) | (is_driven(set, i, 1) ? 2 : 0) |
-                             (is_driven(set, i, 2) ? 4 : 0);
-            add_constraint(matrix, r, cell_size[set->node[i]] >= 0.0 ? (uint8_t)mask : 0);
-        }
-    }
-    return is_full_rank(matrix);
-}
-
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
                                  bool *out_is_held, softsim_error *error)
 {
+    static const char inside[] = "inside the volume, and domain: surface has no cells there: take "
+                                 "them out, or domain: volume";
     const int32_t before = error ? error->fault_count : 0;
-    const size_t n = (size_t)plan->mesh->node_count;
     const ss_cnn_fabric fabric = {.mesh = plan->mesh, .element = material->element};
-    uint8_t *taken = ss_memory_get(n, sizeof *taken);
-    double *size = ss_memory_get(n, sizeof *size);
-    if (!taken || !size) {
-        ss_memory_free(taken);
-        ss_memory_free(size);
+    double *size = ss_memory_get((size_t)plan->mesh->node_count, sizeof *size);
+    if (!size) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    memcpy(taken, plan->fixed, n);
     ss_cnn_cell_sizes(&fabric, size);
-    for (int32_t k = 0; k < plan->load_count; ++k) {
-        check_load(plan, &plan->load[k], k, size, error);
+    const softsim_status status =
+        ss_plan_check(plan, "cnn-energy", size, plan->mesh->tetrahedron_count > 0 ? inside : NULL,
+                      out_is_held, error);
+    ss_memory_free(size);
+    if (status == SOFTSIM_ERROR_MEMORY) {
+        return status;
     }
-    for (int32_t k = 0; k < plan->prescribed_count; ++k) {
-        check_prescribed(plan, k, taken, error);
-    }
-    if (!ss_is_finite(plan->gravity, 3) || !(plan->step > 0.0) || plan->max_substeps < 1) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: gravity must be finite, the step greater than 0 and "
-                          "max_substeps at least 1");
-    }
-    const bool is_sound = !error || error->fault_count == before;
-    *out_is_held = is_sound && is_held(plan, size);
-    if (is_sound && !*out_is_held && (material->pretension > 0.0 || material->bulk > 0.0)) {
+    if (status == SOFTSIM_OK && !*out_is_held &&
+        (material->pretension > 0.0 || material->bulk > 0.0)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: pretension_j and enclosed_bulk_pa need at least three fixed "
                           "nodes that are not in a line: fix some, or set both to 0");
@@ -720,7 +519,5 @@ softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_materia
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: enclosed_bulk_pa needs a closed surface");
     }
-    ss_memory_free(taken);
-    ss_memory_free(size);
     return error && error->fault_count > before ? SOFTSIM_ERROR_SCENE : SOFTSIM_OK;
 }

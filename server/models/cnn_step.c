@@ -43,8 +43,6 @@ enum { MAX_REJECTED = 40 };
  * and said: closed loops at sensible speeds stay a hundred times below in all. A loss is only
  * said. */
 #define MAX_SILENT_GAIN 0.01
-/* Time in which a released grasp lets go, s. */
-#define RELEASE_TIME 0.02
 /* Diagonals of the body: a displacement beyond is cut off. */
 #define MAX_DISPLACEMENT 100.0
 
@@ -144,30 +142,6 @@ void ss_cnn_set_bound(ss_model *model)
 
 /* ---- forces ------------------------------------------------------------------------------- */
 
-/* Springs between a grasping tool and the nodes it holds. */
-static void add_grasp(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
-                      const ss_tool_pose *pose)
-{
-    ss_cnn_grasp *grasp = &tool->grasp;
-    grasp->square = 0.0;
-    for (int32_t i = 0; i < grasp->count; ++i) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)grasp->node[i];
-        double arm[3], x[3], f[3], moment[3];
-        ss_rotate(arm, pose->orientation, grasp->offset[i]);
-        for (int k = 0; k < 3; ++k) {
-            x[k] = model->plan.mesh->position[grasp->node[i]][k] + (double)u[at + k] -
-                   pose->position[k];
-            const double stretch = x[k] - arm[k];
-            f[k] = grasp->share * grasp->stiffness[i] * stretch; /* on the tool */
-            model->force[at + k] -= (ss_real)f[k];
-            grasp->square += 0.5 * grasp->stiffness[i] * stretch * stretch;
-        }
-        ss_cross3(moment, arm, f);
-        ss_add3(tool->force, tool->force, f);
-        ss_add3(tool->torque, tool->torque, moment);
-    }
-}
-
 /* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
 static void pose_at(const ss_cnn_tool *tool, double path, ss_tool_pose *out)
 {
@@ -188,7 +162,8 @@ static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, do
     if (tool->is_fading) {
         ss_cnn_source_add_fading(model, tool);
     }
-    add_grasp(model, tool, u, &tool->pose);
+    ss_grasp_add_forces(&tool->grasp, (const double(*)[3])model->plan.mesh->position, u,
+                        &tool->pose, model->force, tool->force, tool->torque);
 }
 
 /* Takes the last contact and grasp forces out of model->force. */
@@ -475,31 +450,17 @@ static bool is_finite_state(const ss_model *model)
            isfinite(model->totals.largest);
 }
 
-/* A released grasp lets go by `h` seconds' worth. */
 static void fade_grasps(ss_model *model, double h)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_cnn_grasp *grasp = &model->tool[k].grasp;
-        grasp->share_before = grasp->share;
-        if (!grasp->is_pressed && grasp->count > 0) {
-            grasp->share = fmax(0.0, grasp->share - h / RELEASE_TIME);
-        }
+        ss_grasp_fade(&model->tool[k].grasp, h);
     }
 }
 
-/* The energy that fading grasps let go of is lost; or the fading is taken back. */
 static void settle_grasps(ss_model *model, bool is_accepted)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_cnn_grasp *grasp = &model->tool[k].grasp;
-        if (!is_accepted) {
-            grasp->share = grasp->share_before;
-            continue;
-        }
-        if (grasp->count > 0) {
-            model->dissipated += (grasp->share_before - grasp->share) * grasp->square;
-            grasp->count = grasp->share > 0.0 ? grasp->count : 0;
-        }
+        model->dissipated += ss_grasp_settle(&model->tool[k].grasp, is_accepted);
     }
 }
 
@@ -567,15 +528,7 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
         if (is_present) {
             own->from = tool[k].from;
             own->to = tool[k].to;
-            const double *a = own->from.orientation, *b = own->to.orientation;
-            /* Rotation vector of b a*, the short way. */
-            const double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-            const double x[3] = {a[0] * b[1] - b[0] * a[1] - b[2] * a[3] + b[3] * a[2],
-                                 a[0] * b[2] - b[0] * a[2] - b[3] * a[1] + b[1] * a[3],
-                                 a[0] * b[3] - b[0] * a[3] - b[1] * a[2] + b[2] * a[1]};
-            const double sine = ss_norm3(x);
-            const double angle = 2.0 * atan2(sine, fabs(w)) * (w < 0.0 ? -1.0 : 1.0);
-            ss_scale3(own->turn, x, sine > 0.0 ? angle / sine : 0.0);
+            ss_tool_turn(&own->from, &own->to, own->turn);
         }
         if (is_present != own->is_present ||
             (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
@@ -618,7 +571,7 @@ static void take_loads(ss_model *model, double time)
 /* The button's press stores where the touched nodes are in the tool's frame. */
 static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
 {
-    ss_cnn_grasp *grasp = &tool->grasp;
+    ss_grasp *grasp = &tool->grasp;
     if (is_grasping && !grasp->is_pressed) {
         if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
             model->dissipated += grasp->share * grasp->square;
@@ -626,20 +579,9 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
             model->has_totals = false;
             prepare(model, 0.0);
         }
-        grasp->share = 1.0;
-        grasp->count = tool->count;
-        for (int32_t i = 0; i < tool->count; ++i) {
-            const int32_t node = tool->node[i];
-            double x[3];
-            for (int k = 0; k < 3; ++k) {
-                x[k] = model->plan.mesh->position[node][k] +
-                       (double)model->u[4 * (ptrdiff_t)node + k] - tool->pose.position[k];
-            }
-            grasp->node[i] = node;
-            grasp->stiffness[i] = SS_CNN_GRASP_SHARE * tool->stiffness * tool->weight[i];
-            ss_rotate_back(grasp->offset[i], tool->pose.orientation, x);
-        }
-        grasp->square = 0.0;
+        ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
+                      SS_GRASP_SHARE * tool->stiffness,
+                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
         ss_cnn_set_bound(model);
     }
     grasp->is_pressed = is_grasping;

@@ -7,10 +7,22 @@
 #ifdef SS_MODEL_CNN_ENERGY
 extern const ss_model_class ss_model_cnn_energy;
 #endif
+#ifdef SS_MODEL_FEM
+extern const ss_model_class ss_model_fem;
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+extern const ss_model_class ss_model_mass_spring;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
     &ss_model_cnn_energy,
+#endif
+#ifdef SS_MODEL_FEM
+    &ss_model_fem,
+#endif
+#ifdef SS_MODEL_MASS_SPRING
+    &ss_model_mass_spring,
 #endif
     NULL};
 

@@ -11,6 +11,10 @@
  * written: results depend on the path, never on what a compiler happens to contract. Kernels
  * include this header; nothing else does. RT-safe throughout.
  */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "rt/real.h"
 
 #if !defined(SOFTSIM_SCALAR) && defined(__AVX2__) && defined(__FMA__)
@@ -421,8 +425,105 @@ SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
     return SS_WIDE_OP(add)(SS_WIDE_OP(mul)(a, b), c);
 #endif
 }
+SS_INLINE ss_wide ss_wide_add(ss_wide a, ss_wide b)
+{
+    return SS_WIDE_OP(add)(a, b);
+}
+SS_INLINE ss_wide ss_wide_sub(ss_wide a, ss_wide b)
+{
+    return SS_WIDE_OP(sub)(a, b);
+}
+SS_INLINE ss_wide ss_wide_mul(ss_wide a, ss_wide b)
+{
+    return SS_WIDE_OP(mul)(a, b);
+}
+SS_INLINE ss_wide ss_wide_div(ss_wide a, ss_wide b)
+{
+    return SS_WIDE_OP(div)(a, b);
+}
+/* The larger of each lane; b's where a is not a number. */
+SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
+{
+    return SS_WIDE_OP(max)(a, b);
+}
+SS_INLINE ss_wide ss_wide_root(ss_wide a)
+{
+    return SS_WIDE_OP(sqrt)(a);
+}
+/* c - a b */
+SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
+{
+#ifdef SS_WIDE_AVX2
+    return SS_WIDE_OP(fnmadd)(a, b, c);
+#else
+    return SS_WIDE_OP(sub)(c, SS_WIDE_OP(mul)(a, b));
+#endif
+}
+/* a where x < limit, else b. */
+SS_INLINE ss_wide ss_wide_below(ss_wide x, ss_wide limit, ss_wide a, ss_wide b)
+{
+#ifdef SS_WIDE_AVX2
+#ifdef SOFTSIM_DOUBLE
+    return _mm256_blendv_pd(b, a, _mm256_cmp_pd(x, limit, _CMP_LT_OQ));
+#else
+    return _mm256_blendv_ps(b, a, _mm256_cmp_ps(x, limit, _CMP_LT_OQ));
+#endif
+#else
+    const ss_wide mask = SS_WIDE_OP(cmplt)(x, limit);
+    return SS_WIDE_OP(or)(SS_WIDE_OP(and)(mask, a), SS_WIDE_OP(andnot)(mask, b));
+#endif
+}
+/* Is x < limit in any lane? */
+SS_INLINE bool ss_wide_any_below(ss_wide x, ss_wide limit)
+{
+#ifdef SS_WIDE_AVX2
+#ifdef SOFTSIM_DOUBLE
+    return _mm256_movemask_pd(_mm256_cmp_pd(x, limit, _CMP_LT_OQ)) != 0;
+#else
+    return _mm256_movemask_ps(_mm256_cmp_ps(x, limit, _CMP_LT_OQ)) != 0;
+#endif
+#else
+    return SS_WIDE_OP(movemask)(SS_WIDE_OP(cmplt)(x, limit)) != 0;
+#endif
+}
 #undef SS_WIDE_OP
 #else
+SS_INLINE ss_wide ss_wide_add(ss_wide a, ss_wide b)
+{
+    return a + b;
+}
+SS_INLINE ss_wide ss_wide_sub(ss_wide a, ss_wide b)
+{
+    return a - b;
+}
+SS_INLINE ss_wide ss_wide_mul(ss_wide a, ss_wide b)
+{
+    return a * b;
+}
+SS_INLINE ss_wide ss_wide_div(ss_wide a, ss_wide b)
+{
+    return a / b;
+}
+SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
+{
+    return a > b ? a : b;
+}
+SS_INLINE ss_wide ss_wide_root(ss_wide a)
+{
+    return (ss_wide)sqrt((double)a);
+}
+SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
+{
+    return c - a * b;
+}
+SS_INLINE ss_wide ss_wide_below(ss_wide x, ss_wide limit, ss_wide a, ss_wide b)
+{
+    return x < limit ? a : b;
+}
+SS_INLINE bool ss_wide_any_below(ss_wide x, ss_wide limit)
+{
+    return x < limit;
+}
 SS_INLINE ss_wide ss_wide_load(const ss_real *p)
 {
     return *p;
@@ -452,3 +553,82 @@ SS_INLINE double ss_wide_sum(ss_wide a)
     }
     return sum;
 }
+
+/* Nodes to lanes and back: SS_WIDE_LANES quads at offsets `at` from `p` become x, y and z of as
+ * many lanes; adding them back goes quad by quad, so that one offset may stand twice. */
+#if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
+
+SS_INLINE void ss_wide_gather(const ss_real *p, const int32_t *at, ss_wide out[3])
+{
+    const __m256 a = _mm256_set_m128(_mm_load_ps(p + at[4]), _mm_load_ps(p + at[0]));
+    const __m256 b = _mm256_set_m128(_mm_load_ps(p + at[5]), _mm_load_ps(p + at[1]));
+    const __m256 c = _mm256_set_m128(_mm_load_ps(p + at[6]), _mm_load_ps(p + at[2]));
+    const __m256 d = _mm256_set_m128(_mm_load_ps(p + at[7]), _mm_load_ps(p + at[3]));
+    const __m256 ab = _mm256_unpacklo_ps(a, b), cd = _mm256_unpacklo_ps(c, d);
+    out[0] = _mm256_shuffle_ps(ab, cd, 0x44);
+    out[1] = _mm256_shuffle_ps(ab, cd, 0xee);
+    out[2] = _mm256_shuffle_ps(_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d), 0x44);
+}
+SS_INLINE void ss_wide_add_two(ss_real *low, ss_real *high, __m256 both)
+{
+    _mm_store_ps(low, _mm_add_ps(_mm_load_ps(low), _mm256_castps256_ps128(both)));
+    _mm_store_ps(high, _mm_add_ps(_mm_load_ps(high), _mm256_extractf128_ps(both, 1)));
+}
+SS_INLINE void ss_wide_scatter_add(ss_real *p, const int32_t *at, const ss_wide in[3])
+{
+    const __m256 zero = _mm256_setzero_ps();
+    const __m256 xy = _mm256_unpacklo_ps(in[0], in[1]), z = _mm256_unpacklo_ps(in[2], zero);
+    const __m256 xy2 = _mm256_unpackhi_ps(in[0], in[1]), z2 = _mm256_unpackhi_ps(in[2], zero);
+    ss_wide_add_two(p + at[0], p + at[4], _mm256_shuffle_ps(xy, z, 0x44));
+    ss_wide_add_two(p + at[1], p + at[5], _mm256_shuffle_ps(xy, z, 0xee));
+    ss_wide_add_two(p + at[2], p + at[6], _mm256_shuffle_ps(xy2, z2, 0x44));
+    ss_wide_add_two(p + at[3], p + at[7], _mm256_shuffle_ps(xy2, z2, 0xee));
+}
+
+#elif (defined(SS_WIDE_SSE2) && !defined(SOFTSIM_DOUBLE)) || defined(SS_WIDE_AVX2)
+
+SS_INLINE void ss_wide_gather(const ss_real *p, const int32_t *at, ss_wide out[3])
+{
+    ss_quad fourth = ss_quad_load(p + at[3]);
+    out[0] = ss_quad_load(p + at[0]);
+    out[1] = ss_quad_load(p + at[1]);
+    out[2] = ss_quad_load(p + at[2]);
+    ss_quad_transpose(&out[0], &out[1], &out[2], &fourth);
+}
+SS_INLINE void ss_wide_scatter_add(ss_real *p, const int32_t *at, const ss_wide in[3])
+{
+    ss_quad row[4] = {in[0], in[1], in[2], ss_quad_all(0)};
+    ss_quad_transpose(&row[0], &row[1], &row[2], &row[3]);
+    for (int k = 0; k < 4; ++k) {
+        ss_quad_store(p + at[k], ss_quad_add(ss_quad_load(p + at[k]), row[k]));
+    }
+}
+
+#else
+
+SS_INLINE void ss_wide_gather(const ss_real *p, const int32_t *at, ss_wide out[3])
+{
+    _Alignas(32) ss_real lane[3][SS_WIDE_LANES];
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        lane[0][k] = p[at[k]];
+        lane[1][k] = p[at[k] + 1];
+        lane[2][k] = p[at[k] + 2];
+    }
+    for (int c = 0; c < 3; ++c) {
+        out[c] = ss_wide_load(lane[c]);
+    }
+}
+SS_INLINE void ss_wide_scatter_add(ss_real *p, const int32_t *at, const ss_wide in[3])
+{
+    _Alignas(32) ss_real lane[3][SS_WIDE_LANES];
+    for (int c = 0; c < 3; ++c) {
+        ss_wide_store(lane[c], in[c]);
+    }
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        p[at[k]] += lane[0][k];
+        p[at[k] + 1] += lane[1][k];
+        p[at[k] + 2] += lane[2][k];
+    }
+}
+
+#endif

@@ -294,24 +294,52 @@ static void print_table(printer *p, int indent, ss_scene_table table, const ss_s
     }
 }
 
+static bool open_printer(printer *p, const ss_scene *scene,
+                         void (*line)(void *sink, const char *text), void *sink)
+{
+    *p = (printer){.line = line, .sink = sink, .scene = scene};
+    const char *folder = scene->source->folder;
+    if (realpath(folder[0] != '\0' ? folder : ".", p->folder) == NULL) {
+        snprintf(p->folder, sizeof p->folder, "%s", folder);
+    } else if (p->folder[1] != '\0' && strlen(p->folder) + 1 < sizeof p->folder) {
+        strcat(p->folder, "/");
+    }
+    p->stream = open_memstream(&p->buffer, &p->size);
+    return p->stream != NULL;
+}
+
+static void close_printer(printer *p)
+{
+    fclose(p->stream);
+    free(p->buffer);
+}
+
 void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
                     void (*line)(void *sink, const char *text), void *sink)
 {
     (void)model; /* its rows are kept with the scene */
-    printer p = {.line = line, .sink = sink, .scene = scene};
-    const char *folder = scene->source->folder;
-    if (realpath(folder[0] != '\0' ? folder : ".", p.folder) == NULL) {
-        snprintf(p.folder, sizeof p.folder, "%s", folder);
-    } else if (p.folder[1] != '\0' && strlen(p.folder) + 1 < sizeof p.folder) {
-        strcat(p.folder, "/");
+    printer p;
+    if (open_printer(&p, scene, line, sink)) {
+        print_table(&p, 0, ss_scene_root, scene->source->tree.root);
+        close_printer(&p);
     }
-    p.stream = open_memstream(&p.buffer, &p.size);
-    if (p.stream == NULL) {
+}
+
+void ss_scene_print_given(const ss_scene *scene, const char *key,
+                          void (*line)(void *sink, const char *text), void *sink)
+{
+    printer p;
+    const ss_scene_node *map = ss_scene_node_find(scene->source->tree.root, key);
+    if (map == NULL || map->kind != SS_SCENE_MAP || !open_printer(&p, scene, line, sink)) {
         return;
     }
-    print_table(&p, 0, ss_scene_root, scene->source->tree.root);
-    fclose(p.stream);
-    free(p.buffer);
+    for (const ss_scene_node *node = map->first; node != NULL; node = node->next) {
+        begin(&p, 1);
+        fprintf(p.stream, "%s: ", node->key);
+        put_flow(&p, node);
+        end(&p, "");
+    }
+    close_printer(&p);
 }
 
 /* ---- while running --------------------------------------------------------------------------- */

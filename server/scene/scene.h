@@ -102,6 +102,11 @@ bool ss_scene_renumber(ss_scene *scene);
 void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
                     void (*line)(void *sink, const char *text), void *sink);
 
+/* What was given under a key of the scene ("model"), overrides included: a line for each key, two
+ * spaces in, file names absolute. */
+void ss_scene_print_given(const ss_scene *scene, const char *key,
+                          void (*line)(void *sink, const char *text), void *sink);
+
 /* The number at a path ("model.rho", "model.rho.0.value"): as written, overrides included, or a
  * model parameter's default. False where there is none, or no number. */
 bool ss_scene_find_number(const ss_scene *scene, const ss_scene_model *model, const char *path,

@@ -6,6 +6,8 @@
  * status. Thread: main.
  */
 
+/* Error against run time of every model, on problems with trusted solutions. */
+int ss_bench_accuracy(int argc, char **argv);
 /* The whole chain against a bare timer loop and a bare LCM echo in the same run; or, with --log,
  * how a session felt. */
 int ss_bench_latency(int argc, char **argv);

@@ -11,6 +11,8 @@ static const struct {
     char title[32]; /* becomes argv[0], in a copy */
     const char *about;
 } reports[] = {
+    {"accuracy", ss_bench_accuracy, "softsim-bench accuracy",
+     "error against run time of every model, on problems with trusted solutions"},
     {"latency", ss_bench_latency, "softsim-bench latency",
      "pose to force, lateness and missed periods of the whole chain"},
     {"paper", ss_bench_paper, "softsim-bench paper",
@@ -53,7 +55,8 @@ int main(int argc, char **argv)
         }
     }
     fprintf(stderr,
-            "softsim-bench: '%s' is none of latency, paper, scaling; softsim-bench --help says "
+            "softsim-bench: '%s' is none of accuracy, latency, paper, scaling; softsim-bench "
+            "--help says "
             "more\n",
             name);
     return 2;

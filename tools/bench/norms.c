@@ -47,3 +47,14 @@ double ss_norms_force(const double force[3], const double direction[3], double r
     return isfinite(along) && reference != 0.0 ? fabs(along - reference) / fabs(reference)
                                                : (double)NAN;
 }
+
+double ss_norms_amplitude(int32_t count, const double *weight, const double (*u)[3],
+                          const double (*reference)[3])
+{
+    double product = 0.0, size = 0.0;
+    for (int32_t i = 0; i < count; ++i) {
+        product += weight[i] * ss_dot3(u[i], reference[i]);
+        size += weight[i] * square(u[i]);
+    }
+    return size > 0.0 ? product / size : (double)NAN;
+}

@@ -24,3 +24,6 @@ double ss_norms_force(const double force[3], const double direction[3], double r
 /* sqrt(sum w |a - b|^2 / sum w |b|^2). */
 double ss_norms_apart(int32_t count, const double *weight, const double (*a)[3],
                       const double (*b)[3]);
+/* The factor c that leaves the least of c u - reference: <u, r>_w / <u, u>_w; NaN where u is 0. */
+double ss_norms_amplitude(int32_t count, const double *weight, const double (*u)[3],
+                          const double (*reference)[3]);

@@ -219,6 +219,13 @@ softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *capt
                              const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
                              softsim_error *error)
 {
+    return ss_shape_put(&paper->page, name, caption, shape, view, view_count, error);
+}
+
+softsim_status ss_shape_put(ss_page *page, const char *name, const char *caption,
+                            const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
+                            softsim_error *error)
+{
     enum { MAX_VIEWS = 4 };
     canvas c[MAX_VIEWS];
     ss_output script;
@@ -238,7 +245,7 @@ softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *capt
     high += 0.20 * size; /* arrows and labels */
     const double height = fmax(160.0, 1000.0 * (high - low) / (place_x + 0.02 * size));
     const softsim_status status =
-        ss_plot_open_dots(&script, paper->folder, name, 1000, (int32_t)height, error);
+        ss_plot_open_dots(&script, page->folder, name, 1000, (int32_t)height, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -263,5 +270,5 @@ softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *capt
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
-    return ss_page_plot(&paper->page, &script, name, caption, error);
+    return ss_page_plot(page, &script, name, caption, error);
 }

@@ -32,6 +32,10 @@ typedef struct ss_shape_view {
 } ss_shape_view;
 
 /* Draws `name`.png into the page. */
+softsim_status ss_shape_put(ss_page *page, const char *name, const char *caption,
+                            const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
+                            softsim_error *error);
+/* The same into a paper's page. */
 softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *caption,
                              const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
                              softsim_error *error);

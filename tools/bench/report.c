@@ -109,6 +109,13 @@ void ss_page_text(ss_page *page, const char *format, ...)
     fputs("</p>\n", page->output.file);
 }
 
+void ss_page_code(ss_page *page, const char *text)
+{
+    fputs("<pre>", page->output.file);
+    put_escaped(page->output.file, text);
+    fputs("</pre>\n", page->output.file);
+}
+
 void ss_page_link(ss_page *page, const char *file)
 {
     FILE *out = page->output.file;

@@ -30,6 +30,8 @@ softsim_status ss_page_open(ss_page *page, const char *folder, const char *name,
 void ss_page_heading(ss_page *page, const char *text);
 /* A paragraph, printf form, at most 2000 characters. */
 void ss_page_text(ss_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Lines set as they are. */
+void ss_page_code(ss_page *page, const char *text);
 /* A link to `file` in the page's folder. */
 void ss_page_link(ss_page *page, const char *file);
 /* The first row of a table is its head. Rows have `count` <= SS_PAGE_MAX_CELLS cells; what looks

@@ -135,12 +135,16 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
             continue;
         }
         char **row = &table->cell[(size_t)table->row_count * columns];
+        char *const empty = line + strlen(line);
         const int32_t count = cut_line(line, row, table->column_count);
-        if (count != table->column_count) {
+        if (count > table->column_count) {
             softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                               "%s:%lld: %d cells, the head line has %d", table->path,
                               (long long)number, count, table->column_count);
             return SOFTSIM_ERROR_FORMAT;
+        }
+        for (int32_t k = count; k < table->column_count; ++k) {
+            row[k] = empty;
         }
         ++table->row_count;
     }

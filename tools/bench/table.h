@@ -3,7 +3,8 @@
 #pragma once
 /*
  * Text files that may be gzipped, and tables in them: a CSV with a head line, whole in memory, its
- * cells as text. Every row has as many cells as the head; quotes around a cell are taken off. (For
+ * cells as text. No row has more cells than the head, those it
+ * lacks are empty; quotes around a cell are taken off. (For
  * long CSVs of plain numbers that need not be kept, csv.h reads row by row.) Thread: any.
  */
 #include <stddef.h>

@@ -39,6 +39,10 @@ static softsim_status measure(ss_fit *fit, const double *value, softsim_error *e
     const ss_press_scene scene = {.path = fit->scene.path, .set = set, .set_count = count};
     softsim_status status = SOFTSIM_OK;
     fit->run = (ss_press_run){.reason = ""};
+    if (fit->levels) {
+        return ss_fit_levels_measure(fit->levels, fit->parameter_count, fit->parameter, value,
+                                     error);
+    }
     for (int32_t c = 0; status == SOFTSIM_OK && c < fit->curve_count; ++c) {
         ss_press_run run;
         status =
@@ -62,6 +66,10 @@ static double fill_residual(const ss_fit *fit, bool is_rough, double *out)
 {
     double sum = 0.0;
     int32_t at = 0;
+    for (int32_t k = 0; fit->levels && k < fit->levels->residual_count; ++k) {
+        out[k] = fit->levels->residual[k];
+        sum += out[k] * out[k];
+    }
     for (int32_t c = 0; c < fit->curve_count; ++c) {
         const ss_curve *curve = &fit->curve[c];
         const double weight = 1.0 / sqrt((double)fit->curve_count * curve->count);
@@ -103,7 +111,7 @@ static bool evaluate(void *context, const double *x, bool is_rough, double *out)
 
 static softsim_status check_start(ss_fit *fit, softsim_error *error)
 {
-    int32_t points = 0;
+    int32_t points = fit->levels ? fit->levels->residual_count : 0;
     for (int32_t c = 0; c < fit->curve_count; ++c) {
         points += fit->curve[c].count;
         fit->force[c] = calloc((size_t)fit->curve[c].count, sizeof *fit->force[c]);
@@ -124,7 +132,7 @@ static softsim_status check_start(ss_fit *fit, softsim_error *error)
         start[i] = fit->parameter[i].start;
     }
     const softsim_status status = measure(fit, start, error);
-    bool has_force = false;
+    bool has_force = fit->levels != NULL;
     for (int32_t c = 0; status == SOFTSIM_OK && c < fit->curve_count; ++c) {
         for (int32_t k = 0; k < fit->curve[c].count; ++k) {
             has_force |= fit->force[c][k] != 0.0;
@@ -152,7 +160,8 @@ softsim_status ss_fit_run(ss_fit *fit, softsim_error *error)
                     .residual = evaluate,
                     .context = &t,
                     .floor = FLOOR,
-                    .max_evaluations = fit->max_evaluations};
+                    .max_evaluations = fit->max_evaluations,
+                    .m = fit->levels ? fit->levels->residual_count : 0};
     for (int32_t c = 0; c < fit->curve_count; ++c) {
         s->m += fit->curve[c].count;
     }
@@ -256,10 +265,24 @@ static void tell_flat(const ss_fit *fit, const teller *t, int32_t k)
         list);
 }
 
+static void tell_levels(const ss_fit_levels *levels, const teller *t)
+{
+    char force[64] = "its forces are not known";
+    if (!isnan(levels->force_misfit)) {
+        snprintf(force, sizeof force, "of the force %.2g %%", 100.0 * levels->force_misfit);
+    }
+    say(t, "%s, %s, mesh %s, %d levels: misfit of the field %.2g %%, %s", levels->c.name,
+        levels->c.material[levels->material], levels->mesh, levels->level_count,
+        100.0 * levels->field_misfit, force);
+}
+
 void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), void *sink)
 {
     const teller t = {line, sink};
     const ss_solve *s = &fit->solve;
+    if (fit->levels) {
+        tell_levels(fit->levels, &t);
+    }
     for (int32_t c = 0; c < fit->curve_count; ++c) {
         const ss_curve *curve = &fit->curve[c];
         const ss_press *press = &fit->press[c];
@@ -285,7 +308,7 @@ void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), 
         }
     }
     if (s->misfit > MISFIT_WARNING) {
-        say(&t, "the model does not repeat the curve: it has another shape, whatever the "
+        say(&t, "the model does not repeat the data: it has another shape, whatever the "
                 "parameters");
     }
     if (fit->run.verdict > SOFTSIM_VERDICT_GOOD) {

@@ -24,11 +24,14 @@ static const char about[] =
     "scene's tool of the lowest probe, its +z into the tissue, depth 0 at the first touch; "
     "without\n"
     "a tool by a patch, all free surface nodes within two mean edges, moved as one. Depth is the\n"
-    "tool's travel, force the tissue's along the normal. Several curves are fitted together.\n"
+    "tool's travel, force the tissue's along the normal. Several curves are fitted together.\n\n"
+    "With --case the model is brought to rest on the reference case's own body at every load "
+    "level\n"
+    "instead, and its field and its force are fitted to the reference's, each level alike.\n"
     "What was found is told on stderr and in the head of the new scene.";
 
 typedef struct fit_options {
-    const char *scene, *out, *fitted;
+    const char *scene, *out, *fitted, *folder, *material, *mesh;
     ss_arg_list curve, at, parameter, set;
     double press_s, hold_depth_m;
     int64_t max_evaluations;
@@ -41,13 +44,17 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
         {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "S.yaml",
          "the scene, with values to start from"},
         {"--curve", SS_ARG_LIST, &o.curve, 0, 0, "CSV", "a curve; may be given again"},
+        {"--case", SS_ARG_STRING, &o.folder, 0, 0, "DIR", "a reference case, instead of curves"},
+        {"--material", SS_ARG_STRING, &o.material, 0, 0, "NAME", "of the case (its first)"},
+        {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "NAME", "of the case (its first)"},
         {"--at", SS_ARG_LIST, &o.at, 0, 0, "X,Y,Z",
          "m, world: where it is pressed; once, or once for each --curve in their order"},
         {"--parameter", SS_ARG_LIST, &o.parameter, 0, 0, "PATH",
          "model.NAME, or model.NAME.K.value of a region list (default: the material's)"},
         {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE",
          "overrides one scene value, in the new scene too"},
-        {"--press-s", SS_ARG_NUMBER, &o.press_s, 1e-3, 1e4, "S", "how long a press takes (1)"},
+        {"--press-s", SS_ARG_NUMBER, &o.press_s, 1e-3, 1e4, "S",
+         "how long a press, or the loading of a case, takes (1)"},
         {"--hold-depth-m", SS_ARG_NUMBER, &o.hold_depth_m, 1e-9, 1e3, "M",
          "how deep is held, for curves over time"},
         {"--max-evaluations", SS_ARG_INTEGER, &o.max_evaluations, 10, 1e6, "N",
@@ -59,18 +66,25 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
     int32_t count = 0;
     const char *none[1];
     const ss_args_result result = ss_args_parse(
-        argc, argv, "--scene S.yaml --curve CSV... [--parameter PATH]... --out S2.yaml", about,
+        argc, argv,
+        "--scene S.yaml (--curve CSV... | --case DIR) [--parameter PATH]... --out S2.yaml", about,
         rows, (int32_t)(sizeof rows / sizeof *rows), none, 0, 0, &count, error);
     *out = o;
     if (result != SS_ARGS_RUN) {
         return result;
     }
-    const char *missing = !o.scene             ? "--scene S.yaml"
-                          : !o.out             ? "--out S2.yaml"
-                          : o.curve.count == 0 ? "--curve CSV"
-                                               : NULL;
+    const char *missing = !o.scene                          ? "--scene S.yaml"
+                          : !o.out                          ? "--out S2.yaml"
+                          : o.curve.count == 0 && !o.folder ? "--curve CSV or --case DIR"
+                                                            : NULL;
     if (missing) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s is missing", missing);
+    } else if (o.folder && (o.curve.count > 0 || o.at.count > 0 || o.fitted)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--case says what is pressed and how: leave out --curve, --at, --fitted");
+    } else if (!o.folder && (o.material || o.mesh)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--material and --mesh choose of a case: give --case DIR");
     } else if (o.curve.count > SS_FIT_MAX_CURVES) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--curve: given more than %d times",
                           SS_FIT_MAX_CURVES);
@@ -103,12 +117,36 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
     return true;
 }
 
+/* Parameters and the case. */
+static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels *levels,
+                                softsim_error *error)
+{
+    fit->levels = levels;
+    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
+                                         o->parameter.count, false, fit->parameter, error);
+    for (int32_t i = 0; i < fit->parameter_count; ++i) {
+        if (strchr(fit->parameter[i].path + strlen("model."), '.')) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "%s: the scene's regions are not the case's; give one value with "
+                              "--set",
+                              fit->parameter[i].path);
+        }
+    }
+    return error->fault_count > 0 ? SOFTSIM_ERROR_ARGUMENT
+                                  : ss_fit_levels_open(o->folder, o->material, o->mesh, &fit->scene,
+                                                       o->press_s, levels, error);
+}
+
 /* Curves, parameters, presses. */
-static softsim_status plan(const fit_options *o, ss_fit *fit, softsim_error *error)
+static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *levels,
+                           softsim_error *error)
 {
     bool has_time = false;
     fit->scene = (ss_press_scene){.path = o->scene, .set = o->set.value, .set_count = o->set.count};
     fit->max_evaluations = (int32_t)o->max_evaluations;
+    if (o->folder) {
+        return plan_case(o, fit, levels, error);
+    }
     for (int32_t c = 0; c < o->curve.count; ++c) {
         ss_curve *curve = &fit->curve[fit->curve_count++];
         ss_curve_read(o->curve.value[c], curve, error);
@@ -234,6 +272,7 @@ int main(int argc, char **argv)
 {
     static softsim_error error;
     static ss_fit fit;
+    static ss_fit_levels levels;
     fit_options options;
     switch (parse(argc, argv, &options, &error)) {
     case SS_ARGS_DONE:
@@ -247,7 +286,7 @@ int main(int argc, char **argv)
     const bool is_terminal = isatty(STDERR_FILENO);
     fit.progress = is_terminal ? show_progress : NULL;
     int exit_code = 0;
-    if (plan(&options, &fit, &error) != SOFTSIM_OK) {
+    if (plan(&options, &fit, &levels, &error) != SOFTSIM_OK) {
         exit_code = 2;
     } else {
         const softsim_status status = ss_fit_run(&fit, &error);
@@ -266,5 +305,6 @@ int main(int argc, char **argv)
         ss_args_print_error(argv[0], &error);
     }
     ss_fit_fini(&fit);
+    ss_fit_levels_close(&levels);
     return exit_code;
 }

@@ -10,46 +10,48 @@
 
 static const double REACH = 1e4;
 
-/* The material parameters of each model, in the order in which they are told. */
+/* The material parameters of each model, in the order in which they are told; from where one starts
+ * that a scene need not give. */
 static const struct {
     const char *model, *name;
     bool needs_time;
+    double absent;
 } material[] = {
-    {"cnn-energy", "modulus_j", false},
-    {"cnn-energy", "modulus_n_per_m", false},
-    {"cnn-energy", "modulus_pa", false},
-    {"cnn-energy", "pretension_j", false},
-    {"cnn-energy", "enclosed_bulk_pa", false},
-    {"cnn-energy", "rest_stiffness_n_per_m3", false},
-    {"cnn-energy", "rest_stiffness_n_per_m4", false},
-    {"cnn-energy", "rest_stiffness_n_per_m", false},
-    {"cnn-energy", "damping_n_s_per_m3", true},
-    {"cnn-energy", "damping_n_s_per_m4", true},
-    {"cnn-energy", "damping_n_s_per_m", true},
-    {"cnn-chainmail", "link_stiffness_n_per_m", false},
-    {"cnn-chainmail", "alpha", false},
-    {"cnn-chainmail", "capacitance_s", true},
-    {"fem", "youngs_modulus_pa", false},
-    {"fem", "lame_lambda_pa", false},
-    {"fem", "lame_mu_pa", false},
-    {"fem", "viscosity_phi_pa_s", true},
-    {"fem", "viscosity_psi_pa_s", true},
-    {"hybrid", "youngs_modulus_pa", false},
-    {"hybrid", "lame_lambda_pa", false},
-    {"hybrid", "lame_mu_pa", false},
-    {"hybrid", "viscosity_phi_pa_s", true},
-    {"hybrid", "viscosity_psi_pa_s", true},
-    {"mass-spring", "youngs_modulus_pa", false},
-    {"mass-spring", "lame_mu_pa", false},
-    {"mass-spring", "mass_damping_per_s", true},
-    {"xpbd", "youngs_modulus_pa", false},
-    {"xpbd", "lame_lambda_pa", false},
-    {"xpbd", "lame_mu_pa", false},
-    {"xpbd", "mass_damping_per_s", true},
-    {"corotational", "youngs_modulus_pa", false},
-    {"corotational", "lame_lambda_pa", false},
-    {"corotational", "lame_mu_pa", false},
-    {"corotational", "viscosity_phi_pa_s", true},
+    {"cnn-energy", "modulus_j", false, 0.0},
+    {"cnn-energy", "modulus_n_per_m", false, 0.0},
+    {"cnn-energy", "modulus_pa", false, 0.0},
+    {"cnn-energy", "pretension_j", false, 0.0},
+    {"cnn-energy", "enclosed_bulk_pa", false, 0.0},
+    {"cnn-energy", "rest_stiffness_n_per_m3", false, 0.0},
+    {"cnn-energy", "rest_stiffness_n_per_m4", false, 0.0},
+    {"cnn-energy", "rest_stiffness_n_per_m", false, 0.0},
+    {"cnn-energy", "damping_n_s_per_m3", true, 0.0},
+    {"cnn-energy", "damping_n_s_per_m4", true, 0.0},
+    {"cnn-energy", "damping_n_s_per_m", true, 0.0},
+    {"cnn-chainmail", "link_stiffness_n_per_m", false, 0.0},
+    {"cnn-chainmail", "alpha", false, 0.02},
+    {"cnn-chainmail", "capacitance_s", true, 0.0},
+    {"fem", "youngs_modulus_pa", false, 0.0},
+    {"fem", "lame_lambda_pa", false, 0.0},
+    {"fem", "lame_mu_pa", false, 0.0},
+    {"fem", "viscosity_phi_pa_s", true, 0.0},
+    {"fem", "viscosity_psi_pa_s", true, 0.0},
+    {"hybrid", "youngs_modulus_pa", false, 0.0},
+    {"hybrid", "lame_lambda_pa", false, 0.0},
+    {"hybrid", "lame_mu_pa", false, 0.0},
+    {"hybrid", "viscosity_phi_pa_s", true, 0.0},
+    {"hybrid", "viscosity_psi_pa_s", true, 0.0},
+    {"mass-spring", "youngs_modulus_pa", false, 0.0},
+    {"mass-spring", "lame_mu_pa", false, 0.0},
+    {"mass-spring", "mass_damping_per_s", true, 0.0},
+    {"xpbd", "youngs_modulus_pa", false, 0.0},
+    {"xpbd", "lame_lambda_pa", false, 0.0},
+    {"xpbd", "lame_mu_pa", false, 0.0},
+    {"xpbd", "mass_damping_per_s", true, 0.0},
+    {"corotational", "youngs_modulus_pa", false, 0.0},
+    {"corotational", "lame_lambda_pa", false, 0.0},
+    {"corotational", "lame_mu_pa", false, 0.0},
+    {"corotational", "viscosity_phi_pa_s", true, 0.0},
 };
 
 typedef struct chooser {
@@ -152,7 +154,7 @@ static void take_wanted(chooser *c, const char *path)
 }
 
 /* One of the model's own: the number, or every entry of its region list. */
-static void take_usual(chooser *c, const char *name)
+static void take_usual(chooser *c, const char *name, double absent)
 {
     char path[SS_FIT_PATH_SIZE];
     double start = NAN;
@@ -175,6 +177,11 @@ static void take_usual(chooser *c, const char *name)
         if (start > 0.0) {
             add(c, path, row, start);
         }
+        absent = 0.0;
+    }
+    snprintf(path, sizeof path, "model.%s", name);
+    if (absent > 0.0) {
+        add(c, path, row, absent);
     }
 }
 
@@ -197,7 +204,7 @@ int32_t ss_fit_choose(const char *scene_path, const char *const *set, int32_t se
     for (size_t i = 0; wanted_count == 0 && i < sizeof material / sizeof *material; ++i) {
         if (strcmp(material[i].model, c.model->name) == 0 &&
             (has_time || !material[i].needs_time)) {
-            take_usual(&c, material[i].name);
+            take_usual(&c, material[i].name, material[i].absent);
         }
     }
     if (error->fault_count == before && c.count == 0) {

@@ -12,11 +12,12 @@
  * a factor of two.
  *
  * What the data tell. Along an eigenvector v of J^T J the residual changes by |J v| for each factor
- * of e. Where it takes a factor of two and more until that change is as large as the misfit that is
- * there anyway (or a floor, since no data are perfect), v is flat: the data do not tell it. The
- * answer is then moved back along v to where it started, if the misfit allows; a parameter that
- * nothing is known of keeps the user's value. Rejected: standard errors s^2 (J^T J)^-1, which take
- * the misfit for independent noise and so promise more the more points a smooth curve has.
+ * of e, at right angles to what is left of it. Where a factor of two makes the misfit less than 2 %
+ * larger (a change of a fifth of it), or stays below a floor, since no data are perfect, v is flat:
+ * the data do not tell it. The answer is then moved back along v to where it started, if the misfit
+ * allows; a parameter that nothing is known of keeps the user's value. Rejected: standard errors
+ * s^2 (J^T J)^-1, which take the misfit for independent noise and so promise more the more points a
+ * smooth curve has.
  */
 #include "solve.h"
 
@@ -36,7 +37,7 @@ static const double MISFIT_END = 1e-5;          /* of |r|: a step that gains les
 static const double FLAT = 0.69314718055994531; /* a factor of two */
 static const double FAILED = 1e6;               /* |r|^2 where there is no residual */
 static const double ALONE = 0.95;               /* of a unit vector in one unknown */
-static const double KEPT = 1.02;                /* times the misfit: as good */
+static const double ROOM = 0.2;                 /* of the misfit, at right angles to it: 2 % more */
 
 typedef struct work {
     ss_solve *solve;
@@ -260,7 +261,7 @@ static void judge_directions(work *w)
     const bool is_held[SS_SOLVE_MAX] = {false};
     normal_equations(w, is_held, a, g);
     diagonalise(s->n, a, value, s->direction);
-    const double noise = fmax(s->misfit, s->floor);
+    const double noise = fmax(ROOM * s->misfit, s->floor);
     memset(s->spread, 0, sizeof s->spread);
     for (int32_t k = 0; k < s->n; ++k) {
         s->slack[k] = noise / fmax(sqrt(value[k]), 1e-300);
@@ -269,6 +270,12 @@ static void judge_directions(work *w)
             s->spread[i] = hypot(s->spread[i], s->direction[k][i] * s->slack[k]);
         }
     }
+}
+
+/* A misfit up to this is as good as the best. */
+static double as_good(const ss_solve *s)
+{
+    return hypot(s->misfit, fmax(ROOM * s->misfit, s->floor));
 }
 
 /* Back along the flat directions to the start, where the misfit stays. */
@@ -295,7 +302,7 @@ static void return_flat(work *w, double *inout_cost)
         return;
     }
     const double cost = evaluate(w, x, false, w->other);
-    if (sqrt(cost) <= fmax(KEPT * s->misfit, s->floor)) {
+    if (sqrt(cost) <= as_good(s)) {
         memcpy(s->x, x, sizeof x);
         memcpy(w->residual, w->other, (size_t)s->m * sizeof *w->residual);
         *inout_cost = cost;
@@ -317,7 +324,7 @@ int32_t ss_solve_alone(const ss_solve *s, int32_t k)
 static void find_range(work *w, int32_t i)
 {
     ss_solve *s = w->solve;
-    const double bar = KEPT * fmax(s->misfit, s->floor);
+    const double bar = as_good(s);
     s->low[i] = s->high[i] = s->x[i];
     for (int sign = -1; sign <= 1; sign += 2) {
         double *end = sign < 0 ? &s->low[i] : &s->high[i];

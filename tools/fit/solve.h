@@ -30,8 +30,8 @@ typedef struct ss_solve {
     double misfit;          /* |r| there */
     int32_t evaluations;
     bool has_settled; /* else the evaluations were used up */
-    /* Eigenvectors v of J^T J, and how far along each (in logarithms) the answer may move until r
-     * has changed by the misfit, or the floor: max(misfit, floor) / |J v|. */
+    /* Eigenvectors v of J^T J, and how far along each (in logarithms) the answer may move until the
+     * misfit is 2 % larger, or the floor is reached: max(misfit / 5, floor) / |J v|. */
     double direction[SS_SOLVE_MAX][SS_SOLVE_MAX];
     double slack[SS_SOLVE_MAX];
     bool is_flat[SS_SOLVE_MAX];                   /* direction k: a factor of two does not show */

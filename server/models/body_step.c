@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/body_state.h"
+/*
+ * Time: sub-steps whose length is computed, guards that say what they did, and a ledger.
+ *
+ * Symplectic Euler (the default of explicit models): v+ = v + h (f(u, v)/m - alpha w), u+ = u + h
+ * v+. That is the leapfrog method with v half a sub-step behind u; with b the lag before and a that
+ * after, w = (v + b f/m)/(1 + b alpha) is the velocity at u's own time and
+ *
+ *   v+ = (1 - a alpha) w + a f/m,
+ *
+ * which stays centred when h changes and stable for any alpha. Its own energy, the stored one plus
+ * half m v.v+ = half m (w^2 - b^2 (dv/dt)^2), is exact in a linear body: forces outside the law
+ * change it by the mean of their value at both ends times the way. The ledger uses just these: what
+ * is left over is energy from nowhere, down to rounding in a linear body, of third order in h
+ * otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by themselves
+ * have no lag.
+ *
+ * The step: omega^2 <= (limit / law's stable step)^2 + contact's (body_contact.c), sub-steps take
+ * `step_share` of limit / omega in equal parts; a tool moves at most R/4 in one. Where the budget
+ * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
+ * stable, while tools and driven axes reach their places. A node moves at most a fifth of an edge
+ * in an explicit sub-step: no element can be turned inside out by the motion of a single one, and
+ * forces stay within what a number can hold. What acted is said in the verdict. What the
+ * positions are at the start of an outer step is kept, and comes back when a number is not finite.
+ *
+ * Gains are added up over about a tenth of a second, losses taken off; beyond a hundredth of what
+ * the body holds (or what no hand could feel) they are taken out of the motion again. A model that
+ * steps by itself loses energy by its nature: that is booked as dissipated, and only gains judged.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+/* Edges a sub-step; diagonals of the body a displacement and, in an outer step of a model that
+ * steps by itself, a node may go. */
+#define MAX_EDGES        0.2
+#define MAX_DISPLACEMENT 100.0
+/* Gains: of the energy, and the time over which they are added up, s. */
+#define MAX_SILENT_GAIN 0.01
+#define GAIN_TIME       0.1
+/* omega h at which the integrators become unstable: of an undamped motion. */
+#define EULER_LIMIT 2.0
+#define RK4_LIMIT   2.8284271247461903
+
+/* ---- evaluation --------------------------------------------------------------------------- */
+
+static void set_motion(ss_body *body)
+{
+    const ss_body_nodes *nodes = &body->nodes;
+    double square, rate;
+    ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping, nodes->mobility,
+                   body->mass, nodes->force, nodes->v, &square, &rate);
+    body->kinetic = 0.5 * square + ss_body_driven_kinetic(body);
+    body->shadow = 0.5 * nodes->kick_lag * nodes->kick_lag * rate;
+}
+
+/* All forces at the present state with the tools at `path`; with the energies at the end of an
+ * outer step. A model that steps by itself needs its law's forces only there and at supports that
+ * move. */
+static void evaluate(ss_body *body, double path, bool has_energies)
+{
+    ss_body_nodes *nodes = &body->nodes;
+    const ss_body_elastic *law = &body->own.elastic;
+    const bool has_law = has_energies || body->is_explicit || body->plan.prescribed_count > 0;
+    if (body->has_visible_loads) {
+        memcpy(nodes->force, body->load_force, ss_body_bytes(body));
+    } else {
+        memset(nodes->force, 0, ss_body_bytes(body));
+    }
+    ss_body_energy energy = {.is_wanted = has_energies};
+    if (has_law) {
+        law->force(law->owner, nodes->u, nodes->v, nodes->force, &energy);
+    }
+    ss_body_add_contact(body, nodes->u, path, nodes->force);
+    body->has_elastic = has_law;
+    body->power = energy.power;
+    if (has_energies) {
+        body->elastic = energy.elastic + ss_body_contact_energy(body);
+        set_motion(body);
+    }
+    body->contact_rate2 = isfinite(body->own.planned_step) ? ss_body_contact_rate2(body) : 0.0;
+    body->is_ready = true;
+}
+
+static void set_bound(ss_body *body)
+{
+    const double limit =
+        body->is_explicit && body->own.integrator == SS_BODY_RK4 ? RK4_LIMIT : EULER_LIMIT;
+    const double law = 1.0 / body->law_step;
+    body->bound = 1.0 / sqrt(law * law + body->contact_rate2 / (limit * limit));
+}
+
+static double ledger_sum(const ss_body *body)
+{
+    return body->kinetic - body->shadow + body->elastic - body->work + body->dissipated;
+}
+
+/* ---- integrators -------------------------------------------------------------------------- */
+
+static void told_slow(ss_body *body, double taken)
+{
+    if (taken > 0.0) {
+        body->dissipated += taken;
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "a node faster than a fifth of an edge a sub-step was slowed down");
+    }
+}
+
+/* Dissipation of viscosity and mass damping at the present state over `span` seconds. */
+static void book_losses(ss_body *body, double span)
+{
+    const ss_body_nodes *nodes = &body->nodes;
+    double square = 0.0, rate;
+    if (body->own.mass_damping > 0.0) {
+        ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping,
+                       nodes->mobility, body->mass, nodes->force, nodes->v, &square, &rate);
+    }
+    body->dissipated += span * (body->power + body->own.mass_damping * square);
+}
+
+static bool symplectic_euler(ss_body *body, double h)
+{
+    ss_body_nodes *nodes = &body->nodes;
+    const double alpha = body->own.mass_damping, b = nodes->kick_lag, a = 0.5 * h;
+    const double keep = (1.0 - a * alpha) / (1.0 + b * alpha);
+    double taken;
+    book_losses(body, b + a - body->settled_lag);
+    body->settled_lag = 0.0;
+    const double square = ss_body_kick_drift(nodes->padded_count, keep, keep * b + a, h,
+                                             MAX_EDGES * body->own.edge / h, nodes->mobility,
+                                             nodes->force, nodes->mass, nodes->v, nodes->u, &taken);
+    nodes->kick_lag = a;
+    told_slow(body, taken);
+    return isfinite(square);
+}
+
+/* Classical Runge-Kutta; tools and loads at the stages' times. */
+static bool runge_kutta(ss_body *body, double h, double path, double fraction)
+{
+    static const double place[4] = {0.0, 0.5, 0.5, 1.0};
+    static const double share[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    ss_body_nodes *nodes = &body->nodes;
+    const ss_body_elastic *law = &body->own.elastic;
+    const int32_t n = nodes->padded_count;
+    ss_real *us = body->stage[0], *vs = body->stage[1], *rate = body->stage[2];
+    ss_real *end = body->stage[3], *sum = body->stage[4]; /* u at the end, and the rate of v */
+    const size_t bytes = ss_body_bytes(body);
+    memset(sum, 0, bytes);
+    memcpy(us, nodes->u, bytes);
+    memcpy(vs, nodes->v, bytes);
+    for (int s = 0; s < 4; ++s) {
+        ss_body_energy energy = {.power = body->power};
+        if (s > 0) {
+            /* u and v of the stage from the rates of the one before: v first. */
+            ss_body_blend(n, nodes->u, place[s] * h, vs, us);
+            ss_body_blend(n, nodes->v, place[s] * h, rate, vs);
+            memcpy(nodes->force, body->load_force, bytes);
+            law->force(law->owner, us, vs, nodes->force, &energy);
+            ss_body_add_contact(body, us, path + place[s] * fraction, nodes->force);
+        }
+        ss_body_rates(n, body->own.mass_damping, nodes->mobility, nodes->force, vs, rate);
+        ss_body_axpy(n, share[s], rate, sum);
+        double square, unused;
+        ss_body_motion(n, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs, &square,
+                       &unused);
+        body->dissipated += h * share[s] * (energy.power + body->own.mass_damping * square);
+        if (s == 0) {
+            ss_body_blend(n, nodes->u, share[0] * h, vs, end);
+        } else {
+            ss_body_axpy(n, share[s] * h, vs, end);
+        }
+    }
+    ss_body_axpy(n, h, sum, nodes->v);
+    /* The same limit as with the other method, on the way and on the velocity. */
+    ss_body_blend(n, end, -1.0, nodes->u, us);
+    double taken, unused;
+    const double limit = MAX_EDGES * body->own.edge;
+    (void)ss_body_kick_drift(n, 1.0, 0.0, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
+                             us, nodes->u, &unused);
+    const double square = ss_body_kick_drift(n, 1.0, 0.0, 0.0, limit / h, nodes->mobility,
+                                             nodes->force, nodes->mass, nodes->v, us, &taken);
+    told_slow(body, taken);
+    return isfinite(square);
+}
+
+/* ---- guards ------------------------------------------------------------------------------- */
+
+static void fault(ss_body *body, const char *reason)
+{
+    memcpy(body->nodes.u, body->old_u, ss_body_bytes(body));
+    memset(body->nodes.v, 0, ss_body_bytes(body));
+    body->nodes.kick_lag = body->settled_lag = 0.0;
+    body->is_ready = false;
+    ss_body_judge(body, SOFTSIM_VERDICT_FAULT, SS_MODEL_FAULT_NOT_FINITE, reason);
+}
+
+/* A displacement far beyond the body means nothing any more and would drown every digit. */
+static void clamp_displacements(ss_body *body)
+{
+    const double limit = MAX_DISPLACEMENT * body->diagonal;
+    if (!(ss_body_largest(body->nodes.count, body->nodes.u) > limit * limit)) {
+        return;
+    }
+    for (int32_t i = 0; i < body->nodes.count; ++i) {
+        ss_real *u = body->nodes.u + 4 * (ptrdiff_t)i, *v = body->nodes.v + 4 * (ptrdiff_t)i;
+        const double length = sqrt((double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] +
+                                   (double)u[2] * (double)u[2]);
+        for (int k = 0; length > limit && k < 3; ++k) {
+            u[k] = (ss_real)((double)u[k] * (limit / length));
+            v[k] = 0;
+        }
+    }
+    body->is_ready = false;
+    ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_CLAMPED,
+                  "displacement beyond a hundred times the body was cut off");
+}
+
+/* Energy from nowhere over the last outer step, judged. */
+static void judge_gain(ss_body *body, double gain, double dt)
+{
+    const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
+    if (!body->is_explicit && gain < 0.0) {
+        body->dissipated -= gain; /* what such a method loses by its nature */
+        gain = 0.0;
+    }
+    body->pool = fmax(-most, body->pool * exp(-dt / GAIN_TIME) + gain);
+    if (body->is_explicit && body->pool < -0.999 * most) {
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "sub-steps lost energy to their length");
+    }
+    if (!(body->pool > most)) {
+        return;
+    }
+    double moving = 0.0;
+    for (int32_t i = 0; i < body->nodes.count; ++i) {
+        for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 3; ++at) {
+            const double v = (double)body->nodes.v[at];
+            moving += body->nodes.mobility[at] > 0 ? 0.5 * body->nodes.mass[i] * v * v : 0.0;
+        }
+    }
+    const double taken = fmin(body->pool, moving);
+    const ss_real factor = moving > 0.0 ? (ss_real)sqrt(1.0 - taken / moving) : 0;
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)body->nodes.count; ++at) {
+        body->nodes.v[at] *= body->nodes.mobility[at] > 0 ? factor : 1;
+    }
+    set_motion(body);
+    body->pool = 0.0;
+    ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
+                  "energy from nowhere was taken out of the motion");
+}
+
+/* ---- the outer step ----------------------------------------------------------------------- */
+
+/* Where the outer step stands. */
+typedef struct progress {
+    double left, path; /* s still to simulate; 0..1 of the tools' way */
+    int32_t motion, done;
+} progress;
+
+/* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
+ * else the longest stable one, and the way in equal parts of the budget. */
+static void plan_substep(const ss_body *body, const progress *p, double *out_h,
+                         double *out_fraction)
+{
+    const double stable = body->own.step_share * body->bound;
+    const double by_time = ceil(p->left / stable - 1e-9);
+    const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
+    const double needed = fmax(fmax(by_time, by_way), 1.0);
+    const double available = fmax(1.0, (double)(body->plan.max_substeps - p->done));
+    const double parts = fmin(needed, available);
+    *out_h = fmin(p->left / parts, stable);
+    *out_fraction = (1.0 - p->path) / parts;
+}
+
+static void place_driven(ss_body *body, double path, double fraction, double h, bool is_booked)
+{
+    for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
+        const double work = ss_driven_set_place(&body->driven[k], path, fraction, h,
+                                                body->nodes.mass, body->nodes.u, body->nodes.v);
+        body->work += is_booked ? work : 0.0;
+    }
+}
+
+static void fade_grasps(ss_body *body, double h)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_grasp_fade(&body->tool[k].grasp, h);
+    }
+}
+
+static void settle_grasps(ss_body *body)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        body->dissipated += ss_grasp_settle(&body->tool[k].grasp, true);
+    }
+}
+
+/* False when a number is not finite. */
+static bool advance(ss_body *body, double h, double path, double fraction, double next)
+{
+    const ss_body_elastic *law = &body->own.elastic;
+    if (law->advance) {
+        place_driven(body, next, fraction, h, false);
+        law->advance(law->owner, body, h, next);
+        return isfinite(ss_body_square(body->nodes.padded_count, body->nodes.v) +
+                        ss_body_square(body->nodes.padded_count, body->nodes.u));
+    }
+    return body->own.integrator == SS_BODY_RK4 ? runge_kutta(body, h, path, fraction)
+                                               : symplectic_euler(body, h);
+}
+
+/* One sub-step; false when the body is at fault. Work is force times way, the forces' mean at both
+ * ends. */
+static bool substep(ss_body *body, progress *p)
+{
+    const ss_body_elastic *law = &body->own.elastic;
+    double h, fraction;
+    plan_substep(body, p, &h, &fraction);
+    if (!(h > 0.0)) {
+        fault(body, "no step is stable: last good state restored, waiting for reset");
+        return false;
+    }
+    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    place_driven(body, p->path, fraction, h, true);
+    body->work += 0.5 * fraction * ss_body_tool_work(body) + 0.5 * h * ss_body_driven_power(body);
+    const bool is_finite = advance(body, h, p->path, fraction, next);
+    place_driven(body, next, fraction, h, false);
+    fade_grasps(body, h);
+    if (is_finite && law->after_substep) {
+        law->after_substep(law->owner, body, h);
+    }
+    ++p->done;
+    p->left -= h;
+    p->path = next;
+    if (is_finite) {
+        evaluate(body, next, next == 1.0);
+        settle_grasps(body);
+        body->work +=
+            0.5 * fraction * ss_body_tool_work(body) + 0.5 * h * ss_body_driven_power(body);
+        set_bound(body);
+    } else {
+        fault(body, "not finite: last good state restored, waiting for reset");
+    }
+    return is_finite;
+}
+
+/* Forces and energies with what has changed since the last step; the change of energy is work. */
+static void ready(ss_body *body, bool has_new_loads)
+{
+    if (!body->is_ready) {
+        const double before = body->elastic + body->kinetic - body->shadow + body->dissipated;
+        evaluate(body, 0.0, true);
+        body->work += body->elastic + body->kinetic - body->shadow + body->dissipated - before;
+    } else if (has_new_loads) {
+        for (int32_t k = 0; k < body->loaded_count; ++k) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)body->loaded[k];
+            for (ptrdiff_t a = at; a < at + 3; ++a) {
+                body->nodes.force[a] += body->load_force[a] - body->old_load[a];
+            }
+        }
+        body->work += ss_body_loads_lag_work(body);
+    }
+}
+
+void ss_body_step(ss_body *body, double time, double dt,
+                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    if (body->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+        return;
+    }
+    body->verdict = SOFTSIM_VERDICT_GOOD;
+    body->reason = "";
+    body->worst_element = -1;
+    memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
+    ss_body_take_tools(body, tool);
+    const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
+    for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
+        ss_driven_set_aim(&body->driven[k], body->nodes.u, time + dt);
+    }
+    ready(body, has_new_loads);
+    ss_body_take_grasps(body, tool);
+    ready(body, false);
+    body->law_step = body->own.elastic.stable_step(body->own.elastic.owner, body);
+    set_bound(body);
+    const double before = ledger_sum(body);
+    progress p = {.left = dt, .motion = ss_body_motion_steps(body)};
+    while (p.path < 1.0) {
+        if (!substep(body, &p)) {
+            return;
+        }
+    }
+    body->work += ss_body_loads_work(body);
+    book_losses(body, body->nodes.kick_lag);
+    body->settled_lag = body->nodes.kick_lag;
+    if (!isfinite(body->elastic + body->kinetic)) {
+        fault(body, "not finite: last good state restored, waiting for reset");
+        return;
+    }
+    judge_gain(body, ledger_sum(body) - before, dt);
+    clamp_displacements(body);
+    if (p.left > 1e-6 * dt) {
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_BUDGET,
+                      "needs more sub-steps than max_substeps: slower than real time");
+    }
+    body->substeps = p.done;
+    ++body->step;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What tools do alike to every model: the springs of a grasp, a tool's turn over a step, and how a
+ * set of contacts shares what the hand is told.
+ *
+ * Grasp (of one potential with the contact): at the button's press the touched nodes store
+ * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
+ * potential gains share/2 sum k_i |P_i - X - R o_i|^2. On release the share falls to 0 in 20 ms,
+ * which can only lose energy.
+ * Memory: by init, freed by fini. Thread: those two set-up only; the rest RT-safe.
+ */
+#include "models/model.h"
+
+/* Stiffness of a grasp over that of contact, N/m^3 over N/m^3: it shares the stability bound. */
+#define SS_GRASP_SHARE 0.2
+
+typedef struct ss_grasp {
+    bool is_pressed;
+    double share;        /* 1 while held, then ramped to 0 */
+    double share_before; /* at the start of the sub-step */
+    double square;       /* sum k_i |x_i|^2 / 2, J, at full share */
+    int32_t count;
+    int32_t *node;
+    double *stiffness;   /* N/m */
+    double (*offset)[3]; /* in the tool's frame */
+} ss_grasp;
+
+/* For at most `capacity` nodes; false when out of memory. */
+bool ss_grasp_init(ss_grasp *grasp, int32_t capacity);
+void ss_grasp_fini(ss_grasp *grasp);
+/* Takes hold of the `count` nodes (increasing) of weight (m^2) times `stiffness` (N/m^3), as they
+ * stand displaced by `u` from `rest`, unstretched. */
+void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,
+                   double stiffness, const double (*rest)[3], const ss_real *u,
+                   const ss_tool_pose *pose);
+/* Adds the springs' forces to `force`, and to the tool's force and torque; sets `square`. */
+void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
+                         const ss_tool_pose *pose, ss_real *force, double tool_force[3],
+                         double tool_torque[3]);
+/* A released grasp lets go by `h` seconds' worth; settle then returns the energy it lost (J), or
+ * takes the fading back. */
+void ss_grasp_fade(ss_grasp *grasp, double h);
+double ss_grasp_settle(ss_grasp *grasp, bool is_accepted);
+/* FNV-1a of what is state. */
+uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed);
+
+/* Rotation vector of the short way from `from` to `to`. */
+void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_turn[3]);
+
+/* The direction in which the tissue pushes the tool with `force`: the first contact's normal where
+ * there is only one. `set` has a contact. */
+void ss_contact_set_direction(const ss_contact_set *set, const double force[3], double out[3]);
+/* The contacts' forces become the whole reaction (set->force) along `normal` (forces that are not
+ * the contacts' own included), and the tool's stiffness and viscosity are shared by force. */
+void ss_contact_set_share(ss_contact_set *set, const double normal[3], double stiffness,
+                          double viscosity);
+
+/* FNV-1a 64. */
+uint64_t ss_hash_bytes(uint64_t hash, const void *data, size_t size);

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What every model reads out of a plan in the same way: which axes are driven, how much of a load
+ * acts, the patches under pressure, and what of loads, prescribed sets and times is refused.
+ * Thread: set-up only where marked; the rest any thread, RT-safe.
+ */
+#include "models/model.h"
+
+/* The first few numbers of a fault, for its message: "3, 17, 20". */
+typedef struct ss_number_list {
+    int32_t count;
+    char text[96];
+} ss_number_list;
+void ss_number_list_add(ss_number_list *list, int32_t number);
+
+/* Is axis `k` of node `i` of a prescribed set driven? */
+bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
+/* 0 before `from`, 1 from `from` + `ramp` on. */
+double ss_plan_ramp(double from, double ramp, double time);
+/* The share of a load that acts at `time`. */
+double ss_plan_load_factor(const ss_load *load, double time);
+
+/* A prescribed set on its way through an outer step. Memory: by init, freed by fini. */
+typedef struct ss_driven_set {
+    const ss_prescribed *plan;
+    double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
+} ss_driven_set;
+bool ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan);
+void ss_driven_set_fini(ss_driven_set *driven);
+/* From where its nodes are to where they belong at `time`. */
+void ss_driven_set_aim(ss_driven_set *driven, const ss_real *u, double time);
+/* Puts its nodes at `path` (0..1) of the way, moving so that they cover `fraction` of it in `h`
+ * seconds (h = 0: velocities stay). Returns the work of the support for their change of velocity,
+ * J. */
+double ss_driven_set_place(const ss_driven_set *driven, double path, double fraction, double h,
+                           const double *mass, ss_real *u, ss_real *v);
+
+/* What is wrong with loads, prescribed sets, gravity, step and budget, all of it, each line begun
+ * with `name`, the model's. `size`: a value a node, below 0 where the model has nothing that could
+ * be pushed or held; `outside` is what a load on such nodes is refused with (NULL: it is not).
+ * out_is_held: do the fixed and driven axes stop every rigid motion? SOFTSIM_OK,
+ * SOFTSIM_ERROR_SCENE or SOFTSIM_ERROR_MEMORY. Thread: set-up only. */
+softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const double *size,
+                             const char *outside, bool *out_is_held, softsim_error *error);
+
+/* The triangles whose nodes are all in the group of load `which`, a pressure; none is refused. The
+ * caller frees *out_triangle. Thread: set-up only. */
+softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
+                                          int32_t which, int32_t **out_triangle, int32_t *out_count,
+                                          softsim_error *error);
+/* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
+ * than a penetration of a tenth of R at the working force. */
+double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);
+
+/* Adds -p times a third of each triangle's area vector, as it lies displaced by `u`, to `force`. */
+void ss_plan_add_pressure(const ss_mesh *mesh, int32_t count, const int32_t *triangle,
+                          const ss_real *u, double pressure, ss_real *force);
