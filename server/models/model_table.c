@@ -13,6 +13,9 @@ extern const ss_model_class ss_model_fem;
 #ifdef SS_MODEL_MASS_SPRING
 extern const ss_model_class ss_model_mass_spring;
 #endif
+#ifdef SS_MODEL_CNN_CHAINMAIL
+extern const ss_model_class ss_model_cnn_chainmail;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -23,6 +26,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_MASS_SPRING
     &ss_model_mass_spring,
+#endif
+#ifdef SS_MODEL_CNN_CHAINMAIL
+    &ss_model_cnn_chainmail,
 #endif
     NULL};
 

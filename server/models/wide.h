@@ -84,6 +84,15 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     return _mm_div_ps(a, b);
 }
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    return _mm_sqrt_ps(a);
+}
+/* Is a > b in any lane? */
+SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
+{
+    return _mm_movemask_ps(_mm_cmpgt_ps(a, b));
+}
 /* The fourth lane in all four. */
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -138,6 +147,14 @@ SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     return _mm256_div_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    return _mm256_sqrt_pd(a);
+}
+SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
+{
+    return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -207,6 +224,19 @@ SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     SS_QUAD_MAP(a.lane[k] / b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
+                                                 : (ss_real)sqrt((double)a.lane[k]));
+}
+SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
+{
+    int any = 0;
+    for (int k = 0; k < 4; ++k) {
+        any |= a.lane[k] > b.lane[k];
+    }
+    return any;
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -294,6 +324,37 @@ SS_INLINE ss_pair ss_pair_last(ss_pair a)
 {
     return _mm256_permute_ps(a, 0xff);
 }
+/* Two nodes that lie apart. */
+SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(p)), _mm_load_ps(q), 1);
+}
+SS_INLINE ss_quad ss_pair_first(ss_pair a)
+{
+    return _mm256_castps256_ps128(a);
+}
+SS_INLINE ss_quad ss_pair_second(ss_pair a)
+{
+    return _mm256_extractf128_ps(a, 1);
+}
+SS_INLINE ss_pair ss_pair_root(ss_pair a)
+{
+    return _mm256_sqrt_ps(a);
+}
+SS_INLINE int ss_pair_is_any_above(ss_pair a, ss_pair b)
+{
+    return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ));
+}
+/* Each half by itself: four rows become four columns. */
+SS_INLINE void ss_pair_transpose(ss_pair *a, ss_pair *b, ss_pair *c, ss_pair *d)
+{
+    const __m256 t0 = _mm256_unpacklo_ps(*a, *b), t1 = _mm256_unpackhi_ps(*a, *b);
+    const __m256 t2 = _mm256_unpacklo_ps(*c, *d), t3 = _mm256_unpackhi_ps(*c, *d);
+    *a = _mm256_shuffle_ps(t0, t2, 0x44);
+    *b = _mm256_shuffle_ps(t0, t2, 0xee);
+    *c = _mm256_shuffle_ps(t1, t3, 0x44);
+    *d = _mm256_shuffle_ps(t1, t3, 0xee);
+}
 /* One node after the other, added up. */
 SS_INLINE ss_quad ss_pair_both(ss_pair a)
 {
@@ -364,6 +425,31 @@ SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 SS_INLINE ss_pair ss_pair_last(ss_pair a)
 {
     return (ss_pair){ss_quad_last(a.first), ss_quad_last(a.second)};
+}
+SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
+{
+    return (ss_pair){ss_quad_load(p), ss_quad_load(q)};
+}
+SS_INLINE ss_quad ss_pair_first(ss_pair a)
+{
+    return a.first;
+}
+SS_INLINE ss_quad ss_pair_second(ss_pair a)
+{
+    return a.second;
+}
+SS_INLINE ss_pair ss_pair_root(ss_pair a)
+{
+    return (ss_pair){ss_quad_root(a.first), ss_quad_root(a.second)};
+}
+SS_INLINE int ss_pair_is_any_above(ss_pair a, ss_pair b)
+{
+    return ss_quad_is_any_above(a.first, b.first) | ss_quad_is_any_above(a.second, b.second);
+}
+SS_INLINE void ss_pair_transpose(ss_pair *a, ss_pair *b, ss_pair *c, ss_pair *d)
+{
+    ss_quad_transpose(&a->first, &b->first, &c->first, &d->first);
+    ss_quad_transpose(&a->second, &b->second, &c->second, &d->second);
 }
 SS_INLINE ss_quad ss_pair_both(ss_pair a)
 {

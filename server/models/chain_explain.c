@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/chain.h"
+/*
+ * What a plan uses and leaves out, and what it costs: counted work times a cost per unit measured
+ * once on the reference core (Zen 5, float, AVX2), never a clock.
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* Microseconds a step, a link and a node in it, a coarse weight, a tetrahedron looked at, a tool.
+ */
+#define COST_STEP        0.5
+#define COST_LINK        0.0017
+#define COST_NODE        0.0008
+#define COST_COARSE_NODE 0.004
+#define COST_TETRAHEDRON 0.0008
+#define COST_TOOL        25.0
+/* Valences of the busiest neighbours of a link over twice the mean valence, on organs. */
+#define VALENCE_RATIO 2.2
+
+/* Links of the mesh: of a volume by Euler's formula, else half the sides of a closed surface. */
+static double link_count(const ss_mesh *mesh)
+{
+    return mesh->tetrahedron_count > 0
+               ? mesh->node_count + mesh->tetrahedron_count + 0.5 * mesh->triangle_count
+           : mesh->quad_count > 0 ? 2.0 * mesh->quad_count
+                                  : 1.5 * mesh->triangle_count;
+}
+
+static bool has_coarse(const ss_model_plan *plan)
+{
+    const ss_param_value *coarse = &plan->param[SS_CHAIN_COARSE_CELLS];
+    return coarse->is_given ? coarse->number > 0.0 : plan->mesh->tetrahedron_count > 0;
+}
+
+double ss_chain_step_cost_us(const ss_model_plan *plan)
+{
+    const ss_mesh *mesh = plan->mesh;
+    const ss_param_value *capacitance = &plan->param[SS_CHAIN_CAPACITANCE_S];
+    const double links = link_count(mesh), nodes = mesh->node_count;
+    const bool is_coarse = has_coarse(plan);
+    double substeps = is_coarse ? 1.0 : 8.0;
+    if (capacitance->is_given && !capacitance->per_node) {
+        const double rate = VALENCE_RATIO * 2.0 * (2.0 * links / nodes) / capacitance->number;
+        substeps = ceil(1e-3 * rate / (0.9 * 4.0));
+    }
+    double tools = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        tools += plan->tool[k].is_used;
+    }
+    const double substep = COST_LINK * links + COST_NODE * nodes +
+                           (is_coarse ? COST_COARSE_NODE * nodes : 0.0) + 0.5 * COST_TOOL * tools;
+    return COST_STEP + substeps * substep + COST_TOOL * tools +
+           COST_TETRAHEDRON * mesh->tetrahedron_count;
+}
+
+/* ---- lines -------------------------------------------------------------------------------- */
+
+typedef struct printer {
+    void (*line)(void *sink, const char *text);
+    void *sink;
+} printer;
+
+static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    out->line(out->sink, text);
+}
+
+static void explain_net(const ss_model *model, const printer *out)
+{
+    const ss_chain_net *net = model->net;
+    const ss_mesh *mesh = model->plan.mesh;
+    say(out,
+        "chain: %d elements (%d fixed), %d links of %s, each once (%d of elements shared), "
+        "mean %.4g m, %.2f MB",
+        model->node_count, model->fixed_count, net->link_count,
+        mesh->tetrahedron_count > 0 ? "tetrahedra"
+        : mesh->quad_count > 0      ? "a rectangular grid"
+                                    : "triangles",
+        net->duplicates, net->mean_length, (double)ss_chain_net_bytes(net) / 1048576.0);
+    say(out, "kernels: %s, %s", model->kernels->name,
+        sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+    if (model->coarse) {
+        say(out, "coarse level: %d cells, %.2f MB", ss_chain_coarse_cells(model->coarse),
+            (double)ss_chain_coarse_bytes(model->coarse) / 1048576.0);
+    } else {
+        say(out, "left out: coarse level");
+    }
+    if (model->coarse || isfinite(model->saturation)) {
+        say(out, "left out: active set (%s touches every element)",
+            model->coarse ? "the coarse level" : "saturation");
+    } else {
+        say(out, "active set: links that are slack and still are not looked at");
+    }
+    if (model->guard) {
+        say(out, "tet guard: %d tetrahedra are kept above a fifth of their volume",
+            mesh->tetrahedron_count);
+    } else {
+        say(out, "left out: tet guard");
+    }
+}
+
+static void explain_material(const ss_model *model, const printer *out)
+{
+    static const char *const unloading[] = {"falls with the contact's depth (ramp)",
+                                            "is 0 as soon as a contact goes back (literal: can "
+                                            "create energy)",
+                                            "stays (keep)"};
+    say(out, "links: k %.4g N/m, alpha %s; unloading: alpha %s", model->k,
+        model->has_alpha ? "as given" : "0", unloading[model->unloading]);
+    if (model->leak > 0.0) {
+        say(out, "leak: back to the rest shape in about %.3g s", model->capacitance / model->leak);
+    } else {
+        say(out, "left out: leak (what is slack stays where it was pushed)");
+    }
+    if (isfinite(model->saturation)) {
+        say(out, "saturation: %.4g m", model->saturation);
+    } else {
+        say(out, "left out: saturation of cells (none given)");
+    }
+    say(out, "capacitance %.4g s (%s); stable step %.4g s, %.0f sub-steps of a step of %.4g s",
+        model->capacitance, model->is_capacitance_given ? "given" : "chosen for the step",
+        ss_chain_stable_step(model), ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9),
+        model->plan.step);
+    if (!model->is_held) {
+        say(out, "warning: the supports do not hold the body: a tool pushes it away");
+    }
+}
+
+void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const printer out = {line, sink};
+    explain_net(model, &out);
+    explain_material(model, &out);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_chain_tool *tool = &model->tool[k];
+        if (tool->is_used) {
+            say(&out, "tool %d: %s, contact %.4g N/m^3, %.4g N/m at first touch", k,
+                model->is_current ? "a current source" : "holds the cells it touches",
+                tool->stiffness, tool->rest_felt);
+        }
+    }
+    if (!model->surface) {
+        say(&out, "left out: contact (no tool)");
+    }
+}

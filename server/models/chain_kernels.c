@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/chain_kernels.h"
+/*
+ * The kernels, written once. This file is compiled for the baseline processor as it stands, and
+ * once more by chain_kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ *
+ *   d = P_b - P_a,  u = |d|,  ex = max(u - lmax, 0) - max(lmin - u, 0)
+ *   g = w/2 ex d/u;  dP_a += g, dP_b -= g            (Zhang et al. 2018, equations 7 to 13)
+ *   lmax = (1 + r alpha) l0,  lmin = max((1 - r alpha) l0, 0)
+ *
+ * d is the rest vector plus the difference of displacements, so that no digits are lost far from
+ * the origin; ex is bounded as u goes to 0, where the paper's mu = ex/u is not. A group whose
+ * squared lengths are all within the squared band is left before the root and the additions, which
+ * are two thirds of the work.
+ */
+#include <stdbool.h>
+#include <string.h>
+
+#include "models/wide.h"
+
+/* Pairs of nodes, or groups, summed in ss_real before a sum goes over to double. */
+enum { BLOCK = 32 };
+
+/* ---- links -------------------------------------------------------------------------------- */
+
+/* Eight links as they lie now. */
+typedef struct band {
+    ss_pair x, y, z, square, high, low;
+} band;
+
+/* True when a link of the group is out of its band. */
+SS_INLINE bool find(const ss_chain_group *group, ss_pair ratio, const ss_real *u, band *out)
+{
+    ss_pair d[4];
+    for (int k = 0; k < 4; ++k) {
+        const ss_pair a = ss_pair_join(u + group->a[k], u + group->a[k + 4]);
+        const ss_pair b = ss_pair_join(u + group->b[k], u + group->b[k + 4]);
+        d[k] = ss_pair_sub(b, a);
+    }
+    ss_pair_transpose(&d[0], &d[1], &d[2], &d[3]);
+    out->x = ss_pair_add(d[0], ss_pair_load(group->x));
+    out->y = ss_pair_add(d[1], ss_pair_load(group->y));
+    out->z = ss_pair_add(d[2], ss_pair_load(group->z));
+    out->square =
+        ss_pair_fma(out->z, out->z, ss_pair_fma(out->y, out->y, ss_pair_mul(out->x, out->x)));
+    const ss_pair rest = ss_pair_load(group->rest);
+    const ss_pair slack = ss_pair_mul(ratio, ss_pair_load(group->slack));
+    out->high = ss_pair_add(rest, slack);
+    out->low = ss_pair_most(ss_pair_sub(rest, slack), ss_pair_all(0));
+    return ss_pair_is_any_above(out->square, ss_pair_mul(out->high, out->high)) |
+           ss_pair_is_any_above(ss_pair_mul(out->low, out->low), out->square);
+}
+
+/* Links whose ends coincide pull along their rest direction. Kept out of the way: it is rare. */
+static __attribute__((noinline)) void part_coincident(const ss_chain_group *group, band *now,
+                                                      ss_pair *root)
+{
+    _Alignas(64) ss_real x[4][SS_CHAIN_LANES];
+    ss_pair *const value[4] = {&now->x, &now->y, &now->z, root};
+    for (int k = 0; k < 4; ++k) {
+        ss_pair_store(x[k], *value[k]);
+    }
+    for (int k = 0; k < SS_CHAIN_LANES; ++k) {
+        if (!(x[3][k] > (ss_real)1e-9 * group->rest[k])) {
+            /* of length 1e-9 l0: n and ex are exact to rounding */
+            x[0][k] = (ss_real)1e-9 * group->x[k];
+            x[1][k] = (ss_real)1e-9 * group->y[k];
+            x[2][k] = (ss_real)1e-9 * group->z[k];
+            x[3][k] = (ss_real)1e-9 * group->rest[k];
+        }
+    }
+    for (int k = 0; k < 4; ++k) {
+        *value[k] = ss_pair_load(x[k]);
+    }
+}
+
+/* half ex / u of each link in *out_factor; returns sum += half ex^2. */
+SS_INLINE ss_pair judge(const ss_chain_group *group, band *now, ss_pair *out_factor, ss_pair sum)
+{
+    ss_pair root = ss_pair_root(now->square);
+    const ss_pair tiny = ss_pair_mul(ss_pair_all((ss_real)1e-9), ss_pair_load(group->rest));
+    if (__builtin_expect(ss_pair_is_any_above(tiny, root), 0)) {
+        part_coincident(group, now, &root);
+    }
+    const ss_pair zero = ss_pair_all(0);
+    const ss_pair ex = ss_pair_sub(ss_pair_most(ss_pair_sub(root, now->high), zero),
+                                   ss_pair_most(ss_pair_sub(now->low, root), zero));
+    const ss_pair tension = ss_pair_mul(ss_pair_load(group->half), ex);
+    *out_factor = ss_pair_div(tension, root);
+    return ss_pair_fma(tension, ex, sum);
+}
+
+SS_INLINE void add(ss_real *pull, int32_t at, ss_quad g)
+{
+    ss_quad_store(pull + at, ss_quad_add(ss_quad_load(pull + at), g));
+}
+
+SS_INLINE void take(ss_real *pull, int32_t at, ss_quad g)
+{
+    ss_quad_store(pull + at, ss_quad_sub(ss_quad_load(pull + at), g));
+}
+
+SS_INLINE ss_pair pull_group(const ss_chain_group *group, band *now, ss_real *pull, ss_pair sum)
+{
+    ss_pair factor;
+    sum = judge(group, now, &factor, sum);
+    ss_pair g[4] = {ss_pair_mul(factor, now->x), ss_pair_mul(factor, now->y),
+                    ss_pair_mul(factor, now->z), ss_pair_all(0)};
+    ss_pair_transpose(&g[0], &g[1], &g[2], &g[3]);
+    for (int k = 0; k < 4; ++k) {
+        add(pull, group->a[k], ss_pair_first(g[k]));
+        take(pull, group->b[k], ss_pair_first(g[k]));
+    }
+    for (int k = 0; k < 4; ++k) {
+        add(pull, group->a[k + 4], ss_pair_second(g[k]));
+        take(pull, group->b[k + 4], ss_pair_second(g[k]));
+    }
+    return sum;
+}
+
+static double pull_all(const ss_chain_net *net, ss_real ratio, const ss_real *u, ss_real *pull)
+{
+    const ss_pair share = ss_pair_all(ratio);
+    double energy = 0.0;
+    for (int32_t first = 0; first < net->group_count; first += BLOCK) {
+        const int32_t end = first + BLOCK < net->group_count ? first + BLOCK : net->group_count;
+        ss_pair sum = ss_pair_all(0);
+        for (int32_t g = first; g < end; ++g) {
+            band now;
+            if (find(&net->group[g], share, u, &now)) {
+                sum = pull_group(&net->group[g], &now, pull, sum);
+            }
+        }
+        energy += ss_pair_sum(sum);
+    }
+    return 0.5 * energy;
+}
+
+static double measure(const ss_chain_net *net, ss_real ratio, const ss_real *u)
+{
+    const ss_pair share = ss_pair_all(ratio);
+    double energy = 0.0;
+    for (int32_t g = 0; g < net->group_count; ++g) {
+        band now;
+        if (find(&net->group[g], share, u, &now)) {
+            ss_pair factor;
+            energy += ss_pair_sum(judge(&net->group[g], &now, &factor, ss_pair_all(0)));
+        }
+    }
+    return 0.5 * energy;
+}
+
+/* ---- the front ---------------------------------------------------------------------------- */
+
+/* The lowest number of the set, taken out; -1 when it is empty. *from is where to look on. */
+SS_INLINE int32_t take_next(ss_chain_set *set, int32_t *from)
+{
+    for (int32_t top = *from; top < set->top_count; ++top) {
+        const uint64_t words = set->word[top];
+        if (words != 0) {
+            const int32_t at = 64 * top + __builtin_ctzll(words);
+            const uint64_t bits = set->bit[at];
+            set->bit[at] = bits & (bits - 1);
+            if (set->bit[at] == 0) {
+                set->word[top] = words & (words - 1);
+            }
+            *from = top;
+            return 64 * at + __builtin_ctzll(bits);
+        }
+    }
+    *from = set->top_count;
+    return -1;
+}
+
+static double pull_front(const ss_chain_net *net, ss_real ratio, const ss_real *u, ss_real *pull,
+                         ss_chain_front *front)
+{
+    const ss_pair share = ss_pair_all(ratio);
+    double energy = 0.0;
+    int32_t from = 0, count = 0;
+    ss_pair sum = ss_pair_all(0);
+    for (int32_t g = take_next(&front->awake, &from); g >= 0; g = take_next(&front->awake, &from)) {
+        const ss_chain_group *group = &net->group[g];
+        band now;
+        ++front->groups;
+        if (!find(group, share, u, &now)) {
+            continue;
+        }
+        sum = pull_group(group, &now, pull, sum);
+        ss_chain_set_add(&front->next, g);
+        for (int k = 0; k < SS_CHAIN_LANES; ++k) {
+            ss_chain_set_add(&front->moving, group->a[k] / 4);
+            ss_chain_set_add(&front->moving, group->b[k] / 4);
+        }
+        if (++count % BLOCK == 0) {
+            energy += ss_pair_sum(sum);
+            sum = ss_pair_all(0);
+        }
+    }
+    return 0.5 * (energy + ss_pair_sum(sum));
+}
+
+/* The largest of the three lanes. */
+SS_INLINE double most_of(ss_quad a)
+{
+    _Alignas(32) ss_real lane[4];
+    ss_quad_store(lane, a);
+    const double most = (double)(lane[0] > lane[1] ? lane[0] : lane[1]);
+    return most > (double)lane[2] ? most : (double)lane[2];
+}
+
+static void move_front(const ss_chain_net *net, ss_chain_front *front, ss_chain_motion *motion)
+{
+    const ss_quad leak = ss_quad_all(motion->leak), zero = ss_quad_all(0);
+    const ss_quad h = ss_quad_all(motion->h);
+    ss_quad largest = zero;
+    int32_t from = 0;
+    for (int32_t i = take_next(&front->moving, &from); i >= 0;
+         i = take_next(&front->moving, &from)) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        ss_quad u = ss_quad_load(motion->u + at);
+        const ss_quad pulled = ss_quad_fnma(leak, u, ss_quad_load(motion->pull + at));
+        const ss_quad step =
+            ss_quad_mul(ss_quad_mul(h, ss_quad_load(motion->mobility + at)), pulled);
+        u = ss_quad_add(u, step);
+        largest = ss_quad_most(ss_quad_most(u, ss_quad_sub(zero, u)), largest);
+        ss_quad_store(motion->u + at, u);
+        ss_quad_store(motion->pull + at, zero);
+        if (ss_quad_is_any_above(ss_quad_most(step, ss_quad_sub(zero, step)), zero)) {
+            ++front->nodes;
+            for (int32_t k = net->first[i]; i < net->node_count && k < net->first[i + 1]; ++k) {
+                ss_chain_set_add(&front->next, net->at[k] / SS_CHAIN_LANES);
+            }
+            if (motion->leak > 0) {
+                ss_chain_set_add(&front->stay, i);
+            }
+        }
+    }
+    motion->largest = most_of(largest);
+}
+
+/* ---- nodes -------------------------------------------------------------------------------- */
+
+static void move(int32_t count, ss_chain_motion *motion)
+{
+    const ss_pair leak = ss_pair_all(motion->leak), zero = ss_pair_all(0);
+    const ss_pair h = ss_pair_all(motion->h);
+    const ptrdiff_t end = 4 * (ptrdiff_t)count;
+    ss_pair largest = zero;
+    for (ptrdiff_t at = 0; at < end; at += 8) {
+        ss_pair u = ss_pair_load(motion->u + at);
+        const ss_pair pulled = ss_pair_fnma(leak, u, ss_pair_load(motion->pull + at));
+        u = ss_pair_add(u,
+                        ss_pair_mul(ss_pair_mul(h, ss_pair_load(motion->mobility + at)), pulled));
+        largest = ss_pair_most(ss_pair_most(u, ss_pair_sub(zero, u)), largest);
+        ss_pair_store(motion->u + at, u);
+        ss_pair_store(motion->pull + at, zero);
+    }
+    motion->largest = most_of(ss_pair_fold(largest));
+}
+
+/* ---- the coarse level --------------------------------------------------------------------- */
+
+static void gather(const ss_chain_hats *hats, const ss_real *mask, const ss_real *pull,
+                   ss_real *out_cell)
+{
+    const size_t row = (size_t)hats->cell_count;
+    const ss_pair zero = ss_pair_all(0);
+    memset(out_cell, 0, 3 * row * sizeof *out_cell);
+    for (int32_t block = 0; block < hats->block_count; ++block) {
+        const ptrdiff_t at = (ptrdiff_t)4 * SS_CHAIN_COARSE_BLOCK * block;
+        _Alignas(64) ss_real masked[4 * SS_CHAIN_COARSE_BLOCK];
+        ss_pair most = zero;
+        for (int k = 0; k < 4 * SS_CHAIN_COARSE_BLOCK; k += 8) {
+            const ss_pair p = ss_pair_mul(ss_pair_load(mask + at + k), ss_pair_load(pull + at + k));
+            ss_pair_store(masked + k, p);
+            most = ss_pair_most(ss_pair_most(p, ss_pair_sub(zero, p)), most);
+        }
+        if (!ss_pair_is_any_above(most, zero)) {
+            continue;
+        }
+        for (int32_t c = hats->first[block]; c < hats->first[block + 1]; c += SS_CHAIN_COARSE_PAD) {
+            const ss_real *weight = hats->weight + (ptrdiff_t)c * SS_CHAIN_COARSE_BLOCK;
+            ss_pair x = zero, y = zero, z = zero;
+            for (int i = 0; i < SS_CHAIN_COARSE_BLOCK; ++i) {
+                const ss_pair w = ss_pair_load(weight + (ptrdiff_t)SS_CHAIN_COARSE_PAD * i);
+                x = ss_pair_fma(w, ss_pair_all(masked[4 * i]), x);
+                y = ss_pair_fma(w, ss_pair_all(masked[4 * i + 1]), y);
+                z = ss_pair_fma(w, ss_pair_all(masked[4 * i + 2]), z);
+            }
+            _Alignas(64) ss_real sum[3][SS_CHAIN_COARSE_PAD];
+            ss_pair_store(sum[0], x);
+            ss_pair_store(sum[1], y);
+            ss_pair_store(sum[2], z);
+            for (int k = 0; k < SS_CHAIN_COARSE_PAD; ++k) {
+                const int32_t cell = hats->cell[c + k];
+                out_cell[cell] += sum[0][k];
+                out_cell[row + (size_t)cell] += sum[1][k];
+                out_cell[2 * row + (size_t)cell] += sum[2][k];
+            }
+        }
+    }
+}
+
+static void spread(const ss_chain_hats *hats, const ss_real *mask, const ss_real *cell, ss_real *u)
+{
+    const size_t row = (size_t)hats->cell_count;
+    _Alignas(64) ss_real value[3][SS_CHAIN_MAX_HATS];
+    for (int32_t block = 0; block < hats->block_count; ++block) {
+        const int32_t first = hats->first[block], count = hats->first[block + 1] - first;
+        const ss_real *weight = hats->weight + (ptrdiff_t)first * SS_CHAIN_COARSE_BLOCK;
+        for (int32_t c = 0; c < count; ++c) {
+            for (int k = 0; k < 3; ++k) {
+                value[k][c] = cell[(size_t)k * row + (size_t)hats->cell[first + c]];
+            }
+        }
+        for (int i = 0; i < SS_CHAIN_COARSE_BLOCK; ++i) {
+            ss_pair x = ss_pair_all(0), y = x, z = x, none = x;
+            for (int32_t c = 0; c < count; c += SS_CHAIN_COARSE_PAD) {
+                const ss_pair w = ss_pair_load(weight + (ptrdiff_t)c * SS_CHAIN_COARSE_BLOCK +
+                                               (ptrdiff_t)SS_CHAIN_COARSE_PAD * i);
+                x = ss_pair_fma(w, ss_pair_load(value[0] + c), x);
+                y = ss_pair_fma(w, ss_pair_load(value[1] + c), y);
+                z = ss_pair_fma(w, ss_pair_load(value[2] + c), z);
+            }
+            ss_pair_transpose(&x, &y, &z, &none);
+            const ss_quad moved =
+                ss_pair_both(ss_pair_add(ss_pair_add(x, y), ss_pair_add(z, none)));
+            const ptrdiff_t at = 4 * ((ptrdiff_t)SS_CHAIN_COARSE_BLOCK * block + i);
+            ss_quad_store(u + at,
+                          ss_quad_fma(ss_quad_load(mask + at), moved, ss_quad_load(u + at)));
+        }
+    }
+}
+
+/* ---- tetrahedra --------------------------------------------------------------------------- */
+
+static int32_t collapse(const ss_chain_tets *tets, const ss_real *place, int32_t *out_list)
+{
+    int32_t count = 0;
+    for (int32_t g = 0; g < tets->group_count; ++g) {
+        const ss_chain_tet_group *group = &tets->group[g];
+        ss_pair edge[3][4];
+        for (int k = 0; k < 4; ++k) {
+            const ss_pair p =
+                ss_pair_join(place + group->corner[0][k], place + group->corner[0][k + 4]);
+            for (int e = 0; e < 3; ++e) {
+                const int32_t *corner = group->corner[e + 1];
+                edge[e][k] = ss_pair_sub(ss_pair_join(place + corner[k], place + corner[k + 4]), p);
+            }
+        }
+        for (int e = 0; e < 3; ++e) {
+            ss_pair_transpose(&edge[e][0], &edge[e][1], &edge[e][2], &edge[e][3]);
+        }
+        const ss_pair *a = edge[0], *b = edge[1], *c = edge[2];
+        const ss_pair nx = ss_pair_fnma(b[2], c[1], ss_pair_mul(b[1], c[2]));
+        const ss_pair ny = ss_pair_fnma(b[0], c[2], ss_pair_mul(b[2], c[0]));
+        const ss_pair nz = ss_pair_fnma(b[1], c[0], ss_pair_mul(b[0], c[1]));
+        const ss_pair volume = ss_pair_fma(a[2], nz, ss_pair_fma(a[1], ny, ss_pair_mul(a[0], nx)));
+        if (!ss_pair_is_any_above(ss_pair_load(group->limit), volume)) {
+            continue;
+        }
+        _Alignas(64) ss_real six[SS_CHAIN_LANES];
+        ss_pair_store(six, volume);
+        for (int k = 0; k < SS_CHAIN_LANES; ++k) {
+            if (group->limit[k] > six[k]) {
+                out_list[count++] = g * SS_CHAIN_LANES + k;
+            }
+        }
+    }
+    return count;
+}
+
+/* ---- the table ---------------------------------------------------------------------------- */
+
+#ifdef SS_WIDE_AVX2
+#define PATH      ss_chain_kernels_avx2
+#define PATH_NAME "avx2+fma"
+#else
+#define PATH ss_chain_kernels_baseline
+#ifdef SS_WIDE_SSE2
+#define PATH_NAME "sse2"
+#else
+#define PATH_NAME "plain C"
+#endif
+#endif
+
+extern const ss_chain_kernels PATH;
+const ss_chain_kernels PATH = {.name = PATH_NAME,
+                               .pull = pull_all,
+                               .measure = measure,
+                               .pull_front = pull_front,
+                               .move = move,
+                               .move_front = move_front,
+                               .gather = gather,
+                               .spread = spread,
+                               .collapse = collapse};

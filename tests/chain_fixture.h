@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/* Meshes, parameters and a chain to step: shared by the tests of chains. cmocka comes first. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/mesh.h"
+#include "models/chain.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#ifdef SOFTSIM_DOUBLE
+#define BY_TYPE(single, twice) (twice)
+#else
+#define BY_TYPE(single, twice) (single)
+#endif
+
+#define assert_near(a, b, tolerance)                                                               \
+    do {                                                                                           \
+        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
+        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
+            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
+        }                                                                                          \
+    } while (0)
+#define assert_below(a, b)                                                                         \
+    do {                                                                                           \
+        const double below_a = (a), below_b = (b);                                                 \
+        if (!(below_a < below_b)) {                                                                \
+            fail_msg("%s = %.17g, expected below %.17g", #a, below_a, below_b);                    \
+        }                                                                                          \
+    } while (0)
+
+/* ---- meshes ------------------------------------------------------------------------------- */
+
+/* Cubes of edge h, six tetrahedra each; node (i, j, k) is (k ny + j) nx + i, from the origin. */
+static inline ss_mesh *make_box(int nx, int ny, int nz, double h)
+{
+    static const int path[6][2] = {{0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}};
+    const int stride[3] = {1, nx, nx * ny};
+    double(*position)[3] = calloc((size_t)(nx * ny * nz), sizeof *position);
+    int32_t(*tet)[4] = calloc((size_t)(6 * nx * ny * nz), sizeof *tet);
+    int32_t count = 0;
+    for (int n = 0; n < nx * ny * nz; ++n) {
+        const int at[3] = {n % nx, n / nx % ny, n / (nx * ny)};
+        for (int a = 0; a < 3; ++a) {
+            position[n][a] = h * at[a];
+        }
+        for (int p = 0; p < 6 && at[0] + 1 < nx && at[1] + 1 < ny && at[2] + 1 < nz; ++p) {
+            const int a = path[p][0], b = path[p][1];
+            const bool is_even = (b - a + 3) % 3 == 1;
+            const int32_t last = n + stride[0] + stride[1] + stride[2];
+            const int32_t first = n + stride[a], second = n + stride[a] + stride[b];
+            tet[count][0] = n;
+            tet[count][1] = is_even ? first : second;
+            tet[count][2] = is_even ? second : first;
+            tet[count++][3] = last;
+        }
+    }
+    ss_mesh *mesh = NULL;
+    (void)ss_mesh_create(nx * ny * nz, (const double(*)[3])position, 0, NULL, count,
+                         (const int32_t(*)[4])tet, &mesh, NULL);
+    free(position);
+    free(tet);
+    return mesh;
+}
+
+/* `points` on a circle around node 0, and triangles between them: a star of `points` links and a
+ * rim of as many. */
+static inline ss_mesh *make_star(int points)
+{
+    double(*position)[3] = calloc((size_t)points + 1, sizeof *position);
+    int32_t(*triangle)[3] = calloc((size_t)points, sizeof *triangle);
+    for (int k = 0; k < points; ++k) {
+        const double angle = 6.283185307179586 * k / points;
+        ss_set3(position[k + 1], cos(angle), sin(angle), 0.0);
+        triangle[k][1] = k + 1;
+        triangle[k][2] = (k + 1) % points + 1;
+    }
+    ss_mesh *mesh = NULL;
+    (void)ss_mesh_create(points + 1, (const double(*)[3])position, points,
+                         (const int32_t(*)[3])triangle, 0, NULL, &mesh, NULL);
+    free(position);
+    free(triangle);
+    return mesh;
+}
+
+/* A grid of quads, n by n nodes a metre apart, in z = 0 about the origin. */
+static inline ss_mesh *make_plane(int n)
+{
+    ss_mesh *mesh = NULL;
+    (void)ss_mesh_create_plane(n, n, n - 1.0, n - 1.0, &mesh, NULL);
+    return mesh;
+}
+
+/* One triangle of sides 1, nodes (0, 0, 0), (1, 0, 0) and one far enough to be another matter. */
+static inline ss_mesh *make_triangle(double far)
+{
+    const double position[3][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, far, 0}};
+    const int32_t triangle[1][3] = {{0, 1, 2}};
+    ss_mesh *mesh = NULL;
+    (void)ss_mesh_create(3, position, 1, triangle, 0, NULL, &mesh, NULL);
+    return mesh;
+}
+
+/* ---- a model ------------------------------------------------------------------------------ */
+
+/* What a test says of a model before it is created. */
+typedef struct setup {
+    ss_mesh *mesh;
+    uint8_t *fixed;
+    ss_param_value param[40];
+    ss_load load[4];
+    ss_prescribed prescribed[4];
+    ss_model_plan plan;
+    const ss_model_class *class;
+    softsim_error error;
+    ss_model *model;
+    double time;
+} setup;
+
+static inline int row_of(const setup *s, const char *name)
+{
+    for (int k = 0; k < s->class->row_count; ++k) {
+        if (strcmp(s->class->row[k].name, name) == 0) {
+            return k;
+        }
+    }
+    abort();
+}
+
+static inline void give(setup *s, const char *name, double value)
+{
+    s->param[row_of(s, name)] = (ss_param_value){.number = value, .is_given = true};
+}
+
+/* Takes `mesh`; all parameters at their defaults. */
+static inline void setup_init(setup *s, const char *model, ss_mesh *mesh)
+{
+    memset(s, 0, sizeof *s);
+    s->mesh = mesh;
+    s->class = ss_model_find(model);
+    s->fixed = calloc((size_t)mesh->node_count, 1);
+    for (int k = 0; k < s->class->row_count; ++k) {
+        s->param[k].number = s->class->row[k].fallback;
+    }
+    s->plan = (ss_model_plan){.mesh = mesh,
+                              .fixed = s->fixed,
+                              .param = s->param,
+                              .load = s->load,
+                              .prescribed = s->prescribed,
+                              .working_force = 2.0,
+                              .max_force = 8.0,
+                              .step = 1e-3,
+                              .max_substeps = 64,
+                              .threads = 1};
+}
+
+/* C = 1 s, k = 1 N/m, no coarse level and no guard: the network alone. */
+static inline void setup_network(setup *s, ss_mesh *mesh, double alpha)
+{
+    setup_init(s, "cnn-chainmail", mesh);
+    give(s, "alpha", alpha);
+    give(s, "link_stiffness_n_per_m", 1.0);
+    give(s, "capacitance_s", 1.0);
+    give(s, "coarse_cells", 0.0);
+    give(s, "tet_guard", 0.0);
+}
+
+static inline void create(setup *s)
+{
+    if (s->class->create(&s->plan, &s->model, &s->error) != SOFTSIM_OK) {
+        fail_msg("create: %s", s->error.text);
+    }
+}
+
+static inline void setup_fini(setup *s)
+{
+    if (s->model) {
+        s->class->destroy(s->model);
+    }
+    free(s->fixed);
+    ss_mesh_destroy(&s->mesh);
+}
+
+static inline void steps(setup *s, int count, double dt)
+{
+    for (int k = 0; k < count; ++k) {
+        s->class->step(s->model, s->time, dt, NULL);
+        s->time += dt;
+    }
+}
+
+static inline ss_model_info info_of(const setup *s)
+{
+    ss_model_info info;
+    s->class->info(s->model, &info);
+    return info;
+}
+
+static inline double moved(const setup *s, int32_t node, int axis)
+{
+    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
+}
+
+/* A set of nodes driven by (x, y, z) from t = 0 on, in `ramp` seconds. */
+static inline void drive(setup *s, int32_t count, int32_t *node, double (*way)[3], double ramp)
+{
+    s->prescribed[s->plan.prescribed_count++] = (ss_prescribed){.node = node,
+                                                                .node_count = count,
+                                                                .displacement = way,
+                                                                .axis = {true, true, true},
+                                                                .ramp = ramp};
+}
+
+static uint64_t random_state = 1;
+
+static inline double random_unit(void)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+}
