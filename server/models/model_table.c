@@ -16,6 +16,9 @@ extern const ss_model_class ss_model_mass_spring;
 #ifdef SS_MODEL_CNN_CHAINMAIL
 extern const ss_model_class ss_model_cnn_chainmail;
 #endif
+#ifdef SS_MODEL_CHAINMAIL
+extern const ss_model_class ss_model_chainmail;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -29,6 +32,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_CNN_CHAINMAIL
     &ss_model_cnn_chainmail,
+#endif
+#ifdef SS_MODEL_CHAINMAIL
+    &ss_model_chainmail,
 #endif
     NULL};
 

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The traditional ChainMail: bands, order, relaxation, tools. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "chain_fixture.h"
+
+enum { PLANE = 21, MIDDLE = PLANE * PLANE / 2 };
+
+static void setup_plane(setup *s, double alpha, bool is_radial, int32_t *node, double (*way)[3])
+{
+    setup_init(s, "chainmail", make_plane(PLANE));
+    give(s, "alpha", alpha);
+    give(s, "band", is_radial);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        const int32_t r = i / PLANE, c = i % PLANE;
+        s->fixed[i] = r == 0 || c == 0 || r == PLANE - 1 || c == PLANE - 1 ? 7 : 0;
+    }
+    node[0] = MIDDLE;
+    drive(s, 1, node, way, 2.0);
+}
+
+static void box_makes_the_pyramid(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; ++order) {
+        int32_t node[1];
+        double way[1][3] = {{0.0, 0.0, 5.0}};
+        setup s;
+        setup_plane(&s, 0.02, false, node, way);
+        give(&s, "order", order);
+        create(&s);
+        steps(&s, 200, 0.01);
+        for (int c = 0; c <= 10; ++c) { /* shear of beta a link: a straight flank */
+            assert_near(moved(&s, MIDDLE + c, 2), 5.0 - 0.5 * c, 1e-5);
+        }
+        assert_near(moved(&s, MIDDLE + PLANE + 3, 2), 3.0, 1e-5);
+        setup_fini(&s);
+    }
+}
+
+static void radial_keeps_every_moved_link_in_band(void **state)
+{
+    (void)state;
+    int32_t node[1];
+    double way[1][3] = {{0.2, 0.0, 1.5}};
+    setup s;
+    setup_plane(&s, 0.02, true, node, way);
+    create(&s);
+    steps(&s, 1, 2.0);
+    /* Along the row that leads away from the middle every node has but one sponsor. */
+    for (int c = 0; c < 6; ++c) {
+        double d[3];
+        for (int k = 0; k < 3; ++k) {
+            d[k] = (k == 0) + moved(&s, MIDDLE + c + 1, k) - moved(&s, MIDDLE + c, k);
+        }
+        assert_true(ss_norm3(d) <= 1.02 + 1e-5 && ss_norm3(d) >= 0.98 - 1e-5);
+    }
+    assert_true(moved(&s, MIDDLE + 1, 2) > 0.5);
+    setup_fini(&s);
+}
+
+static void turn(double x[3])
+{
+    static const double r[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
+    const double from[3] = {x[0], x[1], x[2]};
+    for (int k = 0; k < 3; ++k) {
+        x[k] = ss_dot3(r[k], from);
+    }
+}
+
+/* How far a turned plane's shape is from the turned shape. */
+static double frame_error(bool is_radial)
+{
+    setup s[2];
+    int32_t node[2][1];
+    double way[2][1][3], worst = 0.0;
+    for (int which = 0; which < 2; ++which) {
+        ss_set3(way[which][0], 0.3, 0.1, 3.0);
+        setup_plane(&s[which], 0.02, is_radial, node[which], way[which]);
+        for (int32_t i = 0; which == 1 && i < PLANE * PLANE; ++i) {
+            turn(s[which].mesh->position[i]);
+        }
+        if (which == 1) {
+            turn(way[which][0]);
+        }
+        create(&s[which]);
+        steps(&s[which], 20, 0.1);
+    }
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        double x[3] = {moved(&s[0], i, 0), moved(&s[0], i, 1), moved(&s[0], i, 2)};
+        turn(x);
+        for (int k = 0; k < 3; ++k) {
+            worst = fmax(worst, fabs(moved(&s[1], i, k) - x[k]));
+        }
+    }
+    setup_fini(&s[0]);
+    setup_fini(&s[1]);
+    return worst;
+}
+
+static void radial_turns_with_the_body_and_box_does_not(void **state)
+{
+    (void)state;
+    assert_below(frame_error(true), BY_TYPE(1e-3, 1e-9));
+    assert_true(frame_error(false) > 0.1);
+}
+
+static void fixed_nodes_and_what_is_in_band_stay(void **state)
+{
+    (void)state;
+    int32_t node[1];
+    double way[1][3] = {{0.0, 0.0, 0.4}};
+    setup s;
+    setup_plane(&s, 0.1, false, node, way); /* 0.4 is within beta */
+    create(&s);
+    steps(&s, 20, 0.1);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        assert_near(moved(&s, i, 2), i == MIDDLE ? 0.4 : 0.0, 1e-7);
+    }
+    way[0][2] = 40.0; /* far beyond what the rim allows */
+    steps(&s, 20, 0.1);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        assert_true(s.fixed[i] == 0 || moved(&s, i, 2) == 0.0);
+        assert_true(isfinite(moved(&s, i, 2)));
+    }
+    setup_fini(&s);
+}
+
+static double roughness(const setup *s)
+{
+    double sum = 0.0;
+    for (int c = 3; c < 9; ++c) { /* away from the one point that is held */
+        sum += fabs(moved(s, MIDDLE + c + 1, 2) - 2.0 * moved(s, MIDDLE + c, 2) +
+                    moved(s, MIDDLE + c - 1, 2));
+    }
+    return sum;
+}
+
+static void relaxation_smooths_what_nobody_holds(void **state)
+{
+    (void)state;
+    double rough[2];
+    for (int relaxed = 0; relaxed < 2; ++relaxed) {
+        int32_t node[1];
+        double way[1][3] = {{0.0, 0.0, 3.0}};
+        setup s;
+        setup_plane(&s, 0.02, true, node, way);
+        give(&s, "relaxation_iterations", 20.0 * relaxed);
+        create(&s);
+        steps(&s, 20, 0.1);
+        rough[relaxed] = roughness(&s);
+        assert_near(moved(&s, MIDDLE, 2), 3.0, 1e-6);
+        setup_fini(&s);
+    }
+    assert_below(rough[1], 0.8 * rough[0]);
+}
+
+static void tool_moves_what_it_touches_and_feels_nothing(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    s.plan.tool[0] =
+        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    for (int32_t i = 0; i < 81; ++i) {
+        s.fixed[i] = 7;
+    }
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {0.04, 0.04, 0.06}, .orientation = {1, 0, 0, 0}};
+    for (int k = 0; k < 100; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] = 0.06 - 0.0001 * k; /* to 4.9 mm deep */
+        s.class->step(s.model, 0.001 * k, 0.001, tool);
+    }
+    ss_contact_set set;
+    s.class->contacts(s.model, 0, 0.005, &set);
+    assert_true(set.count > 0 && set.force[2] == 0.0 && set.contact[0].force == 0.0);
+    assert_below(set.depth, 0.0008);
+    assert_true(moved(&s, 4 * 81 + 40, 2) < -0.003);
+    tool[0].is_grasping = true;
+    s.class->step(s.model, 0.1, 0.001, tool);
+    for (int k = 0; k < 100; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] += 0.0001;
+        s.class->step(s.model, 0.1 + 0.001 * k, 0.001, tool);
+    }
+    assert_true(moved(&s, 4 * 81 + 40, 2) > 0.003);
+    setup_fini(&s);
+}
+
+static void forces_are_refused_by_name(void **state)
+{
+    (void)state;
+    int32_t node[1] = {12};
+    setup s;
+    setup_init(&s, "chainmail", make_plane(5));
+    s.plan.gravity[1] = 1.0;
+    s.load[s.plan.load_count++] =
+        (ss_load){.node = node, .node_count = 1, .force = {0, 0, 1}, .to = (double)INFINITY};
+    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(s.error.fault_count, 2);
+    assert_non_null(strstr(s.error.text, "chainmail: gravity_m_s2"));
+    assert_non_null(strstr(s.error.text, "chainmail: loads"));
+    setup_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(box_makes_the_pyramid),
+        cmocka_unit_test(radial_keeps_every_moved_link_in_band),
+        cmocka_unit_test(radial_turns_with_the_body_and_box_does_not),
+        cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
+        cmocka_unit_test(relaxation_smooths_what_nobody_holds),
+        cmocka_unit_test(tool_moves_what_it_touches_and_feels_nothing),
+        cmocka_unit_test(forces_are_refused_by_name)};
+    return cmocka_run_group_tests_name("chainmail", tests, NULL, NULL);
+}
