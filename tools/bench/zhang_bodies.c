@@ -148,6 +148,8 @@ softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
     const ss_mesh *mesh = solid->mesh;
     by_distance *order = calloc((size_t)mesh->node_count, sizeof *order);
     double *area = calloc((size_t)mesh->node_count, sizeof *area);
+    free(solid->pushed);
+    solid->pushed_count = 0;
     solid->pushed = calloc((size_t)count, sizeof *solid->pushed);
     ss_scale3(solid->direction, towards, -1.0 / ss_norm3(towards));
     if (order != NULL && area != NULL && solid->pushed != NULL) {
@@ -176,8 +178,7 @@ softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
 
 softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out, softsim_error *error)
 {
-    const double up[3] = {0.0, 0.0, 1.0};
-    double middle[3] = {0.0, 0.0, 0.0};
+    const double up[3] = {0.0, 0.0, 1.0}, under_lobe[3] = {0.05, -0.02, 0.0};
     softsim_status status = ss_zhang_solid_make(paper, "liver", LIVER_POINTS, out, error);
     if (status != SOFTSIM_OK) {
         return status;
@@ -188,10 +189,7 @@ softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out, s
             out->fixed[group->node[k]] = 7;
         }
     }
-    for (int32_t i = 0; i < out->mesh->node_count; ++i) {
-        ss_madd3(middle, middle, 1.0 / out->mesh->node_count, out->mesh->position[i]);
-    }
-    status = ss_zhang_solid_patch(out, middle, up, LIVER_PATCH, error);
+    status = ss_zhang_solid_patch(out, under_lobe, up, LIVER_PATCH, error);
     if (status != SOFTSIM_OK) {
         ss_zhang_solid_fini(out);
     }

@@ -15,7 +15,7 @@
 
 enum { RAMP, LITERAL, KEEP, RULE_COUNT, MAX_ROWS = 16384 };
 static const char *const rule_name[RULE_COUNT] = {"ramp", "literal", "keep"};
-static const double plane_depth = 5.0, plane_pace = 0.25;  /* h, h/C */
+static const double plane_depth = 5.0, plane_pace = 0.01, plane_step_s = 0.25; /* h, h/C, C */
 static const double block_share = 0.85, block_pace = 0.01; /* of the mean link; of it in C */
 enum { BLOCK_POINTS = 1331, BLOCK_PATCH = 9 };
 
@@ -117,18 +117,19 @@ static softsim_status on_plane(ss_zhang *zhang, loop *l, softsim_error *error)
             .pushed = zhang->plane.pushed,
             .pushed_count = 1,
             .direction = {0.0, 0.0, -1.0},
-            .depth = plane_depth};
+            .depth = plane_depth,
+            .step_s = plane_step_s};
         status = go_round(&setup, plane_pace, &l[r], reason, error);
     }
     if (status != SOFTSIM_OK || reason[0] != '\0') {
         return status;
     }
     ss_claim_near(zhang->paper, "Fig. 5b", 0.79, lost(&l[RAMP]), 0.03,
-                  "plane at 0.25 h/C: two paths: area of the loop over the work of loading (ramp)");
+                  "plane at 0.01 h/C: two paths: area of the loop over the work of loading (ramp)");
     ss_claim_at_least(zhang->paper, "Fig. 5b", 0.5, lost(&l[KEEP]),
                       "the same where alpha stays (keep): most of it is drag");
     return write_loops(zhang, l, "fig5b-plane", "h", 1.0,
-                       "Fig. 5b: the plane pushed 5 h and back at 0.25 h/C.", error);
+                       "Fig. 5b: the plane pushed 5 h and back at 0.01 h/C.", error);
 }
 
 /* The block stands on its bottom and is pushed on the middle of its top. */
