@@ -81,7 +81,7 @@ typedef struct ss_chain_guard ss_chain_guard;   /* chain_guard.c */
 struct ss_model {
     ss_model_plan plan;
     int32_t node_count;
-    int32_t padded; /* nodes of arrays: one more, and a whole number of blocks */
+    int32_t padded; /* nodes of arrays: one more, and an even number */
     const ss_chain_kernels *kernels;
     ss_chain_net *net;
     ss_surface *surface; /* NULL without tools */

@@ -262,74 +262,99 @@ static void move(int32_t count, ss_chain_motion *motion)
 
 /* ---- the coarse level --------------------------------------------------------------------- */
 
-static void gather(const ss_chain_hats *hats, const ss_real *mask, const ss_real *pull,
-                   ss_real *out_cell)
+/* Sums of a block: of a quad, and of it times x, y, z. In two parts, so that no sum waits for the
+ * one before. */
+typedef struct moments {
+    ss_quad sum[2], x[2], y[2], z[2];
+} moments;
+
+static const moments no_moments;
+
+SS_INLINE void join_moments(moments *m)
 {
-    const size_t row = (size_t)hats->cell_count;
-    const ss_pair zero = ss_pair_all(0);
-    memset(out_cell, 0, 3 * row * sizeof *out_cell);
+    m->sum[0] = ss_quad_add(m->sum[0], m->sum[1]);
+    m->x[0] = ss_quad_add(m->x[0], m->x[1]);
+    m->y[0] = ss_quad_add(m->y[0], m->y[1]);
+    m->z[0] = ss_quad_add(m->z[0], m->z[1]);
+}
+
+/* A block's moments of the pull about its middle, then its cells: a
+ * quarter of the multiplications by node and cell. */
+static void gather(const ss_chain_hats *hats, const ss_real *pull, ss_real *out_cell)
+{
+    memset(out_cell, 0, 4 * (size_t)hats->cell_count * sizeof *out_cell);
     for (int32_t block = 0; block < hats->block_count; ++block) {
-        const ptrdiff_t at = (ptrdiff_t)4 * SS_CHAIN_COARSE_BLOCK * block;
-        _Alignas(64) ss_real masked[4 * SS_CHAIN_COARSE_BLOCK];
-        ss_pair most = zero;
-        for (int k = 0; k < 4 * SS_CHAIN_COARSE_BLOCK; k += 8) {
-            const ss_pair p = ss_pair_mul(ss_pair_load(mask + at + k), ss_pair_load(pull + at + k));
-            ss_pair_store(masked + k, p);
-            most = ss_pair_most(ss_pair_most(p, ss_pair_sub(zero, p)), most);
-        }
-        if (!ss_pair_is_any_above(most, zero)) {
-            continue;
-        }
-        for (int32_t c = hats->first[block]; c < hats->first[block + 1]; c += SS_CHAIN_COARSE_PAD) {
-            const ss_real *weight = hats->weight + (ptrdiff_t)c * SS_CHAIN_COARSE_BLOCK;
-            ss_pair x = zero, y = zero, z = zero;
-            for (int i = 0; i < SS_CHAIN_COARSE_BLOCK; ++i) {
-                const ss_pair w = ss_pair_load(weight + (ptrdiff_t)SS_CHAIN_COARSE_PAD * i);
-                x = ss_pair_fma(w, ss_pair_all(masked[4 * i]), x);
-                y = ss_pair_fma(w, ss_pair_all(masked[4 * i + 1]), y);
-                z = ss_pair_fma(w, ss_pair_all(masked[4 * i + 2]), z);
+        const int32_t *node = hats->taking_part + (ptrdiff_t)hats->block * block;
+        const ss_real *place = hats->place + (ptrdiff_t)3 * hats->block * block;
+        moments m = no_moments;
+        for (int i = 0; i < hats->block; i += 2) {
+            for (int k = 0; k < 2; ++k) {
+                const ss_quad g = ss_quad_load(pull + node[i + k]);
+                const ss_real *r = place + 3 * (ptrdiff_t)(i + k);
+                m.sum[k] = ss_quad_add(m.sum[k], g);
+                m.x[k] = ss_quad_fma(ss_quad_all(r[0]), g, m.x[k]);
+                m.y[k] = ss_quad_fma(ss_quad_all(r[1]), g, m.y[k]);
+                m.z[k] = ss_quad_fma(ss_quad_all(r[2]), g, m.z[k]);
             }
-            _Alignas(64) ss_real sum[3][SS_CHAIN_COARSE_PAD];
-            ss_pair_store(sum[0], x);
-            ss_pair_store(sum[1], y);
-            ss_pair_store(sum[2], z);
-            for (int k = 0; k < SS_CHAIN_COARSE_PAD; ++k) {
-                const int32_t cell = hats->cell[c + k];
-                out_cell[cell] += sum[0][k];
-                out_cell[row + (size_t)cell] += sum[1][k];
-                out_cell[2 * row + (size_t)cell] += sum[2][k];
-            }
+        }
+        join_moments(&m);
+        for (int32_t e = hats->first[block]; e < hats->first[block + 1]; ++e) {
+            const ss_real *c = hats->linear + (ptrdiff_t)4 * e;
+            const ss_quad one =
+                ss_quad_fma(ss_quad_all(c[0]), m.sum[0], ss_quad_mul(ss_quad_all(c[1]), m.x[0]));
+            const ss_quad two =
+                ss_quad_fma(ss_quad_all(c[2]), m.y[0], ss_quad_mul(ss_quad_all(c[3]), m.z[0]));
+            ss_real *out = out_cell + hats->cell[e];
+            ss_quad_store(out, ss_quad_add(ss_quad_load(out), ss_quad_add(one, two)));
         }
     }
 }
 
-static void spread(const ss_chain_hats *hats, const ss_real *mask, const ss_real *cell, ss_real *u)
+static void apply(int32_t count, const ss_real *matrix, const ss_real *cell, ss_real *out)
 {
-    const size_t row = (size_t)hats->cell_count;
-    _Alignas(64) ss_real value[3][SS_CHAIN_MAX_HATS];
-    for (int32_t block = 0; block < hats->block_count; ++block) {
-        const int32_t first = hats->first[block], count = hats->first[block + 1] - first;
-        const ss_real *weight = hats->weight + (ptrdiff_t)first * SS_CHAIN_COARSE_BLOCK;
-        for (int32_t c = 0; c < count; ++c) {
-            for (int k = 0; k < 3; ++k) {
-                value[k][c] = cell[(size_t)k * row + (size_t)hats->cell[first + c]];
+    for (int32_t i = 0; i < count; ++i) {
+        const ss_real *row = matrix + (ptrdiff_t)count * i;
+        ss_quad sum[4] = {ss_quad_all(0), ss_quad_all(0), ss_quad_all(0), ss_quad_all(0)};
+        for (int32_t k = 0; k < count; k += 4) { /* four sums: none waits for the one before */
+            for (int m = 0; m < 4; ++m) {
+                sum[m] = ss_quad_fma(ss_quad_all(row[k + m]),
+                                     ss_quad_load(cell + 4 * (ptrdiff_t)(k + m)), sum[m]);
             }
         }
-        for (int i = 0; i < SS_CHAIN_COARSE_BLOCK; ++i) {
-            ss_pair x = ss_pair_all(0), y = x, z = x, none = x;
-            for (int32_t c = 0; c < count; c += SS_CHAIN_COARSE_PAD) {
-                const ss_pair w = ss_pair_load(weight + (ptrdiff_t)c * SS_CHAIN_COARSE_BLOCK +
-                                               (ptrdiff_t)SS_CHAIN_COARSE_PAD * i);
-                x = ss_pair_fma(w, ss_pair_load(value[0] + c), x);
-                y = ss_pair_fma(w, ss_pair_load(value[1] + c), y);
-                z = ss_pair_fma(w, ss_pair_load(value[2] + c), z);
+        ss_quad_store(out + 4 * (ptrdiff_t)i,
+                      ss_quad_add(ss_quad_add(sum[0], sum[1]), ss_quad_add(sum[2], sum[3])));
+    }
+}
+
+static void spread(const ss_chain_hats *hats, const ss_real *mask, const ss_real *cell,
+                   ss_real scale, ss_real *u)
+{
+    const ss_quad factor = ss_quad_all(scale);
+    for (int32_t block = 0; block < hats->block_count; ++block) {
+        const int32_t *node = hats->node + (ptrdiff_t)hats->block * block;
+        const ss_real *place = hats->place + (ptrdiff_t)3 * hats->block * block;
+        const int32_t end = hats->first[block + 1];
+        moments m = no_moments;
+        for (int32_t e = hats->first[block]; e < end; e += 2) {
+            for (int k = 0; k < 2 && e + k < end; ++k) {
+                const ss_real *c = hats->linear + (ptrdiff_t)4 * (e + k);
+                const ss_quad moved = ss_quad_load(cell + hats->cell[e + k]);
+                m.sum[k] = ss_quad_fma(ss_quad_all(c[0]), moved, m.sum[k]);
+                m.x[k] = ss_quad_fma(ss_quad_all(c[1]), moved, m.x[k]);
+                m.y[k] = ss_quad_fma(ss_quad_all(c[2]), moved, m.y[k]);
+                m.z[k] = ss_quad_fma(ss_quad_all(c[3]), moved, m.z[k]);
             }
-            ss_pair_transpose(&x, &y, &z, &none);
+        }
+        join_moments(&m);
+        const ss_quad sum = ss_quad_mul(factor, m.sum[0]), x = ss_quad_mul(factor, m.x[0]);
+        const ss_quad y = ss_quad_mul(factor, m.y[0]), z = ss_quad_mul(factor, m.z[0]);
+        for (int i = 0; i < hats->block; ++i) {
+            const ss_real *r = place + 3 * (ptrdiff_t)i;
             const ss_quad moved =
-                ss_pair_both(ss_pair_add(ss_pair_add(x, y), ss_pair_add(z, none)));
-            const ptrdiff_t at = 4 * ((ptrdiff_t)SS_CHAIN_COARSE_BLOCK * block + i);
-            ss_quad_store(u + at,
-                          ss_quad_fma(ss_quad_load(mask + at), moved, ss_quad_load(u + at)));
+                ss_quad_add(ss_quad_fma(ss_quad_all(r[0]), x, sum),
+                            ss_quad_fma(ss_quad_all(r[1]), y, ss_quad_mul(ss_quad_all(r[2]), z)));
+            ss_quad_store(u + node[i], ss_quad_fma(ss_quad_load(mask + node[i]), moved,
+                                                   ss_quad_load(u + node[i])));
         }
     }
 }
@@ -394,5 +419,6 @@ const ss_chain_kernels PATH = {.name = PATH_NAME,
                                .move = move,
                                .move_front = move_front,
                                .gather = gather,
+                               .apply = apply,
                                .spread = spread,
                                .collapse = collapse};

@@ -39,18 +39,19 @@ typedef struct ss_chain_motion {
     double largest;          /* out: of |u|'s components, m */
 } ss_chain_motion;
 
-/* The coarse level's share of one block of nodes, see chain_coarse.c. */
-enum {
-    SS_CHAIN_COARSE_BLOCK = 16,
-    SS_CHAIN_COARSE_PAD = 8,
-    SS_CHAIN_MAX_HATS = 512 /* cells that reach one block of nodes */
-};
+/* Phi of chain_coarse.c: blocks of nodes near one another, in each of which the weight of a cell is
+ * linear in a node's place: w = c0 + c1 x + c2 y + c3 z. */
+enum { SS_CHAIN_MAX_BLOCK = 48 };
 typedef struct ss_chain_hats {
-    int32_t node_count, block_count, cell_count; /* cell_count padded to SS_CHAIN_COARSE_PAD */
-    int32_t *first;  /* of a block's cells, block_count + 1; multiples of SS_CHAIN_COARSE_PAD */
-    int32_t *cell;   /* numbers; padding repeats a cell with weight 0 */
-    ss_real *weight; /* of SS_CHAIN_COARSE_PAD cells of a node, then of the block's next node, then
-                        of the next cells */
+    int32_t block_count, cell_count;
+    int32_t block;        /* nodes of one, even */
+    int32_t nobody;       /* the node too many, times 4 */
+    int32_t *node;        /* `block` of each, times 4; the one too many fills the last */
+    int32_t *taking_part; /* the same, but the one too many for those that do not take part */
+    ss_real *place;       /* x y z of each, about the block's middle */
+    int32_t *first;       /* of a block's entries, block_count + 1 */
+    int32_t *cell;        /* of an entry, times 4 */
+    ss_real *linear;      /* c0 to c3 of an entry */
 } ss_chain_hats;
 
 /* Tetrahedra for chain_guard.c. */
@@ -79,11 +80,13 @@ typedef struct ss_chain_kernels {
     void (*move)(int32_t count, ss_chain_motion *motion);
     /* The same for the nodes of the front; those that move wake their groups. */
     void (*move_front)(const ss_chain_net *net, ss_chain_front *front, ss_chain_motion *motion);
-    /* out_cell (3 rows of cell_count: x, y, z) = Phi' (mask pull) */
-    void (*gather)(const ss_chain_hats *hats, const ss_real *mask, const ss_real *pull,
-                   ss_real *out_cell);
-    /* u += mask Phi cell */
-    void (*spread)(const ss_chain_hats *hats, const ss_real *mask, const ss_real *cell, ss_real *u);
+    /* out_cell (a quad each) = Phi' pull, of the elements that take part */
+    void (*gather)(const ss_chain_hats *hats, const ss_real *pull, ss_real *out_cell);
+    /* out = matrix cell, of count x count scalars and count quads; count a multiple of 4 */
+    void (*apply)(int32_t count, const ss_real *matrix, const ss_real *cell, ss_real *out);
+    /* u += scale mask Phi cell */
+    void (*spread)(const ss_chain_hats *hats, const ss_real *mask, const ss_real *cell,
+                   ss_real scale, ss_real *u);
     /* Lists the tetrahedra whose six volumes are below their limit; returns their number. */
     int32_t (*collapse)(const ss_chain_tets *tets, const ss_real *place, int32_t *out_list);
 } ss_chain_kernels;

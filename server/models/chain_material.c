@@ -188,8 +188,8 @@ void ss_chain_material_time(ss_model *model)
     model->capacitance = given->is_given ? mean_of(given, model->node_count) : 1.0;
     model->fine_rate = 0.5 * link_rate(model) + own_rate(model) * largest;
     model->rate = model->fine_rate;
-    if (model->coarse) {
-        model->rate = fmax(model->rate, ss_chain_coarse_rate(model));
+    if (model->coarse) { /* sharper than the bound over links, though it has both levels in it */
+        model->rate = ss_chain_coarse_rate(model) + own_rate(model) * largest;
     }
     if (!given->is_given) {
         const double substeps = model->coarse ? SUBSTEPS_COARSE : SUBSTEPS_FINE;

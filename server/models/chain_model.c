@@ -215,10 +215,9 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (model && own) {
-        const int32_t block = SS_CHAIN_COARSE_BLOCK;
         model->plan = *plan;
         model->node_count = plan->mesh->node_count;
-        model->padded = (model->node_count + block) / block * block;
+        model->padded = (model->node_count + 2) / 2 * 2;
         model->kernels = ss_chain_kernels_get();
         model->diagonal = ss_mesh_diagonal(plan->mesh);
         model->is_capacitance_given = plan->param[SS_CHAIN_CAPACITANCE_S].is_given;
