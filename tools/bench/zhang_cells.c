@@ -15,7 +15,7 @@
 
 enum { RATIO_COUNT = 4, WAY_STEPS = 5, TIMED = 41 };
 static const int32_t ratio[RATIO_COUNT] = {1, 4, 16, 64};
-static const double depth = 0.004, until_s = 40.0; /* m; C = 1 s */
+static const double depth = 0.004, until_s = 20.0; /* m; C = 1 s */
 
 typedef struct cells_run {
     int32_t cells, steps;

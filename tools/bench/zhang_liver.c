@@ -19,7 +19,15 @@
 #include "static_fem.h"
 #include "zhang.h"
 
-enum { MARKS = 5, LATE = 3, SETTLED = 4, TIMED = 41, MAIL_STEPS = 30, WARM_STEPS = 1500 };
+enum {
+    MARKS = 5,
+    LATE = 3,
+    SETTLED = 4,
+    TIMED = 41,
+    PAIRS = 201,
+    MAIL_STEPS = 30,
+    WARM_STEPS = 1500
+};
 static const int32_t mark[MARKS] = {10, 31, 84, 212, 6000};
 static const double youngs_modulus = 1e4, poisson_ratio = 0.3;
 
@@ -334,7 +342,7 @@ static softsim_status claim_cost(ss_paper *paper, const ss_zhang_solid *liver, d
 {
     ss_zhang_run run[2];
     ss_zhang_setup setup[2];
-    double us[2][TIMED];
+    double ratio[PAIRS];
     softsim_status status = SOFTSIM_OK;
     for (int k = 0; k < 2; ++k) {
         setup[k] = ss_zhang_solid_setup(liver, NETWORK, depth);
@@ -346,20 +354,21 @@ static softsim_status claim_cost(ss_paper *paper, const ss_zhang_solid *liver, d
             status = ss_zhang_hold(&run[k], WARM_STEPS * run[k].step_s, error);
         }
     }
-    for (int i = 0; i < TIMED && status == SOFTSIM_OK && run[0].model && run[1].model; ++i) {
+    for (int i = 0; i < PAIRS && status == SOFTSIM_OK && run[0].model && run[1].model; ++i) {
+        double us[2];
         for (int k = 0; k < 2; ++k) {
             const int64_t before = ss_clock_thread_cpu_ns();
             ss_zhang_step(&run[k], depth);
-            us[k][i] = 1e-3 * (double)(ss_clock_thread_cpu_ns() - before);
+            us[k] = 1e-3 * (double)(ss_clock_thread_cpu_ns() - before);
         }
+        ratio[i] = us[0] / us[1];
     }
     if (status == SOFTSIM_OK && run[0].model && run[1].model) {
-        for (int k = 0; k < 2; ++k) {
-            qsort(us[k], TIMED, sizeof us[k][0], by_size);
-        }
-        ss_claim_at_most(paper, "Conclusion", 1.3, us[0][TIMED / 2] / us[1][TIMED / 2],
-                         "a step with the coarse level over one without (medians of CPU time, in "
-                         "turn, when the poke has reached every link)");
+        qsort(ratio, PAIRS, sizeof *ratio, by_size);
+        ss_claim_at_most(
+            paper, "Conclusion", 1.3, ratio[PAIRS / 2],
+            "a step with the coarse level over one without (CPU time, median of pairs, "
+            "when the poke has reached every link)");
     }
     for (int k = 0; k < 2; ++k) {
         ss_zhang_end(&run[k]);
@@ -393,13 +402,15 @@ static softsim_status go_about(ss_zhang *zhang, ss_zhang_solid *liver, softsim_e
         "Where the body is poked matters: near the support finite elements hardly move the "
         "rest, while the free end swings. The poke of 4 mm at four places:");
     ss_page_table_begin(&zhang->paper->page, (int32_t)(sizeof head / sizeof *head), head);
-    for (int p = 0; p < PLACES && status == SOFTSIM_OK; ++p) {
+    const int count = zhang->paper->is_quick ? 1 : PLACES;
+    for (int p = 0; p < count && status == SOFTSIM_OK; ++p) {
         const double from[3] = {places[p].at[0], places[p].at[1], 0.0};
         status = ss_zhang_solid_patch(liver, from, up, liver->pushed_count, error);
         if (status == SOFTSIM_OK) {
             status = solve_fem(liver, depth, fem, error);
         }
         shape_run row[2] = {shallow_runs[COARSE], shallow_runs[FINE]};
+        row[0].is_settled = row[1].is_settled = false;
         for (int r = 0; r < 2 && status == SOFTSIM_OK; ++r) {
             status = run_shape(liver, depth, fem, &row[r], u, scratch, zhang->paper, error);
             ss_row cells = {.count = 0};
@@ -416,7 +427,7 @@ static softsim_status go_about(ss_zhang *zhang, ss_zhang_solid *liver, softsim_e
     ss_page_table_end(&zhang->paper->page);
     if (status == SOFTSIM_OK) {
         ss_claim_at_most(zhang->paper, "Conclusion", 0.7, worst,
-                         "at four places: error after 10 steps with the coarse level over that "
+                         "at all places: error after 10 steps with the coarse level over that "
                          "after 212 without: largest");
     }
     free(fem);
@@ -432,6 +443,10 @@ softsim_status ss_zhang_liver(ss_zhang *zhang, softsim_error *error)
     ss_paper *paper = zhang->paper;
     memcpy(deep, deep_runs, sizeof deep);
     memcpy(shallow, shallow_runs, sizeof shallow);
+    for (int r = 0; r < UNGUARDED + 1 && paper->is_quick; ++r) {
+        deep[r].is_settled = r == FINE; /* a claim needs it */
+        shallow[r].is_settled = false;
+    }
     softsim_status status = ss_zhang_liver_make(paper, &liver, error);
     if (status != SOFTSIM_OK) {
         return status;

@@ -128,8 +128,11 @@ static softsim_status on_plane(ss_zhang *zhang, loop *l, softsim_error *error)
                   "plane at 0.01 h/C: two paths: area of the loop over the work of loading (ramp)");
     ss_claim_at_least(zhang->paper, "Fig. 5b", 0.5, lost(&l[KEEP]),
                       "the same where alpha stays (keep): most of it is drag");
-    return write_loops(zhang, l, "fig5b-plane", "h", 1.0,
-                       "Fig. 5b: the plane pushed 5 h and back at 0.01 h/C.", error);
+    return write_loops(
+        zhang, l, "fig5b-plane", "h", 1.0,
+        "Fig. 5b: the plane pushed 5 h and back at 0.01 h/C. Below zero a cell that is "
+        "held is pulled; a tool would let go there.",
+        error);
 }
 
 /* The block stands on its bottom and is pushed on the middle of its top. */

@@ -49,7 +49,7 @@ static const struct {
     [NETWORK] = {"network", "the network, reached at 0.01 h/C"},
     [SETTLED] = {"settled", "the same, settled"},
     [BOX] = {"chainmail", "traditional ChainMail, a box a link (beta 0.5)"},
-    [RADIAL] = {"chainmail-radial", "ChainMail with the network's band along the link"},
+    [RADIAL] = {"chainmail-radial", "ChainMail, a band along the link as in the network"},
 };
 
 typedef double plane_field[SS_PLANE_NODES][3];
