@@ -215,6 +215,9 @@ void ss_chain_step(ss_model *model, double time, double dt,
 void ss_chain_wake(ss_model *model, int32_t node);
 
 /* ---- chain_explain.c ---- */
+/* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
+ * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
+double ss_chain_planned_substeps(const ss_model_plan *plan);
 double ss_chain_step_cost_us(const ss_model_plan *plan);
 void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char *text),
                       void *sink);

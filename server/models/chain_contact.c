@@ -26,8 +26,8 @@
  * displacement", a drive of force.
  *
  * Stiffness for the hand: as cnn_contact.c, k(y) = k_cc - 2 c.y + y.Hy >= the static stiffness for
- * any motion y. Here y ~ c_i/(D_i + k s_i) in the best proportion, with links taken as taut: no
- * cell further in moves, so what is told is what a quick touch meets, and it errs high. The
+ * any motion y. Here y ~ c_i/(D_i + k s_i/3) in the best proportion, with all links taken as taut:
+ * no cell further in moves, so what is told is what a quick touch meets, and it errs high. The
  * viscosity is the drag 2 k C |y|^2 of that motion, at most 10 ms of stiffness.
  */
 #include <math.h>
@@ -410,29 +410,44 @@ static double push_along(ss_model *model, const ss_chain_tool *tool, const doubl
     return stiffness;
 }
 
-/* y.Hy of one node's part, its links taken as taut: links to nodes that move too count half. */
+/* z.Kz of a link for a difference z of its ends' motions, over k w: n n' as if it were taut, and
+ * what a stretched one resists across. */
+static double link_resists(const ss_model *model, const ss_chain_group *group, int lane,
+                           const double z[3])
+{
+    const ss_real *a = model->u + group->a[lane], *b = model->u + group->b[lane];
+    const double d[3] = {(double)(group->x[lane] + (b[0] - a[0])),
+                         (double)(group->y[lane] + (b[1] - a[1])),
+                         (double)(group->z[lane] + (b[2] - a[2]))};
+    const double square = ss_dot3(d, d), along = ss_dot3(d, z), all = ss_dot3(z, z);
+    if (!(square > 0.0)) {
+        return all;
+    }
+    const double high = (double)group->rest[lane] + model->ratio * (double)group->slack[lane];
+    const double across = fmax(0.0, 1.0 - high / sqrt(square));
+    return along * along / square + across * (all - along * along / square);
+}
+
+/* y.Hy of one node's part; links to nodes that move too count half. */
 static double resist(const ss_model *model, int32_t node)
 {
     const ss_chain_net *net = model->net;
     const ss_real *y = model->answer + 4 * (ptrdiff_t)node;
-    const double own = (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
-    double sum = model->diagonal_of[node] * own;
+    double sum = model->diagonal_of[node] * (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
     for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
         const int32_t other = ss_chain_other(net, net->at[p], node);
         const ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
-        const double weight = 2.0 * (double)group->half[net->at[p] % SS_CHAIN_LANES];
+        const int lane = net->at[p] % SS_CHAIN_LANES;
+        const double weight = 2.0 * (double)group->half[lane];
         const ss_real *z = model->answer + 4 * (ptrdiff_t)other;
-        double square = 0.0;
-        for (int a = 0; a < 3; ++a) {
-            square += (double)((y[a] - z[a]) * (y[a] - z[a]));
-        }
+        const double way[3] = {(double)(y[0] - z[0]), (double)(y[1] - z[1]), (double)(y[2] - z[2])};
         const bool is_shared = model->diagonal_of[other] > 0.0;
-        sum += (is_shared ? 0.5 : 1.0) * model->k * weight * square;
+        sum += (is_shared ? 0.5 : 1.0) * model->k * weight * link_resists(model, group, lane, way);
     }
     return sum;
 }
 
-/* The best y in the direction c_i/(D_i + k s_i). Clears what it used of push, answer and D. */
+/* The best y in the direction c_i/(D_i + k s_i/3). Clears what it used of push, answer and D. */
 static void feel(ss_model *model, ss_chain_tool *tool, const double normal[3],
                  double *out_viscosity)
 {
@@ -445,7 +460,7 @@ static void feel(ss_model *model, ss_chain_tool *tool, const double normal[3],
     for (int l = 0; l < 2; ++l) {
         for (int32_t n = 0; n < count[l]; ++n) {
             const int32_t i = list[l][n];
-            const double firm = model->diagonal_of[i] + model->k * model->valence[i];
+            const double firm = model->diagonal_of[i] + model->k * model->valence[i] / 3.0;
             for (int a = 0; a < 3; ++a) {
                 const ptrdiff_t at = 4 * (ptrdiff_t)i + a;
                 model->answer[at] = model->diagonal_of[i] > 0.0 && model->free[at] > 0

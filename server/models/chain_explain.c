@@ -9,14 +9,20 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Microseconds a step, a link and a node in it, a coarse weight, a tetrahedron looked at, a tool.
- */
+/* Microseconds a step, a link and a node in a sub-step, the coarse level and a node in it, a
+ * tetrahedron looked at, a tool in a sub-step and in a step. */
 #define COST_STEP        0.5
 #define COST_LINK        0.0017
 #define COST_NODE        0.0008
-#define COST_COARSE_NODE 0.004
-#define COST_TETRAHEDRON 0.0008
+#define COST_COARSE      2.0
+#define COST_COARSE_NODE 0.0025
+#define COST_TETRAHEDRON 0.0012
+#define COST_TOUCH       10.0
 #define COST_TOOL        25.0
+/* Of a step for its sub-steps where they can be chosen; s, a step that is not known yet. */
+#define SUBSTEP_SHARE 0.25
+#define MOST_SUBSTEPS 8.0
+#define USUAL_STEP    1e-3
 /* Valences of the busiest neighbours of a link over twice the mean valence, on organs. */
 #define VALENCE_RATIO 2.2
 
@@ -35,24 +41,40 @@ static bool has_coarse(const ss_model_plan *plan)
     return coarse->is_given ? coarse->number > 0.0 : plan->mesh->tetrahedron_count > 0;
 }
 
+static int32_t tool_count(const ss_model_plan *plan)
+{
+    int32_t count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        count += plan->tool[k].is_used;
+    }
+    return count;
+}
+
+static double substep_cost_us(const ss_model_plan *plan)
+{
+    const ss_mesh *mesh = plan->mesh;
+    return COST_LINK * link_count(mesh) + COST_NODE * mesh->node_count +
+           (has_coarse(plan) ? COST_COARSE + COST_COARSE_NODE * mesh->node_count : 0.0) +
+           COST_TOUCH * tool_count(plan);
+}
+
+double ss_chain_planned_substeps(const ss_model_plan *plan)
+{
+    const double step = plan->step > 0.0 ? plan->step : USUAL_STEP;
+    const double most = fmin(MOST_SUBSTEPS, plan->max_substeps);
+    return fmax(1.0, fmin(floor(SUBSTEP_SHARE * step * 1e6 / substep_cost_us(plan)), most));
+}
+
 double ss_chain_step_cost_us(const ss_model_plan *plan)
 {
     const ss_mesh *mesh = plan->mesh;
     const ss_param_value *capacitance = &plan->param[SS_CHAIN_CAPACITANCE_S];
-    const double links = link_count(mesh), nodes = mesh->node_count;
-    const bool is_coarse = has_coarse(plan);
-    double substeps = is_coarse ? 1.0 : 8.0;
+    double substeps = ss_chain_planned_substeps(plan);
     if (capacitance->is_given && !capacitance->per_node) {
-        const double rate = VALENCE_RATIO * 2.0 * (2.0 * links / nodes) / capacitance->number;
-        substeps = ceil(1e-3 * rate / (0.9 * 4.0));
+        const double valence = 2.0 * link_count(mesh) / mesh->node_count;
+        substeps = ceil(USUAL_STEP * VALENCE_RATIO * 2.0 * valence / capacitance->number / 3.6);
     }
-    double tools = 0.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        tools += plan->tool[k].is_used;
-    }
-    const double substep = COST_LINK * links + COST_NODE * nodes +
-                           (is_coarse ? COST_COARSE_NODE * nodes : 0.0) + 0.5 * COST_TOOL * tools;
-    return COST_STEP + substeps * substep + COST_TOOL * tools +
+    return COST_STEP + substeps * substep_cost_us(plan) + COST_TOOL * tool_count(plan) +
            COST_TETRAHEDRON * mesh->tetrahedron_count;
 }
 

@@ -26,11 +26,6 @@
 #define ALPHA_MOST    0.3
 /* Of the largest stable step. */
 #define STEP_SHARE 0.9
-/* Sub-steps of an outer step when the capacitance is not given: one where the coarse level carries
- * a poke through the body, else as many as cost little with an active set. */
-#define SUBSTEPS_COARSE 1.0
-#define SUBSTEPS_FINE   8.0
-
 const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
     [SS_CHAIN_ALPHA] = {.name = "alpha",
                         .kind = SS_PARAM_FIELD,
@@ -60,7 +55,8 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
                                 .exclusive_min = true,
                                 .fallback = (double)NAN,
                                 .help = "C, the time a cell takes to answer; absent: the least "
-                                        "that needs no more sub-steps than planned"},
+                                        "for which a quarter of the step suffices, in at most 8 "
+                                        "sub-steps"},
     [SS_CHAIN_SATURATION_SIZES] = {.name = "saturation_sizes",
                                    .kind = SS_PARAM_NUMBER,
                                    .min = 0.0,
@@ -192,7 +188,7 @@ void ss_chain_material_time(ss_model *model)
         model->rate = ss_chain_coarse_rate(model) + own_rate(model) * largest;
     }
     if (!given->is_given) {
-        const double substeps = model->coarse ? SUBSTEPS_COARSE : SUBSTEPS_FINE;
+        const double substeps = ss_chain_planned_substeps(&model->plan);
         /* a hair more than needed, so that rounding asks for no further sub-step */
         const double c = 1.000001 * model->plan.step / substeps / ss_chain_stable_step(model);
         for (int32_t i = 0; i < model->node_count; ++i) {
