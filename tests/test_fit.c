@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "fit.h"
+#include "models/model.h"
 
 #define assert_near(a, b, share)                                                                   \
     do {                                                                                           \
@@ -240,6 +241,9 @@ static const char plate[] =
     "simulation: {rate_hz: 250}\n";
 static const char tool[] = "contact.tools=[{probe: 0, shape: {sphere: {radius_mm: 12}}}]";
 
+#define CHAIN                                                                                      \
+    "model={name: cnn-chainmail, link_stiffness_n_per_m: 100, alpha: 0.02, capacitance_s: 0.02}"
+
 /* A curve of `count` points up to `last`, by the model with `set`, as name.csv. */
 static void make_curve(const char *name, bool is_time, double last, int32_t count, double depth,
                        const char *const *set, int32_t set_count, const double *place)
@@ -344,6 +348,36 @@ static void a_patch_and_a_relaxation_give_the_damping(void **state)
     assert_int_equal(fit.press[0].probe, -1);
     assert_true(fit.press[0].patch_count >= 9 && fit.press[0].patch_count <= 25);
     assert_near(fit.value[0], 16000.0, 0.02);
+    ss_fit_fini(&fit);
+}
+
+/* A plate of links: the data of one without slack have no toe. */
+static void alpha_is_not_told_without_a_toe(void **state)
+{
+    (void)state;
+    static ss_fit fit;
+    char text[4096] = "";
+    const char *truth[] = {CHAIN, "model.alpha=0.000001"}, *set[] = {CHAIN};
+    const char *wanted[] = {"model.link_stiffness_n_per_m", "model.alpha"};
+    if (!ss_model_find("cnn-chainmail")) {
+        skip();
+    }
+    make_curve("press.csv", false, 0.02, 8, 0.02, truth, 2, NULL);
+    fit_curve(&fit, "press.csv", 0.02, set, 1, wanted, 2);
+    assert_near(fit.value[0], 100.0, 0.03);
+    ss_fit_tell(&fit, gather, text);
+    assert_non_null(strstr(text, "the data cannot tell model.alpha: anything from"));
+    assert_non_null(strstr(text, "only by its toe"));
+    ss_fit_fini(&fit);
+    /* With slack the toe tells it. */
+    truth[1] = "model.alpha=0.06";
+    text[0] = '\0';
+    make_curve("press.csv", false, 0.02, 8, 0.02, truth, 2, NULL);
+    fit_curve(&fit, "press.csv", 0.02, set, 1, wanted, 2);
+    assert_near(fit.value[0], 100.0, 0.02);
+    assert_near(fit.value[1], 0.06, 0.02);
+    ss_fit_tell(&fit, gather, text);
+    assert_null(strstr(text, "cannot tell"));
     ss_fit_fini(&fit);
 }
 
@@ -506,9 +540,9 @@ static void the_program_refuses_what_is_wrong(void **state)
 static void a_reference_case_is_fitted_level_by_level(void **state)
 {
     (void)state;
-    char told[4096], text[8192], out[128];
+    char told[4096], text[8192], out[128], scene[128];
     snprintf(out, sizeof out, "%s/case.yaml", folder);
-    const char *scene = path_of("plate.yaml");
+    snprintf(scene, sizeof scene, "%s/plate.yaml", folder);
     const char *slab = SOURCE_DIR "/tests/reference/c_slab";
     const char *good[] = {"--scene",     scene,
                           "--case",      slab,
@@ -588,6 +622,7 @@ int main(void)
         cmocka_unit_test(parameters_come_back_from_their_own_curve),
         cmocka_unit_test(a_parameter_that_no_force_depends_on_is_told),
         cmocka_unit_test(a_patch_and_a_relaxation_give_the_damping),
+        cmocka_unit_test(alpha_is_not_told_without_a_toe),
         cmocka_unit_test(the_program_writes_the_scene_with_its_origin),
         cmocka_unit_test(the_program_refuses_what_is_wrong),
         cmocka_unit_test(a_reference_case_is_fitted_level_by_level),
