@@ -170,8 +170,8 @@ void ss_chain_driven_update(ss_model *model, double time);
 void ss_chain_driven_place(ss_model *model, double path);
 /* Adds currents to pull. */
 void ss_chain_loads_apply(ss_model *model);
-/* What supports answer to pull. */
-void ss_chain_sample_reactions(ss_model *model);
+/* What supports answer to pull; not `is_full`: of the front's nodes. */
+void ss_chain_sample_reactions(ss_model *model, bool is_full);
 /* `sign` times 2 k sum I.u, J: before and after a sub-step, the difference is the loads' work. */
 double ss_chain_loads_work(const ss_model *model, double sign);
 
@@ -198,6 +198,7 @@ void ss_chain_coarse_reset(ss_model *model);
  * set-up only. */
 double ss_chain_coarse_rate(ss_model *model);
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse);
+const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);
 int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse);
 /* Moves all nodes by the coarse level's share of pull. */
 void ss_chain_coarse_move(ss_model *model, double h);

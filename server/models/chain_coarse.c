@@ -66,6 +66,11 @@ int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse)
     return coarse->cells;
 }
 
+const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse)
+{
+    return &coarse->hats;
+}
+
 int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse)
 {
     const ss_chain_hats *hats = &coarse->hats;

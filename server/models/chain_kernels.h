@@ -22,6 +22,27 @@ static inline void ss_chain_set_add(ss_chain_set *set, int32_t number)
     set->word[number >> 12] |= (uint64_t)1 << ((number >> 6) & 63);
 }
 
+/* The lowest number from `from` on; -1 when there is none. */
+static inline int32_t ss_chain_set_next(const ss_chain_set *set, int32_t from)
+{
+    int32_t at = from >> 6;
+    uint64_t bits = at < set->word_count ? set->bit[at] >> (from & 63) << (from & 63) : 0;
+    if (bits == 0) {
+        ++at;
+        int32_t top = at >> 6;
+        uint64_t words = top < set->top_count ? set->word[top] >> (at & 63) << (at & 63) : 0;
+        while (words == 0 && ++top < set->top_count) {
+            words = set->word[top];
+        }
+        if (words == 0) {
+            return -1;
+        }
+        at = 64 * top + __builtin_ctzll(words);
+        bits = set->bit[at];
+    }
+    return 64 * at + __builtin_ctzll(bits);
+}
+
 /* Where something happens: the wavefront. A group sleeps while all its links are slack and no node
  * of it has moved since it was last looked at; leaving it out changes nothing. */
 typedef struct ss_chain_front {

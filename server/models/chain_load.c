@@ -278,7 +278,14 @@ static void add_support(const ss_model *model, int32_t node, const bool axis[3],
     }
 }
 
-void ss_chain_sample_reactions(ss_model *model)
+static void add_fixed(ss_model *model, int32_t node)
+{
+    const uint8_t axes = model->plan.fixed[node];
+    const bool axis[3] = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+    add_support(model, node, axis, model->fixed_reaction);
+}
+
+void ss_chain_sample_reactions(ss_model *model, bool is_full)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         ss_chain_driven *driven = &model->driven[s];
@@ -291,9 +298,15 @@ void ss_chain_sample_reactions(ss_model *model)
         }
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < model->fixed_count; ++k) {
-        const uint8_t axes = model->plan.fixed[model->fixed[k]];
-        const bool axis[3] = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
-        add_support(model, model->fixed[k], axis, model->fixed_reaction);
+    for (int32_t k = 0; is_full && k < model->fixed_count; ++k) {
+        add_fixed(model, model->fixed[k]);
+    }
+    /* Nothing pulls at nodes that are not in the front. */
+    const ss_chain_set *moving = &model->front.moving;
+    for (int32_t i = is_full ? -1 : ss_chain_set_next(moving, 0); i >= 0;
+         i = ss_chain_set_next(moving, i + 1)) {
+        if (i < model->node_count) {
+            add_fixed(model, i);
+        }
     }
 }

@@ -300,7 +300,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     ss_chain_loads_apply(model);
     ss_chain_tools_apply(model, h);
     if (index + 1 == count) {
-        ss_chain_sample_reactions(model);
+        ss_chain_sample_reactions(model, is_full);
     }
     answer(model, h, is_full);
     if (model->is_crowded) {

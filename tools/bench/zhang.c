@@ -18,6 +18,7 @@ static const struct {
     {"Fig. 6: a liver under a probe, beside ChainMail", ss_zhang_liver, 10},
     {"Future work: many chain elements in a cell", ss_zhang_cells, 6},
     {"Future work: parameters by optimisation", ss_zhang_fitting, 6},
+    {"Speed", ss_zhang_speed, 10},
 };
 enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 

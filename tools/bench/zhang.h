@@ -72,3 +72,4 @@ softsim_status ss_zhang_relaxation(ss_zhang *zhang, softsim_error *error); /* Fi
 softsim_status ss_zhang_liver(ss_zhang *zhang, softsim_error *error);      /* Fig. 6 */
 softsim_status ss_zhang_cells(ss_zhang *zhang, softsim_error *error);      /* future work */
 softsim_status ss_zhang_fitting(ss_zhang *zhang, softsim_error *error);    /* future work */
+softsim_status ss_zhang_speed(ss_zhang *zhang, softsim_error *error);

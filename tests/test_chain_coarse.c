@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The coarse level above a chain: still a descent of the same energy, far quicker into the depth.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "chain_fixture.h"
+
+enum { SIDE = 11, NODES = SIDE * SIDE * SIDE, PATCH = 9 };
+
+/* A block of links 1 m long on its lower face, a patch of its upper one driven by `way`. */
+static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, double (*way)[3])
+{
+    setup_network(s, make_box(SIDE, SIDE, SIDE, 1.0), alpha);
+    give(s, "coarse_cells", cells);
+    give(s, "unloading", SS_CHAIN_KEEP);
+    for (int32_t i = 0; i < SIDE * SIDE; ++i) {
+        s->fixed[i] = 7;
+    }
+    for (int k = 0; k < PATCH; ++k) {
+        node[k] = (SIDE - 1) * SIDE * SIDE + (SIDE / 2 - 1 + k / 3) * SIDE + SIDE / 2 - 1 + k % 3;
+        ss_set3(way[k], 0.0, 0.0, -1.0);
+    }
+    drive(s, PATCH, node, way, 0.0);
+}
+
+static void hats_sum_to_one(void **state)
+{
+    (void)state;
+    enum { CELLS = 20 };
+    setup s;
+    setup_network(&s, make_box(9, 9, 9, 0.01), 0.02);
+    give(&s, "coarse_cells", CELLS);
+    create(&s);
+    const ss_chain_hats *hats = ss_chain_coarse_hats(s.model->coarse);
+    _Alignas(64) ss_real cell[4 * CELLS], back[4 * CELLS];
+    ss_real *mask = ss_memory_get(4 * (size_t)s.model->padded, sizeof *mask);
+    for (int c = 0; c < CELLS; ++c) {
+        for (int k = 0; k < 4; ++k) {
+            cell[4 * c + k] = (ss_real)(k - 1);
+        }
+    }
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)s.mesh->node_count; ++at) {
+        mask[at] = at % 4 < 3;
+    }
+    for (int path = 0; ss_chain_kernels_path(path); ++path) {
+        const ss_chain_kernels *kernels = ss_chain_kernels_path(path);
+        double sum = 0.0;
+        memset(s.model->u, 0, 4 * (size_t)s.model->padded * sizeof *s.model->u);
+        kernels->spread(hats, mask, cell, 1, s.model->u);
+        for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                assert_near(moved(&s, i, k), k - 1.0, BY_TYPE(1e-5, 1e-12));
+            }
+        }
+        /* and the other way: Phi' of a pull of 1 on every element adds up to their number */
+        kernels->gather(hats, mask, back);
+        for (int c = 0; c < CELLS; ++c) {
+            sum += (double)back[4 * c];
+        }
+        assert_near(sum, s.mesh->node_count, BY_TYPE(1e-2, 1e-9));
+    }
+    ss_memory_free(mask);
+    setup_fini(&s);
+}
+
+static void energy_never_rises_with_two_levels(void **state)
+{
+    (void)state;
+    random_state = 5;
+    for (int held = 0; held < 2; ++held) {
+        int32_t node[PATCH];
+        double way[PATCH][3];
+        setup s;
+        setup_block(&s, 0.02, 64, node, way);
+        if (!held) {
+            s.plan.prescribed_count = 0;
+        }
+        create(&s);
+        const double h = 0.999 * ss_chain_stable_step(s.model);
+        for (int n = 0; n < 60; ++n) {
+            const double size = pow(10.0, -3.0 + 5.0 * (0.5 + 0.5 * random_unit()));
+            for (int32_t i = SIDE * SIDE; i < NODES; ++i) {
+                for (int k = 0; k < 3; ++k) {
+                    s.model->u[4 * (ptrdiff_t)i + k] =
+                        s.model->free[4 * (ptrdiff_t)i + k] * (ss_real)(size * random_unit());
+                }
+            }
+            steps(&s, 1, h);
+            for (int k = 0; k < 5; ++k) {
+                const double before = s.model->network;
+                steps(&s, 1, h);
+                if (!(s.model->network <= before * (1.0 + BY_TYPE(1e-5, 1e-12)))) {
+                    fail_msg("state %d, step %d: %.9g after %.9g", n, k, s.model->network, before);
+                }
+            }
+        }
+        setup_fini(&s);
+    }
+}
+
+/* Downward motion under the patch half way into the block after `count` steps; its force. */
+static double depth_after(int32_t cells, int count, double *out_force)
+{
+    int32_t node[PATCH];
+    double way[PATCH][3], force[3];
+    setup s;
+    setup_block(&s, 0.0, cells, node, way);
+    create(&s);
+    steps(&s, count, 0.999 * ss_chain_stable_step(s.model));
+    const double depth = -moved(&s, NODES / 2, 2);
+    s.class->reaction(s.model, 0, force);
+    *out_force = -force[2];
+    setup_fini(&s);
+    return depth;
+}
+
+static void poke_reaches_into_the_depth_at_once(void **state)
+{
+    (void)state;
+    double force[4];
+    const double settled = depth_after(64, 3000, &force[0]);
+    const double coarse = depth_after(64, 10, &force[1]);
+    const double fine = depth_after(0, 10, &force[2]);
+    const double fine_settled = depth_after(0, 12000, &force[3]);
+    assert_true(coarse > 0.6 * settled);
+    assert_below(fine, 0.1 * settled);
+    /* The equilibrium is the fine network's own. */
+    assert_near(fine_settled, settled, 0.01 * settled);
+    assert_near(force[3], force[0], 0.01 * force[0]);
+}
+
+/* A sphere that slides: cells under it leave the coarse level and come back. */
+static void slide(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], int count)
+{
+    for (int k = 0; k < count; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] = fmax(tool[0].to.position[2] - 0.02, SIDE - 1 + 1.5 - 0.8);
+        tool[0].to.position[0] += 0.02;
+        s->class->step(s->model, s->time, 1e-3, tool);
+        s->time += 1e-3;
+    }
+}
+
+static void reset_gives_the_same_bits_again(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
+    s.plan.tool[0] =
+        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 1.5}};
+    for (int32_t i = 0; i < SIDE * SIDE; ++i) {
+        s.fixed[i] = 7;
+    }
+    create(&s);
+    ss_real *first = calloc(4 * NODES, sizeof *first);
+    for (int round = 0; round < 2; ++round) {
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+        tool[0].is_present = true;
+        tool[0].to = (ss_tool_pose){.position = {3.0, 5.0, SIDE - 1 + 1.6},
+                                    .orientation = {1.0, 0.0, 0.0, 0.0}};
+        slide(&s, tool, 200);
+        assert_true(fabs(moved(&s, NODES - 1 - SIDE * (SIDE / 2) - 4, 2)) > 0.0);
+        if (round == 0) {
+            memcpy(first, s.model->u, 4 * NODES * sizeof *first);
+            s.class->reset(s.model);
+            s.time = 0.0;
+        } else {
+            assert_memory_equal(first, s.model->u, 4 * NODES * sizeof *first);
+        }
+    }
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    free(first);
+    setup_fini(&s);
+}
+
+static void volumes_have_it_and_surfaces_have_not(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
+    create(&s);
+    assert_int_equal(ss_chain_coarse_cells(s.model->coarse), 64);
+    setup_fini(&s);
+    setup_init(&s, "cnn-chainmail", make_plane(30));
+    create(&s);
+    assert_null(s.model->coarse);
+    setup_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(hats_sum_to_one),
+                                       cmocka_unit_test(energy_never_rises_with_two_levels),
+                                       cmocka_unit_test(poke_reaches_into_the_depth_at_once),
+                                       cmocka_unit_test(reset_gives_the_same_bits_again),
+                                       cmocka_unit_test(volumes_have_it_and_surfaces_have_not)};
+    return cmocka_run_group_tests_name("chain_coarse", tests, NULL, NULL);
+}
