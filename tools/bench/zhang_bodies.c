@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "child.h"
 #include "paper_shape.h"
@@ -81,8 +82,10 @@ softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int
 {
     char path[128];
     *out = (ss_zhang_solid){.mesh = NULL};
-    snprintf(path, sizeof path, "%s/%s.msh", paper->temporary, shape);
-    softsim_status status = generate(paper, shape, points, path, error);
+    snprintf(path, sizeof path, "%s/%s-%d.msh", paper->temporary, shape, points);
+    /* Made once: other sections ask for the same body. */
+    softsim_status status =
+        access(path, R_OK) == 0 ? SOFTSIM_OK : generate(paper, shape, points, path, error);
     if (status == SOFTSIM_OK) {
         status = ss_mesh_load(path, 1e-3, NULL, &out->mesh, error);
     }
