@@ -90,7 +90,7 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
     [SS_CHAIN_CELLS] = {.name = "cells",
                         .kind = SS_PARAM_INTEGER,
                         .min = 4.0,
-                        .max = 1e6,
+                        .max = 4096.0,
                         .fallback = (double)NAN,
                         .help = "aggregates the chain elements into so many cells away from tools; "
                                 "absent: a cell each"},
@@ -187,6 +187,9 @@ void ss_chain_material_time(ss_model *model)
     if (model->coarse) { /* sharper than the bound over links, though it has both levels in it */
         model->rate = ss_chain_coarse_rate(model) + own_rate(model) * largest;
     }
+    if (ss_chain_is_aggregated(model)) { /* cells of their own step as the proof over links says */
+        model->rate = model->fine_rate;
+    }
     if (!given->is_given) {
         const double substeps = ss_chain_planned_substeps(&model->plan);
         /* a hair more than needed, so that rounding asks for no further sub-step */
@@ -197,6 +200,9 @@ void ss_chain_material_time(ss_model *model)
         model->capacitance = c;
         model->fine_rate /= c;
         model->rate /= c;
+        if (ss_chain_is_aggregated(model)) {
+            ss_chain_aggregated_slow(model, c);
+        }
     }
 }
 
