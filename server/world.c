@@ -278,6 +278,10 @@ static uint64_t hash_plan(const ss_world *world)
         if (value->per_node) {
             hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
         }
+        if (value->link_count > 0) {
+            hash = ss_world_fnv(hash, value->per_link,
+                                (size_t)value->link_count * sizeof *value->per_link);
+        }
         hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
         if (value->per_element) {
             hash = ss_world_fnv(hash, value->per_element,

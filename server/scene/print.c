@@ -267,7 +267,8 @@ static void print_model(printer *p, const ss_scene_node *map)
         comment_of(row, comment, sizeof comment);
         begin(p, 1);
         const bool is_direction = row->kind == SS_SCENE_DIRECTION;
-        const bool is_flow = value->per_node != NULL || (is_direction && value->is_given);
+        const bool is_flow =
+            value->per_node != NULL || value->per_link != NULL || (is_direction && value->is_given);
         if (!is_flow && isnan(value->number)) {
             fprintf(p->stream, "# %s:", row->name);
         } else if (is_flow) {

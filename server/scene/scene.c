@@ -309,6 +309,9 @@ static void take_parameters(loader *l, bool has_mesh)
         } else if (node->kind == SS_SCENE_SCALAR) {
             char why[96];
             ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
+        } else if (has_mesh && (value->link_count = ss_scene_read_links(&l->space, row, node,
+                                                                        &value->per_link)) != 0) {
+            continue; /* by link, or at fault */
         } else if (has_mesh) {
             value->per_node = calloc((size_t)scene->mesh->node_count, sizeof *value->per_node);
             if (value->per_node == NULL) {
@@ -566,6 +569,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
     }
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
         free(scene->param[i].per_node);
+        free(scene->param[i].per_link);
         free(scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
