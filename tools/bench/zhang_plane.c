@@ -134,7 +134,7 @@ static softsim_status write_profiles(ss_zhang *zhang, const plane_field *u, cons
         return status;
     }
     fprintf(script.file,
-            "set datafile separator ','\nset grid\nset key bottom right\nset xlabel 'x, h'\n"
+            "set datafile separator ','\nset grid\nset key below\nset xlabel 'x, h'\n"
             "set ylabel 'z, h'\nset yrange [-5.3:0.3]\nplot ");
     for (int s = 0; s < SHAPE_COUNT; ++s) {
         if (is_there[s]) {
