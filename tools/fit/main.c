@@ -19,7 +19,7 @@ static const char about[] =
     "Finds the parameters of a scene's model that repeat measured curves.\n\n"
     "A curve is a CSV with the columns depth_m,force_n (force while pressing) or time_s,force_n\n"
     "(force while holding; time 0 is the end of the press, of --hold-depth-m). The press: the\n"
-    "surface node nearest to --at (default: the one furthest from all fixed nodes) is pressed\n"
+    "surface node nearest to --at (default: a central one, far from what is fixed) is pressed\n"
     "along its inward normal at constant speed, in --press-s, to the curve's last depth; by the\n"
     "scene's tool of the lowest probe, its +z into the tissue, depth 0 at the first touch; "
     "without\n"

@@ -20,6 +20,7 @@ static const double APPROACH = 0.05; /* of it, at a step */
 static const double TOUCHING = 1e-3; /* of it: this near counts */
 static const double THICKNESS = 0.9; /* of the body behind the point may be pressed through */
 static const double PATCH_EDGES = 2.0;
+static const double CENTRAL = 1.01; /* metres from the middle against metres from supports */
 
 /* ---- the world --------------------------------------------------------------------------------
  */
@@ -44,32 +45,54 @@ static ss_world *open_world(const ss_press_scene *scene, const char *patch, soft
 /* ---- where ------------------------------------------------------------------------------------
  */
 
-/* The free surface node nearest to `at`, or furthest from every fixed node (without any: the
- * highest along z). -1: none. */
-static int32_t choose_node(const ss_world *world, const double *area, const double *at)
+/* The middle of the box around the nodes. */
+static void find_middle(const ss_mesh *mesh, double out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        double low = INFINITY, high = -INFINITY;
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            low = fmin(low, mesh->position[i][k]);
+            high = fmax(high, mesh->position[i][k]);
+        }
+        out[k] = 0.5 * (low + high);
+    }
+}
+
+/* How good a place node i is to press on: far from what is fixed (without anything fixed: high),
+ * near the middle rather than out at a rim, flat rather than on an edge. */
+static double merit_of(const ss_world *world, int32_t i, const double middle[3], double flatness)
 {
     const ss_mesh *mesh = world->scene->mesh;
-    const uint8_t *fixed = world->scene->fixed;
+    double nearest = INFINITY, way[3];
+    for (int32_t j = 0; j < mesh->node_count; ++j) {
+        if (world->scene->fixed[j] != 0) {
+            ss_sub3(way, mesh->position[i], mesh->position[j]);
+            nearest = fmin(nearest, ss_dot3(way, way));
+        }
+    }
+    ss_sub3(way, mesh->position[i], middle);
+    const double far = isfinite(nearest) ? sqrt(nearest) : way[2];
+    return flatness * far - CENTRAL * ss_norm3(way);
+}
+
+/* The free surface node nearest to `at`, or the best place there is. -1: none. */
+static int32_t choose_node(const ss_world *world, const double *area, const double (*vector)[3],
+                           const double *at)
+{
+    const ss_mesh *mesh = world->scene->mesh;
     int32_t chosen = -1;
-    double best = -INFINITY;
+    double best = -INFINITY, middle[3], way[3];
+    find_middle(mesh, middle);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
-        if (!(area[i] > 0.0) || fixed[i] != 0) {
+        if (!(area[i] > 0.0) || world->scene->fixed[i] != 0) {
             continue;
         }
-        double merit = INFINITY, way[3];
-        bool has_fixed = false;
-        for (int32_t j = 0; !at && j < mesh->node_count; ++j) {
-            if (fixed[j] != 0) {
-                ss_sub3(way, mesh->position[i], mesh->position[j]);
-                merit = fmin(merit, ss_dot3(way, way));
-                has_fixed = true;
-            }
-        }
+        double merit = 0.0;
         if (at) {
             ss_sub3(way, mesh->position[i], at);
             merit = -ss_dot3(way, way);
-        } else if (!has_fixed) {
-            merit = mesh->position[i][2];
+        } else {
+            merit = merit_of(world, i, middle, ss_norm3(vector[i]) / area[i]);
         }
         if (merit > best) {
             best = merit;
@@ -259,7 +282,7 @@ static softsim_status plan_in(ss_world *world, const ss_press_scene *scene, cons
                               const double *area, const double (*vector)[3], ss_press *out,
                               softsim_error *error)
 {
-    const int32_t node = choose_node(world, area, at);
+    const int32_t node = choose_node(world, area, vector, at);
     if (node < 0) {
         return refuse(error, scene, "every surface node is fixed; there is nothing to press on");
     }
