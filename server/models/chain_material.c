@@ -69,11 +69,13 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
                                        "none"},
     [SS_CHAIN_SOURCE] = {.name = "source",
                          .kind = SS_PARAM_CHOICE,
+                         .max = 1.0,
                          .choices = "position|current",
                          .help = "a tool holds the cells it touches, or is a current source of "
                                  "the displacement it asks for"},
     [SS_CHAIN_UNLOADING] = {.name = "unloading",
                             .kind = SS_PARAM_CHOICE,
+                            .max = 2.0,
                             .choices = "ramp|literal|keep",
                             .help = "as a tool goes back, alpha falls with it, at once, or not"},
     [SS_CHAIN_LEAK] = {.name = "leak_resistance",
