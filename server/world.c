@@ -282,6 +282,10 @@ static uint64_t hash_plan(const ss_world *world)
             hash = ss_world_fnv(hash, value->by_element,
                                 (size_t)ss_mesh_element_count(mesh) * sizeof *value->by_element);
         }
+        if (value->link_count > 0) {
+            hash = ss_world_fnv(hash, value->per_link,
+                                (size_t)value->link_count * sizeof *value->per_link);
+        }
         hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
         if (value->per_element) {
             hash = ss_world_fnv(hash, value->per_element,

@@ -23,7 +23,7 @@ static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, do
     }
     for (int k = 0; k < PATCH; ++k) {
         node[k] = (SIDE - 1) * SIDE * SIDE + (SIDE / 2 - 1 + k / 3) * SIDE + SIDE / 2 - 1 + k % 3;
-        ss_set3(way[k], 0.0, 0.0, -1.0);
+        ss_set3(way[k], 0.0, 0.0, -0.3); /* deeper, it buckles */
     }
     drive(s, PATCH, node, way, 0.0);
 }
@@ -178,6 +178,41 @@ static void reset_gives_the_same_bits_again(void **state)
     setup_fini(&s);
 }
 
+static void aggregated_cells_stay_near_the_full_model(void **state)
+{
+    (void)state;
+    double *full = calloc(4 * NODES, sizeof *full), force[2][3];
+    for (int which = 0; which < 2; ++which) {
+        int32_t node[PATCH];
+        double way[PATCH][3], away = 0.0, square = 0.0, last = 0.0;
+        setup s;
+        setup_block(&s, 0.0, 0, node, way);
+        if (which == 1) { /* 16 elements a cell, one each near the patch */
+            give(&s, "cells", NODES / 16);
+        }
+        s.prescribed[0].ramp = 2.0;
+        create(&s);
+        for (int n = 0; n < 30; ++n) {
+            steps(&s, 1, 1.0);
+            assert_true(n < 4 || s.model->elastic <= last * 1.0001);
+            last = s.model->elastic;
+        }
+        assert_true(s.model->stride > (which == 1));
+        assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+        s.class->reaction(s.model, 0, force[which]);
+        for (ptrdiff_t at = 0; at < 4 * NODES; ++at) {
+            const double u = (double)s.model->u[at];
+            away += which == 1 ? (u - full[at]) * (u - full[at]) : 0.0;
+            square += u * u;
+            full[at] = which == 0 ? u : full[at];
+        }
+        assert_below(away, 0.15 * 0.15 * square);
+        setup_fini(&s);
+    }
+    assert_near(force[1][2], force[0][2], 0.1 * fabs(force[0][2]));
+    free(full);
+}
+
 static void volumes_have_it_and_surfaces_have_not(void **state)
 {
     (void)state;
@@ -198,6 +233,7 @@ int main(void)
                                        cmocka_unit_test(energy_never_rises_with_two_levels),
                                        cmocka_unit_test(poke_reaches_into_the_depth_at_once),
                                        cmocka_unit_test(reset_gives_the_same_bits_again),
+                                       cmocka_unit_test(aggregated_cells_stay_near_the_full_model),
                                        cmocka_unit_test(volumes_have_it_and_surfaces_have_not)};
     return cmocka_run_group_tests_name("chain_coarse", tests, NULL, NULL);
 }

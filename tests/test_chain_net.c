@@ -80,6 +80,29 @@ static void links_are_counted_once(void **state)
     setup_fini(&s);
 }
 
+static void alpha_is_taken_link_by_link(void **state)
+{
+    (void)state;
+    ss_param_link link[3] = {{{0, 1}, 0.5}, {{2, 0}, 0.0}, {{1, 2}, 0.0}};
+    setup s;
+    setup_network(&s, make_triangle(1.0), 0.0);
+    s.param[row_of(&s, "alpha")] =
+        (ss_param_value){.per_link = link, .link_count = 3, .is_given = true};
+    create(&s);
+    s.model->u[4] = (ss_real)0.4; /* within the slack of 0-1, and out of those of the others */
+    double length[2] = {hypot(0.5, 1.0), hypot(0.9, 1.0)};
+    const double ex = length[1] - length[0];
+    assert_near(s.model->kernels->measure(s.model->net, 1, s.model->u), 0.25 * ex * ex, 1e-6);
+    setup_fini(&s);
+    setup_network(&s, make_triangle(1.0), 0.0); /* one missing, one twice */
+    link[2].node[0] = 0;
+    s.param[row_of(&s, "alpha")] =
+        (ss_param_value){.per_link = link, .link_count = 3, .is_given = true};
+    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_non_null(strstr(s.error.text, "1 name one again (of node 0), 1 links have no row"));
+    setup_fini(&s);
+}
+
 /* ---- pull --------------------------------------------------------------------------------- */
 
 static void pull_is_that_of_the_plain_sum_over_links(void **state)
@@ -342,6 +365,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(links_are_counted_once),
+        cmocka_unit_test(alpha_is_taken_link_by_link),
         cmocka_unit_test(pull_is_that_of_the_plain_sum_over_links),
         cmocka_unit_test(pull_has_no_force_and_no_torque_of_its_own),
         cmocka_unit_test(pull_is_the_slope_of_the_energy),

@@ -125,6 +125,7 @@ struct ss_model {
     bool is_all_awake; /* the front is not known: everything is looked at */
     bool is_crowded;   /* the front is most of the body */
     int32_t age;       /* sub-steps since the front was */
+    int32_t stride;    /* sub-steps from one of the aggregated cells to the next */
     /* scratch */
     ss_real *mobility, *free; /* 1/C (1/s), and 1, of every axis that may move, else 0 */
     ss_real *pull;
@@ -191,7 +192,7 @@ void ss_chain_tools_sample(ss_model *model);
 void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
 /* ---- chain_coarse.c ---- */
-softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells);
+softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);
 void ss_chain_coarse_destroy(ss_chain_coarse **coarse);
 void ss_chain_coarse_reset(ss_model *model);
 /* Makes D, and the largest rate of both levels together, 1/s; negative without memory. Thread:
@@ -202,6 +203,17 @@ const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);
 int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse);
 /* Moves all nodes by the coarse level's share of pull. */
 void ss_chain_coarse_move(ss_model *model, double h);
+
+/* Are the elements aggregated into cells? Those below are for then. */
+bool ss_chain_is_aggregated(const ss_model *model);
+/* Their rate by `factor` less, as the capacitance is more. */
+void ss_chain_aggregated_slow(ss_model *model, double factor);
+/* The largest stable step of the cells, s. */
+double ss_chain_aggregated_step(const ss_model *model);
+/* Once an outer step: elements near what pushes become cells of their own. */
+void ss_chain_refine(ss_model *model);
+/* The groups of those elements, and no others, are awake. */
+void ss_chain_wake_own(ss_model *model);
 
 /* ---- chain_guard.c ---- */
 softsim_status ss_chain_guard_create(ss_model *model);

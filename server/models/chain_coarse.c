@@ -16,6 +16,13 @@
  * by diffusion, at a time that grows with the square of the distance, each coarse step spreads over
  * the body at once.
  *
+ * Aggregated cells (`cells: N`) are the same hats used instead of the fine cells: away from tools
+ * P = P0 + Phi x and C m_j dx_j/dt = (Phi' dP)_j, m_j the elements of cell j: the drag of the
+ * full model, and a descent of the same W. |Phi m^-1 Phi'| <= 1 keeps it stable wherever the fine
+ * cells are; its own, longer step follows from power iteration. Elements near tools and driven
+ * cells are cells of their own as well, stepped at their own pace while the far field rests (each
+ * in turn is a descent), and stay so for a while after.
+ *
  * Elements that come under a tool change Phi'LPhi by two outer products each, and its inverse is
  * made anew (0.1 ms for 64 cells); elements a tool has left stay out for a while, so that a slide
  * does not pay this at each step. Rejected: a third level (nothing gained), multigrid cycles (no
@@ -36,6 +43,11 @@
 #define HAT_RADIUS 1.8
 /* Sub-steps that an element stays out after a tool has left it. */
 enum { LINGER = 50 };
+/* Outer steps that an element stays a cell of its own; mean links around what pushes that do. */
+enum { OWN_LINGER = 300 };
+#define OWN_RADIUS 3.0
+/* Of the aggregated cells' rate: elements under tools sharpen Phi. */
+#define AGGREGATE_MARGIN 1.3
 /* Power iterations, and what the result is raised by for not having converged. */
 enum { POWER_ITERATIONS = 60 };
 #define POWER_MARGIN 1.03
@@ -45,6 +57,9 @@ enum { POWER_ITERATIONS = 60 };
 #define DEAD_SHARE 1e-9
 
 struct ss_chain_coarse {
+    bool is_aggregated;
+    double rate;        /* 1/s of the aggregated cells alone */
+    int32_t *own;       /* of an element: steps that it is a cell of its own for; aggregated */
     int32_t cells, row; /* row: padded to a multiple of 4 */
     double spacing;     /* m */
     double lambda;      /* of L for the mean capacitance */
@@ -79,8 +94,10 @@ int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse)
     return entries * (int64_t)(4 * sizeof(ss_real) + sizeof(int32_t)) +
            entries * hats->block * (int64_t)sizeof(double) +
            nodes * (int64_t)(7 * sizeof(ss_real) + 2 * sizeof(int32_t)) +
-           cells * cells * (int64_t)(4 * sizeof(double)) +
-           2 * (int64_t)coarse->row * coarse->row * (int64_t)sizeof(ss_real);
+           (coarse->is_aggregated
+                ? cells * (int64_t)sizeof(ss_real)
+                : cells * cells * (int64_t)(4 * sizeof(double)) +
+                      2 * (int64_t)coarse->row * coarse->row * (int64_t)sizeof(ss_real));
 }
 
 /* ---- hats --------------------------------------------------------------------------------- */
@@ -496,12 +513,19 @@ static void spread(ss_model *model, const ss_real *g, double scale, ss_real *x)
     ss_chain_coarse *coarse = model->coarse;
     const ss_chain_kernels *kernels = model->kernels;
     kernels->gather(&coarse->hats, g, coarse->gathered);
-    kernels->apply(coarse->row, coarse->inverse, coarse->gathered, coarse->moved);
+    if (coarse->is_aggregated) {
+        for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)coarse->cells; ++at) {
+            coarse->moved[at] = coarse->inverse[at / 4] * coarse->gathered[at];
+        }
+    } else {
+        kernels->apply(coarse->row, coarse->inverse, coarse->gathered, coarse->moved);
+    }
     kernels->spread(&coarse->hats, coarse->mask, coarse->moved, (ss_real)scale, x);
 }
 
-/* The largest eigenvalue of C^-1 L, or with `is_both` of (C^-1 + Phi D Phi'/C) L, 1/s. */
-static double largest_rate(ss_model *model, bool is_both, ss_real *x, ss_real *y)
+/* The largest eigenvalue of M L, 1/s: M has the fine cells' C^-1, the coarse level's Phi D Phi'/C,
+ * or both. */
+static double largest_rate(ss_model *model, bool has_fine, bool has_coarse, ss_real *x, ss_real *y)
 {
     double value = 0.0;
     uint64_t random = 1;
@@ -515,10 +539,11 @@ static double largest_rate(ss_model *model, bool is_both, ss_real *x, ss_real *y
         for (int32_t i = 0; i < model->node_count; ++i) {
             for (int k = 0; k < 4; ++k) {
                 x[4 * (ptrdiff_t)i + k] =
-                    (ss_real)(model->conductance[i] * (double)y[4 * (ptrdiff_t)i + k]);
+                    has_fine ? (ss_real)(model->conductance[i] * (double)y[4 * (ptrdiff_t)i + k])
+                             : 0;
             }
         }
-        if (is_both) {
+        if (has_coarse) {
             spread(model, y, 1.0 / model->capacitance, x);
         }
         for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
@@ -539,12 +564,18 @@ double ss_chain_coarse_rate(ss_model *model)
     ss_real *x = ss_memory_get(n, sizeof *x), *y = ss_memory_get(n, sizeof *y);
     double rate = -1.0;
     if (x && y) {
-        coarse->lambda = largest_rate(model, false, x, y) * model->capacitance;
+        if (coarse->is_aggregated) {
+            coarse->rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
+            rate = largest_rate(model, true, false, x, y);
+            goto done;
+        }
+        coarse->lambda = largest_rate(model, true, false, x, y) * model->capacitance;
         invert(coarse);
         memcpy(coarse->base_inverse, coarse->inverse,
                (size_t)coarse->row * (size_t)coarse->row * sizeof *coarse->inverse);
-        rate = largest_rate(model, true, x, y);
+        rate = largest_rate(model, true, true, x, y);
     }
+done:
     ss_memory_free(x);
     ss_memory_free(y);
     return rate;
@@ -559,14 +590,23 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
     coarse->mask = ss_memory_get(4 * n, sizeof *coarse->mask);
     coarse->out = ss_memory_get(n, sizeof *coarse->out);
     coarse->idle = ss_memory_get(n, sizeof *coarse->idle);
+    coarse->gathered = ss_memory_get(4 * row, sizeof *coarse->gathered);
+    coarse->moved = ss_memory_get(4 * row, sizeof *coarse->moved);
+    if (coarse->is_aggregated) {
+        coarse->inverse = ss_memory_get(row, sizeof *coarse->inverse);
+        coarse->own = ss_memory_get(n, sizeof *coarse->own);
+        coarse->solved = ss_memory_get(cells, sizeof *coarse->solved);
+        return coarse->mask && coarse->out && coarse->idle && coarse->inverse && coarse->own &&
+                       coarse->solved && coarse->gathered && coarse->moved
+                   ? SOFTSIM_OK
+                   : SOFTSIM_ERROR_MEMORY;
+    }
     coarse->base = ss_memory_get(cells * cells, sizeof *coarse->base);
     coarse->matrix = ss_memory_get(cells * cells, sizeof *coarse->matrix);
     coarse->factor = ss_memory_get(cells * cells, sizeof *coarse->factor);
     coarse->solved = ss_memory_get(cells * cells, sizeof *coarse->solved);
     coarse->inverse = ss_memory_get(row * row, sizeof *coarse->inverse);
     coarse->base_inverse = ss_memory_get(row * row, sizeof *coarse->base_inverse);
-    coarse->gathered = ss_memory_get(4 * row, sizeof *coarse->gathered);
-    coarse->moved = ss_memory_get(4 * row, sizeof *coarse->moved);
     return coarse->mask && coarse->out && coarse->idle && coarse->base && coarse->matrix &&
                    coarse->factor && coarse->solved && coarse->inverse && coarse->base_inverse &&
                    coarse->gathered && coarse->moved
@@ -574,7 +614,31 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
                : SOFTSIM_ERROR_MEMORY;
 }
 
-softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells)
+/* Fixed and driven elements take no part; the others make Phi'LPhi, or m. */
+static void admit_elements(ss_model *model)
+{
+    ss_chain_coarse *coarse = model->coarse;
+    double *sum = coarse->is_aggregated ? coarse->solved : NULL;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const int32_t *cell;
+        int32_t count;
+        const double *weight = row_of(coarse, i, &cell, &count);
+        for (int32_t k = 0; sum && k < count; ++k) {
+            sum[cell[k] / 4] += weight[k];
+        }
+        if (!model->is_bound[i]) {
+            if (!sum) {
+                add_element(model, i, 1.0);
+            }
+            put_mask(coarse, i, 1);
+        }
+    }
+    for (int32_t c = 0; sum && c < coarse->cells; ++c) {
+        coarse->inverse[c] = (ss_real)(1.0 / fmax(sum[c], 1.0));
+    }
+}
+
+softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated)
 {
     const ss_mesh *mesh = model->plan.mesh;
     ss_chain_coarse *coarse = ss_memory_get(1, sizeof *coarse);
@@ -583,6 +647,7 @@ softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells)
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     model->coarse = coarse;
     if (coarse && seed && nearest) {
+        coarse->is_aggregated = is_aggregated;
         coarse->cells = cells;
         coarse->row = pad_up(cells, 4);
         coarse->hats.block = block_size(mesh->node_count, cells);
@@ -593,13 +658,10 @@ softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells)
     ss_memory_free(seed);
     ss_memory_free(nearest);
     status = status == SOFTSIM_OK ? allocate(model, coarse) : status;
-    for (int32_t i = 0; status == SOFTSIM_OK && i < model->node_count; ++i) {
-        if (!model->is_bound[i]) {
-            add_element(model, i, 1.0);
-            put_mask(coarse, i, 1);
-        }
-    }
     if (status == SOFTSIM_OK) {
+        admit_elements(model);
+    }
+    if (status == SOFTSIM_OK && !is_aggregated) {
         memcpy(coarse->base, coarse->matrix, (size_t)cells * (size_t)cells * sizeof *coarse->base);
     }
     return status;
@@ -611,16 +673,13 @@ void ss_chain_coarse_destroy(ss_chain_coarse **coarse)
     if (!c) {
         return;
     }
-    void *const owned[] = {c->first,       c->hats.taking_part,
-                           c->slot,        c->weight,
-                           c->hats.node,   c->hats.place,
-                           c->hats.first,  c->hats.cell,
-                           c->hats.linear, c->mask,
-                           c->out,         c->idle,
-                           c->base,        c->matrix,
-                           c->factor,      c->solved,
-                           c->inverse,     c->base_inverse,
-                           c->gathered,    c->moved};
+    void *const owned[] = {c->first,        c->own,        c->hats.taking_part,
+                           c->slot,         c->weight,     c->hats.node,
+                           c->hats.place,   c->hats.first, c->hats.cell,
+                           c->hats.linear,  c->mask,       c->out,
+                           c->idle,         c->base,       c->matrix,
+                           c->factor,       c->solved,     c->inverse,
+                           c->base_inverse, c->gathered,   c->moved};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -631,6 +690,9 @@ void ss_chain_coarse_destroy(ss_chain_coarse **coarse)
 /* No element is under a tool any more: back to what was computed at the start, to the last bit. */
 static void restore(ss_chain_coarse *coarse)
 {
+    if (coarse->is_aggregated) {
+        return;
+    }
     const size_t cells = (size_t)coarse->cells;
     memcpy(coarse->matrix, coarse->base, cells * cells * sizeof *coarse->base);
     memcpy(coarse->inverse, coarse->base_inverse,
@@ -644,10 +706,21 @@ void ss_chain_coarse_reset(ss_model *model)
         put_mask(coarse, coarse->out[k], 1);
     }
     coarse->out_count = 0;
+    if (coarse->is_aggregated) {
+        memset(coarse->own, 0, (size_t)model->node_count * sizeof *coarse->own);
+        memset(model->mobility, 0, 4 * (size_t)model->padded * sizeof *model->mobility);
+    }
     restore(coarse);
 }
 
 /* ---- a sub-step --------------------------------------------------------------------------- */
+
+static void change_element(ss_model *model, int32_t node, double sign)
+{
+    if (!model->coarse->is_aggregated) {
+        add_element(model, node, sign);
+    }
+}
 
 /* Elements under tools no longer take part, those that tools left long ago do again. */
 static void follow_tools(ss_model *model)
@@ -659,7 +732,7 @@ static void follow_tools(ss_model *model)
         const int32_t node = coarse->out[k];
         const int32_t idle = model->is_touched[node] ? 0 : coarse->idle[k] + 1;
         if (idle > LINGER) {
-            add_element(model, node, 1.0);
+            change_element(model, node, 1.0);
             put_mask(coarse, node, 1);
             is_changed = true;
         } else {
@@ -672,7 +745,7 @@ static void follow_tools(ss_model *model)
         const int32_t node = model->touched[k];
         if (takes_part(coarse, node)) {
             put_mask(coarse, node, 0);
-            add_element(model, node, -1.0);
+            change_element(model, node, -1.0);
             coarse->out[coarse->out_count] = node;
             coarse->idle[coarse->out_count++] = 0;
             is_changed = true;
@@ -680,7 +753,7 @@ static void follow_tools(ss_model *model)
     }
     if (is_changed && coarse->out_count == 0) {
         restore(coarse);
-    } else if (is_changed) {
+    } else if (is_changed && !coarse->is_aggregated) {
         invert(coarse);
     }
 }
@@ -689,4 +762,78 @@ void ss_chain_coarse_move(ss_model *model, double h)
 {
     follow_tools(model);
     spread(model, model->pull, h / model->capacitance, model->u);
+}
+
+/* ---- aggregated cells --------------------------------------------------------------------- */
+
+bool ss_chain_is_aggregated(const ss_model *model)
+{
+    return model->coarse && model->coarse->is_aggregated;
+}
+
+void ss_chain_aggregated_slow(ss_model *model, double factor)
+{
+    model->coarse->rate /= factor;
+}
+
+double ss_chain_aggregated_step(const ss_model *model)
+{
+    return 0.9 * 2.0 / model->coarse->rate;
+}
+
+/* An element is a cell of its own from now on for a while. */
+static void own(ss_model *model, int32_t node)
+{
+    ss_chain_coarse *coarse = model->coarse;
+    if (coarse->own[node] == 0) {
+        for (int k = 0; k < 3; ++k) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)node + k;
+            model->mobility[at] = (ss_real)model->conductance[node] * model->free[at];
+        }
+    }
+    coarse->own[node] = OWN_LINGER;
+}
+
+static void own_around(ss_model *model, const double middle[3], double radius)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        double r[3];
+        ss_sub3(r, mesh->position[i], middle);
+        if (ss_dot3(r, r) < radius * radius) {
+            own(model, i);
+        }
+    }
+}
+
+void ss_chain_refine(ss_model *model)
+{
+    ss_chain_coarse *coarse = model->coarse;
+    const double reach = OWN_RADIUS * model->net->mean_length;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (coarse->own[i] > 0 && --coarse->own[i] == 0) {
+            memset(model->mobility + 4 * (ptrdiff_t)i, 0, 4 * sizeof *model->mobility);
+        }
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_chain_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            own_around(model, tool->to.position, ss_shape_bounding_radius(tool->shape) + reach);
+        }
+    }
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        const ss_prescribed *set = model->driven[s].plan;
+        for (int32_t i = 0; model->driven[s].is_moving && i < set->node_count; ++i) {
+            own_around(model, model->plan.mesh->position[set->node[i]], reach);
+        }
+    }
+}
+
+void ss_chain_wake_own(ss_model *model)
+{
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (model->coarse->own[i] > 0) {
+            ss_chain_wake(model, i);
+        }
+    }
 }

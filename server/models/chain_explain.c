@@ -109,7 +109,11 @@ static void explain_net(const ss_model *model, const printer *out)
         net->duplicates, net->mean_length, (double)ss_chain_net_bytes(net) / 1048576.0);
     say(out, "kernels: %s, %s", model->kernels->name,
         sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
-    if (model->coarse) {
+    if (ss_chain_is_aggregated(model)) {
+        say(out,
+            "cells: the elements are aggregated into %d away from tools, which step every %.4g s",
+            ss_chain_coarse_cells(model->coarse), ss_chain_aggregated_step(model));
+    } else if (model->coarse) {
         say(out, "coarse level: %d cells, %.2f MB", ss_chain_coarse_cells(model->coarse),
             (double)ss_chain_coarse_bytes(model->coarse) / 1048576.0);
     } else {
@@ -117,7 +121,9 @@ static void explain_net(const ss_model *model, const printer *out)
     }
     if (model->coarse || isfinite(model->saturation)) {
         say(out, "left out: active set (%s touches every element)",
-            model->coarse ? "the coarse level" : "saturation");
+            ss_chain_is_aggregated(model) ? "an aggregated cell"
+            : model->coarse               ? "the coarse level"
+                                          : "saturation");
     } else {
         say(out, "active set: links that are slack and still are not looked at");
     }

@@ -31,6 +31,7 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
                         .kind = SS_PARAM_FIELD,
                         .min = 0.0,
                         .max = 10.0,
+                        .takes_links = true,
                         .fallback = (double)NAN,
                         .help = "slack of a link, a share of its length; default 0.02, or from "
                                 "toe_force_n"},
@@ -68,11 +69,13 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
                                        "none"},
     [SS_CHAIN_SOURCE] = {.name = "source",
                          .kind = SS_PARAM_CHOICE,
+                         .max = 1.0,
                          .choices = "position|current",
                          .help = "a tool holds the cells it touches, or is a current source of "
                                  "the displacement it asks for"},
     [SS_CHAIN_UNLOADING] = {.name = "unloading",
                             .kind = SS_PARAM_CHOICE,
+                            .max = 2.0,
                             .choices = "ramp|literal|keep",
                             .help = "as a tool goes back, alpha falls with it, at once, or not"},
     [SS_CHAIN_LEAK] = {.name = "leak_resistance",
@@ -90,7 +93,7 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
     [SS_CHAIN_CELLS] = {.name = "cells",
                         .kind = SS_PARAM_INTEGER,
                         .min = 4.0,
-                        .max = 1e6,
+                        .max = 4096.0,
                         .fallback = (double)NAN,
                         .help = "aggregates the chain elements into so many cells away from tools; "
                                 "absent: a cell each"},
@@ -126,6 +129,59 @@ static double default_alpha(const ss_model *model)
                       : fmin(fmax(toe / (model->k * model->net->mean_length), 0.0), ALPHA_MOST);
 }
 
+static double alpha_of(const ss_param_value *alpha, int32_t a, int32_t b, double common)
+{
+    return alpha->is_given && !alpha->per_link ? 0.5 * (value_at(alpha, a) + value_at(alpha, b))
+                                               : common;
+}
+
+/* alpha link by link: every link once, and nothing that is none. */
+static softsim_status set_alpha_by_link(ss_model *model, softsim_error *error)
+{
+    const ss_param_value *alpha = &model->plan.param[SS_CHAIN_ALPHA];
+    const ss_mesh *mesh = model->plan.mesh;
+    ss_chain_net *net = model->net;
+    uint8_t *is_set = ss_memory_get((size_t)net->group_count * SS_CHAIN_LANES, 1);
+    ss_number_list none = {0}, twice = {0}, missing = {0};
+    for (int32_t k = 0; is_set && k < alpha->link_count; ++k) {
+        const ss_param_link *link = &alpha->per_link[k];
+        int32_t p = net->first[link->node[0]];
+        while (p < net->first[link->node[0] + 1] &&
+               ss_chain_other(net, net->at[p], link->node[0]) != link->node[1]) {
+            ++p;
+        }
+        if (p == net->first[link->node[0] + 1] || is_set[net->at[p]]) {
+            ss_number_list_add(p == net->first[link->node[0] + 1] ? &none : &twice,
+                               ss_mesh_file_node(mesh, link->node[0]));
+            continue;
+        }
+        ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
+        const int lane = net->at[p] % SS_CHAIN_LANES;
+        is_set[net->at[p]] = 1;
+        group->slack[lane] = (ss_real)(link->value * (double)group->rest[lane]);
+        model->has_alpha = model->has_alpha || link->value > 0.0;
+    }
+    for (int32_t e = 0; is_set && e < net->link_count; ++e) {
+        if (!is_set[net->position[e]]) {
+            ss_number_list_add(&missing, ss_mesh_file_node(mesh, net->link[e][0]));
+        }
+    }
+    const bool is_good = none.count + twice.count + missing.count == 0;
+    if (is_set && !is_good) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "cnn-chainmail: alpha by link: %d rows name no link (of node %s), %d name "
+            "one again (of node %s), %d links have no row (of node %s): give every "
+            "edge of the mesh one row",
+            none.count, none.text, twice.count, twice.text, missing.count, missing.text);
+    }
+    const softsim_status status = !is_set   ? SOFTSIM_ERROR_MEMORY
+                                  : is_good ? SOFTSIM_OK
+                                            : SOFTSIM_ERROR_SCENE;
+    ss_memory_free(is_set);
+    return status;
+}
+
 static void set_links(ss_model *model)
 {
     const ss_param_value *alpha = &model->plan.param[SS_CHAIN_ALPHA];
@@ -137,8 +193,7 @@ static void set_links(ss_model *model)
         ss_chain_group *group = &net->group[net->position[e] / SS_CHAIN_LANES];
         const int lane = net->position[e] % SS_CHAIN_LANES;
         const double weight = 0.5 * (value_at(k, a) + value_at(k, b)) / model->k;
-        const double slack =
-            alpha->is_given ? 0.5 * (value_at(alpha, a) + value_at(alpha, b)) : common;
+        const double slack = alpha_of(alpha, a, b, common);
         group->half[lane] = (ss_real)(0.5 * weight);
         group->slack[lane] = (ss_real)(slack * (double)group->rest[lane]);
         model->has_alpha = model->has_alpha || slack > 0.0;
@@ -187,6 +242,9 @@ void ss_chain_material_time(ss_model *model)
     if (model->coarse) { /* sharper than the bound over links, though it has both levels in it */
         model->rate = ss_chain_coarse_rate(model) + own_rate(model) * largest;
     }
+    if (ss_chain_is_aggregated(model)) { /* cells of their own step as the proof over links says */
+        model->rate = model->fine_rate;
+    }
     if (!given->is_given) {
         const double substeps = ss_chain_planned_substeps(&model->plan);
         /* a hair more than needed, so that rounding asks for no further sub-step */
@@ -197,6 +255,9 @@ void ss_chain_material_time(ss_model *model)
         model->capacitance = c;
         model->fine_rate /= c;
         model->rate /= c;
+        if (ss_chain_is_aggregated(model)) {
+            ss_chain_aggregated_slow(model, c);
+        }
     }
 }
 
@@ -269,5 +330,5 @@ softsim_status ss_chain_material_create(ss_model *model, softsim_error *error)
     model->unloading = (ss_chain_unloading)param[SS_CHAIN_UNLOADING].number;
     model->is_current = param[SS_CHAIN_SOURCE].number != 0.0;
     set_links(model);
-    return SOFTSIM_OK;
+    return param[SS_CHAIN_ALPHA].per_link ? set_alpha_by_link(model, error) : SOFTSIM_OK;
 }

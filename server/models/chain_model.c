@@ -85,13 +85,14 @@ static void set_mobility(ss_model *model)
 static softsim_status create_levels(ss_model *model)
 {
     const ss_param_value *coarse = &model->plan.param[SS_CHAIN_COARSE_CELLS];
+    const ss_param_value *aggregated = &model->plan.param[SS_CHAIN_CELLS];
     const bool is_volume = model->plan.mesh->tetrahedron_count > 0;
     const int32_t most = model->node_count / COARSE_ELEMENTS;
     int32_t cells = coarse->is_given ? (int32_t)coarse->number : is_volume ? COARSE_CELLS : 0;
-    cells = cells < most ? cells : most;
+    cells = aggregated->is_given ? (int32_t)aggregated->number : cells < most ? cells : most;
     softsim_status status = SOFTSIM_OK;
     if (cells >= COARSE_LEAST) {
-        status = ss_chain_coarse_create(model, cells);
+        status = ss_chain_coarse_create(model, cells, aggregated->is_given);
     }
     if (status == SOFTSIM_OK) {
         ss_chain_material_time(model);
@@ -123,6 +124,7 @@ static void reset(ss_model *model)
     }
     front->groups = front->nodes = 0;
     model->is_all_awake = model->is_crowded = model->has_current = false;
+    model->stride = 1;
     model->age = 0;
     for (int32_t k = 0; k < model->plan.load_count; ++k) {
         model->load[k].factor = 0.0;

@@ -178,8 +178,14 @@ static void lose_front(ss_model *model)
 }
 
 /* Which loops this sub-step takes: false for those of the front. */
-static bool choose_full(ss_model *model, bool is_changed)
+static bool choose_full(ss_model *model, int32_t index, bool is_changed)
 {
+    if (ss_chain_is_aggregated(model) && index % model->stride != 0) {
+        clear_set(&model->front.awake);
+        clear_set(&model->front.next);
+        ss_chain_wake_own(model);
+        return false; /* the far field rests */
+    }
     if (model->coarse || isfinite(model->saturation)) {
         return true;
     }
@@ -237,8 +243,8 @@ static void clamp_displacements(ss_model *model)
                   "displacement beyond a hundred times the body was cut off");
 }
 
-/* The cells answer to pull. */
-static void answer(ss_model *model, double h, bool is_full)
+/* The cells answer to pull; those of a coarse level for `far` seconds. */
+static void answer(ss_model *model, double h, double far, bool is_full)
 {
     ss_chain_motion motion = {.h = (ss_real)h,
                               .mobility = model->mobility,
@@ -246,8 +252,8 @@ static void answer(ss_model *model, double h, bool is_full)
                               .pull = model->pull,
                               .u = model->u};
     model->work += ss_chain_loads_work(model, -1.0);
-    if (model->coarse) {
-        ss_chain_coarse_move(model, h);
+    if (model->coarse && is_full) {
+        ss_chain_coarse_move(model, far);
     }
     if (is_full) {
         clear_set(&model->front.moving);
@@ -277,7 +283,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     if (isfinite(model->saturation)) {
         saturate(model, false);
     }
-    const bool is_full = choose_full(model, follow_unloading(model, h));
+    const bool is_full = choose_full(model, index, follow_unloading(model, h));
     const ss_real ratio = (ss_real)model->ratio;
     if (is_full) {
         model->network = model->kernels->pull(model->net, ratio, model->output, model->pull);
@@ -285,7 +291,8 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
         const int64_t looked_at = front->groups;
         model->network =
             model->kernels->pull_front(model->net, ratio, model->output, model->pull, front);
-        if ((double)(front->groups - looked_at) > FRONT_SHARE * model->net->group_count) {
+        if (!model->coarse &&
+            (double)(front->groups - looked_at) > FRONT_SHARE * model->net->group_count) {
             model->is_crowded = true;
         }
     }
@@ -293,7 +300,9 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
         fault(model);
         return false;
     }
-    balance(model);
+    if (is_full || !ss_chain_is_aggregated(model)) { /* else W is of a part alone */
+        balance(model);
+    }
     if (isfinite(model->saturation)) {
         saturate(model, true);
     }
@@ -302,7 +311,8 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     if (index + 1 == count) {
         ss_chain_sample_reactions(model, is_full);
     }
-    answer(model, h, is_full);
+    const int32_t left = count - index;
+    answer(model, h, h * (model->stride < left ? model->stride : left), is_full);
     if (model->is_crowded) {
         model->is_crowded = false;
         lose_front(model);
@@ -348,6 +358,11 @@ void ss_chain_step(ss_model *model, double time, double dt,
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;
         ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
                       "needs more sub-steps than max_substeps: slower than real time");
+    }
+    if (ss_chain_is_aggregated(model)) {
+        ss_chain_refine(model);
+        model->stride = (int32_t)fmax(1.0, floor(ss_chain_aggregated_step(model) / h));
+        model->stride = model->stride < count ? model->stride : count;
     }
     for (int32_t k = 0; k < count; ++k) {
         if (!take_substep(model, k, count, h)) {

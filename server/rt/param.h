@@ -14,7 +14,8 @@ typedef enum ss_param_kind {
     SS_PARAM_INTEGER, /* one integer, kept as a double */
     SS_PARAM_BOOL,    /* 0 or 1 */
     SS_PARAM_CHOICE,  /* index into `choices` */
-    SS_PARAM_FIELD,   /* a number, or a value per node by region list or file */
+    SS_PARAM_FIELD,   /* a number, or a value per node by region list or file; per link too, where
+                         the row takes_links, by a file with the header node,node,value */
     /* [x, y, z] of any length but 0, or one per element by file: normalised. Elements are the
      * tetrahedra of a volume mesh, else the quads, else the triangles (ss_mesh_element_count). min,
      * max and fallback mean nothing, and it cannot be live. */
@@ -29,16 +30,25 @@ typedef struct ss_param_row {
     bool is_required;
     bool is_live;        /* the command `set` reaches it */
     bool takes_elements; /* a FIELD whose file may give a value per element instead */
+    bool takes_links;    /* a FIELD whose file may give a value per link instead */
     double fallback;     /* the default; NaN: absent unless given */
     const char *choices; /* "a|b|c" for SS_PARAM_CHOICE */
     const char *help;
 } ss_param_row;
+
+/* A value for the link between two nodes. */
+typedef struct ss_param_link {
+    int32_t node[2];
+    double value;
+} ss_param_link;
 
 /* Values for a table of rows, in row order. */
 typedef struct ss_param_value {
     double number;            /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
     double *per_node;         /* of a FIELD that varies: node_count values; NULL when uniform */
     double *by_element;       /* of a FIELD by a file of elements; then per_node is NULL */
+    ss_param_link *per_link;  /* of a FIELD by link: link_count values; else NULL */
+    int32_t link_count;
     double direction[3];      /* of a uniform DIRECTION, a unit vector; 0 when not given */
     double (*per_element)[3]; /* of a DIRECTION by file, unit vectors; NULL when uniform */
     bool is_given;

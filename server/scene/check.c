@@ -597,6 +597,7 @@ ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
                           .fallback = param->fallback,
                           .choices = param->choices,
                           .help = param->help,
+                          .takes_links = param->takes_links,
                           .live = param->is_live ? 1 + (int32_t)SS_LIVE_MODEL_ROW : 0};
 }
 

@@ -51,9 +51,7 @@ static void end(printer *p, const char *comment)
     p->line(p->sink, p->buffer);
 }
 
-/* The shortest digits that read back as the same number; whole numbers in full, and an exponent
- * only behind a point and with its sign, as readers of YAML 1.1 need it too. */
-static void put_number(FILE *stream, double value)
+void ss_scene_put_number(FILE *stream, double value)
 {
     char text[40];
     if (value == floor(value) && fabs(value) < 1e15) {
@@ -71,8 +69,7 @@ static void put_number(FILE *stream, double value)
     fprintf(stream, "%.*s%s%s", (int)mantissa, text, is_bare ? ".0" : "", text + mantissa);
 }
 
-/* Words that YAML cannot misread stay plain, the rest goes into double quotes. */
-static void put_text(FILE *stream, const char *text, bool is_quoted)
+void ss_scene_put_text(FILE *stream, const char *text, bool is_quoted)
 {
     const size_t plain = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                       "0123456789_./+-");
@@ -99,9 +96,9 @@ static void put_scalar(printer *p, const ss_scene_node *node)
 {
     char path[2 * PATH_MAX];
     if (node->is_path && ss_scene_join_path(p->folder, node->text, path, sizeof path)) {
-        put_text(p->stream, path, true);
+        ss_scene_put_text(p->stream, path, true);
     } else {
-        put_text(p->stream, node->text, node->is_quoted);
+        ss_scene_put_text(p->stream, node->text, node->is_quoted);
     }
 }
 
@@ -138,7 +135,7 @@ static void put_value(FILE *stream, const ss_scene_row *row, double value)
     } else if (row->kind == SS_SCENE_RATE && value == 0) {
         fputs("auto", stream);
     } else {
-        put_number(stream, value);
+        ss_scene_put_number(stream, value);
     }
 }
 
@@ -182,7 +179,7 @@ static void put_field(printer *p, const ss_scene_row *row)
     if (row->kind == SS_SCENE_VECTOR) {
         fputc('[', p->stream);
         for (int k = 0; k < 3; k++) {
-            put_number(p->stream, value[k]);
+            ss_scene_put_number(p->stream, value[k]);
             fputs(k < 2 ? ", " : "]", p->stream);
         }
     } else {
@@ -279,7 +276,7 @@ static void print_model(printer *p, const ss_scene_node *map)
         begin(p, dot != NULL ? 2 : 1);
         const bool is_direction = row->kind == SS_SCENE_DIRECTION;
         const bool is_flow = value->per_node != NULL || value->by_element != NULL ||
-                             (is_direction && value->is_given);
+                             value->per_link != NULL || (is_direction && value->is_given);
         if (!is_flow && isnan(value->number)) {
             fprintf(p->stream, "# %s:", name);
         } else if (is_flow) {
@@ -306,24 +303,52 @@ static void print_table(printer *p, int indent, ss_scene_table table, const ss_s
     }
 }
 
+static bool open_printer(printer *p, const ss_scene *scene,
+                         void (*line)(void *sink, const char *text), void *sink)
+{
+    *p = (printer){.line = line, .sink = sink, .scene = scene};
+    const char *folder = scene->source->folder;
+    if (realpath(folder[0] != '\0' ? folder : ".", p->folder) == NULL) {
+        snprintf(p->folder, sizeof p->folder, "%s", folder);
+    } else if (p->folder[1] != '\0' && strlen(p->folder) + 1 < sizeof p->folder) {
+        strcat(p->folder, "/");
+    }
+    p->stream = open_memstream(&p->buffer, &p->size);
+    return p->stream != NULL;
+}
+
+static void close_printer(printer *p)
+{
+    fclose(p->stream);
+    free(p->buffer);
+}
+
 void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
                     void (*line)(void *sink, const char *text), void *sink)
 {
     (void)model; /* its rows are kept with the scene */
-    printer p = {.line = line, .sink = sink, .scene = scene};
-    const char *folder = scene->source->folder;
-    if (realpath(folder[0] != '\0' ? folder : ".", p.folder) == NULL) {
-        snprintf(p.folder, sizeof p.folder, "%s", folder);
-    } else if (p.folder[1] != '\0' && strlen(p.folder) + 1 < sizeof p.folder) {
-        strcat(p.folder, "/");
+    printer p;
+    if (open_printer(&p, scene, line, sink)) {
+        print_table(&p, 0, ss_scene_root, scene->source->tree.root);
+        close_printer(&p);
     }
-    p.stream = open_memstream(&p.buffer, &p.size);
-    if (p.stream == NULL) {
+}
+
+void ss_scene_print_given(const ss_scene *scene, const char *key,
+                          void (*line)(void *sink, const char *text), void *sink)
+{
+    printer p;
+    const ss_scene_node *map = ss_scene_node_find(scene->source->tree.root, key);
+    if (map == NULL || map->kind != SS_SCENE_MAP || !open_printer(&p, scene, line, sink)) {
         return;
     }
-    print_table(&p, 0, ss_scene_root, scene->source->tree.root);
-    fclose(p.stream);
-    free(p.buffer);
+    for (const ss_scene_node *node = map->first; node != NULL; node = node->next) {
+        begin(&p, 1);
+        fprintf(p.stream, "%s: ", node->key);
+        put_flow(&p, node);
+        end(&p, "");
+    }
+    close_printer(&p);
 }
 
 /* ---- while running --------------------------------------------------------------------------- */

@@ -414,6 +414,21 @@ static bool has_all(ss_scene_space *space, ss_scene_node *node, const char *what
     return missing == 0;
 }
 
+/* A value of `row`'s field in a data file; false after a fault. */
+static bool take_value(data_file *file, const ss_scene_row *row, const char *text, double *out)
+{
+    char why[96];
+    if (ss_scene_read_scalar(row, text, false, out, why, sizeof why)) {
+        return true;
+    }
+    char expected[200];
+    ss_scene_row one = *row;
+    one.kind = SS_SCENE_NUMBER;
+    ss_scene_describe(&one, expected, sizeof expected);
+    fault_line(file, "the value %s; give %s", why, expected);
+    return false;
+}
+
 /* The first line is one of the two headers; with the second, *out_is_element. */
 static bool take_field_header(data_file *file, const ss_scene_row *row, bool *out_is_element)
 {
@@ -442,20 +457,13 @@ static bool read_field_rows(ss_scene_space *space, const ss_scene_row *row, ss_s
     char *line = next_line(file);
     for (; line != NULL && file->faults < MAX_FILE_FAULTS; line = next_line(file)) {
         char *cell[MAX_CELLS];
-        char why[96];
         if (split(line, cell) != 2) {
             fault_line(file, "not two cells; each row is %s,value", what);
             continue;
         }
         const int32_t i = take_number(file, cell[0], what, count, has);
         double value = 0;
-        if (!ss_scene_read_scalar(row, cell[1], false, &value, why, sizeof why)) {
-            char expected[200];
-            ss_scene_row one = *row;
-            one.kind = SS_SCENE_NUMBER;
-            ss_scene_describe(&one, expected, sizeof expected);
-            fault_line(file, "the value %s; give %s", why, expected);
-        } else if (i >= 0) {
+        if (take_value(file, row, cell[1], &value) && i >= 0) {
             out_value[i] = value;
         }
     }
@@ -482,6 +490,69 @@ static bool read_field_file(ss_scene_space *space, const ss_scene_row *row, ss_s
     }
     close_data(&file);
     return is_good;
+}
+
+/* Rows node,node,value after the header: how many, into *out_link with room for all of them. */
+static int32_t read_link_rows(data_file *file, const ss_scene_row *row, ss_param_link *out_link)
+{
+    uint8_t *mask = file->space->mask;
+    int32_t count = 0;
+    for (char *line = next_line(file); line != NULL && file->faults < MAX_FILE_FAULTS;
+         line = next_line(file)) {
+        char *cell[MAX_CELLS];
+        if (split(line, cell) != 3) {
+            fault_line(file, "not three cells; each row is node,node,value");
+            continue;
+        }
+        ss_param_link link = {{-1, -1}, 0.0};
+        for (int k = 0; k < 2; k++) {
+            link.node[k] = take_node(file, cell[k]); /* the same twice is a fault */
+        }
+        for (int k = 0; k < 2; k++) {
+            if (link.node[k] >= 0) {
+                mask[link.node[k]] = 0;
+            }
+        }
+        if (take_value(file, row, cell[2], &link.value) && link.node[0] >= 0 && link.node[1] >= 0) {
+            out_link[count++] = link;
+        }
+    }
+    return count;
+}
+
+int32_t ss_scene_read_links(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
+                            ss_param_link **out_link)
+{
+    data_file file;
+    ss_scene_node *name = node->kind == SS_SCENE_MAP ? ss_scene_node_find(node, "file") : NULL;
+    *out_link = NULL;
+    if (!row->takes_links || name == NULL) {
+        return 0;
+    }
+    if (!open_data(&file, space, name)) {
+        return -1;
+    }
+    const char *header = next_line(&file);
+    int32_t count = 0;
+    if (header != NULL && strcmp(header, "node,node,value") == 0) {
+        size_t lines = 1;
+        for (const char *at = file.next; *at != '\0'; at++) {
+            lines += *at == '\n';
+        }
+        memset(space->mask, 0, (size_t)space->mesh->node_count);
+        *out_link = calloc(lines, sizeof **out_link);
+        if (*out_link == NULL) {
+            ss_scene_node_fault(space->report, name, "out of memory");
+        } else {
+            count = read_link_rows(&file, row, *out_link);
+        }
+        if (file.faults == 0 && *out_link != NULL && count == 0) {
+            fault_line(&file, "no link is named");
+        }
+        count = file.faults == 0 && *out_link != NULL ? count : -1;
+    }
+    close_data(&file);
+    return count;
 }
 
 /* First match wins. */

@@ -30,6 +30,10 @@ int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map);
  * *out_is_element is true and out_element (else unused, may be NULL) filled. */
 bool ss_scene_read_field(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
                          double *out_value, double *out_element, bool *out_is_element);
+/* The same by link, where the field's file has the header node,node,value: how many links, with
+ * *out_link to be freed; 0 when it is no such file, -1 after a fault. */
+int32_t ss_scene_read_links(ss_scene_space *space, const ss_scene_row *row, ss_scene_node *node,
+                            ss_param_link **out_link);
 /* A unit vector per element (ss_mesh_element_count) by file; false after a fault. */
 bool ss_scene_read_directions(ss_scene_space *space, ss_scene_node *node,
                               double (*out_direction)[3]);

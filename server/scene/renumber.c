@@ -62,6 +62,11 @@ bool ss_scene_renumber(ss_scene *scene)
     for (int32_t i = 0; i < nodes; i++) {
         new_number[mesh->file_node[i]] = i;
     }
+    for (int32_t i = 0; i < scene->source->model_row_count - 1; i++) {
+        for (int32_t k = 0; k < scene->param[i].link_count; k++) {
+            relabel(scene->param[i].per_link[k].node, 2, new_number);
+        }
+    }
     for (int32_t i = 0; i < scene->load_count; i++) {
         relabel(scene->load[i].node, scene->load[i].node_count, new_number);
     }

@@ -408,6 +408,9 @@ static void take_parameters(loader *l, bool has_mesh)
         } else if (node->kind == SS_SCENE_SCALAR) {
             char why[96];
             ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
+        } else if (has_mesh && (value->link_count = ss_scene_read_links(&l->space, row, node,
+                                                                        &value->per_link)) != 0) {
+            continue; /* by link, or at fault */
         } else if (has_mesh) {
             take_field(l, row, node, value);
         }
@@ -661,6 +664,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
         free(scene->param[i].per_node);
         free(scene->param[i].by_element);
+        free(scene->param[i].per_link);
         free(scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
@@ -781,8 +785,7 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
     return SOFTSIM_OK;
 }
 
-/* The file's bytes; NULL with a fault in `error`. */
-static char *read_scene(const char *path, size_t *out_size, softsim_error *error)
+char *ss_scene_read_file(const char *path, size_t *out_size, softsim_error *error)
 {
     struct stat status;
     /* Without waiting for the writer of a pipe, which is refused anyway. */
@@ -817,7 +820,7 @@ softsim_status ss_scene_load(const char *path, const char *const *overrides, int
     size_t size = 0;
     *out_scene = NULL;
     softsim_error local = {0};
-    char *text = read_scene(path, &size, &local);
+    char *text = ss_scene_read_file(path, &size, &local);
     if (text == NULL) {
         softsim_error_add(error, local.status, "%s", local.text);
         return local.status;

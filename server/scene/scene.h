@@ -102,6 +102,24 @@ bool ss_scene_renumber(ss_scene *scene);
 void ss_scene_print(const ss_scene *scene, const ss_scene_model *model,
                     void (*line)(void *sink, const char *text), void *sink);
 
+/* What was given under a key of the scene ("model"), overrides included: a line for each key, two
+ * spaces in, file names absolute. */
+void ss_scene_print_given(const ss_scene *scene, const char *key,
+                          void (*line)(void *sink, const char *text), void *sink);
+
+/* The number at a path ("model.rho", "model.rho.0.value"): as written, overrides included, or a
+ * model parameter's default. False where there is none, or no number. */
+bool ss_scene_find_number(const ss_scene *scene, const ss_scene_model *model, const char *path,
+                          double *out_value);
+
+/* The scene's file with values put in their places, for a file in another folder perhaps: all else
+ * stays as it was written, comments too, but that file names become absolute when the folder is
+ * another. `assignments` as overrides: what is there is replaced, what is not is added. Of the
+ * overrides that the scene was loaded with, those to be kept must be among them. The text is to be
+ * freed; NULL with the faults in `error`, also where a value cannot be placed. */
+char *ss_scene_rewrite(const ss_scene *scene, const char *const *assignments, int32_t count,
+                       const char *folder, softsim_error *error);
+
 /* For the command `set`: parses PATH=VALUE for the live keys (haptic.*, publish.*, model rows with
  * is_live). On success *out_key is the key and *out_value the value. */
 typedef enum ss_scene_live_key {

@@ -52,6 +52,7 @@ struct ss_scene_row {
     const char *help;     /* NULL: the key is described by its table */
     ss_scene_table child; /* KEYS, ENTRIES */
     int32_t field;        /* 1 + byte offset in ss_scene of the value, 0 none */
+    bool takes_links;     /* a field by file may be one by link */
     int32_t live;         /* 1 + ss_scene_live_key, 0: not while running */
 };
 

@@ -523,6 +523,26 @@ static ss_scene_node *child_of(ss_scene_node *node, const char *name)
     return child;
 }
 
+ss_scene_node *ss_scene_node_locate(ss_scene_node *node, const char *path, const char *end,
+                                    const char **out_rest)
+{
+    const char *cursor = path;
+    bool is_there = true;
+    *out_rest = path;
+    for (int depth = 0; cursor < end; depth++) {
+        char name[80];
+        if (depth == SS_SCENE_MAX_DEPTH || !next_component(&cursor, end, name, sizeof name)) {
+            return NULL;
+        }
+        ss_scene_node *child =
+            is_there && node->kind != SS_SCENE_SCALAR ? child_of(node, name) : NULL;
+        is_there = child != NULL;
+        node = is_there ? child : node;
+        *out_rest = is_there ? cursor : *out_rest;
+    }
+    return node;
+}
+
 /* A copy of `node` becomes `with`, in place. */
 static void replace(ss_scene_node *node, const ss_scene_node *with)
 {

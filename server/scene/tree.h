@@ -62,6 +62,11 @@ void ss_scene_tree_override(ss_scene_tree *tree, ss_scene_report *report, int32_
 void ss_scene_tree_fini(ss_scene_tree *tree);
 
 ss_scene_node *ss_scene_node_find(const ss_scene_node *map, const char *key);
+/* Goes down from `node` as the path says ("contact.tools.0.probe", up to `end`) and returns the
+ * last node that there is; *out_rest is the part of the path that leads on from it, `end` when none
+ * is left. NULL where the path is malformed. */
+ss_scene_node *ss_scene_node_locate(ss_scene_node *node, const char *path, const char *end,
+                                    const char **out_rest);
 /* "contact.tools.0.shape": cut where it does not fit. */
 void ss_scene_node_path(const ss_scene_node *node, char *out, size_t size);
 /* Text that is one finite number from end to end, digits as in JSON or C (no hex, no inf). */

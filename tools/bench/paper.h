@@ -134,3 +134,5 @@ softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const 
 softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error);
 /* The hybrid of finite elements and particles. */
 softsim_status ss_paper_hybrid(ss_paper *paper, softsim_error *error);
+/* Zhang, Zhong, Smith, Gu 2018. */
+softsim_status ss_paper_zhang(ss_paper *paper, softsim_error *error);

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Zhang, Zhong, Smith, Gu: "ChainMail based neural dynamics modeling of soft tissue deformation for
+ * surgical simulation", Technology and Health Care 26, 2018: the sections of the report, in order.
+ */
+#include "zhang.h"
+
+static const struct {
+    const char *heading;
+    softsim_status (*run)(ss_zhang *zhang, softsim_error *error);
+    double weight; /* seconds, roughly */
+} sections[] = {
+    {"Fig. 4: a plane, beside ChainMail", ss_zhang_shapes, 1},
+    {"Fig. 5a: force and displacement", ss_zhang_forces, 3},
+    {"Fig. 5b: hysteresis", ss_zhang_hysteresis, 4},
+    {"Fig. 5c: stress relaxation", ss_zhang_relaxation, 1},
+    {"Fig. 6: a liver under a probe, beside ChainMail", ss_zhang_liver, 10},
+    {"Future work: many chain elements in a cell", ss_zhang_cells, 6},
+    {"Future work: parameters by optimisation", ss_zhang_fitting, 6},
+    {"Speed", ss_zhang_speed, 10},
+};
+enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
+
+static void write_head(ss_page *page)
+{
+    ss_page_text(page,
+                 "The paper makes ChainMail the connectivity of a cellular neural network: a link "
+                 "that is longer or shorter than a band around its rest length pulls its two cells "
+                 "towards that band, at a rate, instead of moving them there at once. Its figures "
+                 "have no numbers on their scales; it does not say what the force at the contact "
+                 "is, how alpha follows from the stiffness, how fast links are restored in "
+                 "unloading, or what the state is saturated about.");
+    ss_page_text(page,
+                 "This page repeats every figure with this program's own models, cnn-chainmail and "
+                 "chainmail, and judges the claims one by one. Expected numbers are those of a "
+                 "prototype of the same equations. Pass: as claimed, numbers within 3 %% unless "
+                 "said otherwise. Fail: not so. Differs: the paper's words, taken literally, do "
+                 "not hold; the reason is beside it. Lengths of the plane are in spacings h, times "
+                 "in capacitances C.");
+}
+
+static void write_missing(ss_paper *paper)
+{
+    static const char *const head[] = {"what", "what the program says"};
+    if (paper->missing_count == 0) {
+        return;
+    }
+    ss_page_heading(&paper->page, "Not in this program");
+    ss_page_table_begin(&paper->page, 2, head);
+    for (int32_t i = 0; i < paper->missing_count; ++i) {
+        const char *const cell[] = {paper->missing[i].what, paper->missing[i].why};
+        ss_page_table_row(&paper->page, 2, cell);
+    }
+    ss_page_table_end(&paper->page);
+}
+
+static void write_declined(ss_page *page)
+{
+    ss_page_heading(page, "Left out, and why");
+    ss_page_text(page, "Neighbourhoods wider than r = 1: the paper sets r = 1, and a chain has no "
+                       "links beyond its next neighbours that a wider one could use.");
+    ss_page_text(page, "The control template B: the paper drops the cells' inputs, equation (4), "
+                       "and with them what B would weigh.");
+}
+
+static void write_verdict(ss_paper *paper)
+{
+    ss_page_heading(&paper->page, "Verdict");
+    ss_page_text(&paper->page,
+                 "%d claims: %d pass, %d fail, %d differ: there the paper's words go further than "
+                 "its equations.",
+                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
+                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
+    ss_page_link(&paper->page, "claims.csv");
+}
+
+softsim_status ss_paper_zhang(ss_paper *paper, softsim_error *error)
+{
+    static ss_zhang zhang; /* large */
+    zhang.paper = paper;
+    zhang.has_network = ss_zhang_has("cnn-chainmail");
+    for (int k = 0; k < SECTION_COUNT; ++k) {
+        paper->weight_all += sections[k].weight;
+    }
+    write_head(&paper->page);
+    softsim_status status = ss_zhang_plane_init(&zhang.plane, error);
+    if (!zhang.has_network) {
+        ss_paper_miss(paper, "the model is not built into this program", "cnn-chainmail");
+    }
+    for (int k = 0; zhang.has_network && status == SOFTSIM_OK && k < SECTION_COUNT; ++k) {
+        paper->section = sections[k].heading;
+        paper->weight = sections[k].weight;
+        ss_paper_progress(paper, 0.0);
+        ss_page_heading(&paper->page, sections[k].heading);
+        status = sections[k].run(&zhang, error);
+        ss_paper_show_claims(paper);
+        paper->weight_done += sections[k].weight;
+    }
+    write_missing(paper);
+    write_declined(&paper->page);
+    write_verdict(paper);
+    ss_zhang_plane_fini(&zhang.plane);
+    return status;
+}

@@ -1,0 +1,452 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The plane of 21 x 21 nodes: its shape beside traditional ChainMail's (Fig. 4), force against
+ * displacement (Fig. 5a) and stress relaxation (Fig. 5c).
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "paper_shape.h"
+#include "rt/vec.h"
+#include "zhang.h"
+
+#define SLACK "alpha=0.02"
+static const double depth_m = 5.0, pace = 0.25, slow_pace = 0.01; /* h, h/C */
+static const double step_s = 0.25; /* C: half the largest stable one, and a whole number to 5 h */
+static const double settled_s = 20000.0; /* C: what is left then is below 1e-3 */
+static const double printed = 0.03;      /* figures of a prototype, to their digits */
+static const double threshold_m = 2.01;  /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
+
+static ss_zhang_setup plane_setup(ss_zhang *zhang, const char *model)
+{
+    return (ss_zhang_setup){.model = model,
+                            .mesh = zhang->plane.mesh,
+                            .fixed = zhang->plane.fixed,
+                            .pushed = zhang->plane.pushed,
+                            .pushed_count = 1,
+                            .direction = {0.0, 0.0, -1.0},
+                            .depth = depth_m,
+                            .step_s = step_s};
+}
+
+static ss_zhang_setup network_setup(ss_zhang *zhang)
+{
+    ss_zhang_setup setup = plane_setup(zhang, "cnn-chainmail");
+    const char *const param[] = {SLACK, "link_stiffness_n_per_m=1", "capacitance_s=1"};
+    memcpy(setup.param, param, sizeof param);
+    return setup;
+}
+
+/* ---- Fig. 4: shapes ------------------------------------------------------------------------- */
+
+enum { NETWORK, SETTLED, BOX, RADIAL, SHAPE_COUNT };
+static const struct {
+    const char *name, *title;
+} shapes[SHAPE_COUNT] = {
+    [NETWORK] = {"network", "the network, reached at 0.01 h/C"},
+    [SETTLED] = {"settled", "the same, settled"},
+    [BOX] = {"chainmail", "traditional ChainMail, a box a link (beta 0.5)"},
+    [RADIAL] = {"chainmail-radial", "ChainMail, a band along the link as in the network"},
+};
+
+typedef double plane_field[SS_PLANE_NODES][3];
+
+/* Largest distance of the profile through the middle from the straight line between the rim and
+ * the pushed node, over the depth. */
+static double bend(const ss_zhang *zhang, const plane_field u)
+{
+    const int32_t first = SS_PLANE_SIDE / 2 * SS_PLANE_SIDE;
+    double most = 0.0;
+    for (int32_t k = 0; k < SS_PLANE_SIDE; ++k) {
+        const double x = zhang->plane.mesh->position[first + k][0];
+        const double chord = -depth_m * (1.0 - fabs(x) / (0.5 * (SS_PLANE_SIDE - 1)));
+        most = fmax(most, fabs(u[first + k][2] - chord));
+    }
+    return most / depth_m;
+}
+
+static softsim_status run_chainmail(ss_zhang *zhang, const char *band, plane_field out_u,
+                                    char out_reason[256], softsim_error *error)
+{
+    ss_zhang_run run;
+    ss_zhang_setup setup = plane_setup(zhang, "chainmail");
+    const char *const param[] = {SLACK, band, "beta=0.5"};
+    memcpy(setup.param, param, sizeof param);
+    setup.step_s = 1.0;
+    softsim_status status = ss_zhang_begin(&setup, &run, error);
+    snprintf(out_reason, 256, "%s", run.reason);
+    if (run.model != NULL && status == SOFTSIM_OK) {
+        status = ss_zhang_go(&run, depth_m, pace, error);
+        ss_zhang_read(&run, out_u);
+    }
+    ss_zhang_end(&run);
+    return status;
+}
+
+static softsim_status run_network(ss_zhang *zhang, plane_field out_moving, plane_field out_settled,
+                                  char out_reason[256], softsim_error *error)
+{
+    ss_zhang_run run;
+    const ss_zhang_setup setup = network_setup(zhang);
+    softsim_status status = ss_zhang_begin(&setup, &run, error);
+    snprintf(out_reason, 256, "%s", run.reason);
+    if (run.model != NULL && status == SOFTSIM_OK) {
+        status = ss_zhang_go(&run, depth_m, slow_pace, error);
+        ss_zhang_read(&run, out_moving);
+        if (status == SOFTSIM_OK) {
+            status = ss_zhang_hold(&run, settled_s, error);
+        }
+        ss_zhang_read(&run, out_settled);
+    }
+    ss_zhang_end(&run);
+    return status;
+}
+
+static softsim_status write_profiles(ss_zhang *zhang, const plane_field *u, const bool *is_there,
+                                     softsim_error *error)
+{
+    ss_output csv, script;
+    softsim_status status = ss_paper_csv_open(
+        zhang->paper, &csv, "fig4-profile", "x_m,network_m,settled_m,chainmail_m,radial_m", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    const int32_t first = SS_PLANE_SIDE / 2 * SS_PLANE_SIDE;
+    for (int32_t k = 0; k < SS_PLANE_SIDE; ++k) {
+        fprintf(csv.file, "%.6g", zhang->plane.mesh->position[first + k][0]);
+        for (int s = 0; s < SHAPE_COUNT; ++s) {
+            if (is_there[s]) {
+                fprintf(csv.file, ",%.6g", u[s][first + k][2]);
+            } else {
+                fputc(',', csv.file);
+            }
+        }
+        fputc('\n', csv.file);
+    }
+    status = ss_paper_csv_close(zhang->paper, &csv, "fig4-profile", error);
+    if (status == SOFTSIM_OK) {
+        status = ss_plot_open(&script, zhang->paper->folder, "fig4-profile", error);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(script.file,
+            "set datafile separator ','\nset grid\nset key below\nset xlabel 'x, h'\n"
+            "set ylabel 'z, h'\nset yrange [-5.3:0.3]\nplot ");
+    for (int s = 0; s < SHAPE_COUNT; ++s) {
+        if (is_there[s]) {
+            fprintf(script.file,
+                    "'fig4-profile.csv' skip 1 using 1:%d with linespoints lw 2 pt %d title '%s', ",
+                    s + 2, s + 4, shapes[s].title);
+        }
+    }
+    fprintf(script.file, "-5*(1-abs(x)/10) with lines dt 3 lc rgb 'black' title 'straight'\n");
+    return ss_page_plot(&zhang->paper->page, &script, "fig4-profile",
+                        "Fig. 4: the line of nodes through the middle, 5 h deep.", error);
+}
+
+static softsim_status draw_plane(ss_zhang *zhang, double (*u)[3], int which, softsim_error *error)
+{
+    static const ss_shape_view view = {{-0.35, -1.0, 0.55}, {0.0, 0.0, 1.0}, ""};
+    char name[48], caption[160];
+    const ss_mesh *mesh = zhang->plane.mesh;
+    const ss_shape shape = {.node_count = mesh->node_count,
+                            .face_count = mesh->quad_count,
+                            .rest = (const double(*)[3])mesh->position,
+                            .u = (const double(*)[3])u,
+                            .face = (const int32_t(*)[4])mesh->quad,
+                            .pushed = SS_PLANE_MIDDLE,
+                            .push = {0.0, 0.0, -1.0}};
+    snprintf(name, sizeof name, "fig4-%s", shapes[which].name);
+    snprintf(caption, sizeof caption, "Fig. 4: the plane pushed 5 h: %s.", shapes[which].title);
+    return ss_shape_draw(zhang->paper, name, caption, &shape, &view, 1, error);
+}
+
+static void claim_shapes(ss_zhang *zhang, const plane_field *u, const bool *is_there)
+{
+    ss_paper *paper = zhang->paper;
+    if (is_there[NETWORK]) {
+        ss_claim_near(paper, "Fig. 4", 0.328, bend(zhang, u[NETWORK]), 0.05,
+                      "network: the shape is nonlinear: profile's largest distance from a straight "
+                      "line, over the depth, as reached at 0.01 h/C");
+        ss_claim_near(paper, "Fig. 4", 0.109, bend(zhang, u[SETTLED]), printed,
+                      "network: the same, settled: smooth shapes are shapes in motion, or need a "
+                      "depth well above the threshold of 2.01 h");
+    }
+    if (is_there[BOX]) {
+        ss_claim_at_most(paper, "Fig. 4", 0.005, bend(zhang, u[BOX]),
+                         "ChainMail: a pyramid: the same distance");
+    }
+    if (is_there[RADIAL]) {
+        ss_claim_at_least(paper, "Fig. 4", 0.2, bend(zhang, u[RADIAL]),
+                          "ChainMail with the network's own band: the same (a prototype: 0.27): "
+                          "part of the difference in the figure is the band, not the dynamics");
+    }
+}
+
+softsim_status ss_zhang_shapes(ss_zhang *zhang, softsim_error *error)
+{
+    static plane_field u[SHAPE_COUNT];
+    bool is_there[SHAPE_COUNT];
+    char reason[3][256];
+    ss_page_text(&zhang->paper->page,
+                 "The paper: a plane of 21 x 21 nodes pushed at its middle bends smoothly by the "
+                 "network and is a pyramid by ChainMail. Here: alpha 0.02, rim fixed, depth 5 h.");
+    softsim_status status = run_network(zhang, u[NETWORK], u[SETTLED], reason[0], error);
+    if (status == SOFTSIM_OK) {
+        status = run_chainmail(zhang, "band=box", u[BOX], reason[1], error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = run_chainmail(zhang, "band=radial", u[RADIAL], reason[2], error);
+    }
+    is_there[NETWORK] = is_there[SETTLED] = reason[0][0] == '\0';
+    is_there[BOX] = reason[1][0] == '\0';
+    is_there[RADIAL] = reason[2][0] == '\0';
+    for (int k = 0; k < 3; ++k) {
+        if (reason[k][0] != '\0') {
+            ss_paper_miss(zhang->paper, reason[k], "the plane's shape, run %d of 3", k + 1);
+        }
+    }
+    for (int s = 0; s < SHAPE_COUNT && status == SOFTSIM_OK; ++s) {
+        if (is_there[s]) {
+            status = draw_plane(zhang, u[s], s, error);
+        }
+    }
+    claim_shapes(zhang, (const plane_field *)u, is_there);
+    return status == SOFTSIM_OK ? write_profiles(zhang, (const plane_field *)u, is_there, error)
+                                : status;
+}
+
+/* ---- Fig. 5a: force and displacement -------------------------------------------------------- */
+
+enum { SPEED_COUNT = 3, STATIC_COUNT = 8, MAX_ROWS = 2048 };
+static const double speeds[SPEED_COUNT] = {1.0, 0.25, 0.01}; /* h/C */
+static const double static_depth[STATIC_COUNT] = {1.0, 1.9, 2.1, 2.5, 3.0, 3.5, 4.0, 5.0};
+
+typedef struct force_curve {
+    int32_t count;
+    double depth[MAX_ROWS], force[MAX_ROWS];
+} force_curve;
+
+/* Slope of log F over log d by least squares, over the last three quarters of the depth: at first a
+ * single link answers. */
+static double exponent(const force_curve *c)
+{
+    double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+    for (int32_t k = 0; k < c->count; ++k) {
+        if (c->depth[k] >= 0.25 * depth_m && c->force[k] > 0.0) {
+            const double x = log(c->depth[k]), y = log(c->force[k]);
+            n += 1.0;
+            sx += x;
+            sy += y;
+            sxx += x * x;
+            sxy += x * y;
+        }
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+static softsim_status press(ss_zhang *zhang, double speed, force_curve *out, softsim_error *error)
+{
+    ss_zhang_run run;
+    const ss_zhang_setup setup = network_setup(zhang);
+    softsim_status status = ss_zhang_begin(&setup, &run, error);
+    out->count = 0;
+    const int32_t steps =
+        run.model != NULL ? (int32_t)ceil(depth_m / (speed * run.step_s) - 1e-9) : 0;
+    for (int32_t k = 1; k <= steps && status == SOFTSIM_OK && out->count < MAX_ROWS; ++k) {
+        ss_zhang_step(&run, fmin(k * speed * run.step_s, depth_m));
+        out->depth[out->count] = run.depth;
+        out->force[out->count++] = ss_zhang_force(&run);
+    }
+    ss_zhang_end(&run);
+    return status;
+}
+
+static softsim_status press_slowly(ss_zhang *zhang, force_curve *out, softsim_error *error)
+{
+    ss_zhang_run run;
+    const ss_zhang_setup setup = network_setup(zhang);
+    softsim_status status = ss_zhang_begin(&setup, &run, error);
+    out->count = 0;
+    for (int k = 0; k < STATIC_COUNT && run.model != NULL && status == SOFTSIM_OK; ++k) {
+        status = ss_zhang_go(&run, static_depth[k], pace, error);
+        if (status == SOFTSIM_OK) {
+            status = ss_zhang_hold(&run, settled_s, error);
+        }
+        out->depth[out->count] = run.depth;
+        out->force[out->count++] = ss_zhang_force(&run);
+    }
+    ss_zhang_end(&run);
+    return status;
+}
+
+static softsim_status write_forces(ss_zhang *zhang, const force_curve *curve, softsim_error *error)
+{
+    static const char *const title[] = {"1 h/C", "0.25 h/C", "0.01 h/C", "settled"};
+    ss_output csv, script;
+    softsim_status status =
+        ss_paper_csv_open(zhang->paper, &csv, "fig5a", "speed,depth_m,force_n", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int c = 0; c <= SPEED_COUNT; ++c) {
+        for (int32_t k = 0; k < curve[c].count; ++k) {
+            fprintf(csv.file, "%g,%.6g,%.6g\n", c < SPEED_COUNT ? speeds[c] : 0.0,
+                    curve[c].depth[k], curve[c].force[k]);
+        }
+    }
+    status = ss_paper_csv_close(zhang->paper, &csv, "fig5a", error);
+    if (status == SOFTSIM_OK) {
+        status = ss_plot_open(&script, zhang->paper->folder, "fig5a", error);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(script.file, "set datafile separator ','\nset grid\nset key top left\n"
+                         "set xlabel 'displacement, h'\nset ylabel 'force, N'\nplot ");
+    for (int c = 0; c <= SPEED_COUNT; ++c) {
+        fprintf(script.file,
+                "%s'fig5a.csv' skip 1 using ($1==%g ? $2 : NaN):3 with %s lw 2 title '%s'",
+                c > 0 ? ", " : "", c < SPEED_COUNT ? speeds[c] : 0.0,
+                c < SPEED_COUNT ? "lines" : "linespoints", title[c]);
+    }
+    fputc('\n', script.file);
+    return ss_page_plot(&zhang->paper->page, &script, "fig5a",
+                        "Fig. 5a: force at the contact against its displacement, by speed.", error);
+}
+
+softsim_status ss_zhang_forces(ss_zhang *zhang, softsim_error *error)
+{
+    static force_curve curve[SPEED_COUNT + 1];
+    ss_paper *paper = zhang->paper;
+    ss_page_text(&paper->page,
+                 "The paper: the force grows faster than the displacement. What it grows like "
+                 "depends on the speed, since the network's resistance is partly drag: at 1 h/C it "
+                 "is nearly proportional, slowly it is the geometry of slack links.");
+    softsim_status status = SOFTSIM_OK;
+    for (int c = 0; c < SPEED_COUNT && status == SOFTSIM_OK; ++c) {
+        status = press(zhang, speeds[c], &curve[c], error);
+        ss_paper_progress(paper, 0.2 * (c + 1));
+    }
+    if (status == SOFTSIM_OK) {
+        status = press_slowly(zhang, &curve[SPEED_COUNT], error);
+    }
+    const force_curve *still = &curve[SPEED_COUNT];
+    if (status != SOFTSIM_OK || still->count == 0) {
+        return status;
+    }
+    ss_claim_near(paper, "Fig. 5a", 1.22, exponent(&curve[0]), printed,
+                  "force grows as displacement to the power, pushed at 1 h/C");
+    ss_claim_near(paper, "Fig. 5a", 1.69, exponent(&curve[2]), printed, "the same, at 0.01 h/C");
+    ss_claim_at_most(paper, "Fig. 5a", 1e-3, still->force[1],
+                     "settled: no force up to the threshold of %.3g h: force at 1.9 h, N",
+                     threshold_m);
+    ss_claim_near(paper, "Fig. 5a", 0.056, still->force[4], printed, "settled: force at 3 h, N");
+    ss_claim_near(paper, "Fig. 5a", 0.222, still->force[6], printed, "settled: force at 4 h, N");
+    ss_claim_near(paper, "Fig. 5a", 0.515, still->force[7], printed, "settled: force at 5 h, N");
+    return write_forces(zhang, curve, error);
+}
+
+/* ---- Fig. 5c: relaxation -------------------------------------------------------------------- */
+
+enum { MARK_COUNT = 4, RELAX_ROWS = 400 };
+static const double mark_s[MARK_COUNT] = {10.0, 100.0, 1000.0, 20000.0};
+static const double mark_force[MARK_COUNT] = {4.36, 1.33, 0.579, 0.515};
+
+typedef struct relaxation {
+    double peak, slow_peak, mark[MARK_COUNT], largest_rise;
+    int32_t count;
+    double time[RELAX_ROWS], force[RELAX_ROWS];
+} relaxation;
+
+/* Holds, sampling at equal steps of log time. */
+static softsim_status relax(ss_zhang *zhang, relaxation *out, softsim_error *error)
+{
+    ss_zhang_run run;
+    const ss_zhang_setup setup = network_setup(zhang);
+    softsim_status status = ss_zhang_begin(&setup, &run, error);
+    *out = (relaxation){.count = 0};
+    if (status == SOFTSIM_OK && run.model != NULL) {
+        status = ss_zhang_go(&run, depth_m, 1.0, error);
+        out->peak = ss_zhang_force(&run);
+    }
+    double last = out->peak, time = 0.0, next = 0.0;
+    for (int m = 0; status == SOFTSIM_OK && run.model != NULL && m < MARK_COUNT;) {
+        ss_zhang_step(&run, depth_m);
+        time += run.step_s;
+        const double force = ss_zhang_force(&run);
+        out->largest_rise = fmax(out->largest_rise, force - last);
+        last = force;
+        if (time >= next && out->count < RELAX_ROWS) {
+            out->time[out->count] = time;
+            out->force[out->count++] = force;
+            next = 1.04 * time;
+        }
+        if (time >= mark_s[m]) {
+            out->mark[m++] = force;
+        }
+    }
+    ss_zhang_end(&run);
+    if (status == SOFTSIM_OK) {
+        status = ss_zhang_begin(&setup, &run, error);
+    }
+    if (status == SOFTSIM_OK && run.model != NULL) {
+        status = ss_zhang_go(&run, depth_m, pace, error);
+        out->slow_peak = ss_zhang_force(&run);
+    }
+    ss_zhang_end(&run);
+    return status;
+}
+
+static softsim_status write_relaxation(ss_zhang *zhang, const relaxation *r, softsim_error *error)
+{
+    ss_output csv, script;
+    softsim_status status = ss_paper_csv_open(zhang->paper, &csv, "fig5c", "time_s,force_n", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int32_t k = 0; k < r->count; ++k) {
+        fprintf(csv.file, "%.6g,%.6g\n", r->time[k], r->force[k]);
+    }
+    status = ss_paper_csv_close(zhang->paper, &csv, "fig5c", error);
+    if (status == SOFTSIM_OK) {
+        status = ss_plot_open(&script, zhang->paper->folder, "fig5c", error);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(script.file, "set datafile separator ','\nset grid\nset key top right\n"
+                         "set logscale x\nset xlabel 'time held, C'\nset ylabel 'force, N'\n"
+                         "set yrange [0:*]\n"
+                         "plot 'fig5c.csv' skip 1 with lines lw 2 title 'force, 5 h deep', "
+                         "0.515 with lines dt 2 lc rgb 'black' title 'settled'\n");
+    return ss_page_plot(&zhang->paper->page, &script, "fig5c",
+                        "Fig. 5c: force while the contact is held 5 h deep.", error);
+}
+
+softsim_status ss_zhang_relaxation(ss_zhang *zhang, softsim_error *error)
+{
+    static relaxation r;
+    ss_paper *paper = zhang->paper;
+    ss_page_text(&paper->page,
+                 "The paper: under a constant displacement the force falls asymptotically towards "
+                 "a minimum. Here: 5 h, reached at 1 h/C, then held.");
+    const softsim_status status = relax(zhang, &r, error);
+    if (status != SOFTSIM_OK || r.count == 0) {
+        return status;
+    }
+    ss_claim_near(paper, "Fig. 5c", 9.4, r.peak, printed, "force as 5 h is reached at 1 h/C, N");
+    ss_claim_near(paper, "Fig. 5c", 5.95, r.slow_peak, printed,
+                  "force as 5 h is reached at 0.25 h/C, N");
+    for (int m = 0; m < MARK_COUNT; ++m) {
+        ss_claim_near(paper, "Fig. 5c", mark_force[m], r.mark[m], printed, "force after %g C, N",
+                      mark_s[m]);
+    }
+    ss_claim_at_most(paper, "Fig. 5c", 1e-4, r.largest_rise,
+                     "the force falls all the time: its largest rise in a step, N");
+    return write_relaxation(zhang, &r, error);
+}

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-fit: a scene and measured curves to the scene with the parameters that repeat them.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "fit.h"
+#include "output.h"
+#include "rt/args.h"
+#include "world.h"
+
+static const char about[] =
+    "Finds the parameters of a scene's model that repeat measured curves.\n\n"
+    "A curve is a CSV with the columns depth_m,force_n (force while pressing) or time_s,force_n\n"
+    "(force while holding; time 0 is the end of the press, of --hold-depth-m). The press: the\n"
+    "surface node nearest to --at (default: a central one, far from what is fixed) is pressed\n"
+    "along its inward normal at constant speed, in --press-s, to the curve's last depth; by the\n"
+    "scene's tool of the lowest probe, its +z into the tissue, depth 0 at the first touch; "
+    "without\n"
+    "a tool by a patch, all free surface nodes within two mean edges, moved as one. Depth is the\n"
+    "tool's travel, force the tissue's along the normal. Several curves are fitted together.\n\n"
+    "With --case the model is brought to rest on the reference case's own body at every load "
+    "level\n"
+    "instead, and its field and its force are fitted to the reference's, each level alike.\n"
+    "What was found is told on stderr and in the head of the new scene.";
+
+typedef struct fit_options {
+    const char *scene, *out, *fitted, *folder, *material, *mesh;
+    ss_arg_list curve, at, parameter, set;
+    double press_s, hold_depth_m;
+    int64_t max_evaluations;
+} fit_options;
+
+static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_error *error)
+{
+    fit_options o = {.press_s = 1.0, .max_evaluations = 300};
+    const ss_arg rows[] = {
+        {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "S.yaml",
+         "the scene, with values to start from"},
+        {"--curve", SS_ARG_LIST, &o.curve, 0, 0, "CSV", "a curve; may be given again"},
+        {"--case", SS_ARG_STRING, &o.folder, 0, 0, "DIR", "a reference case, instead of curves"},
+        {"--material", SS_ARG_STRING, &o.material, 0, 0, "NAME", "of the case (its first)"},
+        {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "NAME", "of the case (its first)"},
+        {"--at", SS_ARG_LIST, &o.at, 0, 0, "X,Y,Z",
+         "m, world: where it is pressed; once, or once for each --curve in their order"},
+        {"--parameter", SS_ARG_LIST, &o.parameter, 0, 0, "PATH",
+         "model.NAME, or model.NAME.K.value of a region list (default: the material's)"},
+        {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE",
+         "overrides one scene value, in the new scene too"},
+        {"--press-s", SS_ARG_NUMBER, &o.press_s, 1e-3, 1e4, "S",
+         "how long a press, or the loading of a case, takes (1)"},
+        {"--hold-depth-m", SS_ARG_NUMBER, &o.hold_depth_m, 1e-9, 1e3, "M",
+         "how deep is held, for curves over time"},
+        {"--max-evaluations", SS_ARG_INTEGER, &o.max_evaluations, 10, 1e6, "N",
+         "of all curves, at most (300)"},
+        {"--out", SS_ARG_STRING, &o.out, 0, 0, "S2.yaml", "the new scene"},
+        {"--fitted", SS_ARG_STRING, &o.fitted, 0, 0, "CSV",
+         "the curves beside the model's: curve,at,force_n,fitted_n"},
+    };
+    int32_t count = 0;
+    const char *none[1];
+    const ss_args_result result = ss_args_parse(
+        argc, argv,
+        "--scene S.yaml (--curve CSV... | --case DIR) [--parameter PATH]... --out S2.yaml", about,
+        rows, (int32_t)(sizeof rows / sizeof *rows), none, 0, 0, &count, error);
+    *out = o;
+    if (result != SS_ARGS_RUN) {
+        return result;
+    }
+    const char *missing = !o.scene                          ? "--scene S.yaml"
+                          : !o.out                          ? "--out S2.yaml"
+                          : o.curve.count == 0 && !o.folder ? "--curve CSV or --case DIR"
+                                                            : NULL;
+    if (missing) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s is missing", missing);
+    } else if (o.folder && (o.curve.count > 0 || o.at.count > 0 || o.fitted)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--case says what is pressed and how: leave out --curve, --at, --fitted");
+    } else if (!o.folder && (o.material || o.mesh)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--material and --mesh choose of a case: give --case DIR");
+    } else if (o.curve.count > SS_FIT_MAX_CURVES) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--curve: given more than %d times",
+                          SS_FIT_MAX_CURVES);
+    } else if (o.at.count > 1 && o.at.count != o.curve.count) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--at: given %d times for %d curves; give it once, or once for each",
+                          o.at.count, o.curve.count);
+    }
+    return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
+}
+
+/* "x,y,z" of --at for curve c; false without one. */
+static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_error *error)
+{
+    if (o->at.count == 0) {
+        return false;
+    }
+    const char *text = o->at.value[o->at.count > 1 ? c : 0];
+    const char *at = text;
+    for (int k = 0; k < 3; ++k) {
+        char *end = NULL;
+        out[k] = strtod(at, &end);
+        if (end == at || *end != (k < 2 ? ',' : '\0') || !isfinite(out[k])) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--at: '%s' is not a point; give X,Y,Z in metres", text);
+            return false;
+        }
+        at = end + 1;
+    }
+    return true;
+}
+
+/* Parameters and the case. */
+static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels *levels,
+                                softsim_error *error)
+{
+    fit->levels = levels;
+    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
+                                         o->parameter.count, false, fit->parameter, error);
+    for (int32_t i = 0; i < fit->parameter_count; ++i) {
+        if (strchr(fit->parameter[i].path + strlen("model."), '.')) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "%s: the scene's regions are not the case's; give one value with "
+                              "--set",
+                              fit->parameter[i].path);
+        }
+    }
+    return error->fault_count > 0 ? SOFTSIM_ERROR_ARGUMENT
+                                  : ss_fit_levels_open(o->folder, o->material, o->mesh, &fit->scene,
+                                                       o->press_s, levels, error);
+}
+
+/* Curves, parameters, presses. */
+static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *levels,
+                           softsim_error *error)
+{
+    bool has_time = false;
+    fit->scene = (ss_press_scene){.path = o->scene, .set = o->set.value, .set_count = o->set.count};
+    fit->max_evaluations = (int32_t)o->max_evaluations;
+    if (o->folder) {
+        return plan_case(o, fit, levels, error);
+    }
+    for (int32_t c = 0; c < o->curve.count; ++c) {
+        ss_curve *curve = &fit->curve[fit->curve_count++];
+        ss_curve_read(o->curve.value[c], curve, error);
+        has_time |= curve->is_time;
+        if (curve->is_time && !(o->hold_depth_m > 0.0)) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "%s: a curve over time needs the depth that was held: give "
+                              "--hold-depth-m M",
+                              curve->path);
+        }
+    }
+    if (error->fault_count > 0) {
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
+                                         o->parameter.count, has_time, fit->parameter, error);
+    for (int32_t c = 0; fit->parameter_count > 0 && c < fit->curve_count; ++c) {
+        const ss_curve *curve = &fit->curve[c];
+        double at[3];
+        const bool has_place = read_place(o, c, at, error);
+        const double depth = curve->is_time ? o->hold_depth_m : curve->at[curve->count - 1];
+        if (error->fault_count == 0) {
+            ss_press_plan(&fit->scene, has_place ? at : NULL, depth, o->press_s, &fit->press[c],
+                          error);
+        }
+    }
+    return error->fault_count > 0 ? SOFTSIM_ERROR_ARGUMENT : SOFTSIM_OK;
+}
+
+/* ---- output -----------------------------------------------------------------------------------
+ */
+
+static void to_stderr(void *sink, const char *text)
+{
+    (void)sink;
+    fprintf(stderr, "softsim-fit: %s\n", text);
+}
+
+static void to_comment(void *sink, const char *text)
+{
+    fprintf(sink, "# %s\n", text);
+}
+
+static void show_progress(int32_t evaluations, double misfit)
+{
+    fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
+            100.0 * misfit);
+}
+
+/* The scene's text with the answer in it, and what was found before it. */
+static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *error)
+{
+    char assignment[SS_FIT_MAX_PARAMETERS][SS_FIT_PATH_SIZE + 32];
+    const char *set[SS_ARG_LIST_MAX + SS_FIT_MAX_PARAMETERS];
+    int32_t count = 0;
+    for (int32_t i = 0; i < o->set.count; ++i) {
+        set[count++] = o->set.value[i];
+    }
+    for (int32_t i = 0; i < fit->parameter_count; ++i) {
+        snprintf(assignment[i], sizeof assignment[i], "%s=%.6g", fit->parameter[i].path,
+                 fit->value[i]);
+        set[count++] = assignment[i];
+    }
+    const ss_scene_model *models = NULL;
+    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene *scene = NULL, *again = NULL;
+    char folder[4096], *whole = NULL;
+    size_t size = 0;
+    const char *slash = strrchr(o->out, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - o->out) + 1 : 0, o->out);
+    ss_scene_load(o->scene, set, count, models, model_count, NULL, &scene, error);
+    char *text = scene ? ss_scene_rewrite(scene, set, count, folder, error) : NULL;
+    FILE *stream = text ? open_memstream(&whole, &size) : NULL;
+    if (stream) {
+        fprintf(stream, "# Fitted by softsim-fit %s.\n", SOFTSIM_VERSION);
+        ss_fit_tell(fit, to_comment, stream);
+        fputs(text, stream);
+        fclose(stream);
+        /* What is written must be a scene, and the same one. */
+        if (ss_scene_load_text(o->out, whole, size, NULL, 0, models, model_count, NULL, &again,
+                               error) != SOFTSIM_OK) {
+            free(whole);
+            whole = NULL;
+        }
+    }
+    ss_scene_destroy(&scene);
+    ss_scene_destroy(&again);
+    free(text);
+    return whole;
+}
+
+static softsim_status write_scene(const fit_options *o, const ss_fit *fit, softsim_error *error)
+{
+    char *text = compose(o, fit, error);
+    ss_output output = {0};
+    softsim_status status = text ? ss_output_open(&output, o->out, error) : SOFTSIM_ERROR_SCENE;
+    if (status == SOFTSIM_OK) {
+        fputs(text, output.file);
+        status = ss_output_commit(&output, error);
+    }
+    free(text);
+    return status;
+}
+
+static softsim_status write_fitted(const char *path, const ss_fit *fit, softsim_error *error)
+{
+    ss_output output = {0};
+    const softsim_status status = ss_output_open(&output, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(output.file, "curve,at,force_n,fitted_n\n");
+    for (int32_t c = 0; c < fit->curve_count; ++c) {
+        for (int32_t k = 0; k < fit->curve[c].count; ++k) {
+            fprintf(output.file, "%d,%.9g,%.9g,%.9g\n", c, fit->curve[c].at[k],
+                    fit->curve[c].force[k], fit->force[c][k]);
+        }
+    }
+    return ss_output_commit(&output, error);
+}
+
+int main(int argc, char **argv)
+{
+    static softsim_error error;
+    static ss_fit fit;
+    static ss_fit_levels levels;
+    fit_options options;
+    switch (parse(argc, argv, &options, &error)) {
+    case SS_ARGS_DONE:
+        return 0;
+    case SS_ARGS_BAD:
+        ss_args_print_error(argv[0], &error);
+        return 2;
+    case SS_ARGS_RUN:
+        break;
+    }
+    const bool is_terminal = isatty(STDERR_FILENO);
+    fit.progress = is_terminal ? show_progress : NULL;
+    int exit_code = 0;
+    if (plan(&options, &fit, &levels, &error) != SOFTSIM_OK) {
+        exit_code = 2;
+    } else {
+        const softsim_status status = ss_fit_run(&fit, &error);
+        fputs(is_terminal ? "\r\033[K" : "", stderr);
+        if (status != SOFTSIM_OK) {
+            exit_code = fit.solve.evaluations > 1 ? 1 : 2;
+        } else {
+            ss_fit_tell(&fit, to_stderr, NULL);
+            const bool is_written =
+                write_scene(&options, &fit, &error) == SOFTSIM_OK &&
+                (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
+            exit_code = is_written && fit.solve.has_settled ? 0 : 1;
+        }
+    }
+    if (error.fault_count > 0) {
+        ss_args_print_error(argv[0], &error);
+    }
+    ss_fit_fini(&fit);
+    ss_fit_levels_close(&levels);
+    return exit_code;
+}
