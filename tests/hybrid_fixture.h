@@ -110,7 +110,9 @@ static inline void case_init(hybrid_case *c, ss_mesh *mesh, double spacing)
     const struct {
         int row;
         double value;
-    } given[] = {{SS_FEM_LAMBDA, 5.5}, {SS_FEM_MU, 2.5}, {SS_FEM_DENSITY, 1.0},
+    } given[] = {{SS_FEM_LAMBDA, 5.5},
+                 {SS_FEM_MU, 2.5},
+                 {SS_FEM_DENSITY, 1.0},
                  {SS_HYBRID_SPACING, spacing}};
     for (size_t k = 0; k < sizeof given / sizeof *given; ++k) {
         c->param[given[k].row].number = given[k].value;

@@ -47,8 +47,8 @@ static double bar_force(double cohesion, double stabilisation)
         if (end >= 0) {
             node[end][count[end]++] = i;
             /* No more than keeps it from turning and sliding. */
-            c.fixed[i] = (uint8_t)((end == 0 ? 1u : 0u) | (x[1] == 0.5 ? 2u : 0u) |
-                                   (x[2] == 0.5 ? 4u : 0u));
+            c.fixed[i] =
+                (uint8_t)((end == 0 ? 1u : 0u) | (x[1] == 0.5 ? 2u : 0u) | (x[2] == 0.5 ? 4u : 0u));
         }
     }
     for (int32_t k = 0; k < count[1]; ++k) {

@@ -24,7 +24,8 @@ static ss_mesh *make_block(const double low[3])
     return make_bar(n, 0.2, low, 0.3, is_below);
 }
 
-static const double gradient[3][3] = {{0.02, -0.03, 0.01}, {0.015, 0.04, -0.02}, {0.0, 0.03, -0.01}};
+static const double gradient[3][3] = {
+    {0.02, -0.03, 0.01}, {0.015, 0.04, -0.02}, {0.0, 0.03, -0.01}};
 
 /* ---- rows ----------------------------------------------------------------------------------- */
 
@@ -269,9 +270,8 @@ static double rotation_noise(const double low[3])
     case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
     ss_hybrid *hybrid = case_start(&c);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
-    const double turn[3][3] = {{cos(0.3) - 1.0, -sin(0.3), 0.0},
-                               {sin(0.3), cos(0.3) - 1.0, 0.0},
-                               {0.0, 0.0, 0.0}};
+    const double turn[3][3] = {
+        {cos(0.3) - 1.0, -sin(0.3), 0.0}, {sin(0.3), cos(0.3) - 1.0, 0.0}, {0.0, 0.0, 0.0}};
     const double stretch[3][3] = {{0.01, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     double largest[2];
     for (int k = 0; k < 2; ++k) {

@@ -35,8 +35,7 @@ static ss_mesh *make_cube(int n, double size, bool hole)
             for (int a = 0; a < 4; ++a) {
                 const int v = cut[t][a];
                 tetrahedron[count][a] =
-                    at[0] + (v & 1) +
-                    side * (at[1] + (v >> 1 & 1) + side * (at[2] + (v >> 2 & 1)));
+                    at[0] + (v & 1) + side * (at[1] + (v >> 1 & 1) + side * (at[2] + (v >> 2 & 1)));
             }
             ++count;
         }

@@ -47,8 +47,7 @@ static bool builder_init(builder *b, int32_t node_count, int32_t triangle_count)
     if (b->position == NULL || b->triangle == NULL || b->tetrahedron == NULL) {
         return false;
     }
-    memcpy(b->position, b->core->position,
-           (size_t)b->core->node_count * sizeof *b->core->position);
+    memcpy(b->position, b->core->position, (size_t)b->core->node_count * sizeof *b->core->position);
     memcpy(b->tetrahedron, b->core->tetrahedron,
            (size_t)b->core->tetrahedron_count * sizeof *b->core->tetrahedron);
     b->tetrahedron_count = b->core->tetrahedron_count;
@@ -103,10 +102,10 @@ static softsim_status lack_memory(softsim_error *error)
 /* The mesh of what was built, with the core's groups. */
 static softsim_status finish(builder *b, ss_mesh **out, softsim_error *error)
 {
-    softsim_status status = ss_mesh_create(
-        b->node_count, (const double(*)[3])b->position, b->triangle_count,
-        (const int32_t(*)[3])b->triangle, b->tetrahedron_count,
-        (const int32_t(*)[4])b->tetrahedron, out, error);
+    softsim_status status =
+        ss_mesh_create(b->node_count, (const double(*)[3])b->position, b->triangle_count,
+                       (const int32_t(*)[3])b->triangle, b->tetrahedron_count,
+                       (const int32_t(*)[4])b->tetrahedron, out, error);
     if (status == SOFTSIM_OK && !(*out)->is_closed) {
         status = refuse(error, "the outer surface and the core's open faces do not close around "
                                "the layer; softsim-mesh check names their holes");
@@ -517,8 +516,8 @@ softsim_status ss_mesh_grow_skin(const ss_mesh *volume, double thickness, ss_mes
 {
     *out_mesh = NULL;
     builder b = {.core = volume};
-    softsim_status status = thickness > 0.0 ? grow_outward(&b, thickness, error)
-                                            : grow_inward(&b, -thickness, error);
+    softsim_status status =
+        thickness > 0.0 ? grow_outward(&b, thickness, error) : grow_inward(&b, -thickness, error);
     if (status == SOFTSIM_OK) {
         status = finish(&b, out_mesh, error);
     }

@@ -296,8 +296,7 @@ static bool create_skin(ss_hybrid *hybrid)
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
         hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
-        hybrid->mode == NULL ||
-        hybrid->product == NULL) {
+        hybrid->mode == NULL || hybrid->product == NULL) {
         return false;
     }
     memset(hybrid->riding_at, 0xff, skin * sizeof *hybrid->riding_at);
@@ -325,8 +324,7 @@ static void fill_masses(const ss_hybrid *hybrid, double *mass)
     for (int32_t p = 0; p < layer->own_count; ++p) {
         const int32_t e = layer->host[p];
         for (int k = 0; k < 4; ++k) {
-            mass[mesh->tetrahedron[e][k]] +=
-                0.25 * layer->volume[p] * hybrid->material.density[e];
+            mass[mesh->tetrahedron[e][k]] += 0.25 * layer->volume[p] * hybrid->material.density[e];
         }
     }
 }
@@ -441,8 +439,7 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
 
 static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsim_error *error)
 {
-    softsim_status status =
-        ss_fem_material_create(plan, "hybrid", &hybrid->material, error);
+    softsim_status status = ss_fem_material_create(plan, "hybrid", &hybrid->material, error);
     if (status == SOFTSIM_OK) {
         status = create_layer(hybrid, plan, error);
     }
@@ -458,8 +455,8 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     hybrid->mass_asleep = mass;
     hybrid->fixed = ss_memory_get(nodes, 1);
     if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
-        !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) ||
-        !create_particles(hybrid) || !create_skin(hybrid)) {
+        !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) || !create_particles(hybrid) ||
+        !create_skin(hybrid)) {
         return SOFTSIM_ERROR_MEMORY;
     }
     memcpy(hybrid->fixed, plan->fixed, nodes);
@@ -484,14 +481,14 @@ static void destroy(ss_model *model)
     ss_point_grid_fini(&hybrid->grid);
     ss_hybrid_destroy_cells(hybrid);
     void *const owned[] = {
-        hybrid->lane, hybrid->volume,      hybrid->particle,
-        hybrid->node_of,  hybrid->is_held,     hybrid->offset,      hybrid->point,
-        hybrid->coefficient, hybrid->gradient, hybrid->spread, hybrid->stress, hybrid->near,
-        hybrid->wanted,   hybrid->idle,        hybrid->drifting,    hybrid->state,
-        hybrid->particle_force, hybrid->rider_first, hybrid->rider, hybrid->ride,
-        hybrid->riding,   hybrid->riding_at,   hybrid->mark,        hybrid->shown,
-        hybrid->shown_v,  hybrid->laid,  hybrid->distance,    hybrid->found,       hybrid->mode,
-        hybrid->product,  hybrid->fixed,       hybrid->mass_asleep};
+        hybrid->lane,           hybrid->volume,      hybrid->particle, hybrid->node_of,
+        hybrid->is_held,        hybrid->offset,      hybrid->point,    hybrid->coefficient,
+        hybrid->gradient,       hybrid->spread,      hybrid->stress,   hybrid->near,
+        hybrid->wanted,         hybrid->idle,        hybrid->drifting, hybrid->state,
+        hybrid->particle_force, hybrid->rider_first, hybrid->rider,    hybrid->ride,
+        hybrid->riding,         hybrid->riding_at,   hybrid->mark,     hybrid->shown,
+        hybrid->shown_v,        hybrid->laid,        hybrid->distance, hybrid->found,
+        hybrid->mode,           hybrid->product,     hybrid->fixed,    hybrid->mass_asleep};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -589,8 +586,8 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     snprintf(text, sizeof text,
              "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
              "kernels %s",
-             layer->own_count, hybrid->cells.count, layer->count - layer->own_count, layer->spacing[0],
-             hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
+             layer->own_count, hybrid->cells.count, layer->count - layer->own_count,
+             layer->spacing[0], hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
              layer->pair_first[layer->count], hybrid->kernels->name);
     line(sink, text);
     if (layer->dropped_count > 0) {

@@ -122,8 +122,8 @@ static bool choose_centres(builder *b)
             core[count++] = i;
         }
     }
-    is_good = is_good && ss_point_grid_init(&grid, count, (const double(*)[3])b->x,
-                                            2.0 * layer->spacing[0]);
+    is_good = is_good &&
+              ss_point_grid_init(&grid, count, (const double(*)[3])b->x, 2.0 * layer->spacing[0]);
     for (int32_t p = 0; is_good && p < layer->own_count; ++p) {
         int32_t nearest = 0;
         double square;
@@ -262,9 +262,9 @@ static bool reserve(ss_hybrid *hybrid, size_t entries)
     hybrid->cell_phi = ss_memory_get(count, sizeof *hybrid->cell_phi);
     hybrid->cell_psi = ss_memory_get(count, sizeof *hybrid->cell_psi);
     return cells->first != NULL && cells->node != NULL && cells->row != NULL &&
-           cells->gradient != NULL && cells->stress != NULL && hybrid->cell_volume != NULL && hybrid->cell_asleep != NULL &&
-           hybrid->cell_lambda != NULL && hybrid->cell_mu != NULL && hybrid->cell_phi != NULL &&
-           hybrid->cell_psi != NULL &&
+           cells->gradient != NULL && cells->stress != NULL && hybrid->cell_volume != NULL &&
+           hybrid->cell_asleep != NULL && hybrid->cell_lambda != NULL && hybrid->cell_mu != NULL &&
+           hybrid->cell_phi != NULL && hybrid->cell_psi != NULL &&
            ss_hybrid_create_blocks(cells->count, hybrid->material.phi != NULL,
                                    &hybrid->cell_blocks);
 }
@@ -305,10 +305,10 @@ bool ss_hybrid_create_cells(ss_hybrid *hybrid)
 void ss_hybrid_destroy_cells(ss_hybrid *hybrid)
 {
     ss_layer_cells *cells = &hybrid->cells;
-    void *const owned[] = {cells->first,        cells->node,         cells->row,
-                           cells->gradient,     cells->stress,       hybrid->cell_volume,
-                           hybrid->cell_lambda, hybrid->cell_mu,     hybrid->cell_phi,
-                           hybrid->cell_psi,    hybrid->cell_of,      hybrid->cell_asleep};
+    void *const owned[] = {cells->first,        cells->node,     cells->row,
+                           cells->gradient,     cells->stress,   hybrid->cell_volume,
+                           hybrid->cell_lambda, hybrid->cell_mu, hybrid->cell_phi,
+                           hybrid->cell_psi,    hybrid->cell_of, hybrid->cell_asleep};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

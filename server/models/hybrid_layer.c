@@ -19,9 +19,9 @@
  * sleeps, because its energy goes on being counted. A sleeping particle's mass is on the four nodes
  * of the tetrahedron that reaches out to it best.
  *
- * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance of a
- * cell's diagonal: what lies next to the awake region is integrated on both
- * sides, as inside a whole layer. Shares move in small steps: forces have no jumps.
+ * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance
+ * of a cell's diagonal: what lies next to the awake region is integrated on both sides, as inside a
+ * whole layer. Shares move in small steps: forces have no jumps.
  *
  * The law is the tetrahedra's own: a point is an element on three unit edges whose corners move by
  * the columns of H = F - I (layer_kernels.h).
@@ -78,8 +78,8 @@ void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c)
     const double volume = hybrid->cell_volume[c];
     const lane_values value = {.lambda = volume * hybrid->cell_lambda[c],
                                .mu = volume * hybrid->cell_mu[c],
-                               .kappa = volume * (hybrid->cell_lambda[c] +
-                                                  2.0 * hybrid->cell_mu[c]),
+                               .kappa =
+                                   volume * (hybrid->cell_lambda[c] + 2.0 * hybrid->cell_mu[c]),
                                .phi = volume * hybrid->cell_phi[c],
                                .psi = volume * hybrid->cell_psi[c],
                                .volume = volume};
@@ -93,8 +93,7 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
     const double volume = (double)hybrid->particle[p].share * layer->volume[p];
     const double mu = volume * hybrid->material.mu[layer->host[p]];
     const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
-    const lane_values value =
-        stuff(&hybrid->material, layer->host[p], volume, hybrid->cohesion);
+    const lane_values value = stuff(&hybrid->material, layer->host[p], volume, hybrid->cohesion);
     put_lane(&hybrid->points, k, &value);
     hybrid->coefficient[2 * k] =
         (ss_real)(hybrid->stabilisation * mu) * layer->moment[8 * (ptrdiff_t)p + 6];
@@ -122,9 +121,8 @@ double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p)
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
         if (layer->neighbour[t] < layer->own_count) { /* nearest first */
             const bool has_gradient = layer->moment[8 * (ptrdiff_t)p + 6] > 0;
-            return has_gradient
-                       ? ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3])
-                       : 0.0;
+            return has_gradient ? ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3])
+                                : 0.0;
         }
     }
     return 0.0;
@@ -394,8 +392,8 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
         const ptrdiff_t b = hybrid->lane[e] / SS_FEM_LANES;
         const int l = hybrid->lane[e] % SS_FEM_LANES;
         const ss_real *shape = hybrid->core.shape + b * SS_FEM_SHAPES * SS_FEM_LANES + l;
-        const double modulus = hybrid->volume[e] *
-                               (hybrid->material.lambda[e] + 4.0 * hybrid->material.mu[e]) / 3.0;
+        const double modulus =
+            hybrid->volume[e] * (hybrid->material.lambda[e] + 4.0 * hybrid->material.mu[e]) / 3.0;
         double first[3] = {0.0, 0.0, 0.0};
         for (int a = 0; a < 3; ++a) {
             double square = 0.0;
@@ -410,8 +408,8 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
             modulus * (first[0] * first[0] + first[1] * first[1] + first[2] * first[2]);
     }
     for (int32_t c = 0; c < hybrid->cells.count; ++c) {
-        const double modulus = hybrid->cell_volume[c] *
-                               (hybrid->cell_lambda[c] + 4.0 * hybrid->cell_mu[c]) / 3.0;
+        const double modulus =
+            hybrid->cell_volume[c] * (hybrid->cell_lambda[c] + 4.0 * hybrid->cell_mu[c]) / 3.0;
         for (ptrdiff_t t = hybrid->cells.first[c]; t < hybrid->cells.first[c + 1]; ++t) {
             const ss_real *row = hybrid->cells.row + 4 * t;
             diagonal[hybrid->cells.node[t]] +=
@@ -457,9 +455,7 @@ const ss_layer_kernels *ss_layer_kernels_path(int32_t index)
 {
 #ifdef SS_HYBRID_AVX2
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        return index == 0   ? &ss_layer_kernels_avx2
-               : index == 1 ? &ss_layer_kernels_baseline
-                            : NULL;
+        return index == 0 ? &ss_layer_kernels_avx2 : index == 1 ? &ss_layer_kernels_baseline : NULL;
     }
 #endif
     return index == 0 ? &ss_layer_kernels_baseline : NULL;
@@ -476,8 +472,8 @@ double ss_layer_pair_potential(double s, double *out_slope)
     const double inverse = 1.0 / at;
     const double square = inverse * inverse;
     const double slope = 1.5 * (square - square * square);
-    const double bend = s < SS_LAYER_CORE ? -3.0 * square * inverse + 6.0 * square * square * inverse
-                                          : 0.0;
+    const double bend =
+        s < SS_LAYER_CORE ? -3.0 * square * inverse + 6.0 * square * square * inverse : 0.0;
     const double beyond = s - at;
     *out_slope = slope + bend * beyond;
     return 0.5 * inverse * (square - 3.0) + slope * beyond + 0.5 * bend * beyond * beyond;

@@ -39,8 +39,8 @@ static ss_quad place_of(const ss_hybrid *hybrid, int32_t s, const ss_real *u)
     const ss_layer *layer = hybrid->layer;
     const ss_hybrid_ride *ride = &hybrid->ride[s];
     const int32_t first = layer->skin_tie_first[s];
-    const ss_quad tied = sum_row(layer->skin_tie_first[s + 1] - first,
-                                 layer->skin_tie_node + first, layer->skin_tie + first, u);
+    const ss_quad tied = sum_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
+                                 layer->skin_tie + first, u);
     if (ride->count == 0 || !(ride->theta > 0)) {
         return tied;
     }
@@ -89,8 +89,7 @@ void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
         const ptrdiff_t at = 4 * (ptrdiff_t)i;
         if (s < 0) {
             ss_quad_store(out + at, ss_quad_load(u + at));
-        } else if (hybrid->ride[s].count > 0 ||
-                   (!is_motion && s % TURNS == hybrid->turn) ||
+        } else if (hybrid->ride[s].count > 0 || (!is_motion && s % TURNS == hybrid->turn) ||
                    is_close(hybrid, i, hybrid->laid + at)) {
             ss_quad_store(out + at, place_of(hybrid, s, u));
         }

@@ -8,8 +8,8 @@
  * the displacement of the skin node nearest to it. A particle is wanted when it is nearer to the
  * pulled-back tool's surface than wake_reach, and let go beyond sleep_reach; where that would be
  * more than max_awake, both reaches shrink in proportion (a histogram of distances finds the
- * largest that fits), so that the nearest stay. Only a tool that has moved by a quarter of a
- * spacing since is looked at again.
+ * largest that fits), so that the nearest wake and the awake region keeps up with the tool. Only a
+ * tool that has moved by a quarter of a spacing since is looked at again.
  *
  * How. Wanted: it and its neighbours become points, whose shares rise by STEP an outer step. Half
  * way up a wanted particle gets a node: u = T u, v = T v, and its mass, taken from the four nodes
@@ -22,8 +22,8 @@
  * both back: exact, but for axes that are held, whose support takes the difference. Energy is not
  * kept: one velocity for several is a loss, and the layer bends where its host cannot. The forces
  * and energies are therefore evaluated anew after a change, and the body books the difference as
- * work, so that its ledger still tells true gains. Rejected: freezing the particle where it is (springs of the
- * frozen lattice would hold the dent).
+ * work, so that its ledger still tells true gains. Rejected: freezing the particle where it is
+ * (springs of the frozen lattice would hold the dent).
  */
 #include <math.h>
 #include <string.h>
@@ -34,6 +34,7 @@
 #define DRIFT     0.8   /* of an offset is left after an outer step */
 #define NEAR_TIE  0.1   /* spacings */
 #define LOOK_MOVE 0.25  /* spacings */
+#define FULL      0.85  /* of max_awake; the rest is for those that may sleep but do not yet */
 enum { BINS = 64, PATIENCE = 64 };
 
 /* ---- mass and momentum -----------------------------------------------------------------------
@@ -337,9 +338,10 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3])
     }
 }
 
-/* How much both reaches shrink, 0..1, so that no more than max_awake are wanted. */
-static double fit_reach(const ss_hybrid *hybrid, double *out_reach)
+/* The reach within which particles wake: wake_reach, or less, so that FULL of max_awake are. */
+static double fit_reach(const ss_hybrid *hybrid)
 {
+    const double most = FULL * hybrid->max_awake;
     int32_t bin[BINS] = {0};
     double low = hybrid->wake_reach;
     for (int32_t k = 0; k < hybrid->found_count; ++k) {
@@ -356,11 +358,10 @@ static double fit_reach(const ss_hybrid *hybrid, double *out_reach)
         }
     }
     int b = BINS;
-    while (b > 0 && inside > hybrid->max_awake) {
+    while (b > 1 && inside > most) {
         inside -= bin[--b];
     }
-    *out_reach = low + b * width;
-    return *out_reach;
+    return low + b * width;
 }
 
 /* Does any tool ask for a new look? Fills where they are at rest. */
@@ -396,9 +397,9 @@ static void look(ss_hybrid *hybrid)
             scan(hybrid, k, middle[k]);
         }
     }
-    double reach;
-    fit_reach(hybrid, &reach);
-    const double let = reach + hybrid->sleep_reach - hybrid->wake_reach;
+    const double reach = fit_reach(hybrid);
+    const double band = (hybrid->sleep_reach / hybrid->wake_reach - 1.0) * fmax(reach, 0.0);
+    const double let = reach + fmax(band, 0.5 * hybrid->least_spacing);
     for (int32_t k = hybrid->wanted_count - 1; k >= 0; --k) {
         if (!(hybrid->distance[hybrid->wanted[k]] < let)) {
             let_go(hybrid, hybrid->wanted[k]);

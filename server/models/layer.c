@@ -99,9 +99,10 @@ bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], c
     double reach = 0.0;
     for (int32_t i = 0; i < count; ++i) {
         const double w = pow(1.0 - square[i] / h2, 3.0);
-        out_weight[i] = w * (c[0] + (c[1] * (x[i][0] - at[0]) + c[2] * (x[i][1] - at[1]) +
-                                     c[3] * (x[i][2] - at[2])) /
-                                        h);
+        out_weight[i] =
+            w *
+            (c[0] +
+             (c[1] * (x[i][0] - at[0]) + c[2] * (x[i][1] - at[1]) + c[3] * (x[i][2] - at[2])) / h);
         reach += fabs(out_weight[i]);
     }
     return reach < 8.0;
@@ -245,8 +246,8 @@ static int32_t find_neighbours(const builder *b, int32_t p, int32_t out[SS_LAYER
 {
     const ss_layer *layer = b->layer;
     const double widest = reach_of(layer->spacing[p], b->plan->spacing);
-    const int32_t found = ss_point_grid_nearest(&b->grid, layer->rest[p], SS_LAYER_MAX_PAIRS,
-                                                widest, out, square);
+    const int32_t found =
+        ss_point_grid_nearest(&b->grid, layer->rest[p], SS_LAYER_MAX_PAIRS, widest, out, square);
     int32_t count = 0;
     for (int32_t k = 0; k < found; ++k) {
         const double reach = reach_of(layer->spacing[p], layer->spacing[out[k]]);
@@ -348,8 +349,7 @@ static bool join_neighbours(builder *b)
     int32_t neighbour[SS_LAYER_MAX_PAIRS];
     double square[SS_LAYER_MAX_PAIRS];
     for (int32_t p = 0; p < layer->count; ++p) {
-        layer->pair_first[p + 1] =
-            layer->pair_first[p] + find_neighbours(b, p, neighbour, square);
+        layer->pair_first[p + 1] = layer->pair_first[p] + find_neighbours(b, p, neighbour, square);
     }
     const size_t pairs = (size_t)layer->pair_first[layer->count];
     layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);

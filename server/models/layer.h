@@ -34,7 +34,7 @@ typedef struct ss_layer_plan {
 } ss_layer_plan;
 
 typedef struct ss_layer {
-    int32_t count;       /* of particles: the layer's own, then ghosts inside the core */
+    int32_t count; /* of particles: the layer's own, then ghosts inside the core */
     int32_t own_count;
     double (*rest)[3];   /* m */
     double *spacing;     /* m */

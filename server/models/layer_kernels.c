@@ -10,14 +10,15 @@
  *   together   f_ij = w [ M X_ij + kappa u_ij ],  M = V P A^-1 - kappa H
  *
  * with the energy kappa/2 sum w |e|^2 = kappa/2 (sum w |u_ij|^2 - H:B), whose two parts are summed
- * by axis on the way. The force is added to i and taken from j. Both are -dE/dx of V W(F) + kappa/2 sum w |e|^2, since sum w e X^T =
- * 0 makes the change of H drop out of the second: momentum is kept by pairs, and for affine motion
- * the residual is nothing. So a pair needs w X and w alone, and M is worked out once a point. The
- * residual is needed: without it sub-lattices that the gradient does not see drift apart.
+ * by axis on the way. The force is added to i and taken from j. Both are -dE/dx of V W(F) + kappa/2
+ * sum w |e|^2, since sum w e X^T = 0 makes the change of H drop out of the second: momentum is kept
+ * by pairs, and for affine motion the residual is nothing. So a pair needs w X and w alone, and M
+ * is worked out once a point. The residual is needed: without it sub-lattices that the gradient
+ * does not see drift apart.
  *
  * Cohesion, the Lennard-Jones term of the paper's eq. (8) with a rest distance for every pair and a
- * well of depth e: phi(s) = (s^-3 - 3/s)/2, s = r/r0. With q = s^2 - 1 = (2 X.u + |u|^2)/r0^2, which
- * is small where u is,
+ * well of depth e: phi(s) = (s^-3 - 3/s)/2, s = r/r0. With q = s^2 - 1 = (2 X.u + |u|^2)/r0^2,
+ * which is small where u is,
  *
  *   f_ij = 3 e/(2 r0^2) g/s x_ij,  g = s^-2 - s^-4 = q/(1 + q)^2
  *
@@ -126,8 +127,8 @@ static void push(const ss_layer_pass *pass)
         for (int c = 0; c < 3; ++c) {
             m[c] = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
             for (int d = 0; d < 3; ++d) {
-                m[c] = ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d),
-                                    m[c]);
+                m[c] =
+                    ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m[c]);
             }
         }
         ss_quad sum = ss_quad_all(0);
@@ -212,8 +213,8 @@ static inline ss_quad cohesion(ss_quad q)
     const ss_quad square = ss_quad_add(one, inner);
     const ss_quad s = ss_quad_root(ss_quad_most(ss_quad_add(one, q), ss_quad_all((ss_real)1e-6)));
     const ss_quad below = no_more(ss_quad_sub(s, ss_quad_all(core)), 0);
-    const ss_quad g = ss_quad_fma(ss_quad_all(slope), below,
-                                  ss_quad_div(inner, ss_quad_mul(square, square)));
+    const ss_quad g =
+        ss_quad_fma(ss_quad_all(slope), below, ss_quad_div(inner, ss_quad_mul(square, square)));
     return ss_quad_div(g, s);
 }
 
@@ -259,8 +260,8 @@ static double cohere(const ss_layer_pass *pass, bool wants_energy)
             for (int l = 0; l < 4; ++l) {
                 const ptrdiff_t at = t + l < end ? t + l : end - 1;
                 row[l] = ss_quad_load(layer->pair + 4 * at);
-                u[l] = ss_quad_sub(
-                    ss_quad_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[at]), own);
+                u[l] = ss_quad_sub(ss_quad_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[at]),
+                                   own);
             }
             ss_quad_transpose(&row[0], &row[1], &row[2], &row[3]);
             ss_quad_transpose(&u[0], &u[1], &u[2], &u[3]);

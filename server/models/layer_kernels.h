@@ -18,20 +18,20 @@
 
 typedef struct ss_layer_pass {
     const ss_layer *layer;
-    const ss_real *u, *v;       /* of the body's nodes; v may be NULL: velocities are left 0 */
-    ss_real *force;             /* of the body's nodes, added to */
+    const ss_real *u, *v; /* of the body's nodes; v may be NULL: velocities are left 0 */
+    ss_real *force;       /* of the body's nodes, added to */
     int32_t near_count;
-    const int32_t *near;        /* particles */
-    const int32_t *node_of;     /* by particle: its node when it moves by itself, -1 when tied */
-    const ss_real *offset;      /* by particle, quads: a tied one is there beside its tie, m */
-    ss_real *state;             /* by particle, pairs: u, v */
-    ss_real *particle_force;    /* by particle, quads */
+    const int32_t *near;     /* particles */
+    const int32_t *node_of;  /* by particle: its node when it moves by itself, -1 when tied */
+    const ss_real *offset;   /* by particle, quads: a tied one is there beside its tie, m */
+    ss_real *state;          /* by particle, pairs: u, v */
+    ss_real *particle_force; /* by particle, quads */
     int32_t point_count;
     const int32_t *point;       /* particles */
     const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
-    ss_real *gradient;          /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
-    ss_real *spread;            /* pairs, by point: sum w u^2, w v^2 by axis */
-    const ss_real *stress;      /* likewise, first quad: -V P, column c */
+    ss_real *gradient;     /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
+    ss_real *spread;       /* pairs, by point: sum w u^2, w v^2 by axis */
+    const ss_real *stress; /* likewise, first quad: -V P, column c */
 } ss_layer_pass;
 
 /* Cells that sleeping particles are counted by: gradients that are fixed rows over nodes. */

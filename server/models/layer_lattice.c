@@ -90,7 +90,8 @@ static void claim(lattice *l, int32_t e)
                 const double b = ss_dot3(row[1], x) / determinant;
                 const double c = ss_dot3(row[2], x) / determinant;
                 int32_t *host = &l->host[place(l, i, j, k)];
-                if (*host < 0 && a >= -1e-9 && b >= -1e-9 && c >= -1e-9 && a + b + c <= 1.0 + 1e-9) {
+                if (*host < 0 && a >= -1e-9 && b >= -1e-9 && c >= -1e-9 &&
+                    a + b + c <= 1.0 + 1e-9) {
                     *host = e;
                 }
             }
@@ -117,8 +118,8 @@ static void pierce(lattice *l, int32_t t)
               &first[k], &last[k]);
     }
     /* Twice the signed area seen along x: > 0 where the normal points to +x. */
-    const double area = (x[1][1] - x[0][1]) * (x[2][2] - x[0][2]) -
-                        (x[1][2] - x[0][2]) * (x[2][1] - x[0][1]);
+    const double area =
+        (x[1][1] - x[0][1]) * (x[2][2] - x[0][2]) - (x[1][2] - x[0][2]) * (x[2][1] - x[0][1]);
     const int16_t change = area > 0.0 ? -1 : 1; /* towards +x one leaves where it points to +x */
     for (int32_t k = first[2]; k <= last[2] && area != 0.0; ++k) {
         for (int32_t j = first[1]; j <= last[1]; ++j) {
@@ -182,8 +183,8 @@ static bool add_site(ss_layer_sites *sites, const ss_layer_site *site)
 
 static bool is_of_level(const lattice *l, int level, int32_t i, int32_t j, int32_t k)
 {
-    const int64_t cell = ((int64_t)(k >> level) * l->coarse_n[1] + (j >> level)) * l->coarse_n[0] +
-                         (i >> level);
+    const int64_t cell =
+        ((int64_t)(k >> level) * l->coarse_n[1] + (j >> level)) * l->coarse_n[0] + (i >> level);
     return l->level == NULL || l->level[cell] == level;
 }
 
@@ -283,8 +284,9 @@ softsim_status ss_layer_list_sites(const ss_layer_plan *plan, ss_layer_sites *ou
             if (!scan(&l, level, out_sites)) {
                 ss_memory_free(l.level);
                 ss_memory_free(out_sites->site);
-                softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for the layer's "
-                                                               "lattice");
+                softsim_error_add(error, SOFTSIM_ERROR_MEMORY,
+                                  "out of memory for the layer's "
+                                  "lattice");
                 return SOFTSIM_ERROR_MEMORY;
             }
             l.spacing *= 0.5;

@@ -501,8 +501,8 @@ static void check_model_keys(ss_scene_check *check, ss_scene_node *node)
         snprintf(name[i], sizeof name[i], "%.*s", (int)(dot - check->model_row[i].name),
                  check->model_row[i].name);
         if (tops == 0 || strcmp(top[tops - 1].name, name[i]) != 0) {
-            top[tops++] = (ss_scene_row){
-                .name = name[i], .kind = SS_SCENE_KEYS, .child = {.row = &below[i]}};
+            top[tops++] =
+                (ss_scene_row){.name = name[i], .kind = SS_SCENE_KEYS, .child = {.row = &below[i]}};
         }
         top[tops - 1].child.count++;
         top[tops - 1].is_required = top[tops - 1].is_required || below[i].is_required;

@@ -207,11 +207,12 @@ static bool take_layer(loader *l, ss_scene_node *object, const char *name)
 {
     ss_scene *scene = l->scene;
     ss_scene_node *outer = good(ss_scene_node_find(object, "outer"));
-    ss_scene_node *thickness = good(ss_scene_find_model_node(
-        ss_scene_node_find(l->root, "model"), "layer.thickness_m"));
+    ss_scene_node *thickness =
+        good(ss_scene_find_model_node(ss_scene_node_find(l->root, "model"), "layer.thickness_m"));
     if (outer != NULL && !has_layer(l->model)) {
-        ss_scene_node_fault(l->report, outer, "object.outer is for a layer around the mesh, which "
-                                              "%s does not have; hybrid does",
+        ss_scene_node_fault(l->report, outer,
+                            "object.outer is for a layer around the mesh, which "
+                            "%s does not have; hybrid does",
                             l->model != NULL ? l->model->name : "this model");
         return false;
     }
@@ -252,8 +253,9 @@ static bool take_layer(loader *l, ss_scene_node *object, const char *name)
         const double metres = strtod(thickness->text, NULL);
         status = metres != 0.0 ? ss_mesh_grow_skin(core, metres, &layered, fault) : SOFTSIM_OK;
         if (metres == 0.0) {
-            ss_scene_node_fault(l->report, thickness, "a layer of no thickness has no particles; "
-                                                      "give more, or less, than 0");
+            ss_scene_node_fault(l->report, thickness,
+                                "a layer of no thickness has no particles; "
+                                "give more, or less, than 0");
         }
     }
     if (status != SOFTSIM_OK) {

@@ -15,7 +15,7 @@ static const struct {
     {"Table 1 and eq. 14: steps", ss_heart_steps, 8},
     {"Frames a second", ss_heart_rates, 6},
     {"Hybrid beside finite elements", ss_heart_indentation, 12},
-    {"A thin wall, and what waking is felt as", ss_heart_walls, 12},
+    {"A thin wall, and what waking is felt as", ss_heart_walls, 40},
     {"Figs. 3 and 4: ventricles", ss_heart_pictures, 5},
     {"Equations 7, 8, 11, 13 as printed", ss_heart_literal, 2},
 };

@@ -67,8 +67,8 @@ ss_mesh *ss_heart_ellipsoids(const ss_paper *paper, int32_t nodes, softsim_error
 
 ss_mesh *ss_heart_ventricle(const ss_paper *paper, softsim_error *error)
 {
-    const char *const argv[] = {"ventricle",  "--tetrahedra", "--size-mm",    "1300,1300,2400",
-                                "--inner-mm", "840,840,2000", "--base-mm",    "500",
+    const char *const argv[] = {"ventricle",  "--tetrahedra", "--size-mm", "1300,1300,2400",
+                                "--inner-mm", "840,840,2000", "--base-mm", "500",
                                 "--points",   "1391",         NULL};
     return ss_heart_generate(paper, argv, error);
 }
@@ -109,10 +109,8 @@ static ss_mesh *make_wall(double a, double c, double top, double edge, softsim_e
             const int32_t n = first + k % around;
             const bool is_below =
                 before > 1 && (k >= around || (j < before && (j + 1) * around <= (k + 1) * before));
-            const int32_t corner[3] = {b,
-                                       is_below ? before_first + (j + 1) % before
-                                                : first + (k + 1) % around,
-                                       n};
+            const int32_t corner[3] = {
+                b, is_below ? before_first + (j + 1) % before : first + (k + 1) % around, n};
             memcpy(triangle[count++], corner, sizeof corner);
             j += is_below;
             k += !is_below;
@@ -141,8 +139,8 @@ static ss_mesh *add_skin(ss_mesh *core, ss_mesh *outer, softsim_error *error)
 
 ss_mesh *ss_heart_layered(const ss_paper *paper, softsim_error *error)
 {
-    const char *const argv[] = {"ventricle",  "--tetrahedra", "--size-mm",    "1100,1100,2200",
-                                "--inner-mm", "840,840,2000", "--base-mm",    "500",
+    const char *const argv[] = {"ventricle",  "--tetrahedra", "--size-mm", "1100,1100,2200",
+                                "--inner-mm", "840,840,2000", "--base-mm", "500",
                                 "--points",   "675",          NULL};
     return add_skin(ss_heart_generate(paper, argv, error), make_wall(0.65, 1.2, 0.5, 0.06, error),
                     error);
@@ -153,8 +151,8 @@ ss_mesh *ss_heart_layered_ellipsoids(const ss_paper *paper, softsim_error *error
     const char *const core[] = {"ellipsoids",     "--tetrahedra", "--size-mm",
                                 "1600,1250,1250", "--inner-mm",   "1200,900,900",
                                 "--points",       "500",          NULL};
-    const char *const outer[] = {"ellipsoid", "--points",       "1500", "--size-mm",
-                                 "2000,1600,1600", NULL};
+    const char *const outer[] = {"ellipsoid", "--points",       "1500",
+                                 "--size-mm", "2000,1600,1600", NULL};
     ss_mesh *inside = ss_heart_generate(paper, core, error);
     return add_skin(inside, ss_heart_generate(paper, outer, error), error);
 }
@@ -193,8 +191,8 @@ void ss_heart_init(ss_heart_body *body, ss_mesh *mesh, const char *model, const 
     ss_heart_set(body, "density_kg_m3", 1.0);
     ss_heart_set(body, "mass_damping_per_s", 2.0);
     for (int32_t g = 0; g < mesh->group_count; ++g) {
-        for (int32_t k = 0; strcmp(mesh->group[g].name, group) == 0 && k < mesh->group[g].node_count;
-             ++k) {
+        for (int32_t k = 0;
+             strcmp(mesh->group[g].name, group) == 0 && k < mesh->group[g].node_count; ++k) {
             body->fixed[mesh->group[g].node[k]] = 7;
         }
     }

@@ -9,9 +9,8 @@
 softsim_status ss_heart_draw(ss_paper *paper, const char *name, const char *caption,
                              const ss_heart_picture *picture, softsim_error *error)
 {
-    static const ss_shape_view views[] = {
-        {{0.75, 0.6, 0.25}, {0.0, 0.0, 1.0}, "from the tool's side"},
-        {{0.0, 1.0, 0.1}, {0.0, 0.0, 1.0}, "from the side"}};
+    static const ss_shape_view views[] = {{{0.75, 0.6, 0.25}, {0.0, 0.0, 1.0}, "towards the tool"},
+                                          {{0.0, 1.0, 0.1}, {0.0, 0.0, 1.0}, "from the side"}};
     ss_shape shape = {.node_count = picture->node_count,
                       .face_count = picture->face_count,
                       .rest = (const double(*)[3])picture->rest,

@@ -12,6 +12,6 @@ typedef struct ss_heart_picture {
     double ball[3], radius;     /* radius 0: none */
 } ss_heart_picture;
 
-/* Draws `name`.png into the page, from the tool's side and from the side. */
+/* Draws `name`.png into the page, towards the tool and from the side. */
 softsim_status ss_heart_draw(ss_paper *paper, const char *name, const char *caption,
                              const ss_heart_picture *picture, softsim_error *error);

@@ -106,8 +106,8 @@ static softsim_status compare_bound(ss_paper *paper, ss_row *row, int which, sof
     const softsim_status status = ss_heart_start(&body, error);
     if (status == SOFTSIM_OK) {
         body.model_class->info(body.model, &info);
-        ss_row_add(row, "%s", which == SS_HEART_ROWS ? "ED0, nodes disturbed"
-                                                     : ss_heart_table[of].name);
+        ss_row_add(row, "%s",
+                   which == SS_HEART_ROWS ? "ED0, nodes disturbed" : ss_heart_table[of].name);
         ss_row_add(row, "%d / %d", body.mesh->node_count, body.mesh->tetrahedron_count);
         ss_row_add_number(row, printed);
         ss_row_add_number(row, info.stable_step);
@@ -299,9 +299,9 @@ static softsim_status time_row(ss_paper *paper, ss_output *csv, int which, int32
 
 softsim_status ss_heart_rates(ss_paper *paper, softsim_error *error)
 {
-    static const char *const head[] = {"model",        "awake",         "frame, tool moving, us",
-                                       "tool still",   "sub-steps",     "of one, us",
-                                       "frames a second", "the paper's, Pentium 4"};
+    static const char *const head[] = {
+        "model",     "awake",      "frame, tool moving, us", "tool still",
+        "sub-steps", "of one, us", "frames a second",        "the paper's, Pentium 4"};
     ss_output csv;
     softsim_status status =
         ss_paper_csv_open(paper, &csv, "rates",
