@@ -73,7 +73,7 @@ struct ss_model {
     double *contact; /* N/m a node */
     /* of the last step, for tests and reports */
     int32_t newton_count, product_count, evaluation_count;
-    double left; /* residual over what it was, or over what was enough */
+    double left; /* residual over what was enough */
 };
 
 /* ---- corot_material.c ----------------------------------------------------------------------- */

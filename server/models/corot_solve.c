@@ -30,7 +30,8 @@
  *
  * Enough: |r| <= tolerance of the larger of |r(0)| and a tenth of |f_loads + f_contact|, or what
  * the rounding of u alone amounts to; |r|^2 = r.P^-1 r, P the diagonal. Newton's iteration ends at
- * ten times the tolerance, since its error too is left to the next step.
+ * ten times the tolerance, since its error too is left to the next step. Where the budget ends it
+ * before, the verdict says so.
  */
 #include <math.h>
 #include <string.h>
@@ -43,7 +44,9 @@
 /* Of u, of which forces cannot be known better; of an edge, where u is 0. */
 #define ROUNDING      (sizeof(ss_real) == sizeof(float) ? 2e-7 : 4e-16)
 #define SMALLEST_MOVE 1e-15
-enum { MAX_HALVINGS = 4 };
+/* More of the residual than this times what was enough is no solution. */
+#define MAX_LEFT 10.0
+enum { MAX_HALVINGS = 2 };
 
 /* ---- the law ------------------------------------------------------------------------------ */
 
@@ -258,8 +261,8 @@ static double enough_of(const task *t, double first)
     return fmax(t->model->tolerance * fmax(first, LOAD_SHARE * t->load_size), t->smallest);
 }
 
-/* Newton's iteration; true where it came to its end. */
-static bool iterate(task *t)
+/* Newton's iteration; returns the residual over what is enough: above 1 the budget has ended it. */
+static double iterate(task *t)
 {
     ss_model *model = t->model;
     set_residual(t, true);
@@ -279,8 +282,7 @@ static bool iterate(task *t)
         }
         enough = NEWTON_SHARE * enough_of(t, first);
     }
-    model->left = enough > 0.0 ? t->size / enough : 0.0;
-    return t->size <= enough;
+    return enough > 0.0 ? t->size / enough : 0.0;
 }
 
 void ss_corot_advance(void *owner, ss_body *body, double h, double path_end)
@@ -297,10 +299,14 @@ void ss_corot_advance(void *owner, ss_body *body, double h, double path_end)
     memcpy(model->old_v, nodes->v, bytes_of(model));
     memset(model->change, 0, bytes_of(model));
     model->product_count = model->evaluation_count = 0;
-    if (!iterate(&t)) {
+    model->left = iterate(&t);
+    if (!(model->left <= MAX_LEFT)) {
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
-                      "the implicit step's equation was not solved within newton_iterations and "
+                      "the step's equation was not solved within newton_iterations and "
                       "solver_iterations");
+    } else if (model->left > 1.0) {
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "the step's equation was solved in part: the next one goes on with the rest");
     }
     for (int32_t k = 0; k < model->scalar_count; ++k) {
         nodes->v[k] = nodes->mobility[k] > 0 ? model->velocity[k] : nodes->v[k];
