@@ -559,7 +559,8 @@ static void bends_as_the_reference_beam(void **state)
     }
     s.plan.gravity[2] = -9.81 * 0.02;
     settle(&s);
-    assert_near(moved(&s, tip, 2), -0.00092822, 2e-7); /* the floor's last digit is 1e-8 */
+    /* turning plays a part of 1e-4; single precision knows a slender beam no better than 4e-4 */
+    assert_near(moved(&s, tip, 2), -0.00092822, BY_TYPE(4e-7, 1e-7));
     setup_fini(&s);
 }
 

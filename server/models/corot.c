@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "models/grasp.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
 
@@ -34,11 +35,11 @@ static void destroy(ss_model *model)
     ss_body_destroy(&model->body);
     ss_fem_blocks_fini(&model->blocks);
     ss_corot_material_fini(&model->material);
-    void *const owned[] = {model->stiff,   model->viscous,  model->mass,       model->system,
-                           model->turned,  model->elastic,  model->old_u,      model->old_v,
-                           model->change,  model->velocity, model->away,       model->residual,
-                           model->scaled,  model->search,   model->product,    model->step,
-                           model->inverse, model->contact,  model->evaluated_u};
+    void *const owned[] = {model->stiff,   model->viscous,  model->mass,    model->system,
+                           model->turned,  model->elastic,  model->old_u,   model->old_v,
+                           model->change,  model->velocity, model->away,    model->residual,
+                           model->scaled,  model->search,   model->product, model->step,
+                           model->inverse, model->last,     model->contact, model->evaluated_u};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -50,9 +51,9 @@ static softsim_status allocate(ss_model *model)
     const size_t nodes = (size_t)model->scalar_count / 4;
     const size_t lanes = (size_t)model->blocks.count * SS_FEM_LANES;
     ss_real **const quads[] = {
-        &model->mass,     &model->elastic, &model->old_u,    &model->old_v,      &model->change,
-        &model->velocity, &model->away,    &model->residual, &model->scaled,     &model->search,
-        &model->product,  &model->step,    &model->inverse,  &model->evaluated_u};
+        &model->mass,     &model->elastic, &model->old_u,    &model->old_v,  &model->change,
+        &model->velocity, &model->away,    &model->residual, &model->scaled, &model->search,
+        &model->product,  &model->step,    &model->inverse,  &model->last,   &model->evaluated_u};
     bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         *quads[k] = ss_memory_get(4 * nodes, sizeof(ss_real));
@@ -126,8 +127,15 @@ static double stable_step(void *owner, const ss_body *body)
 static void forget(void *owner)
 {
     ss_model *model = owner;
-    model->is_evaluated = false;
+    model->is_evaluated = model->has_last = false;
+    memset(model->last, 0, (size_t)model->scalar_count * sizeof *model->last);
     model->newton_count = model->product_count = model->evaluation_count = 0;
+}
+
+static uint64_t hash_last(const void *owner, uint64_t seed)
+{
+    const ss_model *model = owner;
+    return ss_hash_bytes(seed, model->last, (size_t)model->scalar_count * sizeof *model->last);
 }
 
 static softsim_status create_body(ss_model *model, softsim_error *error)
@@ -153,6 +161,7 @@ static softsim_status create_body(ss_model *model, softsim_error *error)
                                            .stable_step = stable_step,
                                            .advance = ss_corot_advance,
                                            .reset = forget,
+                                           .hash = hash_last,
                                            .viscous_time = model->material.viscous_time}};
     const softsim_status status = ss_body_create(&plan, &model->body, error);
     ss_memory_free(mass);

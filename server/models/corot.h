@@ -61,6 +61,9 @@ struct ss_model {
     /* moduli of K + D/h, laid out as the blocks' */
     ss_real *system;
     double system_step; /* h that they are for */
+    /* state: h times the change of velocity in the last step, quads, where there was one */
+    bool has_last;
+    ss_real *last;
     /* the last evaluation of all elements: derived from evaluated_u alone */
     bool is_evaluated;
     ss_real *evaluated_u, *turned, *elastic; /* elastic: forces, quads */
@@ -73,7 +76,7 @@ struct ss_model {
     double *contact; /* N/m a node */
     /* of the last step, for tests and reports */
     int32_t newton_count, product_count, evaluation_count;
-    double left; /* residual over what it was, or over what was enough */
+    double left; /* residual over what was enough */
 };
 
 /* ---- corot_material.c ----------------------------------------------------------------------- */

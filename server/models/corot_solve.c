@@ -28,9 +28,14 @@
  * which save few products (those of inner nodes are nearly multiples of the identity) and would
  * have to be turned.
  *
+ * It begins from the best multiple of the change of velocity in the step before, for one product:
+ * in a smooth motion that is most of the solution (13.1 to 8.6 products a step, 19,069 tetrahedra
+ * that swing under their weight).
+ *
  * Enough: |r| <= tolerance of the larger of |r(0)| and a tenth of |f_loads + f_contact|, or what
  * the rounding of u alone amounts to; |r|^2 = r.P^-1 r, P the diagonal. Newton's iteration ends at
- * ten times the tolerance, since its error too is left to the next step.
+ * ten times the tolerance, since its error too is left to the next step. Where the budget ends it
+ * before, the verdict says so.
  */
 #include <math.h>
 #include <string.h>
@@ -43,7 +48,9 @@
 /* Of u, of which forces cannot be known better; of an edge, where u is 0. */
 #define ROUNDING      (sizeof(ss_real) == sizeof(float) ? 2e-7 : 4e-16)
 #define SMALLEST_MOVE 1e-15
-enum { MAX_HALVINGS = 4 };
+/* More of the residual than this times what was enough is no solution. */
+#define MAX_LEFT 10.0
+enum { MAX_HALVINGS = 2 };
 
 /* ---- the law ------------------------------------------------------------------------------ */
 
@@ -214,28 +221,49 @@ static void set_residual(task *t, bool may_guess)
     t->size = sqrt(kernels->dot(model->scalar_count, model->residual, model->scaled));
 }
 
-/* Conjugate gradients from 0: step := dx, until |r| <= enough. */
-static void solve(task *t, double enough)
+/* product := A search; returns search.product */
+static double apply(task *t)
+{
+    ss_model *model = t->model;
+    ++model->product_count;
+    model->kernels->scale(model->scalar_count, t->inertia, model->mass, model->search,
+                          model->product);
+    model->kernels->multiply(&model->blocks, model->turned, model->system, 1.0, model->search,
+                             model->product);
+    ss_body_contact_tangent(t->body, model->search, model->product);
+    return model->kernels->dot(model->scalar_count, model->search, model->product);
+}
+
+/* step += s search and what follows from it; returns |r|^2. */
+static double descend(ss_model *model, double s)
+{
+    return model->kernels->descend(model->scalar_count, s, model->search, model->product,
+                                   model->inverse, model->step, model->residual, model->scaled);
+}
+
+/* Conjugate gradients: step := dx, until |r| <= enough. They begin from the best multiple of the
+ * last step's change where `has_start`. */
+static void solve(task *t, double enough, bool has_start)
 {
     ss_model *model = t->model;
     const ss_corot_kernels *kernels = model->kernels;
     const int32_t n = model->scalar_count;
     double rho = t->size * t->size;
     memset(model->step, 0, bytes_of(model));
+    if (has_start) {
+        memcpy(model->search, model->last, bytes_of(model));
+        const double curvature = apply(t);
+        if (curvature > 0.0) {
+            rho = descend(model, kernels->dot(n, model->search, model->residual) / curvature);
+        }
+    }
     memcpy(model->search, model->scaled, bytes_of(model));
     while (rho > enough * enough && model->product_count < model->max_products) {
-        ++model->product_count;
-        kernels->scale(n, t->inertia, model->mass, model->search, model->product);
-        kernels->multiply(&model->blocks, model->turned, model->system, 1.0, model->search,
-                          model->product);
-        ss_body_contact_tangent(t->body, model->search, model->product);
-        const double curvature = kernels->dot(n, model->search, model->product);
+        const double curvature = apply(t);
         if (!(curvature > 0.0)) {
             break; /* nothing left but rounding */
         }
-        const double next =
-            kernels->descend(n, rho / curvature, model->search, model->product, model->inverse,
-                             model->step, model->residual, model->scaled);
+        const double next = descend(model, rho / curvature);
         kernels->turn(n, next / rho, model->scaled, model->search);
         rho = next;
     }
@@ -258,8 +286,8 @@ static double enough_of(const task *t, double first)
     return fmax(t->model->tolerance * fmax(first, LOAD_SHARE * t->load_size), t->smallest);
 }
 
-/* Newton's iteration; true where it came to its end. */
-static bool iterate(task *t)
+/* Newton's iteration; returns the residual over what is enough: above 1 the budget has ended it. */
+static double iterate(task *t)
 {
     ss_model *model = t->model;
     set_residual(t, true);
@@ -268,7 +296,7 @@ static bool iterate(task *t)
     for (model->newton_count = 0; t->size > enough && model->newton_count < model->max_newton;
          ++model->newton_count) {
         const double before = t->size;
-        solve(t, enough);
+        solve(t, enough, model->newton_count == 0 && model->has_last);
         take(t, 1.0);
         set_residual(t, false);
         double share = 1.0;
@@ -279,8 +307,7 @@ static bool iterate(task *t)
         }
         enough = NEWTON_SHARE * enough_of(t, first);
     }
-    model->left = enough > 0.0 ? t->size / enough : 0.0;
-    return t->size <= enough;
+    return enough > 0.0 ? t->size / enough : 0.0;
 }
 
 void ss_corot_advance(void *owner, ss_body *body, double h, double path_end)
@@ -297,14 +324,21 @@ void ss_corot_advance(void *owner, ss_body *body, double h, double path_end)
     memcpy(model->old_v, nodes->v, bytes_of(model));
     memset(model->change, 0, bytes_of(model));
     model->product_count = model->evaluation_count = 0;
-    if (!iterate(&t)) {
+    model->left = iterate(&t);
+    if (!(model->left <= MAX_LEFT)) {
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
-                      "the implicit step's equation was not solved within newton_iterations and "
+                      "the step's equation was not solved within newton_iterations and "
                       "solver_iterations");
+    } else if (model->left > 1.0) {
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "the step's equation was solved in part: the next one goes on with the rest");
     }
     for (int32_t k = 0; k < model->scalar_count; ++k) {
-        nodes->v[k] = nodes->mobility[k] > 0 ? model->velocity[k] : nodes->v[k];
+        const bool is_free = nodes->mobility[k] > 0;
+        nodes->v[k] = is_free ? model->velocity[k] : nodes->v[k];
+        model->last[k] = is_free ? (ss_real)h * model->change[k] : 0;
     }
+    model->has_last = model->newton_count > 0;
     if (model->inverted_count > 0) {
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "elements are turned inside out");
         ss_body_set_worst_element(body, model->first_inverted);
