@@ -91,8 +91,10 @@ static const ss_param_row rows[ROW_COUNT] = {
 
 /* E of a network of tetrahedra's edges over that of the same springs moving affinely. */
 #define AFFINE 0.93
-/* Of the stable step. */
+/* Of the stable step, which is looked at in every fourth step: the margin is far wider than what
+ * the body changes in between. */
 #define STEP_SHARE 0.5
+enum { LOOK_EVERY = 4 };
 /* Microseconds a sub-step, an edge and a tool. */
 #define COST_STEP 2.0
 #define COST_EDGE 0.008
@@ -115,6 +117,8 @@ struct ss_model {
     double damping;
     double *block;    /* A_i: xx yy zz xy yz zx, a node */
     int32_t limiting; /* node */
+    int32_t age;      /* calls of stable_step since the last look */
+    double seen_step; /* s, then */
     double stiffness_min, stiffness_max;
 };
 
@@ -243,6 +247,9 @@ static double stable_step(void *owner, const ss_body *body)
     ss_model *model = owner;
     const ss_body_nodes *nodes = ss_body_read_nodes(body);
     double rate2 = 0.0;
+    if (model->age++ % LOOK_EVERY != 0) {
+        return model->seen_step;
+    }
     memset(model->block, 0, (size_t)nodes->count * 6 * sizeof *model->block);
     for (int32_t k = 0; k < model->edge_count; ++k) {
         const edge *e = &model->edge[k];
@@ -268,7 +275,22 @@ static double stable_step(void *owner, const ss_body *body)
             model->limiting = from > to ? e->from / 4 : e->to / 4;
         }
     }
-    return ss_body_step_limit(model->integrator, rate2, model->viscous_time, model->damping);
+    model->seen_step =
+        ss_body_step_limit(model->integrator, rate2, model->viscous_time, model->damping);
+    return model->seen_step;
+}
+
+static void reset_state(void *owner)
+{
+    ss_model *model = owner;
+    model->age = 0;
+}
+
+static uint64_t hash_state(const void *owner, uint64_t seed)
+{
+    const ss_model *model = owner;
+    return ss_hash_bytes(ss_hash_bytes(seed, &model->age, sizeof model->age), &model->seen_step,
+                         sizeof model->seen_step);
 }
 
 /* ---- set-up ------------------------------------------------------------------------------- */
@@ -454,6 +476,8 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
                                            .tangent = tangent,
                                            .diagonal = diagonal,
                                            .stable_step = stable_step,
+                                           .reset = reset_state,
+                                           .hash = hash_state,
                                            .viscous_time = model->viscous_time}};
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
