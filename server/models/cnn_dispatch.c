@@ -5,13 +5,13 @@
 #include <stddef.h>
 
 extern const ss_cnn_kernels ss_cnn_kernels_baseline;
-#ifdef SS_CNN_AVX2
+#ifdef SS_HAS_AVX2
 extern const ss_cnn_kernels ss_cnn_kernels_avx2;
 #endif
 
 const ss_cnn_kernels *ss_cnn_kernels_path(int32_t index)
 {
-#ifdef SS_CNN_AVX2
+#ifdef SS_HAS_AVX2
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
         return index == 0 ? &ss_cnn_kernels_avx2 : index == 1 ? &ss_cnn_kernels_baseline : NULL;
     }

@@ -447,13 +447,13 @@ void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double
  */
 
 extern const ss_layer_kernels ss_layer_kernels_baseline;
-#ifdef SS_HYBRID_AVX2
+#ifdef SS_HAS_AVX2
 extern const ss_layer_kernels ss_layer_kernels_avx2;
 #endif
 
 const ss_layer_kernels *ss_layer_kernels_path(int32_t index)
 {
-#ifdef SS_HYBRID_AVX2
+#ifdef SS_HAS_AVX2
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
         return index == 0 ? &ss_layer_kernels_avx2 : index == 1 ? &ss_layer_kernels_baseline : NULL;
     }

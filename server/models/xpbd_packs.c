@@ -170,13 +170,13 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
 /* ---- the path ------------------------------------------------------------------------------ */
 
 extern const ss_xpbd_kernels ss_xpbd_kernels_baseline;
-#ifdef SS_XPBD_AVX2
+#ifdef SS_HAS_AVX2
 extern const ss_xpbd_kernels ss_xpbd_kernels_avx2;
 #endif
 
 const ss_xpbd_kernels *ss_xpbd_kernels_path(int32_t index)
 {
-#ifdef SS_XPBD_AVX2
+#ifdef SS_HAS_AVX2
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
         return index == 0 ? &ss_xpbd_kernels_avx2 : index == 1 ? &ss_xpbd_kernels_baseline : NULL;
     }
