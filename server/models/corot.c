@@ -22,8 +22,8 @@
 #define COST_STEP        2.0
 #define COST_TETRAHEDRON 0.075
 #define COST_TOOL        1.5
-/* Above, linear tetrahedra are far too stiff. */
-#define POISSON_WARNING 0.45
+/* Above, linear tetrahedra are far too stiff: a bent beam of nu = 0.45 by a half. */
+#define POISSON_WARNING 0.4
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
@@ -298,8 +298,8 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
     if (model->material.largest_poisson > POISSON_WARNING) {
         say(&out,
-            "warning: Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and are too "
-            "stiff; refine the mesh, or use fem, which has a cure",
+            "warning: Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and bend too "
+            "stiffly; refine the mesh, or use fem, which has a cure",
             model->material.largest_poisson, POISSON_WARNING);
     }
     ss_body_explain(model->body, line, sink);
