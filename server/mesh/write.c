@@ -257,7 +257,7 @@ softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_
         return status;
     }
     (void)fprintf(out.file,
-                  "# vtk DataFile Version 3.0\nmesh, in metres\nASCII\nDATASET %s\n"
+                  "# vtk DataFile Version 3.0\nmesh\nASCII\nDATASET %s\n"
                   "POINTS %d double\n",
                   is_volume ? "UNSTRUCTURED_GRID" : "POLYDATA", mesh->node_count);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
