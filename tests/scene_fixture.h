@@ -48,6 +48,7 @@ static const ss_param_row jelly_row[] = {
      .min = 0,
      .max = 10,
      .exclusive_min = true,
+     .takes_links = true,
      .fallback = 1,
      .help = "conductance"},
     {.name = "cells",

@@ -202,6 +202,24 @@ static void the_first_matching_region_gives_the_value(void **state)
     ss_scene_destroy(&s);
 }
 
+static void values_by_link_are_read_and_renumbered(void **state)
+{
+    (void)state;
+    write_file("links.csv", "node,node,value\n0,1,0.5\n# a note\n7, 2, 0.25\n0,3,1\n");
+    ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho: {file: links.csv}"), NULL, 0);
+    const ss_param_value *rho = &s->param[RHO];
+    assert_null(rho->per_node);
+    assert_int_equal(rho->link_count, 3);
+    assert_int_equal(rho->per_link[1].node[0], 7);
+    assert_int_equal(rho->per_link[1].node[1], 2);
+    assert_near(rho->per_link[1].value, 0.25, 0);
+    assert_true(ss_scene_renumber(s));
+    const int32_t *node = s->param[RHO].per_link[1].node;
+    assert_int_equal(ss_mesh_file_node(s->mesh, node[0]), 7);
+    assert_int_equal(ss_mesh_file_node(s->mesh, node[1]), 2);
+    ss_scene_destroy(&s);
+}
+
 static void an_empty_cell_leaves_its_axis_free(void **state)
 {
     (void)state;
@@ -702,6 +720,7 @@ int main(void)
         cmocka_unit_test(millimetres_and_metres_give_the_same_body),
         cmocka_unit_test(regions_take_the_nodes_on_their_border),
         cmocka_unit_test(the_first_matching_region_gives_the_value),
+        cmocka_unit_test(values_by_link_are_read_and_renumbered),
         cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
         cmocka_unit_test(a_grid_is_made_in_the_scene_itself),
         cmocka_unit_test(a_grid_of_a_table_has_its_units_and_closes_where_told),

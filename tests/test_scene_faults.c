@@ -184,6 +184,13 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
     assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: range.csv}"), NULL, 0));
     assert_non_null(strstr(error.text, "range.csv:3: error: the value is 11, out of range"));
     assert_non_null(strstr(error.text, "range.csv:4: error: the value is 'nan'"));
+    write_file("links_bad.csv", "node,node,value\n2,2,1\n3,4\n5,6,11\n0,8,1\n");
+    assert_null(
+        load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: links_bad.csv}"), NULL, 0));
+    assert_int_equal(error.fault_count, 3); /* and no more of a file */
+    assert_non_null(strstr(error.text, "links_bad.csv:2: error: node 2 is given twice"));
+    assert_non_null(strstr(error.text, "links_bad.csv:3: error: not three cells"));
+    assert_non_null(strstr(error.text, "links_bad.csv:4: error: the value is 11, out of range"));
     assert_null(
         load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: grain_bad.csv}"), NULL, 0));
     assert_non_null(

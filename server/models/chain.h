@@ -201,8 +201,8 @@ double ss_chain_coarse_rate(ss_model *model);
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse);
 const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);
 int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse);
-/* Moves all nodes by the coarse level's share of pull. */
-void ss_chain_coarse_move(ss_model *model, double h);
+/* Moves all nodes by the coarse level's share of pull; is_first: of an outer step. */
+void ss_chain_coarse_move(ss_model *model, double h, bool is_first);
 
 /* Are the elements aggregated into cells? Those below are for then. */
 bool ss_chain_is_aggregated(const ss_model *model);

@@ -23,14 +23,15 @@
  * cells are cells of their own as well, stepped at their own pace while the far field rests (each
  * in turn is a descent), and stay so for a while after.
  *
- * Elements that come under a tool change Phi'LPhi by two outer products each, and its inverse is
- * made anew (0.1 ms for 64 cells); elements a tool has left stay out for a while, so that a slide
- * does not pay this at each step. Rejected: a third level (nothing gained), multigrid cycles (no
- * gradient flow of W), Nesterov's momentum (lands on wrong buckled branches).
+ * Elements that come under a tool change Phi'LPhi by two outer products each; its inverse is made
+ * anew (0.1 ms for 64 cells) at most once an outer step, and elements that a tool has left stay out
+ * for a while, so that a slide does not pay it each time. Rejected: a third level (nothing gained),
+ * multigrid cycles (no gradient flow of W), Nesterov's momentum (lands on wrong buckled branches).
  *
- * Within blocks of 16 elements (neighbours on a space-filling curve) hats are replaced by their
- * best linear fits, which still sum to 1: the kernels then work with four moments a block and cost
- * 10 us instead of 35 on 5762 elements and 64 cells. Phi below is the fitted one throughout.
+ * Within blocks of up to 48 elements (neighbours on a space-filling curve) hats are replaced by
+ * their best linear fits, which still sum to 1: the kernels then work with four moments a block and
+ * cost 13 us instead of 35 on 5762 elements and 64 cells, and a poke's shape is no worse for it.
+ * Phi below is the fitted one throughout.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -41,11 +42,12 @@
 
 /* Radius of a hat over the spacing of the cells. */
 #define HAT_RADIUS 1.8
+/* A hat is cut off below. */
+#define LEAST_WEIGHT 0.01
 /* Sub-steps that an element stays out after a tool has left it. */
 enum { LINGER = 50 };
-/* Outer steps that an element stays a cell of its own; mean links around what pushes that do. */
-enum { OWN_LINGER = 300 };
-#define OWN_RADIUS 3.0
+/* Outer steps that an element stays a cell of its own; links around what pushes that do. */
+enum { OWN_LINGER = 300, OWN_LINKS = 3 };
 /* Of the aggregated cells' rate: elements under tools sharpen Phi. */
 #define AGGREGATE_MARGIN 1.3
 /* Power iterations, and what the result is raised by for not having converged. */
@@ -58,8 +60,10 @@ enum { POWER_ITERATIONS = 60 };
 
 struct ss_chain_coarse {
     bool is_aggregated;
-    double rate;        /* 1/s of the aggregated cells alone */
-    int32_t *own;       /* of an element: steps that it is a cell of its own for; aggregated */
+    double rate;    /* 1/s of the aggregated cells alone */
+    int32_t *own;   /* of an element: steps that it is a cell of its own for; aggregated */
+    int32_t *queue; /* those elements; scratch of finding them */
+    int32_t own_count;
     int32_t cells, row; /* row: padded to a multiple of 4 */
     double spacing;     /* m */
     double lambda;      /* of L for the mean capacitance */
@@ -70,10 +74,11 @@ struct ss_chain_coarse {
     ss_real *mask;       /* 1 where an element takes part, quads */
     int32_t *out, *idle; /* elements under tools, and for how long they have not been */
     int32_t out_count;
+    bool is_stale;                   /* the inverse is of another matrix */
     double *base, *matrix;           /* Phi'LPhi without tools, and now; cells x cells */
     double *factor, *solved;         /* scratch of the inverse */
     ss_real *base_inverse, *inverse; /* D, rows of `row` */
-    ss_real *gathered, *moved;       /* 3 rows */
+    ss_real *gathered, *moved;       /* a quad a cell */
 };
 
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse)
@@ -209,7 +214,8 @@ static void weigh(const ss_mesh *mesh, int32_t node, int32_t count, const int32_
         const double r = distance(mesh, node, seed[s]);
         nearest = r < least ? s : nearest;
         least = fmin(least, r);
-        out_weight[s] = r < radius ? (1.0 - r / radius) * (1.0 - r / radius) : 0.0;
+        const double w = r < radius ? (1.0 - r / radius) * (1.0 - r / radius) : 0.0;
+        out_weight[s] = w > LEAST_WEIGHT ? w : 0.0;
         sum += out_weight[s];
     }
     out_weight[nearest] = sum > 0.0 ? out_weight[nearest] : 1.0; /* beyond every hat */
@@ -595,9 +601,10 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
     if (coarse->is_aggregated) {
         coarse->inverse = ss_memory_get(row, sizeof *coarse->inverse);
         coarse->own = ss_memory_get(n, sizeof *coarse->own);
+        coarse->queue = ss_memory_get(n, sizeof *coarse->queue);
         coarse->solved = ss_memory_get(cells, sizeof *coarse->solved);
         return coarse->mask && coarse->out && coarse->idle && coarse->inverse && coarse->own &&
-                       coarse->solved && coarse->gathered && coarse->moved
+                       coarse->queue && coarse->solved && coarse->gathered && coarse->moved
                    ? SOFTSIM_OK
                    : SOFTSIM_ERROR_MEMORY;
     }
@@ -673,13 +680,12 @@ void ss_chain_coarse_destroy(ss_chain_coarse **coarse)
     if (!c) {
         return;
     }
-    void *const owned[] = {c->first,        c->own,        c->hats.taking_part,
-                           c->slot,         c->weight,     c->hats.node,
-                           c->hats.place,   c->hats.first, c->hats.cell,
-                           c->hats.linear,  c->mask,       c->out,
-                           c->idle,         c->base,       c->matrix,
-                           c->factor,       c->solved,     c->inverse,
-                           c->base_inverse, c->gathered,   c->moved};
+    void *const owned[] = {c->first,      c->own,       c->queue,       c->hats.taking_part,
+                           c->slot,       c->weight,    c->hats.node,   c->hats.place,
+                           c->hats.first, c->hats.cell, c->hats.linear, c->mask,
+                           c->out,        c->idle,      c->base,        c->matrix,
+                           c->factor,     c->solved,    c->inverse,     c->base_inverse,
+                           c->gathered,   c->moved};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -706,6 +712,7 @@ void ss_chain_coarse_reset(ss_model *model)
         put_mask(coarse, coarse->out[k], 1);
     }
     coarse->out_count = 0;
+    coarse->is_stale = false;
     if (coarse->is_aggregated) {
         memset(coarse->own, 0, (size_t)model->node_count * sizeof *coarse->own);
         memset(model->mobility, 0, 4 * (size_t)model->padded * sizeof *model->mobility);
@@ -723,7 +730,7 @@ static void change_element(ss_model *model, int32_t node, double sign)
 }
 
 /* Elements under tools no longer take part, those that tools left long ago do again. */
-static void follow_tools(ss_model *model)
+static void follow_tools(ss_model *model, bool is_first)
 {
     ss_chain_coarse *coarse = model->coarse;
     bool is_changed = false;
@@ -751,16 +758,19 @@ static void follow_tools(ss_model *model)
             is_changed = true;
         }
     }
-    if (is_changed && coarse->out_count == 0) {
-        restore(coarse);
-    } else if (is_changed && !coarse->is_aggregated) {
+    coarse->is_stale = (coarse->is_stale || is_changed) && !coarse->is_aggregated;
+    if (is_first && coarse->is_stale && coarse->out_count > 0) {
         invert(coarse);
+        coarse->is_stale = false;
+    } else if (coarse->is_stale && coarse->out_count == 0) {
+        restore(coarse);
+        coarse->is_stale = false;
     }
 }
 
-void ss_chain_coarse_move(ss_model *model, double h)
+void ss_chain_coarse_move(ss_model *model, double h, bool is_first)
 {
-    follow_tools(model);
+    follow_tools(model, is_first);
     spread(model, model->pull, h / model->capacitance, model->u);
 }
 
@@ -806,34 +816,62 @@ static void own_around(ss_model *model, const double middle[3], double radius)
     }
 }
 
+/* The elements of the sets that move, and those up to so many links away. */
+static void own_driven(ss_model *model)
+{
+    ss_chain_coarse *coarse = model->coarse;
+    const ss_chain_net *net = model->net;
+    int32_t first = 0, count = 0;
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        const ss_prescribed *set = model->driven[s].plan;
+        for (int32_t i = 0; model->driven[s].is_moving && i < set->node_count; ++i) {
+            if (coarse->own[set->node[i]] != OWN_LINGER) {
+                own(model, set->node[i]);
+                coarse->queue[count++] = set->node[i];
+            }
+        }
+    }
+    for (int ring = 0; ring < OWN_LINKS; ++ring) {
+        for (const int32_t end = count; first < end; ++first) {
+            const int32_t node = coarse->queue[first];
+            for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
+                const int32_t other = ss_chain_other(net, net->at[p], node);
+                if (coarse->own[other] != OWN_LINGER) {
+                    own(model, other);
+                    coarse->queue[count++] = other;
+                }
+            }
+        }
+    }
+}
+
 void ss_chain_refine(ss_model *model)
 {
     ss_chain_coarse *coarse = model->coarse;
-    const double reach = OWN_RADIUS * model->net->mean_length;
+    const double reach = OWN_LINKS * model->net->mean_length;
     for (int32_t i = 0; i < model->node_count; ++i) {
         if (coarse->own[i] > 0 && --coarse->own[i] == 0) {
             memset(model->mobility + 4 * (ptrdiff_t)i, 0, 4 * sizeof *model->mobility);
         }
     }
+    own_driven(model); /* first: it knows by the count what it has seen */
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_chain_tool *tool = &model->tool[k];
         if (tool->is_present) {
             own_around(model, tool->to.position, ss_shape_bounding_radius(tool->shape) + reach);
         }
     }
-    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        const ss_prescribed *set = model->driven[s].plan;
-        for (int32_t i = 0; model->driven[s].is_moving && i < set->node_count; ++i) {
-            own_around(model, model->plan.mesh->position[set->node[i]], reach);
+    coarse->own_count = 0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (coarse->own[i] > 0) {
+            coarse->queue[coarse->own_count++] = i;
         }
     }
 }
 
 void ss_chain_wake_own(ss_model *model)
 {
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        if (model->coarse->own[i] > 0) {
-            ss_chain_wake(model, i);
-        }
+    for (int32_t k = 0; k < model->coarse->own_count; ++k) {
+        ss_chain_wake(model, model->coarse->queue[k]);
     }
 }

@@ -138,9 +138,7 @@ static void explain_net(const ss_model *model, const printer *out)
 static void explain_material(const ss_model *model, const printer *out)
 {
     static const char *const unloading[] = {"falls with the contact's depth (ramp)",
-                                            "is 0 as soon as a contact goes back (literal: can "
-                                            "create energy)",
-                                            "stays (keep)"};
+                                            "is 0 once one goes back (literal)", "stays (keep)"};
     say(out, "links: k %.4g N/m, alpha %s; unloading: alpha %s", model->k,
         model->has_alpha ? "as given" : "0", unloading[model->unloading]);
     if (model->leak > 0.0) {

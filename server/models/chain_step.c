@@ -244,7 +244,7 @@ static void clamp_displacements(ss_model *model)
 }
 
 /* The cells answer to pull; those of a coarse level for `far` seconds. */
-static void answer(ss_model *model, double h, double far, bool is_full)
+static void answer(ss_model *model, double h, double far, bool is_full, bool is_first)
 {
     ss_chain_motion motion = {.h = (ss_real)h,
                               .mobility = model->mobility,
@@ -253,7 +253,7 @@ static void answer(ss_model *model, double h, double far, bool is_full)
                               .u = model->u};
     model->work += ss_chain_loads_work(model, -1.0);
     if (model->coarse && is_full) {
-        ss_chain_coarse_move(model, far);
+        ss_chain_coarse_move(model, far, is_first);
     }
     if (is_full) {
         clear_set(&model->front.moving);
@@ -312,7 +312,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
         ss_chain_sample_reactions(model, is_full);
     }
     const int32_t left = count - index;
-    answer(model, h, h * (model->stride < left ? model->stride : left), is_full);
+    answer(model, h, h * (model->stride < left ? model->stride : left), is_full, index == 0);
     if (model->is_crowded) {
         model->is_crowded = false;
         lose_front(model);
