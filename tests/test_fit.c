@@ -38,9 +38,9 @@ static softsim_error error;
 
 static const char *path_of(const char *name)
 {
-    static char path[4][128];
+    static char path[32][128];
     static int next;
-    next = (next + 1) % 4;
+    next = (next + 1) % 32;
     snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
     return path[next];
 }
@@ -451,6 +451,39 @@ static void regions_are_fitted_by_entry(void **state)
     assert_near(p[3].start, 5000.0, 1e-12);
 }
 
+/* Two halves of different stiffness, each pressed in its own middle, fitted together. */
+static void two_curves_tell_two_regions(void **state)
+{
+    (void)state;
+    static ss_fit fit;
+    const char *halves =
+        "model.rest_stiffness_n_per_m3=[{where: {box_m: [[0, -1, -1], [1, 1, 1]]}, "
+        "value: 20000}, {value: 20000}]";
+    const char *truth[] = {tool, halves, "model.rest_stiffness_n_per_m3.0.value=150000",
+                           "model.rest_stiffness_n_per_m3.1.value=40000"};
+    const char *set[] = {tool, halves};
+    const char *wanted[] = {"model.rest_stiffness_n_per_m3.0.value",
+                            "model.rest_stiffness_n_per_m3.1.value"};
+    static const double place[2][3] = {{0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}};
+    static const char *const name[2] = {"right.csv", "left.csv"};
+    fit = (ss_fit){.scene = {path_of("plate.yaml"), set, 2}, .max_evaluations = 200};
+    error = (softsim_error){0};
+    for (int c = 0; c < 2; ++c) {
+        make_curve(name[c], false, 0.008, 4, 0.008, truth, 4, place[c]);
+        ss_curve_read(path_of(name[c]), &fit.curve[c], &error);
+        ss_press_plan(&fit.scene, place[c], 0.008, 0.2, &fit.press[c], &error);
+        ++fit.curve_count;
+    }
+    fit.parameter_count =
+        ss_fit_choose(fit.scene.path, set, 2, wanted, 2, false, fit.parameter, &error);
+    if (error.fault_count > 0 || ss_fit_run(&fit, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_near(fit.value[0], 150000.0, 0.02);
+    assert_near(fit.value[1], 40000.0, 0.02);
+    ss_fit_fini(&fit);
+}
+
 /* ---- the program ------------------------------------------------------------------------------
  */
 
@@ -622,6 +655,7 @@ int main(void)
         cmocka_unit_test(parameters_come_back_from_their_own_curve),
         cmocka_unit_test(a_parameter_that_no_force_depends_on_is_told),
         cmocka_unit_test(a_patch_and_a_relaxation_give_the_damping),
+        cmocka_unit_test(two_curves_tell_two_regions),
         cmocka_unit_test(alpha_is_not_told_without_a_toe),
         cmocka_unit_test(the_program_writes_the_scene_with_its_origin),
         cmocka_unit_test(the_program_refuses_what_is_wrong),

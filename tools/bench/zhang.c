@@ -11,14 +11,14 @@ static const struct {
     softsim_status (*run)(ss_zhang *zhang, softsim_error *error);
     double weight; /* seconds, roughly */
 } sections[] = {
-    {"Fig. 4: a plane, beside ChainMail", ss_zhang_shapes, 1},
-    {"Fig. 5a: force and displacement", ss_zhang_forces, 3},
-    {"Fig. 5b: hysteresis", ss_zhang_hysteresis, 4},
-    {"Fig. 5c: stress relaxation", ss_zhang_relaxation, 1},
-    {"Fig. 6: a liver under a probe, beside ChainMail", ss_zhang_liver, 10},
-    {"Future work: many chain elements in a cell", ss_zhang_cells, 6},
-    {"Future work: parameters by optimisation", ss_zhang_fitting, 6},
-    {"Speed", ss_zhang_speed, 10},
+    {"Fig. 4: a plane, beside ChainMail", ss_zhang_shapes, 0.5},
+    {"Fig. 5a: force and displacement", ss_zhang_forces, 1.5},
+    {"Fig. 5b: hysteresis", ss_zhang_hysteresis, 0.7},
+    {"Fig. 5c: stress relaxation", ss_zhang_relaxation, 0.3},
+    {"Fig. 6: a liver under a probe, beside ChainMail", ss_zhang_liver, 8},
+    {"Future work: many chain elements in a cell", ss_zhang_cells, 1},
+    {"Future work: parameters by optimisation", ss_zhang_fitting, 1},
+    {"Speed", ss_zhang_speed, 8},
 };
 enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 
