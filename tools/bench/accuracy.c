@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "accuracy.h"
+#include "accuracy_run.h"
 #include "accuracy_scene.h"
 #include "bench.h"
 #include "child.h"
@@ -351,6 +352,7 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
     const softsim_status status =
         plan->job_count > 0 ? ss_sweep_execute(sweep, result, error) : SOFTSIM_OK;
     *out_is_complete = result->is_complete;
+    ss_static_close_all(getpid());
     return status;
 }
 
