@@ -22,7 +22,7 @@ static const double step_s = 1e-3;
 static const double damping_share = 1.4;
 static const double still_omega = 60.0; /* 1/s: of a model that has no motion of its own */
 /* Runs a free parameter, and in a hurry. */
-static const int32_t fit_most = 20, fit_quick = 12;
+static const int32_t fit_most = 30, fit_quick = 12;
 static const double fit_share = 0.04; /* of a level's time for each of them */
 static const double pi = 3.14159265358979;
 
@@ -188,7 +188,7 @@ static softsim_status calibrate(work *w)
     double x[SS_SIMPLEX_MAX] = {0.0};
     ss_simplex simplex = {.count = w->model->free_count,
                           .step = 1.5,
-                          .tolerance = 2e-3,
+                          .tolerance = 2e-4,
                           .most = w->model->free_count * (w->plan->is_quick ? fit_quick : fit_most),
                           .context = w,
                           .value = fit_value};
