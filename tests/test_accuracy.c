@@ -276,7 +276,12 @@ static void hostile_statements_are_refused_with_their_place(void **state)
         {GOOD_HEAD GOOD_PUSH GOOD_REST "colour: red\n", "case.yaml:7:1"},
         {"case: t\nfixed: f\n" GOOD_PUSH GOOD_REST, "'material' is missing"},
         {"case: a/b\nmaterial: {youngs_modulus_pa: 1e4, poisson_ratio: 0.3}\n" GOOD_PUSH GOOD_REST,
-         "no '/'"},
+         "letters, digits"},
+        {GOOD_HEAD "gravity_m_s2: [0, 0, -1]\n" GOOD_REST, "density_kg_m3"},
+        {GOOD_HEAD GOOD_PUSH "levels: {\"li'near\": {a: 1}}\nmeshes: {m: {volume: v, sets: s}}\n",
+         "plain name"},
+        {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1}}\nmeshes: {../m: {volume: v, sets: s}}\n",
+         "name of a mesh"},
         {"case: t\nmaterial: {youngs_modulus_pa: -1, poisson_ratio: 0.3}\n" GOOD_PUSH GOOD_REST,
          "case.yaml:2:31"},
         {"case: t\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0.5}\n" GOOD_PUSH GOOD_REST,
@@ -294,7 +299,9 @@ static void hostile_statements_are_refused_with_their_place(void **state)
         {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1e-3}}\n", "'meshes' is missing"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "force: nowhere.csv\n", "nowhere.csv"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "kind: slow\n", "static or dynamic"},
-        {GOOD_HEAD "kind: dynamic\nmesh_case: .\nprobe_point_m: [0, 0, 0]\nsteps: []\n",
+        {"case: t\nkind: dynamic\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0, "
+         "density_kg_m3: "
+         "1}\nmesh_case: .\nprobe_point_m: [0, 0, 0]\nsteps: []\n",
          "leads from case to case"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {

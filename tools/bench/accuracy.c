@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "accuracy.h"
+#include "accuracy_run.h"
 #include "accuracy_scene.h"
 #include "bench.h"
 #include "child.h"
@@ -22,7 +23,7 @@
 #include "rt/args.h"
 #include "sweep.h"
 
-enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 10 };
+enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
 static const char standard_folder[] = "tests/reference";
 
@@ -351,6 +352,7 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
     const softsim_status status =
         plan->job_count > 0 ? ss_sweep_execute(sweep, result, error) : SOFTSIM_OK;
     *out_is_complete = result->is_complete;
+    ss_static_close_all(getpid());
     return status;
 }
 
@@ -376,12 +378,12 @@ static void put_means(report *r, ss_page *page, int32_t count)
     static const char *const head[ROW_CELLS] = {
         "model",       "mesh",      "nodes",           "field error",
         "force error", "us a step", "times real time", "ms to within 1 %",
-        "calibrated",  "front"};
+        "calibrated",  "front",     "verdict"};
     double time[256], error[256];
     bool is_front[256];
     for (int32_t k = 0; k < count; ++k) {
         time[k] = 1.0 / r->mean[k].realtime;
-        error[k] = r->mean[k].error_l2;
+        error[k] = r->mean[k].is_other ? (double)NAN : r->mean[k].error_l2;
     }
     ss_accuracy_pareto(count, time, error, is_front);
     ss_page_table_begin(page, ROW_CELLS, head);
@@ -398,6 +400,7 @@ static void put_means(report *r, ss_page *page, int32_t count)
         ss_row_add_number(&cells, m->to_1pct_ms);
         ss_row_add(&cells, "%s", m->is_calibrated ? "yes" : "");
         ss_row_add(&cells, "%s", is_front[k] ? "*" : "");
+        ss_row_add(&cells, "%s", strcmp(m->verdict, "good") != 0 ? m->verdict : "");
         ss_page_table_row(page, cells.count, cells.cell);
     }
     ss_page_table_end(page);

@@ -86,6 +86,7 @@ void ss_accuracy_rows_fini(ss_accuracy_rows *rows);
  * errors where a level has none. */
 typedef struct ss_accuracy_mean {
     const ss_accuracy_row *first; /* names */
+    const char *verdict;          /* of the first level whose is not "good"; else that */
     double error_l2, error_force, p50_us, realtime, to_1pct_ms;
     bool is_calibrated;
     bool is_other; /* another problem than the case's (ss_accuracy_model.note): never chosen */

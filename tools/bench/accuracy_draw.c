@@ -103,7 +103,8 @@ static int32_t put_front(FILE *file, const drawing *d, double (*time)(const ss_a
     int32_t count = 0;
     for (int32_t k = 0; k < d->mean_count; ++k) {
         x[k] = time(&d->mean[k]) > 0.0 ? time(&d->mean[k]) : (double)NAN;
-        y[k] = d->mean[k].error_l2 > 0.0 ? d->mean[k].error_l2 : (double)NAN;
+        y[k] =
+            d->mean[k].error_l2 > 0.0 && !d->mean[k].is_other ? d->mean[k].error_l2 : (double)NAN;
     }
     ss_accuracy_pareto(d->mean_count, x, y, is_front);
     fputs("$front << EOD\n", file);

@@ -6,9 +6,6 @@
  * is right. Where nothing is pushed (gravity, pressure) that number is the field's amplitude: the
  * shape is fitted with the amplitude that suits it best, then the amplitude.
  */
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +22,7 @@ static const double step_s = 1e-3;
 static const double damping_share = 1.4;
 static const double still_omega = 60.0; /* 1/s: of a model that has no motion of its own */
 /* Runs a free parameter, and in a hurry. */
-static const int32_t fit_most = 20, fit_quick = 12;
+static const int32_t fit_most = 30, fit_quick = 12;
 static const double fit_share = 0.04; /* of a level's time for each of them */
 static const double pi = 3.14159265358979;
 
@@ -57,38 +54,6 @@ void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[25
     snprintf(out, 256, "%s_%s_%s_%s", c->name,
              job->material >= 0 ? c->material[job->material] : "dynamic", job->model,
              mesh[job->mesh].name);
-}
-
-/* ---- temporary folder --------------------------------------------------------------------- */
-
-static softsim_status open_folder(char out[64], softsim_error *error)
-{
-    const char *parent = getenv("TMPDIR");
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > 32) {
-        parent = "/tmp";
-    }
-    snprintf(out, 64, "%s/softsim-accuracy-XXXXXX", parent);
-    if (mkdtemp(out) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s", parent,
-                          strerror(errno));
-        out[0] = '\0';
-        return SOFTSIM_ERROR_FILE;
-    }
-    return SOFTSIM_OK;
-}
-
-/* It holds plain files only. */
-static void close_folder(const char *name)
-{
-    DIR *folder = name[0] != '\0' ? opendir(name) : NULL;
-    if (folder == NULL) {
-        return;
-    }
-    for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
-        unlinkat(dirfd(folder), at->d_name, 0);
-    }
-    closedir(folder);
-    rmdir(name);
 }
 
 /* ---- runs --------------------------------------------------------------------------------- */
@@ -223,7 +188,7 @@ static softsim_status calibrate(work *w)
     double x[SS_SIMPLEX_MAX] = {0.0};
     ss_simplex simplex = {.count = w->model->free_count,
                           .step = 1.5,
-                          .tolerance = 2e-3,
+                          .tolerance = 2e-4,
                           .most = w->model->free_count * (w->plan->is_quick ? fit_quick : fit_most),
                           .context = w,
                           .value = fit_value};
@@ -413,7 +378,7 @@ static softsim_status prepare(work *w, int32_t material)
         ss_case_load_body(w->c, w->mesh, material, w->model->on_surface, &w->body, w->error);
     if (status == SOFTSIM_OK) {
         w->size = ss_accuracy_body_of(w->c, w->body.mesh);
-        status = open_folder(w->folder, w->error);
+        status = ss_static_open_folder(getppid(), w->folder, w->error);
     }
     return status == SOFTSIM_OK ? ss_static_prepare(&w->body, w->folder, w->error) : status;
 }
@@ -436,7 +401,7 @@ softsim_status ss_accuracy_run_job(const void *plan, int32_t index, FILE *out, s
     if (status == SOFTSIM_OK) {
         status = run_levels(&w, index, out);
     }
-    close_folder(w.folder);
+    ss_static_close_folder(w.folder);
     ss_case_body_fini(&w.body);
     return status;
 }
@@ -662,7 +627,7 @@ softsim_status ss_accuracy_run_dynamic(const void *plan, int32_t index, FILE *ou
         if (status == SOFTSIM_OK) {
             status = run_steps(&w, &s);
         }
-        close_folder(w.folder);
+        ss_static_close_folder(w.folder);
         ss_case_body_fini(&w.body);
     }
     if (status == SOFTSIM_OK) {

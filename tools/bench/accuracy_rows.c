@@ -236,8 +236,10 @@ int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, c
         }
         int32_t levels = 0;
         const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
-        out[count] = (ss_accuracy_mean){
-            .first = row, .is_other = row->source == 0 && model != NULL && model->note != NULL};
+        out[count] = (ss_accuracy_mean){.first = row,
+                                        .verdict = row->verdict,
+                                        .is_other = row->source == 0 && model != NULL &&
+                                                    model->note != NULL};
         for (int pass = 0; pass < 2; ++pass) {
             for (int32_t k = i; k < rows->count; ++k) {
                 const ss_accuracy_row *at = &rows->row[k];
@@ -249,6 +251,9 @@ int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, c
                     ++levels;
                 } else {
                     add_row(&out[count], at, 1.0 / levels);
+                    if (strcmp(out[count].verdict, "good") == 0) {
+                        out[count].verdict = at->verdict;
+                    }
                 }
             }
         }

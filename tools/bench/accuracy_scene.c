@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "accuracy_models.h"
 #include "accuracy_run.h"
@@ -26,6 +27,7 @@ static const double assumed_ratio = 2.0, least_ratio = 1.5, most_ratio = 4.5;
 
 typedef struct maker {
     const char *path, *folder;
+    char temporary[64]; /* for the runs: several processes may make the same reference */
     ss_scene *scene;
     const ss_model_class *class;
     ss_case c;
@@ -266,7 +268,7 @@ static softsim_status run_level(maker *m, int32_t mesh, int32_t level, char *tex
     ss_static_run run = {.u = NULL};
     const ss_static_plan plan = {.c = &m->c,
                                  .body = &m->body[mesh],
-                                 .folder = m->folder,
+                                 .folder = m->temporary,
                                  .model = text,
                                  .level = m->c.level[level].value,
                                  .omega = m->omega,
@@ -300,11 +302,11 @@ static softsim_status solve(maker *m)
     const ss_accuracy_body size = ss_accuracy_body_of(&m->c, m->body[0].mesh);
     char *text = model_text(m, &size, 0.0);
     softsim_status status =
-        text == NULL ? no_memory(m) : ss_static_prepare(&m->body[0], m->folder, m->error);
+        text == NULL ? no_memory(m) : ss_static_prepare(&m->body[0], m->temporary, m->error);
     if (status == SOFTSIM_OK) {
         const ss_static_plan plan = {.c = &m->c,
                                      .body = &m->body[0],
-                                     .folder = m->folder,
+                                     .folder = m->temporary,
                                      .model = text,
                                      .level = m->full,
                                      .step_s = step_s,
@@ -318,7 +320,7 @@ static softsim_status solve(maker *m)
     text = model_text(m, &size, damping_share * m->omega);
     status = status == SOFTSIM_OK && text == NULL ? no_memory(m) : status;
     for (int32_t k = 0; k < m->body_count && status == SOFTSIM_OK; ++k) {
-        status = ss_static_prepare(&m->body[k], m->folder, m->error);
+        status = ss_static_prepare(&m->body[k], m->temporary, m->error);
         for (int32_t l = 0; l < LEVELS && status == SOFTSIM_OK; ++l) {
             status = run_level(m, k, l, text);
         }
@@ -553,7 +555,8 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
     }
     *m = (maker){.path = scene, .folder = folder, .worth = out, .error = error};
     *out = (ss_accuracy_worth){.nodes = 0};
-    softsim_status status = read_scene(m);
+    softsim_status status = ss_static_open_folder(getpid(), m->temporary, error);
+    status = status == SOFTSIM_OK ? read_scene(m) : status;
     if (status == SOFTSIM_OK) {
         status = refine_bodies(m, is_quick ? QUICK_NODES : MOST_NODES);
     }
@@ -571,6 +574,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
         ss_case_body_fini(&m->body[k]);
     }
     ss_scene_destroy(&m->scene);
+    ss_static_close_folder(m->temporary);
     free(m);
     return status;
 }

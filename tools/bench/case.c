@@ -45,6 +45,14 @@ static bool get_text(reader *r, ss_scene_node *node, char *out, size_t size)
     return true;
 }
 
+/* Names become those of files and of series in pictures. */
+static bool is_plain(const char *name)
+{
+    return *name != '\0' && *name != '.' &&
+           name[strspn(
+               name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-")] == '\0';
+}
+
 static bool get_vector(reader *r, ss_scene_node *node, double out[3])
 {
     if (node->kind != SS_SCENE_LIST || node->count != 3) {
@@ -153,6 +161,9 @@ static void read_push(reader *r, ss_scene_node *root)
     if (map != NULL) {
         get_vector(r, map, c->gravity);
     }
+    if (isnan(c->density) && (c->is_dynamic || ss_norm3(c->gravity) > 0.0)) {
+        ss_scene_node_fault(r->report, root, "gravity needs material.density_kg_m3");
+    }
     if (!c->is_dynamic && c->pushed[0] == '\0' && c->pressed[0] == '\0' &&
         ss_norm3(c->gravity) == 0.0) {
         ss_scene_node_fault(r->report, root,
@@ -203,8 +214,10 @@ static void read_levels(reader *r, ss_scene_node *root)
     }
     for (ss_scene_node *node = map->first; node != NULL; node = node->next) {
         const int32_t m = c->material_count;
-        if (node->kind != SS_SCENE_MAP || strlen(node->key) >= sizeof c->material[m]) {
-            ss_scene_node_fault(r->report, node, "must be a mapping of levels: 'tag: value'");
+        if (node->kind != SS_SCENE_MAP || strlen(node->key) >= sizeof c->material[m] ||
+            !is_plain(node->key)) {
+            ss_scene_node_fault(r->report, node,
+                                "must be a mapping of levels, 'tag: value', under a plain name");
             continue;
         }
         snprintf(c->material[m], sizeof c->material[m], "%s", node->key);
@@ -246,7 +259,7 @@ static int32_t read_meshes(reader *r, ss_scene_node *map, ss_case_mesh *mesh)
     }
     for (ss_scene_node *node = map->first; node != NULL; node = node->next) {
         ss_case_mesh *at = &mesh[count];
-        if (strlen(node->key) >= sizeof at->name || strchr(node->key, '/') != NULL ||
+        if (strlen(node->key) >= sizeof at->name || !is_plain(node->key) ||
             !check_keys(r, node, "volume|surface|sets|reference")) {
             ss_scene_key_fault(r->report, node, "cannot be used as the name of a mesh");
             continue;
@@ -428,9 +441,8 @@ static void read_root(reader *r, ss_scene_node *root, other_files *files)
     char kind[16] = "static";
     check_keys(r, root, keys);
     ss_scene_node *name = need(r, root, "case");
-    if (name != NULL && get_text(r, name, c->name, sizeof c->name) &&
-        strchr(c->name, '/') != NULL) {
-        ss_scene_node_fault(r->report, name, "names files of the report: no '/'");
+    if (name != NULL && get_text(r, name, c->name, sizeof c->name) && !is_plain(c->name)) {
+        ss_scene_node_fault(r->report, name, "names files: letters, digits and _.+- only");
     }
     take_text(r, root, "kind", kind, sizeof kind);
     take_text(r, root, "fixed", c->fixed, sizeof c->fixed);
