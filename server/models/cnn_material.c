@@ -310,7 +310,8 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
     const ss_param_row *steps = &ss_cnn_rows_table[SS_CNN_RELAXATION_STEPS];
-    if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0) {
+    if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0 &&
+        param[SS_CNN_RELAXATION_STEPS].number != steps->fallback) {
         softsim_error_add(
             error, SOFTSIM_ERROR_SCENE,
             "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "

@@ -12,7 +12,8 @@
  *             ^~~~~~~~~~
  *
  * Everything shown is cleaned of control characters first: a scene is a stranger's text, and a
- * terminal obeys escape sequences. Used inside scene/ only. Thread: set-up only.
+ * terminal obeys escape sequences. Used inside scene/, and by tools that read YAML of their own.
+ * Thread: set-up only.
  */
 #include <stdbool.h>
 #include <stddef.h>

@@ -8,7 +8,8 @@
  * scalar, list and mapping, with key, byte range and origin; memory belongs to the tree. Bounded:
  * size of the text, depth, number of nodes, keys per mapping. Anchors, aliases, tags and a second
  * document are refused: a scene needs none of them, and without aliases nothing can be small in
- * the file and huge in memory. Used inside scene/ only. Thread: set-up only.
+ * the file and huge in memory. Used inside scene/, and by tools that read YAML of their own.
+ * Thread: set-up only.
  */
 #include <stdbool.h>
 #include <stddef.h>
