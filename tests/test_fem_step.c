@@ -317,7 +317,7 @@ static void scrambled_bodies_come_back(void **state)
         steps(&s, 1, 2e-3);
         assert_true(info_of(&s).verdict == SOFTSIM_VERDICT_DEGRADED);
         assert_true(info_of(&s).worst_element >= 0);
-        steps(&s, 500, 2e-3);
+        steps(&s, 350, 2e-3);
         assert_true(isfinite(largest_displacement(&s)));
         if (kinds[k] == SS_TISSUE_STVK) {
             assert_true(squeezed(&s, 0.0) > 20);
@@ -346,20 +346,20 @@ static void inverted_bodies_come_back(void **state)
             s.nodes->u[4 * (ptrdiff_t)i + 2] = (ss_real)((scale[k] - 1.0) * s.mesh->position[i][2]);
         }
         ss_body_renew(s.body);
-        steps(&s, 500, 2e-3);
+        steps(&s, 350, 2e-3);
         assert_int_equal(squeezed(&s, 0.0), 0);
         assert_true(largest_displacement(&s) < 1e-4);
         setup_fini(&s);
     }
 }
 
-/* 10 to 1000 times what dents the block, on one node. */
+/* 10 and 1000 times what dents the block, on one node. */
 static void huge_forces_are_survived(void **state)
 {
     (void)state;
-    static const double force[3] = {1.0, 10.0, 100.0};
+    static const double force[2] = {1.0, 100.0};
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 2; ++k) {
             setup s;
             block_of(&s, kind, 20.0);
             s.plan.max_substeps = 200;
@@ -377,7 +377,7 @@ static void huge_forces_are_survived(void **state)
                 assert_true(isfinite(largest_displacement(&s)));
             }
             assert_true(worst >= SOFTSIM_VERDICT_GUARDED && worst < SOFTSIM_VERDICT_FAULT);
-            steps(&s, 500, 2e-3);
+            steps(&s, 350, 2e-3);
             assert_true(isfinite(largest_displacement(&s)));
             if (kind != SS_TISSUE_STVK) {
                 assert_int_equal(squeezed(&s, 0.0), 0);

@@ -211,8 +211,8 @@ bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, i
 bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *setup,
                           double *out_stiffness);
 void ss_fem_average_fini(ss_fem_average *average);
-/* Pressures of the nodes at `u`; returns their energy, J. */
-double ss_fem_average_update(ss_fem *fem, const ss_real *u);
+/* Pressures of the nodes at `u`; returns their energy if wanted, J. */
+double ss_fem_average_update(ss_fem *fem, const ss_real *u, bool wants_energy);
 /* Their change along x at the last u. */
 void ss_fem_average_change(ss_fem *fem, const ss_real *x);
 

@@ -76,7 +76,7 @@ void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *forc
                         .out = force,
                         .wants_energy = out->is_wanted};
     if (fem->average.modulus) {
-        pass.energy = ss_fem_average_update(fem, u);
+        pass.energy = ss_fem_average_update(fem, u, out->is_wanted);
         pass.pressure = fem->average.pressure;
     }
     fem->kernels->force(&pass);
