@@ -243,6 +243,16 @@ void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
 
+/* A body of two layers (skin.c): the tetrahedra of `core`, and as its surface `outer` with those
+ * faces of the core that it leaves open. Nodes: the core's, then the outer surface's. Closed when
+ * both fit together; else refused. Groups are the core's. */
+softsim_status ss_mesh_add_skin(const ss_mesh *core, const ss_mesh *outer, ss_mesh **out_mesh,
+                                softsim_error *error);
+/* The same grown by `thickness` (m): outward from a volume's surface, cavities left, or, negative,
+ * inward: the tetrahedra within it are taken out, and no node is. */
+softsim_status ss_mesh_grow_skin(const ss_mesh *volume, double thickness, ss_mesh **out_mesh,
+                                 softsim_error *error);
+
 /* Writers: OBJ of the surface (quads as such), MSH 2.2 of everything, legacy VTK (ASCII) of the
  * tetrahedra, else of the surface, with an array of zeros and ones "group:NAME" for each group.
  * What is read back is the same to the last bit; of OBJ without groups and inner nodes. Written to

@@ -10,6 +10,9 @@ extern const ss_model_class ss_model_cnn_energy;
 #ifdef SS_MODEL_FEM
 extern const ss_model_class ss_model_fem;
 #endif
+#ifdef SS_MODEL_HYBRID
+extern const ss_model_class ss_model_hybrid;
+#endif
 #ifdef SS_MODEL_MASS_SPRING
 extern const ss_model_class ss_model_mass_spring;
 #endif
@@ -23,6 +26,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_FEM
     &ss_model_fem,
+#endif
+#ifdef SS_MODEL_HYBRID
+    &ss_model_hybrid,
 #endif
 #ifdef SS_MODEL_MASS_SPRING
     &ss_model_mass_spring,

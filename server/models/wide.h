@@ -84,6 +84,10 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     return _mm_div_ps(a, b);
 }
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    return _mm_sqrt_ps(a);
+}
 /* The fourth lane in all four. */
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -138,6 +142,10 @@ SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     return _mm256_div_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    return _mm256_sqrt_pd(a);
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
@@ -207,6 +215,10 @@ SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 {
     SS_QUAD_MAP(a.lane[k] / b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+    SS_QUAD_MAP((ss_real)sqrt((double)a.lane[k]));
 }
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {

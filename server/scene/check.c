@@ -482,6 +482,41 @@ static void check_direction(ss_scene_check *check, const ss_scene_row *row, ss_s
 }
 
 /* The model's name picks the table for the other keys. */
+/* A model's row `a.b` is key b of a mapping a: rows of one mapping stand together. */
+static void check_model_keys(ss_scene_check *check, ss_scene_node *node)
+{
+    const int32_t count = check->model_row_count;
+    ss_scene_row *top = calloc((size_t)count, sizeof *top);
+    ss_scene_row *below = calloc((size_t)count, sizeof *below);
+    char(*name)[64] = calloc((size_t)count, sizeof *name);
+    int32_t tops = 0;
+    for (int32_t i = 0; top != NULL && below != NULL && name != NULL && i < count; i++) {
+        const char *dot = strchr(check->model_row[i].name, '.');
+        below[i] = check->model_row[i];
+        if (dot == NULL) {
+            top[tops++] = check->model_row[i];
+            continue;
+        }
+        below[i].name = dot + 1;
+        snprintf(name[i], sizeof name[i], "%.*s", (int)(dot - check->model_row[i].name),
+                 check->model_row[i].name);
+        if (tops == 0 || strcmp(top[tops - 1].name, name[i]) != 0) {
+            top[tops++] =
+                (ss_scene_row){.name = name[i], .kind = SS_SCENE_KEYS, .child = {.row = &below[i]}};
+        }
+        top[tops - 1].child.count++;
+        top[tops - 1].is_required = top[tops - 1].is_required || below[i].is_required;
+    }
+    if (tops > 0) {
+        check_keys(check, node, (ss_scene_table){top, tops});
+    } else {
+        ss_scene_node_fault(check->report, node, "out of memory");
+    }
+    free(top);
+    free(below);
+    free(name);
+}
+
 static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
 {
     if (node->kind != SS_SCENE_MAP) {
@@ -523,7 +558,18 @@ static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene
         check->model_row[i + 1] = ss_scene_row_of_param(&model->row[i]);
     }
     check->model_row_count = model->row_count + 1;
-    check_keys(check, node, (ss_scene_table){check->model_row, check->model_row_count});
+    check_model_keys(check, node);
+}
+
+ss_scene_node *ss_scene_find_model_node(const ss_scene_node *model, const char *name)
+{
+    char first[64];
+    const char *dot = strchr(name, '.');
+    if (dot == NULL) {
+        return ss_scene_node_find(model, name);
+    }
+    snprintf(first, sizeof first, "%.*s", (int)(dot - name), name);
+    return ss_scene_node_find(ss_scene_node_find(model, first), dot + 1);
 }
 
 ss_scene_row ss_scene_row_of_param(const ss_param_row *param)

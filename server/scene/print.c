@@ -267,18 +267,26 @@ static void print_model(printer *p, const ss_scene_node *map)
     for (int32_t i = 1; i < source->model_row_count; i++) {
         const ss_scene_row *row = &source->model_row[i];
         const ss_param_value *value = &p->scene->param[i - 1];
+        const char *dot = strchr(row->name, '.');
+        const char *name = dot != NULL ? dot + 1 : row->name;
+        const size_t prefix = (size_t)(name - row->name); /* dot included */
+        if (dot != NULL && strncmp(source->model_row[i - 1].name, row->name, prefix) != 0) {
+            begin(p, 1);
+            fprintf(p->stream, "%.*s:", (int)prefix - 1, row->name);
+            end(p, "");
+        }
         comment_of(row, comment, sizeof comment);
-        begin(p, 1);
+        begin(p, dot != NULL ? 2 : 1);
         const bool is_direction = row->kind == SS_SCENE_DIRECTION;
         const bool is_flow = value->per_node != NULL || value->by_element != NULL ||
                              (is_direction && value->is_given);
         if (!is_flow && isnan(value->number)) {
-            fprintf(p->stream, "# %s:", row->name);
+            fprintf(p->stream, "# %s:", name);
         } else if (is_flow) {
-            fprintf(p->stream, "%s: ", row->name);
-            put_flow(p, ss_scene_node_find(map, row->name));
+            fprintf(p->stream, "%s: ", name);
+            put_flow(p, ss_scene_find_model_node(map, row->name));
         } else {
-            fprintf(p->stream, "%s: ", row->name);
+            fprintf(p->stream, "%s: ", name);
             put_value(p->stream, row, value->number);
         }
         end(p, comment);

@@ -191,6 +191,85 @@ static bool make_grid(loader *l, ss_scene_node *grid, const ss_scene_node *units
     return ss_scene_make_grid(&l->space, grid, metres, &l->scene->mesh, l->mesh_error);
 }
 
+/* Does the model have a layer around its volume? */
+static bool has_layer(const ss_scene_model *model)
+{
+    for (int32_t i = 0; model != NULL && i < model->row_count; i++) {
+        if (strcmp(model->row[i].name, "layer.thickness_m") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The mesh with a layer's outer surface: the given one, or grown by a thickness. */
+static bool take_layer(loader *l, ss_scene_node *object, const char *name)
+{
+    ss_scene *scene = l->scene;
+    ss_scene_node *outer = good(ss_scene_node_find(object, "outer"));
+    ss_scene_node *thickness =
+        good(ss_scene_find_model_node(ss_scene_node_find(l->root, "model"), "layer.thickness_m"));
+    if (outer != NULL && !has_layer(l->model)) {
+        ss_scene_node_fault(l->report, outer,
+                            "object.outer is for a layer around the mesh, which "
+                            "%s does not have; hybrid does",
+                            l->model != NULL ? l->model->name : "this model");
+        return false;
+    }
+    if (outer != NULL && thickness != NULL) {
+        ss_scene_node_fault(l->report, thickness,
+                            "the layer reaches to object.outer; remove one of the two");
+        return false;
+    }
+    if ((outer == NULL && thickness == NULL) || !has_layer(l->model)) {
+        return true;
+    }
+    ss_mesh *core = scene->mesh;
+    ss_mesh *layered = NULL;
+    softsim_error *fault = calloc(1, sizeof *fault);
+    softsim_status status = fault != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    if (status == SOFTSIM_OK && outer != NULL) {
+        char path[2048];
+        ss_scene_node *units = good(ss_scene_node_find(object, "units"));
+        scene->mesh = NULL;
+        if (units == NULL || !load_mesh(l, outer, units)) {
+            scene->mesh = core;
+            free(fault);
+            return false;
+        }
+        transform(l, object);
+        ss_mesh *surface = scene->mesh;
+        scene->mesh = core;
+        ss_scene_join_path(l->space.folder, outer->text, path, sizeof path);
+        status = ss_mesh_accept(surface, path, l->mesh_error);
+        if (status != SOFTSIM_OK) {
+            ss_mesh_destroy(&surface);
+            free(fault);
+            return false;
+        }
+        status = ss_mesh_add_skin(core, surface, &layered, fault);
+        ss_mesh_destroy(&surface);
+    } else if (status == SOFTSIM_OK) {
+        const double metres = strtod(thickness->text, NULL);
+        status = metres != 0.0 ? ss_mesh_grow_skin(core, metres, &layered, fault) : SOFTSIM_OK;
+        if (metres == 0.0) {
+            ss_scene_node_fault(l->report, thickness,
+                                "a layer of no thickness has no particles; "
+                                "give more, or less, than 0");
+        }
+    }
+    if (status != SOFTSIM_OK) {
+        softsim_error_add(l->mesh_error, status, "%s: error: %s", name,
+                          fault != NULL ? fault->text : softsim_status_text(status));
+    }
+    free(fault);
+    if (layered != NULL) {
+        ss_mesh_destroy(&scene->mesh);
+        scene->mesh = layered;
+    }
+    return layered != NULL;
+}
+
 /* Loads or makes, transforms and judges the mesh; on success the regions can be resolved. */
 static bool take_mesh(loader *l)
 {
@@ -227,10 +306,11 @@ static bool take_mesh(loader *l)
     } else {
         snprintf(name, sizeof name, "%s: object.grid", l->report->path);
     }
-    const int32_t node_count = scene->mesh->node_count;
-    if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK) {
+    if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK ||
+        (scene->mesh->tetrahedron_count > 0 && !take_layer(l, object, name))) {
         return false;
     }
+    const int32_t node_count = scene->mesh->node_count;
     l->space.mesh = scene->mesh;
     l->space.tolerance = 1e-9 * ss_mesh_diagonal(scene->mesh);
     l->space.mask = calloc((size_t)node_count, 1);
@@ -319,7 +399,7 @@ static void take_parameters(loader *l, bool has_mesh)
     for (int32_t i = 0; i < l->model->row_count; i++) {
         const ss_scene_row *row = &scene->source->model_row[i + 1];
         ss_param_value *value = &scene->param[i];
-        ss_scene_node *node = ss_scene_node_find(map, row->name);
+        ss_scene_node *node = ss_scene_find_model_node(map, row->name);
         value->number = row->fallback;
         value->is_given = node != NULL;
         if (good(node) == NULL) {

@@ -192,6 +192,11 @@ static const ss_scene_row object_row[] = {
      .is_required = true,
      .unless = "grid",
      .help = "of the file of the mesh, or of a grid's nodes"},
+    {.name = "outer",
+     .kind = SS_SCENE_FILE,
+     .needs = "mesh",
+     .help = "surface around the mesh's volume, in the same units and place: what lies between is "
+             "the layer of hybrid"},
     {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
     {.name = "repair",
      .kind = SS_SCENE_BOOL,

@@ -94,6 +94,8 @@ bool ss_scene_in_range(const ss_scene_row *row, double value);
  */
 bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quoted,
                           double *out_value, char *why, size_t why_size);
+/* What is given for a model's row below the scene's `model`; a row `a.b` is key b of mapping a. */
+ss_scene_node *ss_scene_find_model_node(const ss_scene_node *model, const char *name);
 /* `row` of a model as a row of a scene. */
 ss_scene_row ss_scene_row_of_param(const ss_param_row *param);
 

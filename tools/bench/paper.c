@@ -26,6 +26,8 @@ static const struct {
 } papers[] = {
     {"zhong2006", "softsim: Zhong et al. 2006, haptic deformation by a cellular neural network",
      ss_paper_zhong},
+    {"hybrid", "softsim: a hybrid of finite elements and a particle layer for haptic interaction",
+     ss_paper_hybrid},
 };
 enum { PAPER_COUNT = sizeof papers / sizeof papers[0] };
 
@@ -45,7 +47,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     };
     int32_t count = 0;
     const ss_args_result result =
-        ss_args_parse(argc, argv, "[options] zhong2006",
+        ss_args_parse(argc, argv, "[options] zhong2006|hybrid",
                       "Repeats a paper's figures and tables; exit 1 when a claim does not hold.",
                       rows, (int32_t)(sizeof rows / sizeof rows[0]), &o->name, 1, 1, &count, error);
     for (int i = 0; result == SS_ARGS_RUN && o->name != NULL && i < PAPER_COUNT; ++i) {
@@ -53,7 +55,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     }
     if (result == SS_ARGS_RUN && o->name != NULL && o->paper < 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "'%s' is not a paper known here: zhong2006", o->name);
+                          "'%s' is not a paper known here: zhong2006, hybrid", o->name);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }

@@ -132,3 +132,5 @@ softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const 
 
 /* Zhong, Shirinzadeh, Alici, Smith 2006. Fills the page; claims tell the rest. */
 softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error);
+/* The hybrid of finite elements and particles. */
+softsim_status ss_paper_hybrid(ss_paper *paper, softsim_error *error);

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/hybrid.h"
+/*
+ * The surface that is seen and touched: its nodes ride on the layer.
+ *
+ * A skin node where all sleeps follows the core by one row, T. Where particles are awake it follows
+ * the twelve nearest ones, S; of these, those that are tied are put in terms of nodes at once, so
+ * that a row over the body's nodes results. On the way from one to the other it is (1 - theta) T +
+ * theta S with a slow theta: linear at every moment, so that forces on it go back by the transpose
+ * and momentum is kept, and without a jump. Contact with the particles themselves was rejected:
+ * the tool would feel the lattice.
+ *
+ * Sleeping skin far from every tool is laid in turns, an eighth of it at a time: nothing but the
+ * contact's search tree reads it between two looks of the display, and that search is generous.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/wide.h"
+#include "rt/vec.h"
+
+enum { TURNS = 8 };
+
+/* ---- rows -----------------------------------------------------------------------------------
+ */
+
+static ss_quad sum_row(int32_t count, const int32_t *node, const ss_real *weight, const ss_real *u)
+{
+    ss_quad sum = ss_quad_all(0);
+    for (int32_t k = 0; k < count; ++k) {
+        sum = ss_quad_fma(ss_quad_all(weight[k]), ss_quad_load(u + 4 * (ptrdiff_t)node[k]), sum);
+    }
+    return sum;
+}
+
+static ss_quad place_of(const ss_hybrid *hybrid, int32_t s, const ss_real *u)
+{
+    const ss_layer *layer = hybrid->layer;
+    const ss_hybrid_ride *ride = &hybrid->ride[s];
+    const int32_t first = layer->skin_tie_first[s];
+    const ss_quad tied = sum_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
+                                 layer->skin_tie + first, u);
+    if (ride->count == 0 || !(ride->theta > 0)) {
+        return tied;
+    }
+    const ss_quad riding = sum_row(ride->count, ride->node, ride->weight, u);
+    return ss_quad_fma(ss_quad_all(ride->theta), ss_quad_sub(riding, tied), tied);
+}
+
+void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out)
+{
+    memcpy(out, u, 4 * (size_t)hybrid->mesh->node_count * sizeof *out);
+    for (int32_t s = 0; s < hybrid->layer->skin_count; ++s) {
+        ss_quad_store(out + 4 * (ptrdiff_t)hybrid->layer->skin_node[s], place_of(hybrid, s, u));
+    }
+}
+
+/* Is the skin node, where it was laid last, within reach of a tool? */
+static bool is_close(const ss_hybrid *hybrid, int32_t node, const ss_real *at)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (hybrid->tool[k].is_present) {
+            double d[3];
+            for (int a = 0; a < 3; ++a) {
+                d[a] = hybrid->mesh->position[node][a] + (double)at[a] -
+                       hybrid->tool[k].to.position[a];
+            }
+            const double reach = hybrid->close_reach[k];
+            if (ss_dot3(d, d) < reach * reach) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* The body lays displacements, and motions that its solver tries, in the same array: what is known
+ * of the sleeping skin is kept apart. Motions are wanted under the tools alone. */
+void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
+{
+    ss_hybrid *hybrid = owner;
+    const ss_layer *layer = hybrid->layer;
+    const bool is_motion = u != hybrid->u;
+    ss_real *out = is_motion ? skin_u : hybrid->laid;
+    hybrid->turn = is_motion ? hybrid->turn : (hybrid->turn + 1) % TURNS;
+    for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
+        const int32_t s = layer->skin_of[i];
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        if (s < 0) {
+            ss_quad_store(out + at, ss_quad_load(u + at));
+        } else if (hybrid->ride[s].count > 0 || (!is_motion && s % TURNS == hybrid->turn) ||
+                   is_close(hybrid, i, hybrid->laid + at)) {
+            ss_quad_store(out + at, place_of(hybrid, s, u));
+        }
+    }
+    if (!is_motion) {
+        memcpy(skin_u, hybrid->laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
+    }
+}
+
+static void give_row(int32_t count, const int32_t *node, const ss_real *weight, ss_quad f,
+                     ss_real *force)
+{
+    for (int32_t k = 0; k < count; ++k) {
+        ss_real *at = force + 4 * (ptrdiff_t)node[k];
+        ss_quad_store(at, ss_quad_fma(ss_quad_all(weight[k]), f, ss_quad_load(at)));
+    }
+}
+
+void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_real *skin_force,
+                     ss_real *force)
+{
+    const ss_hybrid *hybrid = owner;
+    const ss_layer *layer = hybrid->layer;
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t s = layer->skin_of[node[i]];
+        const ss_quad f = ss_quad_load(skin_force + 4 * (ptrdiff_t)node[i]);
+        if (s < 0) {
+            ss_real *at = force + 4 * (ptrdiff_t)node[i];
+            ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));
+            continue;
+        }
+        const ss_hybrid_ride *ride = &hybrid->ride[s];
+        const ss_real theta = ride->count > 0 ? ride->theta : 0;
+        const int32_t first = layer->skin_tie_first[s];
+        give_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
+                 layer->skin_tie + first, ss_quad_mul(ss_quad_all(1 - theta), f), force);
+        give_row(ride->count, ride->node, ride->weight, ss_quad_mul(ss_quad_all(theta), f), force);
+    }
+}
+
+/* A row w of S bounds S^T k S by |w_i| k sum |w|. */
+static void bound_row(int32_t count, const int32_t *node, const ss_real *weight, double stiffness,
+                      double *diagonal)
+{
+    double sum = 0.0;
+    for (int32_t k = 0; k < count; ++k) {
+        sum += fabs((double)weight[k]);
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        diagonal[node[k]] += fabs((double)weight[k]) * sum * stiffness;
+    }
+}
+
+void ss_hybrid_carry_diagonal(void *owner, int32_t count, const int32_t *node, const double *skin,
+                              double *diagonal)
+{
+    const ss_hybrid *hybrid = owner;
+    const ss_layer *layer = hybrid->layer;
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t s = layer->skin_of[node[i]];
+        const double stiffness = skin[node[i]];
+        if (s < 0) {
+            diagonal[node[i]] += stiffness;
+            continue;
+        }
+        const ss_hybrid_ride *ride = &hybrid->ride[s];
+        const double theta = ride->count > 0 ? (double)ride->theta : 0.0;
+        const int32_t first = layer->skin_tie_first[s];
+        bound_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
+                  layer->skin_tie + first, (1.0 - theta) * stiffness, diagonal);
+        bound_row(ride->count, ride->node, ride->weight, theta * stiffness, diagonal);
+    }
+}
+
+/* ---- following the particles ----------------------------------------------------------------
+ */
+
+/* Adds to entry `node` of a row; false where it is full. */
+static bool add_entry(ss_hybrid *hybrid, ss_hybrid_ride *ride, int32_t node, ss_real weight)
+{
+    if (hybrid->mark[node] < 0) {
+        if (ride->count == SS_HYBRID_RIDE) {
+            return false;
+        }
+        hybrid->mark[node] = ride->count;
+        ride->node[ride->count] = node;
+        ride->weight[ride->count++] = 0;
+    }
+    ride->weight[hybrid->mark[node]] += weight;
+    return true;
+}
+
+/* The row of skin node s from its particles as they now are. */
+static void make_row(ss_hybrid *hybrid, int32_t s)
+{
+    const ss_layer *layer = hybrid->layer;
+    ss_hybrid_ride *ride = &hybrid->ride[s];
+    bool has_room = true;
+    ride->count = 0;
+    for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1] && has_room; ++k) {
+        const int32_t p = layer->skin_particle[k];
+        if (hybrid->node_of[p] >= 0) {
+            has_room = add_entry(hybrid, ride, hybrid->node_of[p], layer->skin[k]);
+            continue;
+        }
+        for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1] && has_room; ++t) {
+            has_room = add_entry(hybrid, ride, layer->tie_node[t], layer->skin[k] * layer->tie[t]);
+        }
+    }
+    for (int32_t k = 0; k < ride->count; ++k) {
+        hybrid->mark[ride->node[k]] = -1;
+    }
+    if (!has_room) {
+        ride->count = 0;
+        ride->theta = 0;
+    }
+}
+
+void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
+{
+    for (int32_t k = hybrid->rider_first[p]; k < hybrid->rider_first[p + 1]; ++k) {
+        const int32_t s = hybrid->rider[k];
+        hybrid->ride[s].wanted += change;
+        hybrid->is_skin_fading = true;
+        if (hybrid->riding_at[s] < 0 && change > 0) {
+            hybrid->riding_at[s] = hybrid->riding_count;
+            hybrid->riding[hybrid->riding_count++] = s;
+        }
+        if (hybrid->riding_at[s] >= 0) {
+            make_row(hybrid, s);
+        }
+    }
+}
+
+void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
+{
+    hybrid->is_skin_fading = false;
+    for (int32_t k = hybrid->riding_count - 1; k >= 0; --k) {
+        const int32_t s = hybrid->riding[k];
+        ss_hybrid_ride *ride = &hybrid->ride[s];
+        if (ride->wanted > 0) {
+            ride->theta = ride->theta + step < 1 ? ride->theta + step : 1;
+            hybrid->is_skin_fading = hybrid->is_skin_fading || ride->theta < 1;
+        } else if (ride->theta > step) {
+            ride->theta -= step;
+            hybrid->is_skin_fading = true;
+        } else {
+            const int32_t last = hybrid->riding[--hybrid->riding_count];
+            hybrid->riding[k] = last;
+            hybrid->riding_at[last] = k;
+            hybrid->riding_at[s] = -1;
+            ride->theta = 0;
+            ride->count = 0;
+        }
+    }
+}

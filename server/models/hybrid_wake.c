@@ -1,0 +1,512 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/hybrid.h"
+/*
+ * Which particles are awake: those near a tool, and what it costs nobody to change them.
+ *
+ * Where. The layer's search grid lies over rest positions, so the tool is pulled back to rest: by
+ * the displacement of the skin node nearest to it. A particle is wanted when it is nearer to the
+ * pulled-back tool's surface than wake_reach, and let go beyond sleep_reach; where that would be
+ * more than max_awake, both reaches shrink in proportion (a histogram of distances finds the
+ * largest that fits), so that the nearest wake and the awake region keeps up with the tool. Only a
+ * tool that has moved by a quarter of a spacing since is looked at again.
+ *
+ * How. Wanted: it and its neighbours become points, whose shares rise by STEP an outer step. Half
+ * way up a wanted particle gets a node: u = T u, v = T v, and its mass, taken from the four nodes
+ * of its host. Let go: the node is given back when the particle is within a tenth of a spacing of
+ * its tie, or PATIENCE outer steps later at the latest, and its share falls from then on; what is
+ * left of the way is kept as an offset that drifts to nothing. Nothing jumps: neither place nor
+ * velocity nor, since stiffness and skin rows only fade, force.
+ *
+ * Mass and momentum. Waking takes m/4 and m/4 v_p from each node of the host, falling asleep gives
+ * both back: exact, but for axes that are held, whose support takes the difference. Energy is not
+ * kept: one velocity for several is a loss, and the layer bends where its host cannot. The forces
+ * and energies are therefore evaluated anew after a change, and the body books the difference as
+ * work, so that its ledger still tells true gains. Rejected: freezing the particle where it is
+ * (springs of the frozen lattice would hold the dent).
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+#define STEP      0.125 /* of a share, an outer step */
+#define DRIFT     0.8   /* of an offset is left after an outer step */
+#define NEAR_TIE  0.1   /* spacings */
+#define LOOK_MOVE 0.25  /* spacings */
+#define FULL      0.85  /* of max_awake; the rest is for those that may sleep but do not yet */
+enum { BINS = 64, PATIENCE = 64 };
+
+/* ---- mass and momentum -----------------------------------------------------------------------
+ */
+
+static double particle_mass(const ss_hybrid *hybrid, int32_t p)
+{
+    return hybrid->layer->volume[p] * hybrid->material.density[hybrid->layer->host[p]];
+}
+
+/* Moves `mass` (m/4, < 0: back) of velocity v out of node i. */
+static void take_mass(ss_hybrid *hybrid, int32_t i, double mass, const double v[3])
+{
+    ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
+    const double before = nodes->mass[i];
+    const double after = before - mass;
+    for (int a = 0; a < 3; ++a) {
+        ss_real *at = &nodes->v[4 * (ptrdiff_t)i + a];
+        const double old = (double)*at;
+        if (nodes->mobility[4 * (ptrdiff_t)i + a] > 0) {
+            *at = (ss_real)((before * old - mass * v[a]) / after);
+        }
+    }
+    ss_body_set_mass(hybrid->body, i, after);
+}
+
+static void get_up(ss_hybrid *hybrid, int32_t p)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    const int32_t node = hybrid->idle[--hybrid->idle_count];
+    const int32_t *host = hybrid->mesh->tetrahedron[hybrid->layer->host[p]];
+    const double mass = particle_mass(hybrid, p);
+    double u[3];
+    double v[3];
+    ss_hybrid_tied(hybrid, p, nodes->u, u);
+    ss_hybrid_tied(hybrid, p, nodes->v, v);
+    for (int k = 0; k < 4; ++k) {
+        take_mass(hybrid, host[k], 0.25 * mass, v);
+    }
+    ss_body_set_mass(hybrid->body, node, mass);
+    for (int a = 0; a < 3; ++a) {
+        nodes->u[4 * (ptrdiff_t)node + a] =
+            (ss_real)(u[a] + (double)hybrid->offset[4 * (ptrdiff_t)p + a]);
+        nodes->v[4 * (ptrdiff_t)node + a] = (ss_real)v[a];
+        hybrid->offset[4 * (ptrdiff_t)p + a] = 0;
+    }
+    hybrid->node_of[p] = node;
+    ++hybrid->awake_count;
+    ss_hybrid_tell_skin(hybrid, p, 0);
+}
+
+static void lie_down(ss_hybrid *hybrid, int32_t p)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    const int32_t node = hybrid->node_of[p];
+    const int32_t *host = hybrid->mesh->tetrahedron[hybrid->layer->host[p]];
+    const double mass = particle_mass(hybrid, p);
+    double u[3];
+    double v[3];
+    for (int a = 0; a < 3; ++a) {
+        v[a] = (double)nodes->v[4 * (ptrdiff_t)node + a];
+    }
+    for (int k = 0; k < 4; ++k) {
+        take_mass(hybrid, host[k], -0.25 * mass, v);
+    }
+    ss_hybrid_tied(hybrid, p, nodes->u, u);
+    for (int a = 0; a < 3; ++a) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)node + a;
+        hybrid->offset[4 * (ptrdiff_t)p + a] = (ss_real)((double)nodes->u[at] - u[a]);
+        nodes->u[at] = 0;
+        nodes->v[at] = 0;
+    }
+    ss_body_set_mass(hybrid->body, node, 0.0);
+    hybrid->drifting[hybrid->drifting_count++] = p;
+    hybrid->idle[hybrid->idle_count++] = node;
+    hybrid->node_of[p] = -1;
+    --hybrid->awake_count;
+    ss_hybrid_tell_skin(hybrid, p, 0);
+}
+
+/* How far an awake particle is from its tie, m. */
+static double straying(const ss_hybrid *hybrid, int32_t p)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    double u[3];
+    ss_hybrid_tied(hybrid, p, nodes->u, u);
+    for (int a = 0; a < 3; ++a) {
+        u[a] -= (double)nodes->u[4 * (ptrdiff_t)hybrid->node_of[p] + a];
+    }
+    return ss_norm3(u);
+}
+
+static void drift(ss_hybrid *hybrid)
+{
+    for (int32_t k = hybrid->drifting_count - 1; k >= 0; --k) {
+        const int32_t p = hybrid->drifting[k];
+        ss_real *offset = hybrid->offset + 4 * (ptrdiff_t)p;
+        const ss_real least = (ss_real)(1e-4 * hybrid->layer->spacing[p]);
+        bool is_there = hybrid->node_of[p] < 0;
+        for (int a = 0; a < 3; ++a) {
+            offset[a] *= (ss_real)DRIFT;
+            is_there = is_there && (double)offset[a] < (double)least && -offset[a] < least;
+        }
+        if (is_there || hybrid->node_of[p] >= 0) {
+            memset(offset, 0, 3 * sizeof *offset);
+            hybrid->drifting[k] = hybrid->drifting[--hybrid->drifting_count];
+        }
+    }
+}
+
+/* ---- wanted ---------------------------------------------------------------------------------
+ */
+
+static bool is_up(const ss_hybrid *hybrid, int32_t p)
+{
+    return hybrid->particle[p].wanted >= 0 || hybrid->node_of[p] >= 0;
+}
+
+/* What p's share goes to: all of it while it is wanted or awake, else by its nearest neighbour that
+ * is. */
+static void set_target(ss_hybrid *hybrid, int32_t p)
+{
+    const ss_layer *layer = hybrid->layer;
+    double target = is_up(hybrid, p) ? 1.0 : 0.0;
+    for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1] && target == 0.0; ++t) {
+        if (is_up(hybrid, layer->neighbour[t])) { /* nearest first */
+            target = ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
+            break;
+        }
+    }
+    hybrid->particle[p].target = (ss_real)target;
+    hybrid->is_fading = true;
+}
+
+/* The same for p and its neighbours, as far as they are points. */
+static void set_targets_around(ss_hybrid *hybrid, int32_t p)
+{
+    const ss_layer *layer = hybrid->layer;
+    set_target(hybrid, p);
+    for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
+        if (hybrid->particle[layer->neighbour[t]].point >= 0) {
+            set_target(hybrid, layer->neighbour[t]);
+        }
+    }
+}
+
+/* Those who become points where there is room for them. */
+static void want(ss_hybrid *hybrid, int32_t p)
+{
+    const ss_layer *layer = hybrid->layer;
+    ss_hybrid_particle *particle = &hybrid->particle[p];
+    const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
+    if (hybrid->is_held[p] || hybrid->wanted_count == hybrid->max_awake ||
+        hybrid->point_count + pairs + 1 > hybrid->max_points) {
+        return;
+    }
+    particle->wanted = hybrid->wanted_count;
+    hybrid->wanted[hybrid->wanted_count++] = p;
+    for (int32_t t = layer->pair_first[p] - 1; t < layer->pair_first[p + 1]; ++t) {
+        const int32_t q = t < layer->pair_first[p] ? p : layer->neighbour[t];
+        if (!(layer->moment[8 * (ptrdiff_t)q + 6] > 0)) {
+            continue; /* a ghost at the end of the lattice: no gradient of its own */
+        }
+        set_target(hybrid, q);
+        if (hybrid->particle[q].point < 0 && hybrid->particle[q].target > 0) {
+            ss_hybrid_add_point(hybrid, q);
+        }
+    }
+    ss_hybrid_tell_skin(hybrid, p, 1);
+}
+
+static void let_go(ss_hybrid *hybrid, int32_t p)
+{
+    ss_hybrid_particle *particle = &hybrid->particle[p];
+    const int32_t last = hybrid->wanted[--hybrid->wanted_count];
+    hybrid->wanted[particle->wanted] = last;
+    hybrid->particle[last].wanted = particle->wanted;
+    particle->wanted = -1;
+    particle->patience = PATIENCE;
+    set_targets_around(hybrid, p);
+    ss_hybrid_tell_skin(hybrid, p, -1);
+}
+
+/* ---- shares ---------------------------------------------------------------------------------
+ */
+
+/* Moves p's share by at most `step`. */
+static void move_share(ss_hybrid *hybrid, int32_t p, double step)
+{
+    const ss_hybrid_particle *particle = &hybrid->particle[p];
+    const double from = (double)particle->share;
+    const double to = fmin(fmax((double)particle->target, from - step), from + step);
+    if (to != from) {
+        ss_hybrid_set_share(hybrid, p, to);
+    }
+}
+
+/* Gets up half way to its share, lies down when it is let go and near its tie. */
+static void move_node(ss_hybrid *hybrid, int32_t p)
+{
+    ss_hybrid_particle *particle = &hybrid->particle[p];
+    if (particle->wanted >= 0) {
+        if (hybrid->node_of[p] < 0 && particle->share >= (ss_real)0.5 && hybrid->idle_count > 0) {
+            get_up(hybrid, p);
+        }
+    } else if (hybrid->node_of[p] >= 0 &&
+               (--particle->patience <= 0 ||
+                straying(hybrid, p) < NEAR_TIE * hybrid->layer->spacing[p])) {
+        lie_down(hybrid, p);
+        set_targets_around(hybrid, p);
+    }
+}
+
+/* Everything one step further: shares, nodes, points that are used no more. */
+static void fade(ss_hybrid *hybrid, double step)
+{
+    hybrid->is_fading = false;
+    for (int32_t k = hybrid->point_count - 1; k >= 0; --k) {
+        const int32_t p = hybrid->point[k];
+        const ss_hybrid_particle *particle = &hybrid->particle[p];
+        move_share(hybrid, p, step);
+        move_node(hybrid, p);
+        const bool is_moving = particle->share != particle->target ||
+                               (particle->wanted >= 0) != (hybrid->node_of[p] >= 0);
+        hybrid->is_fading = hybrid->is_fading || is_moving;
+        if (!is_moving && !(particle->share > 0)) {
+            ss_hybrid_remove_point(hybrid, p);
+        }
+    }
+}
+
+/* ---- where the tools are ---------------------------------------------------------------------
+ */
+
+/* Displacement of the skin under the tool: the mean over the nodes in reach, the nearest counting
+ * most, so that it moves smoothly. False where none is in reach. */
+static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
+{
+    const ss_layer *layer = hybrid->layer;
+    const double *x = hybrid->tool[probe].to.position;
+    const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
+                         hybrid->sleep_reach + hybrid->skin_edge;
+    const ss_real *shown = hybrid->laid;
+    double total = 0.0;
+    ss_set3(out, 0.0, 0.0, 0.0);
+    for (int32_t s = 0; s < layer->skin_count; ++s) {
+        const int32_t i = layer->skin_node[s];
+        const double u[3] = {(double)shown[4 * (ptrdiff_t)i], (double)shown[4 * (ptrdiff_t)i + 1],
+                             (double)shown[4 * (ptrdiff_t)i + 2]};
+        const double d[3] = {hybrid->mesh->position[i][0] + u[0] - x[0],
+                             hybrid->mesh->position[i][1] + u[1] - x[1],
+                             hybrid->mesh->position[i][2] + u[2] - x[2]};
+        const double inside = 1.0 - ss_dot3(d, d) / (reach * reach);
+        if (inside > 0.0) {
+            const double weight = inside * inside * inside * inside;
+            total += weight;
+            ss_madd3(out, out, weight, u);
+        }
+    }
+    ss_scale3(out, out, total > 0.0 ? 1.0 / total : 0.0);
+    return total > 0.0;
+}
+
+/* Distances of the own particles that the pulled-back tool may reach; collects them in `found`. */
+static void scan(ss_hybrid *hybrid, int probe, const double middle[3])
+{
+    const ss_layer *layer = hybrid->layer;
+    const ss_point_grid *grid = &hybrid->grid;
+    const ss_shape *shape = &hybrid->shape[probe].shape;
+    const double *q = hybrid->tool[probe].to.orientation;
+    const double reach = ss_shape_bounding_radius(shape) + hybrid->sleep_reach;
+    int32_t low[3];
+    int32_t high[3];
+    for (int k = 0; k < 3; ++k) {
+        const double from = (middle[k] - reach - grid->low[k]) / grid->cell;
+        const double to = (middle[k] + reach - grid->low[k]) / grid->cell;
+        low[k] = (int32_t)fmin(fmax(floor(from), 0.0), grid->cells[k]);
+        high[k] = (int32_t)fmax(fmin(floor(to), grid->cells[k] - 1.0), -1.0);
+    }
+    for (int32_t k = low[2]; k <= high[2]; ++k) {
+        for (int32_t j = low[1]; j <= high[1]; ++j) {
+            const int32_t row = (k * grid->cells[1] + j) * grid->cells[0];
+            const int32_t end = high[0] < low[0] ? 0 : grid->first[row + high[0] + 1];
+            for (int32_t m = high[0] < low[0] ? 0 : grid->first[row + low[0]]; m < end; ++m) {
+                const int32_t p = grid->member[m];
+                double x[3];
+                double local[3];
+                double normal[3];
+                ss_sub3(x, layer->rest[p], middle);
+                if (ss_dot3(x, x) > reach * reach) {
+                    continue;
+                }
+                ss_rotate_back(local, q, x);
+                const double d = ss_shape_distance(shape, local, normal);
+                if (hybrid->distance[p] == (double)INFINITY) {
+                    hybrid->found[hybrid->found_count++] = p;
+                }
+                hybrid->distance[p] = fmin(hybrid->distance[p], d);
+            }
+        }
+    }
+}
+
+/* The reach within which particles wake: wake_reach, or less, so that FULL of max_awake are. */
+static double fit_reach(const ss_hybrid *hybrid)
+{
+    const double most = FULL * hybrid->max_awake;
+    int32_t bin[BINS] = {0};
+    double low = hybrid->wake_reach;
+    for (int32_t k = 0; k < hybrid->found_count; ++k) {
+        low = fmin(low, hybrid->distance[hybrid->found[k]]);
+    }
+    const double width = (hybrid->wake_reach - low) / BINS;
+    int32_t inside = 0;
+    for (int32_t k = 0; k < hybrid->found_count; ++k) {
+        const double d = hybrid->distance[hybrid->found[k]];
+        if (d < hybrid->wake_reach) {
+            const int32_t b = (int32_t)((d - low) / width);
+            ++bin[b < BINS ? b : BINS - 1];
+            ++inside;
+        }
+    }
+    int b = BINS;
+    while (b > 1 && inside > most) {
+        inside -= bin[--b];
+    }
+    return low + b * width;
+}
+
+/* Does any tool ask for a new look? Fills where they are at rest. */
+static bool is_look_due(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3], bool *is_near)
+{
+    bool is_due = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        double shift[3] = {0.0, 0.0, 0.0};
+        is_near[k] = hybrid->tool[k].is_present && find_shift(hybrid, k, shift);
+        if (is_near[k]) {
+            double moved[3];
+            ss_sub3(middle[k], hybrid->tool[k].to.position, shift);
+            ss_sub3(moved, middle[k], hybrid->scanned[k]);
+            is_due = is_due || !hybrid->was_scanned[k] ||
+                     ss_norm3(moved) > LOOK_MOVE * hybrid->least_spacing;
+        }
+        is_due = is_due || is_near[k] != hybrid->was_scanned[k];
+    }
+    return is_due;
+}
+
+static void look(ss_hybrid *hybrid)
+{
+    double middle[SOFTSIM_MAX_PROBES][3];
+    bool is_near[SOFTSIM_MAX_PROBES];
+    if (!is_look_due(hybrid, middle, is_near)) {
+        return;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        hybrid->was_scanned[k] = is_near[k];
+        if (is_near[k]) {
+            ss_copy3(hybrid->scanned[k], middle[k]);
+            scan(hybrid, k, middle[k]);
+        }
+    }
+    const double reach = fit_reach(hybrid);
+    const double band = (hybrid->sleep_reach / hybrid->wake_reach - 1.0) * fmax(reach, 0.0);
+    const double let = reach + fmax(band, 0.5 * hybrid->least_spacing);
+    for (int32_t k = hybrid->wanted_count - 1; k >= 0; --k) {
+        if (!(hybrid->distance[hybrid->wanted[k]] < let)) {
+            let_go(hybrid, hybrid->wanted[k]);
+        }
+    }
+    for (int32_t k = 0; k < hybrid->found_count; ++k) {
+        const int32_t p = hybrid->found[k];
+        if (hybrid->distance[p] < reach && hybrid->particle[p].wanted < 0) {
+            want(hybrid, p);
+        }
+        hybrid->distance[p] = (double)INFINITY;
+    }
+    hybrid->found_count = 0;
+}
+
+bool ss_hybrid_wake(ss_hybrid *hybrid)
+{
+    if (hybrid->is_all_awake) {
+        return false;
+    }
+    look(hybrid);
+    const bool is_changing =
+        hybrid->is_fading || hybrid->drifting_count > 0 || hybrid->is_skin_fading;
+    if (hybrid->is_fading) {
+        fade(hybrid, STEP);
+    }
+    if (hybrid->drifting_count > 0) {
+        drift(hybrid);
+    }
+    if (hybrid->is_skin_fading) {
+        ss_hybrid_fade_skin(hybrid, (ss_real)STEP);
+    }
+    ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
+    return is_changing;
+}
+
+/* ---- all at once ----------------------------------------------------------------------------
+ */
+
+static void settle_now(ss_hybrid *hybrid)
+{
+    for (int32_t k = 0; k < 2 * PATIENCE && hybrid->is_fading; ++k) {
+        fade(hybrid, 1.0);
+    }
+    ss_hybrid_fade_skin(hybrid, 1);
+
+    ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
+}
+
+void ss_hybrid_idle_all(ss_hybrid *hybrid)
+{
+    for (int32_t k = 0; k < hybrid->max_awake; ++k) {
+        hybrid->idle[k] = hybrid->mesh->node_count + hybrid->max_awake - 1 - k;
+    }
+    hybrid->idle_count = hybrid->max_awake;
+}
+
+/* Volumes, masses and the order of idle nodes to the bits of the start, which adding and taking
+ * away brings back but for rounding. */
+static void begin_asleep(ss_hybrid *hybrid)
+{
+    const int32_t nodes = hybrid->mesh->node_count;
+    ss_hybrid_idle_all(hybrid);
+    for (int32_t c = 0; c < hybrid->cells.count; ++c) {
+        hybrid->cell_volume[c] = hybrid->cell_asleep[c];
+        ss_hybrid_write_cell(hybrid, c);
+    }
+    for (int32_t i = 0; i < nodes; ++i) {
+        if (hybrid->mass_asleep[i] != ss_body_read_nodes(hybrid->body)->mass[i]) {
+            ss_body_set_mass(hybrid->body, i, hybrid->mass_asleep[i]);
+        }
+    }
+}
+
+void ss_hybrid_settle(ss_hybrid *hybrid)
+{
+    while (hybrid->wanted_count > 0 && !hybrid->is_all_awake) {
+        let_go(hybrid, hybrid->wanted[hybrid->wanted_count - 1]);
+    }
+    for (int32_t p = 0; hybrid->is_all_awake && p < hybrid->layer->own_count; ++p) {
+        if (hybrid->particle[p].wanted < 0) {
+            want(hybrid, p);
+        }
+    }
+    settle_now(hybrid);
+    while (hybrid->drifting_count > 0) {
+        const int32_t p = hybrid->drifting[--hybrid->drifting_count];
+        memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
+    }
+    if (hybrid->awake_count == 0) {
+        begin_asleep(hybrid);
+    }
+    memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
+    hybrid->turn = 0;
+}
+
+void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)
+{
+    const double *x = hybrid->mesh->position[hybrid->layer->skin_node[s]];
+    const int32_t count = ss_point_grid_nearest(&hybrid->grid, x, hybrid->max_awake,
+                                                (double)INFINITY, hybrid->found, hybrid->distance);
+    for (int32_t k = 0; k < count; ++k) {
+        want(hybrid, hybrid->found[k]);
+    }
+    for (int32_t k = 0; k < hybrid->layer->own_count; ++k) {
+        hybrid->distance[k] = (double)INFINITY;
+    }
+    settle_now(hybrid);
+}

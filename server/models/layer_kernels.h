@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The hot loops of the particle layer, compiled once per SIMD path and chosen at start.
+ *
+ * A pass knows which particles are near (their place is needed: they are integrated or neighbours
+ * of one that is) and which are points (integrated). In: displacements and velocities of the body's
+ * nodes. Out: forces on them. Between `strain` and `push` the law of the tetrahedra (fem_kernels.h)
+ * turns the gradients of the points into stresses: each is an element on three unit edges, so that
+ * its nodes' displacements are the columns of H. layer_kernels.c derives the loops.
+ * Memory is borrowed; no kernel allocates. Thread: any, RT-safe.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "models/layer.h"
+
+typedef struct ss_layer_pass {
+    const ss_layer *layer;
+    const ss_real *u, *v; /* of the body's nodes; v may be NULL: velocities are left 0 */
+    ss_real *force;       /* of the body's nodes, added to */
+    int32_t near_count;
+    const int32_t *near;     /* particles */
+    const int32_t *node_of;  /* by particle: its node when it moves by itself, -1 when tied */
+    const ss_real *offset;   /* by particle, quads: a tied one is there beside its tie, m */
+    ss_real *state;          /* by particle, pairs: u, v */
+    ss_real *particle_force; /* by particle, quads */
+    int32_t point_count;
+    const int32_t *point;       /* particles */
+    const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
+    ss_real *gradient;     /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
+    ss_real *spread;       /* pairs, by point: sum w u^2, w v^2 by axis */
+    const ss_real *stress; /* likewise, first quad: -V P, column c */
+} ss_layer_pass;
+
+/* Cells that sleeping particles are counted by: gradients that are fixed rows over nodes. */
+typedef struct ss_layer_cells {
+    int32_t count;
+    int32_t *first; /* count + 1 */
+    int32_t *node;
+    ss_real *row;      /* quads: H = sum u row^T, 1/m */
+    ss_real *gradient; /* as a pass has them, of its cells */
+    ss_real *stress;
+} ss_layer_cells;
+
+typedef struct ss_layer_kernels {
+    const char *name;
+    /* gradient of every cell; `v` may be NULL. */
+    void (*strain_cells)(const ss_layer_cells *cells, const ss_real *u, const ss_real *v);
+    /* force += stress of every cell. */
+    void (*push_cells)(const ss_layer_cells *cells, ss_real *force);
+    /* state of the near particles from the nodes; clears their forces. */
+    void (*place)(const ss_layer_pass *pass);
+    /* gradient of every point. */
+    void (*strain)(const ss_layer_pass *pass);
+    /* particle_force += stress and residual forces of every point. */
+    void (*push)(const ss_layer_pass *pass);
+    /* particle_force += cohesion of every point; returns its energy where wanted, J. */
+    double (*cohere)(const ss_layer_pass *pass, bool wants_energy);
+    /* force += what the near particles' forces are on the nodes. */
+    void (*give)(const ss_layer_pass *pass);
+} ss_layer_kernels;
+
+/* The best path that this processor runs. */
+const ss_layer_kernels *ss_layer_kernels_get(void);
+/* All paths built in, best first, for tests; NULL beyond the last. */
+const ss_layer_kernels *ss_layer_kernels_path(int32_t index);
+
+/* The pair potential phi(s) = (s^-3 - 3 s^-1)/2, s = r/r0, least (-1) at s = 1, with the linear and
+ * constant forces below and above: its value, and its slope in *out_slope. */
+double ss_layer_pair_potential(double s, double *out_slope);
+#define SS_LAYER_CORE 0.7                /* linear force below this s */
+#define SS_LAYER_TAIL 1.4142135623730951 /* constant above: there cohesion is greatest */

@@ -1,0 +1,417 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "hybrid_fixture.h"
+
+static const double origin[3] = {0.0, 0.0, 0.0};
+
+static bool is_below(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 2;
+}
+
+static bool is_at_ends(int i, int j, int k)
+{
+    (void)j;
+    (void)k;
+    return i < 2 || i >= 4;
+}
+
+/* ---- statics -------------------------------------------------------------------------------- */
+
+/* Force on the moved end of a bar, tetrahedra | particles | tetrahedra, stretched by 1 % with its
+ * sides free, N. */
+static double bar_force(double cohesion, double stabilisation)
+{
+    const int n[3] = {6, 2, 2};
+    const double length = 3.0;
+    hybrid_case c;
+    case_init(&c, make_bar(n, 0.5, origin, 0.0, is_at_ends), 0.125);
+    case_set(&c, SS_HYBRID_COHESION, cohesion);
+    case_set(&c, SS_HYBRID_STABILISATION, stabilisation);
+    case_set(&c, SS_FEM_MASS_DAMPING, 2.5);
+    case_wake_all(&c);
+    int32_t node[2][9];
+    double moved[9][3] = {{0}};
+    int32_t count[2] = {0, 0};
+    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+        const double *x = c.mesh->position[i];
+        const int end = x[0] == 0.0 ? 0 : x[0] == length ? 1 : -1;
+        if (end >= 0) {
+            node[end][count[end]++] = i;
+            /* No more than keeps it from turning and sliding. */
+            c.fixed[i] =
+                (uint8_t)((end == 0 ? 1u : 0u) | (x[1] == 0.5 ? 2u : 0u) | (x[2] == 0.5 ? 4u : 0u));
+        }
+    }
+    for (int32_t k = 0; k < count[1]; ++k) {
+        moved[k][0] = 0.01 * length;
+    }
+    const ss_prescribed set = {.node = node[1],
+                               .node_count = count[1],
+                               .displacement = moved,
+                               .axis = {true, false, false},
+                               .ramp = 2.0};
+    c.plan.prescribed = &set;
+    c.plan.prescribed_count = 1;
+    (void)case_start(&c);
+    for (int k = 0; k < 150; ++k) {
+        c.model_class->step(c.model, 0.1 * k, 0.1, NULL);
+    }
+    double force[3];
+    c.model_class->reaction(c.model, 0, force);
+    ss_model_info info;
+    c.model_class->info(c.model, &info);
+    assert_int_equal(info.fault_bits, 0);
+    case_end(&c);
+    return force[0];
+}
+
+/* Young's modulus of lambda 5.5, mu 2.5 is 6.71875; free lateral stretch by 1 % of the guarded law
+ * takes P = 6.71875 (1.01^3 - 1.01)/2. */
+static void bar_carries_the_exact_force(void **state)
+{
+    (void)state;
+    const double exact = 6.71875 * (1.01 * 1.01 * 1.01 - 1.01) / 2.0;
+    assert_near(bar_force(0.0, 0.0) / exact, 1.0, 0.03);
+    assert_near(bar_force(0.0, 0.3) / exact, 1.0, 0.03);
+    assert_near(bar_force(0.05, 0.3) / exact, 1.0, 0.03);
+}
+
+/* ---- time ----------------------------------------------------------------------------------- */
+
+/* Energy of free motion of size `size` over `steps` leapfrog steps of `share` of dt*: the largest,
+ * over the first. Plain arithmetic, beside the model's own integrator. */
+static double growth(double share, int steps, double size, int32_t awake, double *out_momentum)
+{
+    hybrid_case c;
+    case_init(&c, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.3, is_below), 0.1);
+    case_set(&c, SS_HYBRID_MAX_ACTIVE, awake);
+    case_set(&c, SS_HYBRID_ACTIVATE, 0.3);
+    case_set(&c, SS_HYBRID_COHESION, 0.0);
+    ss_hybrid *hybrid = case_start(&c);
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    /* dt* of this very state: asleep, or with these awake. */
+    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
+    const double rate2 = ss_hybrid_settle_rate(hybrid);
+    const double h = share * 2.0 / sqrt(rate2);
+    uint32_t seed = 11;
+    double drift[3] = {0};
+    double total = 0.0;
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
+            seed = seed * 1664525u + 1013904223u;
+            nodes->v[4 * (ptrdiff_t)i + a] =
+                (ss_real)(size * ((double)(seed >> 8) / 16777216.0 - 0.5));
+            drift[a] += nodes->mass[i] * (double)nodes->v[4 * (ptrdiff_t)i + a];
+        }
+        total += nodes->mass[i];
+    }
+    double first = 0.0;
+    double largest = 0.0;
+    double speed = 0.0;
+    double end[3] = {0};
+    for (int k = 0; k < steps; ++k) {
+        double elastic;
+        double kinetic = 0.0;
+        ss_real *force = forces_of(hybrid, &elastic);
+        ss_set3(end, 0.0, 0.0, 0.0);
+        for (int32_t i = 0; i < nodes->count; ++i) {
+            for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
+                const ptrdiff_t at = 4 * (ptrdiff_t)i + a;
+                const double before = (double)nodes->v[at];
+                const double after = before + h * (double)force[at] / nodes->mass[i];
+                kinetic += 0.5 * nodes->mass[i] * before * after;
+                nodes->v[at] = (ss_real)after;
+                nodes->u[at] = (ss_real)((double)nodes->u[at] + h * after);
+                end[a] += nodes->mass[i] * after;
+                speed = fmax(speed, fabs(after));
+            }
+        }
+        first = k == 0 ? kinetic + elastic : first;
+        largest = fmax(largest, kinetic + elastic);
+        free(force);
+        if (!(largest < 1e3 * first)) {
+            break;
+        }
+    }
+    ss_sub3(drift, end, drift);
+    *out_momentum = ss_norm3(drift) / (total * size);
+    case_end(&c);
+    return largest / first;
+}
+
+static void reported_step_is_the_limit(void **state)
+{
+    (void)state;
+    double momentum;
+    for (int32_t awake = 1; awake <= 60; awake += 59) {
+        const double tiny = BY_TYPE(1e-4, 1e-6);
+        assert_true(growth(0.97, 400, tiny, awake, &momentum) < 50.0);
+        assert_true(growth(1.05, 1500, tiny, awake, &momentum) > 100.0);
+    }
+}
+
+static void motion_keeps_energy_and_momentum(void **state)
+{
+    (void)state;
+    double momentum;
+    const double kept = growth(0.5, 2000, 0.05, 60, &momentum);
+    assert_near(kept, 1.0, 0.01);
+    assert_near(momentum, 0.0, BY_TYPE(1e-4, 1e-11));
+}
+
+/* ---- tools ---------------------------------------------------------------------------------- */
+
+/* A block of 1 x 1 x 0.8, its upper half a layer, held below, under a ball of 0.25. */
+static void init_block(hybrid_case *c, int32_t max_active)
+{
+    case_init(c, make_bar((const int[3]){5, 5, 4}, 0.2, origin, 0.2, is_below), 0.08);
+    case_set(c, SS_HYBRID_ACTIVATE, 0.2);
+    case_set(c, SS_HYBRID_MAX_ACTIVE, max_active);
+    case_set(c, SS_FEM_MASS_DAMPING, 5.0);
+    for (int32_t i = 0; i < c->mesh->node_count; ++i) {
+        c->fixed[i] = c->mesh->position[i][2] == 0.0 ? 7 : 0;
+    }
+    c->plan.tool[0].is_used = true;
+    c->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.25};
+    c->plan.working_force = 0.5;
+}
+
+static void move(hybrid_case *c, ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth,
+                 int steps)
+{
+    const double to[3] = {x, 0.5, 1.05 - depth};
+    double from[3];
+    ss_copy3(from, tool[0].to.position);
+    for (int k = 1; k <= steps; ++k) {
+        tool[0].from = tool[0].to;
+        for (int a = 0; a < 3; ++a) {
+            tool[0].to.position[a] = from[a] + (to[a] - from[a]) * k / steps;
+        }
+        c->model_class->step(c->model, 0.0, 0.02, tool);
+    }
+}
+
+static void start_tool(ss_model_tool tool[SOFTSIM_MAX_PROBES], double x)
+{
+    memset(tool, 0, SOFTSIM_MAX_PROBES * sizeof *tool);
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {x, 0.5, 1.06}, .orientation = {1, 0, 0, 0}};
+    tool[0].from = tool[0].to;
+}
+
+static double felt(hybrid_case *c)
+{
+    ss_contact_set set;
+    c->model_class->contacts(c->model, 0, 0.01, &set);
+    return set.force[2];
+}
+
+/* Total mass and momentum of the body, and the volume that all of it stands for. */
+static void sum_up(const ss_hybrid *hybrid, double *out_mass, double out_momentum[3],
+                   double *out_volume)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    *out_mass = *out_volume = 0.0;
+    ss_set3(out_momentum, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        *out_mass += nodes->mass[i];
+        for (int a = 0; a < 3; ++a) {
+            out_momentum[a] += nodes->mass[i] * (double)nodes->v[4 * (ptrdiff_t)i + a];
+        }
+    }
+    for (int32_t e = 0; e < hybrid->mesh->tetrahedron_count; ++e) {
+        *out_volume += hybrid->volume[e];
+    }
+    for (int32_t k = 0; k < hybrid->cells.count; ++k) {
+        *out_volume += hybrid->cell_volume[k];
+    }
+    for (int32_t k = 0; k < hybrid->point_count; ++k) {
+        const int32_t p = hybrid->point[k];
+        *out_volume += (double)hybrid->particle[p].share * hybrid->layer->volume[p];
+    }
+}
+
+/* Waking and falling asleep of particles in motion keep mass, momentum and volume. */
+static void waking_keeps_mass_and_momentum(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    init_block(&c, 100);
+    memset(c.fixed, 0, (size_t)c.mesh->node_count);
+    ss_hybrid *hybrid = case_start(&c);
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    uint32_t seed = 5;
+    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+        for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
+            seed = seed * 1664525u + 1013904223u;
+            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)((double)(seed >> 8) / 16777216.0);
+        }
+    }
+    double mass[3];
+    double momentum[3][3];
+    double volume[3];
+    sum_up(hybrid, &mass[0], momentum[0], &volume[0]);
+    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
+    assert_int_equal(hybrid->awake_count, 100);
+    sum_up(hybrid, &mass[1], momentum[1], &volume[1]);
+    ss_hybrid_settle(hybrid);
+    assert_int_equal(hybrid->awake_count, 0);
+    assert_int_equal(hybrid->point_count, 0);
+    assert_int_equal(hybrid->near_count, 0);
+    sum_up(hybrid, &mass[2], momentum[2], &volume[2]);
+    for (int k = 1; k < 3; ++k) {
+        assert_near(mass[k] / mass[0], 1.0, 1e-12);
+        assert_near(volume[k] / volume[0], 1.0, BY_TYPE(1e-6, 1e-12));
+        for (int a = 0; a < 3; ++a) {
+            assert_near(momentum[k][a] / mass[0], momentum[0][a] / mass[0], BY_TYPE(1e-6, 1e-13));
+        }
+    }
+    case_end(&c);
+}
+
+/* Force grows with depth, particles wake under the tool and sleep again when it goes; at rest the
+ * body comes back to rest. */
+static void tool_wakes_what_it_touches(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    init_block(&c, 150);
+    ss_hybrid *hybrid = case_start(&c);
+    start_tool(tool, 0.5);
+    double before = 0.0;
+    for (int k = 1; k <= 6; ++k) {
+        move(&c, tool, 0.5, 0.025 * k, 20);
+        move(&c, tool, 0.5, 0.025 * k, 40);
+        assert_true(felt(&c) > before);
+        before = felt(&c);
+    }
+    assert_true(hybrid->awake_count > 50 && hybrid->awake_count <= 150);
+    for (int32_t p = 0; p < hybrid->layer->own_count; ++p) {
+        const double *x = hybrid->layer->rest[p];
+        assert_true(hybrid->node_of[p] < 0 || hypot(x[0] - 0.5, x[1] - 0.5) < 0.5);
+    }
+    ss_model_info info;
+    c.model_class->info(c.model, &info);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(info.active_nodes, hybrid->awake_count);
+    move(&c, tool, 0.5, -0.6, 40);
+    move(&c, tool, 0.5, -0.6, 200);
+    assert_int_equal(hybrid->awake_count, 0);
+    assert_int_equal(hybrid->point_count, 0);
+    assert_int_equal(hybrid->drifting_count, 0);
+    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 2e-3);
+    case_end(&c);
+}
+
+/* Slowly along the block, the force with particles that wake and sleep is that of all awake within
+ * the 5 % that their number costs, and moves as smoothly. */
+static void switching_is_not_felt(void **state)
+{
+    (void)state;
+    enum { STOPS = 30 };
+    double force[2][STOPS];
+    for (int all = 0; all < 2; ++all) {
+        hybrid_case c;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES];
+        init_block(&c, 300);
+        if (all) {
+            case_wake_all(&c);
+        }
+        (void)case_start(&c);
+        start_tool(tool, 0.35);
+        move(&c, tool, 0.35, 0.1, 60);
+        move(&c, tool, 0.35, 0.1, 60);
+        for (int k = 0; k < STOPS; ++k) {
+            move(&c, tool, 0.35 + 0.01 * (k + 1), 0.1, 12);
+            force[all][k] = felt(&c);
+        }
+        case_end(&c);
+    }
+    for (int k = 0; k < STOPS; ++k) {
+        assert_near(force[0][k] / force[1][k], 1.0, 0.05);
+        if (k > 0) {
+            const double jump = (force[0][k] - force[0][k - 1]) - (force[1][k] - force[1][k - 1]);
+            assert_near(jump / force[1][k], 0.0, 0.02);
+        }
+    }
+}
+
+static uint64_t press_and_hash(hybrid_case *c)
+{
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    start_tool(tool, 0.4);
+    move(c, tool, 0.4, 0.1, 30);
+    move(c, tool, 0.6, 0.1, 30);
+    move(c, tool, 0.6, -0.6, 10);
+    uint64_t hash = c->model_class->hash(c->model, 14695981039346656037u);
+    const unsigned char *byte = (const unsigned char *)c->model_class->displacement(c->model);
+    for (size_t k = 0; k < 4 * (size_t)c->mesh->node_count * sizeof(ss_real); ++k) {
+        hash = (hash ^ byte[k]) * 1099511628211u;
+    }
+    return hash;
+}
+
+static void reset_begins_anew(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    init_block(&c, 100);
+    (void)case_start(&c);
+    const uint64_t first = press_and_hash(&c);
+    c.model_class->reset(c.model);
+    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 0.0);
+    c.model_class->reset(c.model);
+    const uint64_t again = press_and_hash(&c);
+    case_end(&c);
+    init_block(&c, 100);
+    (void)case_start(&c);
+    assert_true(press_and_hash(&c) == first);
+    case_end(&c);
+    assert_true(first == again);
+}
+
+/* A blow far too hard: finite, told, and back to rest. */
+static void hard_blow_is_survived(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    init_block(&c, 100);
+    (void)case_start(&c);
+    start_tool(tool, 0.5);
+    move(&c, tool, 0.5, 0.6, 3);
+    move(&c, tool, 0.5, 0.6, 20);
+    const ss_real *u = c.model_class->displacement(c.model);
+    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)c.mesh->node_count; ++k) {
+        assert_true(isfinite(u[k]));
+    }
+    move(&c, tool, 0.5, -0.6, 10);
+    move(&c, tool, 0.5, -0.6, 300);
+    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 0.01);
+    case_end(&c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bar_carries_the_exact_force),
+        cmocka_unit_test(reported_step_is_the_limit),
+        cmocka_unit_test(motion_keeps_energy_and_momentum),
+        cmocka_unit_test(waking_keeps_mass_and_momentum),
+        cmocka_unit_test(tool_wakes_what_it_touches),
+        cmocka_unit_test(switching_is_not_felt),
+        cmocka_unit_test(reset_begins_anew),
+        cmocka_unit_test(hard_blow_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
