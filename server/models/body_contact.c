@@ -25,7 +25,8 @@
 /* omega_c^2 h^2 of a node of mean mass per area, h the planned sub-step: times edge / radius, and
  * its bounds. A node by itself resists with about a quarter of 1/h^2 of its mass, tissue under a
  * tool with edge / radius of that: 3 makes the contact some ten times as stiff as the tissue. Where
- * the mesh is as coarse as the tool its sub-steps are cheap; where it is fine less will do. */
+ * the mesh is as coarse as the tool its sub-steps are cheap; where it is fine less will do. The
+ * edges of a model's own skin say nothing of what carries it, which its least sigma does. */
 #define CONTACT_SHARE     3.0
 #define MIN_CONTACT_SHARE 0.5
 #define MAX_CONTACT_SHARE 3.0
@@ -123,7 +124,8 @@ void ss_body_set_contact_stiffness(ss_body *body)
         ss_body_tool *tool = &body->tool[k];
         if (tool->is_used) {
             const double wanted =
-                CONTACT_SHARE * ss_surface_mean_edge(body->surface) / tool->radius;
+                body->has_skin ? MIN_CONTACT_SHARE
+                               : CONTACT_SHARE * ss_surface_mean_edge(body->surface) / tool->radius;
             const double share = fmin(fmax(wanted, MIN_CONTACT_SHARE), MAX_CONTACT_SHARE);
             const double stable = isfinite(h) ? share * body->sigma / (h * h) : (double)INFINITY;
             tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);

@@ -38,7 +38,7 @@
 enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEP, ROW_COUNT };
 
 static const ss_param_row rows[ROW_COUNT] = {
-    SS_FEM_SOLID_ROWS,
+    SS_FEM_SOLID_ROWS(SS_TISSUE_STABLE_NEO_HOOKEAN),
     [ROW_MASS_DAMPING] = {.name = "mass_damping_per_s",
                           .kind = SS_PARAM_NUMBER,
                           .max = 1e9,
