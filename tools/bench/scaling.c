@@ -660,7 +660,7 @@ static softsim_status write_page(const report *r, softsim_error *error)
                  "the factors; create is the CPU time of all that comes before the first tick. "
                  "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
                  "or have more entries than an int counts, conjugate gradients find the columns "
-                 "(softsim-run --explain says which); tools, which need all columns, are refused "
+                 "(softsimd --explain says which); tools, which need all columns, are refused "
                  "by name long before.",
                  200, SS_CNN_MAX_WORK);
     put_blocks(&page, r);
