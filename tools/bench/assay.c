@@ -22,6 +22,8 @@ static const double rested_tau = 5.9;
 static const double heavy = 1.5; /* a mass ratio beyond it is slower than tau */
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
+/* Of the size: what single precision tells apart. */
+static const double still_share = 1e-7;
 
 const char *ss_assay_kind_name(ss_assay_kind kind)
 {
@@ -326,6 +328,7 @@ static softsim_status run(runner *r, softsim_error *error)
     const double size3 = SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE;
     const ss_audit_plan plan = {.reach = r->plan.reach_m,
                                 .floor = floor_share * r->trial->stiffness_pa * size3,
+                                .still = still_share * SS_SPECIMEN_SIZE,
                                 .has_work = r->plan.drive == SS_ASSAY_LOADS &&
                                             !ss_assay_has_own_work(r->trial->subject)};
     ss_audit_begin(&r->audit, &plan);
