@@ -73,6 +73,7 @@ struct ss_body {
     int64_t step;
     double work, dissipated;
     bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
+    double taken;               /* J, by the limit of speeds in this outer step */
     double pool;                /* J: gains of the last tenth of a second or so, losses taken off */
     double path;                /* 0..1 of the tools' way, where the sub-step began */
     /* derived; valid while is_ready */

@@ -112,6 +112,7 @@ static double ledger_sum(const ss_body *body)
 static void tell_slow(ss_body *body, const ss_body_speed *speed)
 {
     body->dissipated += speed->taken;
+    body->taken += speed->taken;
     if (speed->is_slowed) {
         body->is_slowed = true;
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
@@ -265,6 +266,19 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
                   "energy from nowhere was taken out of the motion");
 }
 
+/* What the limit of speeds took is booked as it would have moved on, which is too much where forces
+ * would have turned it: up to that much a gain is none. More is energy from nowhere. */
+static void judge_slowed(ss_body *body, double gain)
+{
+    const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
+    const double much = fmin(fmax(gain, 0.0), fmax(body->taken, 0.0));
+    body->dissipated -= much;
+    if (gain - much > most) {
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
+                      "nodes were slowed down, and there is more energy than work was done");
+    }
+}
+
 /* ---- the outer step ----------------------------------------------------------------------- */
 
 /* Where the outer step stands. */
@@ -390,6 +404,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->worst_element = -1;
     body->was_slowed = body->is_slowed;
     body->is_slowed = false;
+    body->taken = 0.0;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
@@ -415,8 +430,10 @@ void ss_body_step(ss_body *body, double time, double dt,
         fault(body, "not finite: last good state restored, waiting for reset");
         return;
     }
-    if (!body->is_slowed && !body->was_slowed) { /* what the limit took is booked but roughly */
-        const double gain = ledger_sum(body) - before;
+    const double gain = ledger_sum(body) - before;
+    if (body->is_slowed || body->was_slowed) {
+        judge_slowed(body, gain);
+    } else {
         judge_gain(body, gain, gain - body->elastic, dt);
     }
     clamp_displacements(body);

@@ -22,6 +22,8 @@ static const double rested_tau = 5.9;
 static const double heavy = 1.5; /* a mass ratio beyond it is slower than tau */
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
+/* Of the size: what single precision tells apart. */
+static const double still_share = 1e-7;
 
 const char *ss_assay_kind_name(ss_assay_kind kind)
 {
@@ -132,7 +134,8 @@ typedef struct runner {
     int64_t steps;
     double first_stored, last_stored, released_s;
     int64_t all_substeps;
-    double u[SS_SPECIMEN_NODES][3], v[SS_SPECIMEN_NODES][3], old[SS_SPECIMEN_NODES][3];
+    int32_t nodes; /* the specimen's, and those that a model grows around it */
+    double (*u)[3], (*v)[3], (*old)[3];
 } runner;
 
 /* Creates the world; NULL world: refused, and the result says why. */
@@ -204,10 +207,10 @@ static void look(runner *r, const double force[3])
 {
     softsim_state state;
     softsim_read(r->world, &state);
-    memcpy(r->old, r->u, sizeof r->u);
+    memcpy(r->old, r->u, (size_t)r->nodes * sizeof *r->u);
     softsim_read_nodes(r->world, NULL, r->u, r->v);
     const double time_s = (double)state.step * state.simulation_period_s;
-    ss_audit_sample sample = {.count = SS_SPECIMEN_NODES,
+    ss_audit_sample sample = {.count = r->nodes,
                               .displacement = (const double(*)[3])r->u,
                               .velocity = (const double(*)[3])r->v,
                               .kinetic = state.kinetic_j,
@@ -222,6 +225,23 @@ static void look(runner *r, const double force[3])
     r->first_stored = r->steps == 0 ? r->last_stored : r->first_stored;
     r->steps = state.step;
     r->released_s = fmax(0.0, time_s - r->plan.release_s);
+}
+
+/* Room for all nodes. */
+static softsim_status allocate(runner *r, softsim_error *error)
+{
+    softsim_state state;
+    softsim_read(r->world, &state);
+    r->nodes = state.node_count;
+    const size_t count = (size_t)r->nodes;
+    r->u = calloc(count, sizeof *r->u);
+    r->v = calloc(count, sizeof *r->v);
+    r->old = calloc(count, sizeof *r->old);
+    if (r->nodes < SS_SPECIMEN_NODES || r->u == NULL || r->v == NULL || r->old == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return SOFTSIM_OK;
 }
 
 static void play(runner *r)
@@ -308,13 +328,17 @@ static softsim_status run(runner *r, softsim_error *error)
     const double size3 = SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE;
     const ss_audit_plan plan = {.reach = r->plan.reach_m,
                                 .floor = floor_share * r->trial->stiffness_pa * size3,
+                                .still = still_share * SS_SPECIMEN_SIZE,
                                 .has_work = r->plan.drive == SS_ASSAY_LOADS &&
                                             !ss_assay_has_own_work(r->trial->subject)};
     ss_audit_begin(&r->audit, &plan);
-    play(r);
-    judge(r);
+    status = allocate(r, error);
+    if (status == SOFTSIM_OK) {
+        play(r);
+        judge(r);
+    }
     softsim_destroy(&r->world);
-    return SOFTSIM_OK;
+    return status;
 }
 
 softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_result *out,
@@ -348,6 +372,9 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
         remove_files(&r->folder);
     }
     out->cpu_ms = 1e-6 * (double)(ss_clock_thread_cpu_ns() - begin_ns);
+    free(r->u);
+    free(r->v);
+    free(r->old);
     free(r);
     return status;
 }

@@ -86,7 +86,9 @@ uint32_t ss_audit_end(ss_audit *audit, bool is_rested)
     audit->found |= audit->loss > limit ? SS_AUDIT_LOSS : 0u;
     audit->found |= audit->plan.has_work && audit->worst_work > limit ? SS_AUDIT_WORK : 0u;
     audit->found |= audit->worst_growth > limit ? SS_AUDIT_GROWS : 0u;
-    audit->found |= is_rested && audit->last > rest_share * audit->largest ? SS_AUDIT_NOT_BACK : 0u;
+    audit->found |= is_rested && audit->last > rest_share * audit->largest + audit->plan.still
+                        ? SS_AUDIT_NOT_BACK
+                        : 0u;
     return audit->found;
 }
 

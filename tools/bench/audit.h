@@ -33,6 +33,7 @@ enum {
 typedef struct ss_audit_plan {
     double reach;  /* m: the largest displacement that is explained */
     double floor;  /* J: below it energies are rounding */
+    double still;  /* m: below it displacements are rounding */
     bool has_work; /* the samples carry the work of all that acts on the body */
 } ss_audit_plan;
 

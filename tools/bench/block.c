@@ -20,7 +20,7 @@
 enum { PATH_SIZE = 4352, MOST_TICKS = 200, LEAST_TICKS = 3 };
 static const double stiffness_pa = 1e4, size_m = 0.1, load_share = 0.02;
 static const double enough_s = 3.0; /* CPU of ticks: fewer of them when they are long */
-static const double mesh_timeout_s = 300.0;
+static const double mesh_timeout_s = 900.0;
 
 /* Complete or not at all, since runs may want it at once. */
 softsim_status ss_block_mesh(const char *folder, bool is_surface, int32_t points, char out_name[64],

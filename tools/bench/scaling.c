@@ -38,7 +38,7 @@ static const char standard_points[] =
     "300,422,602,814,1058,1192,2000,4000,5000,8000,20000,50000,100000";
 static const char block_points[] = "300,1000,3000,10000,30000,100000,300000,1000000";
 static const char quick_block_points[] = "300,1000,5000,20000";
-static const double block_timeout_s = 900.0;
+static const double block_timeout_s = 1800.0;
 static const char quick_points[] = "300,422,602,814,1058,1192,5000,20000";
 
 /* Points and rate of the paper's Table 1. */
@@ -660,7 +660,7 @@ static softsim_status write_page(const report *r, softsim_error *error)
                  "the factors; create is the CPU time of all that comes before the first tick. "
                  "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
                  "or have more entries than an int counts, conjugate gradients find the columns "
-                 "(softsim-run --explain says which); tools, which need all columns, are refused "
+                 "(softsimd --explain says which); tools, which need all columns, are refused "
                  "by name long before.",
                  200, SS_CNN_MAX_WORK);
     put_blocks(&page, r);
