@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Doubts about a scene that is valid. A wrong unit gives a body or a tool a thousand times too
- * large or too small, and everything about it stays well-formed: only the sizes, side by side,
- * tell. The bounds are wide, so that no sensible scene is doubted; none of them refuses anything,
- * since a whale and an embryo are bodies too.
+ * What was mended, and doubts about a scene that is valid. A wrong unit gives a body or a tool a
+ * thousand times too large or too small, and everything about it stays well-formed: only the sizes,
+ * side by side, tell. The bounds are wide, so that no sensible scene is doubted; none of them
+ * refuses anything, since a whale and an embryo are bodies too.
  */
 #include <stdarg.h>
 #include <stdio.h>
@@ -52,11 +52,37 @@ static void doubt_tool(const doubts *to, int32_t p, const ss_shape *shape, doubl
     }
 }
 
+static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
+{
+    const struct {
+        int32_t count;
+        const char *what;
+        bool renumbers;
+    } rows[] = {
+        {done->bad_elements, "elements of bad nodes dropped", true},
+        {done->welded_nodes, "nodes welded to others", true},
+        {done->flat_elements, "flat elements dropped", true},
+        {done->twin_elements, "double elements dropped", true},
+        {done->loose_nodes, "loose nodes dropped", true},
+        {done->turned_tetrahedra, "tetrahedra turned", false},
+        {done->turned_triangles, "triangles turned", false},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        if (rows[i].count > 0) {
+            say(to, "object.repair: %d %s%s", rows[i].count, rows[i].what,
+                rows[i].renumbers ? "; numbers are those of the mended mesh, which softsim-mesh "
+                                    "convert --repair writes"
+                                  : "");
+        }
+    }
+}
+
 void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
 {
     const ss_scene *scene = world->scene;
     const doubts to = {.path = scene->path, .line = line, .sink = sink};
     const double diagonal = ss_mesh_diagonal(scene->mesh);
+    tell_repairs(&to, &scene->repairs);
     if (diagonal < SMALLEST_BODY_M || diagonal > LARGEST_BODY_M) {
         say(&to, "object.units: the body's diagonal is %.4g m; are these the mesh file's units?",
             diagonal);

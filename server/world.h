@@ -157,8 +157,8 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
                       void *sink);
 /* Fills in node_of_file and file_triangle. Thread: set-up only. */
 softsim_status ss_world_plan_numbers(ss_world *world);
-/* What a valid scene may still have wrong: sizes that hardly anyone means, one line per doubt, with
- * the key. Thread: set-up only. */
+/* What `object.repair` mended, and what a valid scene may still have wrong: sizes that hardly
+ * anyone means; one line each, with the key. Thread: set-up only. */
 void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(const ss_scene_model **out_models);

@@ -20,6 +20,7 @@
 
 #include "child.h"
 #include "csv.h"
+#include "fem_speed.h"
 #include "figures.h"
 #include "judge.h"
 #include "report.h"
@@ -398,6 +399,32 @@ static int remove_folder(void **state)
     return rmdir(folder);
 }
 
+/* The speed of fem is measured on what was asked for, and its figures belong together. */
+static void speed_of_tetrahedra_adds_up(void **state)
+{
+    (void)state;
+    const ss_yardstick yardstick = {.fma_gflops = 100.0, .bandwidth_gb_s = 20.0};
+    ss_fem_speed_case what = {.elements = 1500, .rounds = 3};
+    ss_fem_speed plain, other;
+    softsim_error error = {0};
+    assert_int_equal(ss_fem_speed_measure(&what, &yardstick, &plain, &error), SOFTSIM_OK);
+    assert_true(plain.elements > 1300 && plain.elements < 1700);
+    assert_true(plain.ns > 0.0 && plain.stable_step_s > 1e-4 && plain.stable_step_s < 1e-2);
+    assert_string_equal(plain.verdict, "good");
+    assert_equal_double(plain.realtime,
+                        0.5 * plain.stable_step_s / (1e-9 * plain.ns * plain.elements));
+    assert_equal_double(plain.flop_share, 258.0 / plain.ns / 100.0);
+    what.is_shuffled = what.is_viscous = true;
+    assert_int_equal(ss_fem_speed_measure(&what, &yardstick, &other, &error), SOFTSIM_OK);
+    assert_int_equal(other.elements, plain.elements);
+    assert_int_equal(other.nodes, plain.nodes);
+    assert_true(other.stable_step_s < plain.stable_step_s); /* what viscosity costs */
+    assert_true(other.stable_step_s > 0.9 * plain.stable_step_s);
+    what.elements = 99;
+    assert_int_equal(ss_fem_speed_measure(&what, &yardstick, &other, &error),
+                     SOFTSIM_ERROR_ARGUMENT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,6 +440,7 @@ int main(void)
         cmocka_unit_test(a_page_is_escaped_and_complete_or_not_there),
         cmocka_unit_test(a_csv_field_is_quoted_where_it_must_be),
         cmocka_unit_test(children_are_reaped_with_their_status),
+        cmocka_unit_test(speed_of_tetrahedra_adds_up),
     };
     return cmocka_run_group_tests_name("softsim.bench", tests, make_folder, remove_folder);
 }

@@ -198,13 +198,13 @@ static void step_follows_the_stretch(void **state)
  */
 
 /* Tip of a beam over that of Timoshenko's theory, by conjugate gradients on the tangent at rest. */
-static double tip_ratio(double ratio, bool is_cured)
+static double tip_ratio(double ratio, int cure)
 {
     setup s;
     const block_size size = {.cells = {10, 3, 3}, .size = {0.1, 0.03, 0.03}, .jitter = 0.0};
     setup_init(&s, make_block(&size));
     give(&s, SS_FEM_POISSON_RATIO, ratio);
-    give(&s, SS_FEM_LOCKING_CURE, is_cured ? 0 : 1);
+    give(&s, SS_FEM_LOCKING_CURE, cure);
     fix_low(&s, 0);
     open_up(&s);
     const int32_t n = s.mesh->node_count;
@@ -264,15 +264,16 @@ static double tip_ratio(double ratio, bool is_cured)
 static void cure_keeps_a_beam_from_locking(void **state)
 {
     (void)state;
+    enum { AUTO, NONE, NODAL };
     /* What the elements do alone is known: 0.69, 0.48, 0.24, 0.11. */
-    assert_near(tip_ratio(0.3, false), 0.683, 0.005);
-    assert_near(tip_ratio(0.45, false), 0.473, 0.005);
-    assert_near(tip_ratio(0.49, false), 0.233, 0.005);
-    assert_near(tip_ratio(0.499, false), 0.101, 0.005);
-    assert_near(tip_ratio(0.3, true), 0.683, 0.005); /* auto leaves it alone */
-    assert_true(tip_ratio(0.45, true) > 0.67);
-    assert_true(tip_ratio(0.49, true) > 0.62);
-    assert_true(tip_ratio(0.499, true) > 0.58);
+    assert_near(tip_ratio(0.3, NONE), 0.683, 0.005);
+    assert_near(tip_ratio(0.45, NONE), 0.473, 0.005);
+    assert_near(tip_ratio(0.49, NONE), 0.233, 0.005);
+    assert_near(tip_ratio(0.499, NONE), 0.101, 0.005);
+    assert_near(tip_ratio(0.45, AUTO), 0.473, 0.005); /* left alone */
+    assert_true(tip_ratio(0.45, NODAL) > 0.67);
+    assert_true(tip_ratio(0.49, AUTO) > 0.62);
+    assert_true(tip_ratio(0.499, AUTO) > 0.58);
 }
 
 /* ---- bad treatment ------------------------------------------------------------------------------
@@ -316,7 +317,7 @@ static void scrambled_bodies_come_back(void **state)
         steps(&s, 1, 2e-3);
         assert_true(info_of(&s).verdict == SOFTSIM_VERDICT_DEGRADED);
         assert_true(info_of(&s).worst_element >= 0);
-        steps(&s, 500, 2e-3);
+        steps(&s, 350, 2e-3);
         assert_true(isfinite(largest_displacement(&s)));
         if (kinds[k] == SS_TISSUE_STVK) {
             assert_true(squeezed(&s, 0.0) > 20);
@@ -345,20 +346,20 @@ static void inverted_bodies_come_back(void **state)
             s.nodes->u[4 * (ptrdiff_t)i + 2] = (ss_real)((scale[k] - 1.0) * s.mesh->position[i][2]);
         }
         ss_body_renew(s.body);
-        steps(&s, 500, 2e-3);
+        steps(&s, 350, 2e-3);
         assert_int_equal(squeezed(&s, 0.0), 0);
         assert_true(largest_displacement(&s) < 1e-4);
         setup_fini(&s);
     }
 }
 
-/* 10 to 1000 times what dents the block, on one node. */
+/* 10 and 1000 times what dents the block, on one node. */
 static void huge_forces_are_survived(void **state)
 {
     (void)state;
-    static const double force[3] = {1.0, 10.0, 100.0};
+    static const double force[2] = {1.0, 100.0};
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 2; ++k) {
             setup s;
             block_of(&s, kind, 20.0);
             s.plan.max_substeps = 200;
@@ -376,7 +377,7 @@ static void huge_forces_are_survived(void **state)
                 assert_true(isfinite(largest_displacement(&s)));
             }
             assert_true(worst >= SOFTSIM_VERDICT_GUARDED && worst < SOFTSIM_VERDICT_FAULT);
-            steps(&s, 500, 2e-3);
+            steps(&s, 350, 2e-3);
             assert_true(isfinite(largest_displacement(&s)));
             if (kind != SS_TISSUE_STVK) {
                 assert_int_equal(squeezed(&s, 0.0), 0);

@@ -3,7 +3,7 @@
 /*
  * Damaged surface files through softsim-import, which ends, gives up or runs out of its limits
  * without harm to the program that asked: each load gives a sound mesh or says why not.
- * test_import_mutants [COUNT] makes COUNT damaged files in all, 200 without.
+ * test_import_mutants [COUNT] makes COUNT damaged files in all, 100 without.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@
 #include "rt/memory.h"
 
 enum { MAX_SIZE = 1 << 16, FORMATS = 5 };
-static int wanted = 200;
+static int wanted = 100;
 static char folder[] = "/tmp/softsim-mutants-XXXXXX";
 
 typedef struct seed {

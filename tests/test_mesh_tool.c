@@ -186,7 +186,14 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
         bytes[i] = number_after(out, "\"bytes\": ");
     }
     assert_true(bytes[1] > 2.0 * bytes[0] && bytes[1] < 8.0 * bytes[0]);
-    assert_non_null(strstr(out, "\"material\": \"soft tissue: surface networks: 5 J"));
+    assert_non_null(strstr(out, "\"material\": \"soft tissue: 3 kPa, Poisson's ratio 0.45; surface "
+                                "networks: 5 J"));
+    assert_int_equal(run(TOOL "generate block --tetrahedra --points 200 --out f.msh && " TOOL
+                              "check f.msh --units mm --json",
+                         out, sizeof out),
+                     0);
+    const double step = number_after(out, "{\"name\": \"fem\", \"stable_step_s\": ");
+    assert_true(step > 1e-4 && step < 1e-1); /* cells of 17 mm, sound at 3.4 m/s */
 }
 
 /* ---- convert ------------------------------------------------------------------------------------

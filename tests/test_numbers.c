@@ -570,6 +570,73 @@ static void a_shuffled_file_gives_the_same_body_in_its_own_numbers(void **state)
     }
 }
 
+/* ---- units -------------------------------------------------------------------------------------
+ */
+
+/* A 5 mm sphere presses, slides and leaves the plate of `file`, a mesh in `units`. */
+static void press(const char *file, const char *units, softsim_force out[], int32_t ticks)
+{
+    FILE *scene = open_file("units.yaml");
+    fprintf(scene,
+            "softsim: 1\n"
+            "object: {mesh: %s, units: %s, fixed: [{box_m: [[-1, -1, -1], [-0.06, 1, 1]]}]}\n"
+            "model: {name: cnn-energy, modulus_j: 2, pretension_j: 0.5, area_density_kg_m2: 10, "
+            "damping_n_s_per_m3: 2000, rest_stiffness_n_per_m3: 50000}\n"
+            "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]}\n",
+            file, units);
+    fclose(scene);
+    softsim_world *world = run("units.yaml", 0);
+    for (int32_t k = 0; k < ticks; ++k) {
+        const double way = (double)k / ticks;
+        softsim_pose pose = {.sender = 7, .seq = k + 1, .force_seq = -1};
+        pose.position[0] = 0.004 * way;
+        pose.position[2] = 0.006 - 0.005 * sin(3.0 * way);
+        pose.orientation[0] = 1.0;
+        for (int i = 0; i < 3; ++i) {
+            pose.velocity[i] = pose.applied_force[i] = (double)NAN;
+        }
+        const int32_t channel = 0;
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        softsim_tick(world, &pose, &channel, 1, force);
+        out[k] = force[0];
+    }
+    softsim_destroy(&world);
+}
+
+static void newtons_know_neither_units_nor_numbers(void **state)
+{
+    (void)state;
+    enum { TICKS = 400 };
+    static softsim_force in_metres[TICKS], in_millimetres[TICKS], shuffled[TICKS];
+    ss_mesh *mesh = make(QUADS);
+    write_files("metres.msh", mesh);
+    ss_mesh *scattered = scatter(mesh, QUADS);
+    write_files("shuffled.msh", scattered);
+    ss_mesh_destroy(&scattered);
+    for (int32_t i = 0; i < 3 * mesh->node_count; ++i) {
+        mesh->position[i / 3][i % 3] *= 1000.0;
+    }
+    write_files("millimetres.msh", mesh);
+    ss_mesh_destroy(&mesh);
+    press("metres.msh", "m", in_metres, TICKS);
+    press("millimetres.msh", "mm", in_millimetres, TICKS);
+    press("shuffled.msh", "m", shuffled, TICKS);
+    double largest = 0.0, apart[2] = {0.0};
+    for (int32_t k = 0; k < TICKS; ++k) {
+        double difference[3];
+        largest = fmax(largest, ss_norm3(in_metres[k].force));
+        ss_sub3(difference, in_metres[k].force, in_millimetres[k].force);
+        apart[0] = fmax(apart[0], ss_norm3(difference));
+        ss_sub3(difference, in_metres[k].force, shuffled[k].force);
+        apart[1] = fmax(apart[1], ss_norm3(difference));
+    }
+    print_message("%.3f N at most; millimetres differ by %.1e N, shuffled numbers by %.1e N\n",
+                  largest, apart[0], apart[1]);
+    assert_true(largest > 0.1);
+    const double rounding = (sizeof(ss_real) == 4 ? 1e-4 : 1e-10) * largest;
+    assert_true(apart[0] < rounding && apart[1] < rounding);
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -593,6 +660,7 @@ int main(void)
         cmocka_unit_test(a_scene_is_renumbered_with_its_mesh),
         cmocka_unit_test(element_files_are_read_with_care),
         cmocka_unit_test(a_shuffled_file_gives_the_same_body_in_its_own_numbers),
+        cmocka_unit_test(newtons_know_neither_units_nor_numbers),
     };
     return cmocka_run_group_tests_name("numbers", tests, make_folder, remove_folder);
 }

@@ -224,6 +224,31 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
     ss_scene_destroy(&s);
 }
 
+/* ---- repair ---------------------------------------------------------------------------------- */
+
+/* A tetrahedron's surface with a corner twice, one face twice, one face turned and a loose node. */
+static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
+{
+    (void)state;
+    write_file("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 5 5 5\n2 0 0 0\n"
+                             "3 1 0 0\n4 0 1 0\n5 0 0 1\n6 0 0 1\n$EndNodes\n$Elements\n5\n"
+                             "1 2 0 2 4 3\n2 2 0 2 3 5\n3 2 0 2 3 6\n4 2 0 3 4 6\n5 2 0 2 4 5\n"
+                             "$EndElements\n");
+    static const char text[] = "softsim: 1\nobject:\n  mesh: broken.msh\n  units: m\n"
+                               "  repair: true\nmodel: {name: jelly, modulus_j: 1}\n";
+    assert_null(load_with(text, (const char *const[]){"object.repair=false"}, 1));
+    assert_non_null(strstr(error.text, "broken.msh"));
+    ss_scene *s = load_good(text, NULL, 0);
+    assert_int_equal(s->mesh->node_count, 4);
+    assert_int_equal(s->mesh->triangle_count, 4);
+    assert_true(s->mesh->is_closed);
+    assert_int_equal(s->repairs.welded_nodes, 1);
+    assert_int_equal(s->repairs.twin_elements, 1);
+    assert_int_equal(s->repairs.loose_nodes, 1);
+    assert_int_equal(s->repairs.turned_triangles, 1);
+    ss_scene_destroy(&s);
+}
+
 /* ---- grids ----------------------------------------------------------------------------------- */
 
 #define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
@@ -571,7 +596,7 @@ static void assert_same_scene(const ss_scene *a, const ss_scene *b)
     assert_int_equal(a->prescribed_count, b->prescribed_count);
     /* All plain values stand together from working_force_n to max_bytes_per_s. */
     const size_t first = offsetof(ss_scene, working_force_n);
-    const size_t last = offsetof(ss_scene, turned_triangles);
+    const size_t last = offsetof(ss_scene, repairs);
     assert_memory_equal((const char *)a + first, (const char *)b + first, last - first);
 }
 
@@ -703,6 +728,7 @@ int main(void)
         cmocka_unit_test(regions_take_the_nodes_on_their_border),
         cmocka_unit_test(the_first_matching_region_gives_the_value),
         cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
+        cmocka_unit_test(a_mesh_is_mended_where_the_scene_asks_for_it),
         cmocka_unit_test(a_grid_is_made_in_the_scene_itself),
         cmocka_unit_test(a_grid_of_a_table_has_its_units_and_closes_where_told),
         cmocka_unit_test(a_direction_is_normalised_whatever_its_length),

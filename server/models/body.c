@@ -455,11 +455,11 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
         say(&out, "integrator: %s",
             body->own.integrator == SS_BODY_RK4 ? "classical Runge-Kutta" : "symplectic Euler");
     }
-    if (isfinite(share)) {
+    if (body->is_explicit && isfinite(share)) {
         say(&out, "stable step at rest %.4g s, sub-steps of at most %.2g of it", body->bound,
             body->own.step_share);
     }
-    if (body->plan.step > share) {
+    if (body->is_explicit && body->plan.step > share) {
         say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", body->plan.step,
             ceil(body->plan.step / share));
     }

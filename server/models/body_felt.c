@@ -261,6 +261,11 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
     if (!area) {
         return SOFTSIM_ERROR_MEMORY;
     }
+    /* The tangent is that of the last forces: those at rest. */
+    const ss_body_elastic *law = &body->own.elastic;
+    ss_body_energy energy = {0};
+    law->force(law->owner, body->nodes.u, body->nodes.v, body->nodes.force, &energy);
+    memset(body->nodes.force, 0, ss_body_bytes(body));
     memset(body->solver.stiff, 0, (size_t)body->nodes.padded_count * sizeof(double));
     body->own.elastic.diagonal(body->own.elastic.owner, body->solver.stiff);
     const int32_t node = usual_node(body, area);

@@ -78,6 +78,7 @@ struct ss_body {
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */
     double shadow;              /* J: what the ledger takes off kinetic, see body_step.c */
+    bool is_above;              /* as ss_body_energy has it */
     double power;               /* W, of viscosity */
     double settled_lag;         /* s of the lag of v whose dissipation is booked already */
     double law_step;            /* s, of the elastic law alone */

@@ -28,6 +28,8 @@
  * Gains are added up over about a tenth of a second, losses taken off; beyond a hundredth of what
  * the body holds (or what no hand could feel) they are taken out of the motion again. A model that
  * steps by itself loses energy by its nature: that is booked as dissipated, and only gains judged.
+ * Where its step is softer than its law the law's energy says too much; what is sure is then that
+ * kinetic energy is no more than all there was before, and the work.
  */
 #include <math.h>
 #include <string.h>
@@ -85,6 +87,7 @@ static void evaluate(ss_body *body, double path, bool has_energies)
     body->power = energy.power;
     if (has_energies) {
         body->elastic = energy.elastic + ss_body_contact_energy(body);
+        body->is_above = energy.is_above;
         set_motion(body);
     }
     body->contact_rate2 = isfinite(body->own.planned_step) ? ss_body_contact_rate2(body) : 0.0;
@@ -224,13 +227,14 @@ static void clamp_displacements(ss_body *body)
                   "displacement beyond a hundred times the body was cut off");
 }
 
-/* Energy from nowhere over the last outer step, judged. */
-static void judge_gain(ss_body *body, double gain, double dt)
+/* Energy from nowhere over the last outer step, judged. `gain`: of the ledger; `moved`: of kinetic
+ * energy beyond all that there was and the work. */
+static void judge_gain(ss_body *body, double gain, double moved, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
-    if (!body->is_explicit && gain < 0.0) {
+    if (!body->is_explicit && (gain < 0.0 || body->is_above)) {
         body->dissipated -= gain; /* what such a method loses by its nature */
-        gain = 0.0;
+        gain = fmax(0.0, moved);
     }
     /* The method's own energy cannot tell that a step is too long: its two halves then grow with
      * opposite signs. */
@@ -411,7 +415,8 @@ void ss_body_step(ss_body *body, double time, double dt,
         return;
     }
     if (!body->is_slowed && !body->was_slowed) { /* what the limit took is booked but roughly */
-        judge_gain(body, ledger_sum(body) - before, dt);
+        const double gain = ledger_sum(body) - before;
+        judge_gain(body, gain, gain - body->elastic, dt);
     }
     clamp_displacements(body);
     if (p.left > 1e-6 * dt) {

@@ -32,7 +32,7 @@ static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
  * an outer step by itself; measured on ellipsoids of 5k to 100k elements with one tool. */
 #define COST_ELASTIC 0.0058
 #define COST_VISCOUS 0.0022
-#define COST_CURE    0.0036
+#define COST_CURE    0.0042
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
 

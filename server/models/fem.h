@@ -109,7 +109,7 @@ enum {
                              .max = 2.0,                                                           \
                              .choices = "auto|none|nodal-pressure",                                \
                              .help = "shares the resistance to dilatation among the elements of "  \
-                                     "a node; auto: where Poisson's ratio is above 0.4"}
+                                     "a node; auto: where Poisson's ratio is above 0.45"}
 
 /* The first rows of a table with all of them. */
 #define SS_FEM_ROWS SS_FEM_SOLID_ROWS, SS_FEM_FORCE_ROWS
@@ -211,8 +211,8 @@ bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, i
 bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *setup,
                           double *out_stiffness);
 void ss_fem_average_fini(ss_fem_average *average);
-/* Pressures of the nodes at `u`; returns their energy, J. */
-double ss_fem_average_update(ss_fem *fem, const ss_real *u);
+/* Pressures of the nodes at `u`; returns their energy if wanted, J. */
+double ss_fem_average_update(ss_fem *fem, const ss_real *u, bool wants_energy);
 /* Their change along x at the last u. */
 void ss_fem_average_change(ss_fem *fem, const ss_real *x);
 

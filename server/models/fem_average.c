@@ -162,27 +162,34 @@ bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *set
 
 /* ---- pressures ---------------------------------------------------------------------------- */
 
-/* p_a = lambda_a / V_a times the sum of V_e q_e; returns sum_a p_a times that sum. */
-static double scale(const ss_fem *fem, ss_real *field)
+/* p_a = lambda_a / V_a times the sum of V_e q_e. */
+static void scale(const ss_fem *fem, ss_real *field)
+{
+    for (int32_t i = 0; i < fem->blocks.node_count; ++i) {
+        field[4 * (ptrdiff_t)i] *= fem->average.modulus[i];
+    }
+}
+
+/* W = sum_a V_a/8 p_a^2 / lambda_a */
+static double energy(const ss_fem *fem)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < fem->blocks.node_count; ++i) {
-        ss_real *p = field + 4 * (ptrdiff_t)i;
-        const double dilated = (double)*p;
-        *p *= fem->average.modulus[i];
-        sum += (double)*p * dilated;
+        const double p = (double)fem->average.pressure[4 * (ptrdiff_t)i];
+        sum += p != 0.0 ? p * p / (double)fem->average.modulus[i] : 0.0;
     }
-    return sum;
+    return 0.125 * sum;
 }
 
-double ss_fem_average_update(ss_fem *fem, const ss_real *u)
+double ss_fem_average_update(ss_fem *fem, const ss_real *u, bool wants_energy)
 {
     ss_fem_average *average = &fem->average;
     memset(average->pressure, 0, (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
     ss_fem_pass pass = {
         .blocks = &fem->blocks, .kind = fem->kind, .u = u, .out = average->pressure};
     fem->kernels->dilate(&pass);
-    return 0.125 * scale(fem, average->pressure);
+    scale(fem, average->pressure);
+    return wants_energy ? energy(fem) : 0.0;
 }
 
 void ss_fem_average_change(ss_fem *fem, const ss_real *x)
@@ -192,5 +199,5 @@ void ss_fem_average_change(ss_fem *fem, const ss_real *x)
     ss_fem_pass pass = {
         .blocks = &fem->blocks, .kind = fem->kind, .u = fem->u, .x = x, .out = average->change};
     fem->kernels->dilate(&pass);
-    (void)scale(fem, average->change);
+    scale(fem, average->change);
 }

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/fem_kernels.h"
 /*
- * Elements into blocks of eight, and which path of the kernels runs.
+ * Elements into blocks of eight.
  *
  * The mesh's order keeps neighbours together (ss_mesh_renumber), so eight elements in a row share
  * nodes, and a kernel that adds their forces one by one waits for each store before the next load.
@@ -91,26 +91,4 @@ bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_fem_blocks *out_blocks)
         first += deal * SS_FEM_LANES;
     }
     return true;
-}
-
-/* ---- the path ------------------------------------------------------------------------------ */
-
-extern const ss_fem_kernels ss_fem_kernels_baseline;
-#ifdef SS_FEM_AVX2
-extern const ss_fem_kernels ss_fem_kernels_avx2;
-#endif
-
-const ss_fem_kernels *ss_fem_kernels_path(int32_t index)
-{
-#ifdef SS_FEM_AVX2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        return index == 0 ? &ss_fem_kernels_avx2 : index == 1 ? &ss_fem_kernels_baseline : NULL;
-    }
-#endif
-    return index == 0 ? &ss_fem_kernels_baseline : NULL;
-}
-
-const ss_fem_kernels *ss_fem_kernels_get(void)
-{
-    return ss_fem_kernels_path(0);
 }

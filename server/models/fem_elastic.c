@@ -76,7 +76,7 @@ void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *forc
                         .out = force,
                         .wants_energy = out->is_wanted};
     if (fem->average.modulus) {
-        pass.energy = ss_fem_average_update(fem, u);
+        pass.energy = ss_fem_average_update(fem, u, out->is_wanted);
         pass.pressure = fem->average.pressure;
     }
     fem->kernels->force(&pass);
@@ -147,7 +147,7 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
             cured);
     } else {
         say(line, sink, "left out: cure for locking, and its sweep (%s)",
-            "no element above Poisson's ratio 0.4, or switched off");
+            "no element above Poisson's ratio 0.45, or switched off");
     }
     if (fem->blocks.viscosity) {
         say(line, sink, "viscosity: at most %.4g s of the elastic stiffness", fem->viscous_time);

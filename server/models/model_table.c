@@ -16,6 +16,9 @@ extern const ss_model_class ss_model_hybrid;
 #ifdef SS_MODEL_MASS_SPRING
 extern const ss_model_class ss_model_mass_spring;
 #endif
+#ifdef SS_MODEL_XPBD
+extern const ss_model_class ss_model_xpbd;
+#endif
 
 static const ss_model_class *const table[] = {
 #ifdef SS_MODEL_CNN_ENERGY
@@ -29,6 +32,9 @@ static const ss_model_class *const table[] = {
 #endif
 #ifdef SS_MODEL_MASS_SPRING
     &ss_model_mass_spring,
+#endif
+#ifdef SS_MODEL_XPBD
+    &ss_model_xpbd,
 #endif
     NULL};
 

@@ -5,11 +5,11 @@
  * Short vectors of ss_real, so that a kernel is written once and compiled for every processor.
  *
  * ss_quad is one node: x y z and a fourth lane; ss_pair is two nodes. ss_wide is as many scalars as
- * the processor takes at once (SS_WIDE_LANES). What the compiler is told decides: -mavx2 -mfma
- * gives 256-bit vectors and fused multiply-add, baseline x86-64 gives SSE2 without, SOFTSIM_SCALAR
- * or any other processor plain C. Only ss_*_fma and ss_*_fnma fuse, and only where they are
- * written: results depend on the path, never on what a compiler happens to contract. Kernels
- * include this header; nothing else does. RT-safe throughout.
+ * the processor takes at once (SS_WIDE_LANES), with the language's own + - * /. What the compiler
+ * is told decides: -mavx2 -mfma gives 256-bit vectors and fused multiply-add, baseline x86-64 gives
+ * SSE2 without, SOFTSIM_SCALAR or any other processor plain C. Only ss_*_fma and ss_*_fnma fuse,
+ * and only where they are written: results depend on the path, never on what a compiler happens to
+ * contract. Kernels include this header; nothing else does. RT-safe throughout.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -437,22 +437,6 @@ SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
     return SS_WIDE_OP(add)(SS_WIDE_OP(mul)(a, b), c);
 #endif
 }
-SS_INLINE ss_wide ss_wide_add(ss_wide a, ss_wide b)
-{
-    return SS_WIDE_OP(add)(a, b);
-}
-SS_INLINE ss_wide ss_wide_sub(ss_wide a, ss_wide b)
-{
-    return SS_WIDE_OP(sub)(a, b);
-}
-SS_INLINE ss_wide ss_wide_mul(ss_wide a, ss_wide b)
-{
-    return SS_WIDE_OP(mul)(a, b);
-}
-SS_INLINE ss_wide ss_wide_div(ss_wide a, ss_wide b)
-{
-    return SS_WIDE_OP(div)(a, b);
-}
 /* The larger of each lane; b's where a is not a number. */
 SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
 {
@@ -500,22 +484,6 @@ SS_INLINE bool ss_wide_any_below(ss_wide x, ss_wide limit)
 }
 #undef SS_WIDE_OP
 #else
-SS_INLINE ss_wide ss_wide_add(ss_wide a, ss_wide b)
-{
-    return a + b;
-}
-SS_INLINE ss_wide ss_wide_sub(ss_wide a, ss_wide b)
-{
-    return a - b;
-}
-SS_INLINE ss_wide ss_wide_mul(ss_wide a, ss_wide b)
-{
-    return a * b;
-}
-SS_INLINE ss_wide ss_wide_div(ss_wide a, ss_wide b)
-{
-    return a / b;
-}
 SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
 {
     return a > b ? a : b;

@@ -287,11 +287,12 @@ static bool take_mesh(loader *l)
     ss_scene *scene = l->scene;
     transform(l, object);
     if (repair != NULL && strcmp(repair->text, "true") == 0) {
-        scene->turned_triangles = ss_mesh_orient(scene->mesh);
-        if (scene->turned_triangles < 0) {
-            fault_memory(l);
+        ss_mesh *mended = NULL;
+        if (ss_mesh_repair(scene->mesh, &mended, &scene->repairs, l->mesh_error) != SOFTSIM_OK) {
             return false;
         }
+        ss_mesh_destroy(&scene->mesh);
+        scene->mesh = mended;
     }
     if (l->model != NULL && l->model->needs_volume && scene->mesh->tetrahedron_count == 0) {
         ss_scene_node_fault(l->report, source,

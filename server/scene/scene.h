@@ -75,7 +75,7 @@ typedef struct ss_scene {
         coupling_damping_n_s_per_m, max_jump_m;
     double mesh_rate_hz; /* 0: no mesh publisher */
     double max_bytes_per_s;
-    int32_t turned_triangles;       /* by `object.repair: true` */
+    ss_mesh_repairs repairs;        /* by `object.repair: true` */
     struct ss_scene_source *source; /* what was written, for ss_scene_print */
 } ss_scene;
 

@@ -184,7 +184,7 @@ static const ss_scene_row object_row[] = {
     {.name = "mesh",
      .kind = SS_SCENE_FILE,
      .one_of = 'M',
-     .help = "surface (OBJ STL PLY GLB MSH) or volume (MSH)"},
+     .help = "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)"},
     {.name = "grid", .kind = SS_SCENE_KEYS, .one_of = 'M', .child = TABLE(grid_row)},
     {.name = "units",
      .kind = SS_SCENE_CHOICE,
@@ -200,7 +200,8 @@ static const ss_scene_row object_row[] = {
     {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
     {.name = "repair",
      .kind = SS_SCENE_BOOL,
-     .help = "turn triangles that are wound the wrong way round"},
+     .help = "weld, drop and turn what softsim-mesh convert --repair does; numbers are then the "
+             "mended mesh's"},
     {.name = "fixed",
      .kind = SS_SCENE_ENTRIES,
      .child = TABLE(fixed_row),

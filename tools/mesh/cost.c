@@ -14,9 +14,10 @@
 #include <string.h>
 
 const char cost_material[] =
-    "soft tissue: surface networks: 5 J, 11.5 kg/m2, 1725 N s/m3, 5e4 N/m3";
+    "soft tissue: 3 kPa, Poisson's ratio 0.45; surface networks: 5 J, 11.5 kg/m2, 1725 N s/m3, 5e4 "
+    "N/m3";
 
-/* For rows that have no default of their own. */
+/* For rows that have no default of their own; model NULL: of all that have the row. */
 static const struct {
     const char *model, *name;
     double value;
@@ -25,13 +26,16 @@ static const struct {
     {"cnn-energy", "area_density_kg_m2", 11.5},
     {"cnn-energy", "damping_n_s_per_m3", 1725.0},
     {"cnn-energy", "rest_stiffness_n_per_m3", 5e4},
+    {NULL, "youngs_modulus_pa", 3000.0},
+    {NULL, "poisson_ratio", 0.45},
 };
 
 static ss_param_value value_of(const char *model, const ss_param_row *row)
 {
     ss_param_value value = {.number = row->fallback};
     for (size_t i = 0; i < sizeof material / sizeof material[0]; ++i) {
-        if (strcmp(model, material[i].model) == 0 && strcmp(row->name, material[i].name) == 0 &&
+        const bool is_meant = material[i].model == NULL || strcmp(model, material[i].model) == 0;
+        if (is_meant && strcmp(row->name, material[i].name) == 0 &&
             (row->is_required || isnan(row->fallback))) {
             value.number = material[i].value;
             value.is_given = true;

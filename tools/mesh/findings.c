@@ -132,6 +132,10 @@ static void print_measures(const findings *f)
                          ss_mesh_kind_name((ss_mesh_kind)kind));
         }
     }
+    if (!f->is_check) {
+        (void)printf("loading     %.3g s, %.4g MB kept, %.4g MB at most\n", f->loading_s,
+                     1e-6 * (double)f->bytes_kept, 1e-6 * (double)f->bytes_at_most);
+    }
     (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
     (void)printf("unit        %s\n", f->is_metric ? "m" : "the file's own (--units gives metres)");
     (void)printf("box         %g %g %g to %g %g %g\n", r->box_min[0], r->box_min[1], r->box_min[2],
@@ -318,6 +322,10 @@ void findings_print_json(const findings *f)
         print_json_rows(f);
         (void)printf(", \"material\": ");
         print_string(cost_material);
+    } else {
+        print_number("loading_s", f->loading_s);
+        print_number("bytes_kept", (double)f->bytes_kept);
+        print_number("bytes_at_most", (double)f->bytes_at_most);
     }
     (void)printf("}\n");
 }

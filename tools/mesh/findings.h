@@ -14,6 +14,9 @@ typedef struct findings {
     const ss_mesh *mesh;
     ss_mesh_report report;
     ss_mesh_quality quality;
+    /* Of info alone. */
+    double loading_s;
+    int64_t bytes_kept, bytes_at_most; /* of the mesh, and while it was read (the importer's not) */
     /* Of check alone. */
     bool is_check;
     ss_mesh_fault hole, crossing, part, inside_out, joined, unused, skipped;

@@ -8,8 +8,11 @@
 #include "command.h"
 #include "findings.h"
 #include "rt/args.h"
+#include "rt/clock.h"
+#include "rt/memory.h"
 
 #include <stdio.h>
+#include <sys/resource.h>
 
 static const double no_move[3] = {0.0, 0.0, 0.0};
 
@@ -19,7 +22,16 @@ typedef struct inspection {
     bool lists_nodes, is_json;
     ss_mesh *mesh;
     softsim_error error;
+    double loading_s;
+    int64_t bytes_at_most;
 } inspection;
+
+/* The most memory this process has held so far, bytes. */
+static int64_t resident_at_most(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (int64_t)usage.ru_maxrss : 0;
+}
 
 /* Reads arguments and the file. Returns -1 to go on, or the exit status. */
 static int begin(int argc, char **argv, const char *about, bool can_list, inspection *in)
@@ -43,6 +55,8 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
         return 2;
     }
     const double unit = in->units >= 0 ? metres_per_unit(in->units) : 1.0;
+    const int64_t bytes_before = resident_at_most();
+    const int64_t begun = ss_clock_now_ns();
     if (ss_mesh_load(in->path, unit, NULL, &in->mesh, &in->error) != SOFTSIM_OK) {
         ss_args_print_error("softsim-mesh", &in->error);
         if (in->is_json) {
@@ -50,6 +64,8 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
         }
         return 2;
     }
+    in->loading_s = 1e-9 * (double)(ss_clock_now_ns() - begun);
+    in->bytes_at_most = resident_at_most() - bytes_before;
     return -1;
 }
 
@@ -81,10 +97,14 @@ int command_info(int argc, char **argv)
         }
         return end(&in, 0);
     }
+    const int64_t bytes_kept = ss_memory_in_use();
     findings f;
     if (!findings_measure(&f, in.path, in.mesh, in.units >= 0, false)) {
         return fail_memory(&in);
     }
+    f.loading_s = in.loading_s;
+    f.bytes_kept = bytes_kept;
+    f.bytes_at_most = in.bytes_at_most;
     if (in.is_json) {
         findings_print_json(&f);
     } else {
