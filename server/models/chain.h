@@ -140,6 +140,7 @@ struct ss_model {
     ss_real *push, *answer; /* of the stiffness estimate */
     /* report */
     double network;                     /* W of the last sub-step, m^2 */
+    double first_network;               /* W of the outer step's first, cells moved */
     double elastic, dissipated, booked; /* J, at one moment: booked is the work until then */
     double fixed_reaction[3];
     int32_t substeps, active_nodes, worst_element;
@@ -220,6 +221,9 @@ softsim_status ss_chain_guard_create(ss_model *model);
 void ss_chain_guard_destroy(ss_chain_guard **guard);
 /* One projection of every tetrahedron below a fifth of its volume. */
 void ss_chain_guard_step(ss_model *model);
+/* Notes where the outer step begins; takes `share` of the way since then back. */
+void ss_chain_guard_begin(ss_model *model);
+void ss_chain_guard_withdraw(ss_model *model, double share);
 
 /* ---- chain_step.c ---- */
 void ss_chain_step(ss_model *model, double time, double dt,

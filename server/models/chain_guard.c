@@ -8,6 +8,13 @@
  * no more than 40 %. Once a step every tetrahedron with V < V0/5 is put back to that volume by the
  * least motion of its corners that may move, u_i += (V0/5 - V) w_i dV/dP_i / sum w |dV/dP|^2, one
  * after the other in their order. Looking costs 15 us for 20,000 tetrahedra, eight at a time.
+ *
+ * Putting back stretches links, so W can rise. While something is moved that is paid for by it.
+ * While every contact is held the step as a whole must not raise W: it is shortened by halves, back
+ * towards where it began, where no tetrahedron was low either (chain_step.c): a projected descent
+ * with a line search. Rejected: taking back the guard's motion alone, which leaves tetrahedra
+ * inverted that links want so; a barrier in W, whose stiffness shortens every step for the few
+ * tetrahedra that ever need it.
  */
 #include <math.h>
 #include <string.h>
@@ -21,6 +28,7 @@
 struct ss_chain_guard {
     ss_chain_tets tets;
     ss_real *rest, *place; /* quads about the body's first node, at rest and now */
+    ss_real *before;       /* displacements as the step began */
     int32_t *low;          /* tetrahedra to put back */
 };
 
@@ -67,8 +75,9 @@ softsim_status ss_chain_guard_create(ss_model *model)
     guard->tets.group = ss_memory_get((size_t)guard->tets.group_count, sizeof *guard->tets.group);
     guard->rest = ss_memory_get(4 * n, sizeof *guard->rest);
     guard->place = ss_memory_get(4 * n, sizeof *guard->place);
+    guard->before = ss_memory_get(4 * n, sizeof *guard->before);
     guard->low = ss_memory_get(tets, sizeof *guard->low);
-    if (!guard->tets.group || !guard->rest || !guard->place || !guard->low) {
+    if (!guard->tets.group || !guard->rest || !guard->place || !guard->before || !guard->low) {
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t i = 0; i < mesh->node_count; ++i) {
@@ -89,6 +98,7 @@ void ss_chain_guard_destroy(ss_chain_guard **guard)
     ss_memory_free((*guard)->tets.group);
     ss_memory_free((*guard)->rest);
     ss_memory_free((*guard)->place);
+    ss_memory_free((*guard)->before);
     ss_memory_free((*guard)->low);
     ss_memory_free(*guard);
     *guard = NULL;
@@ -147,6 +157,12 @@ static double put_back(ss_model *model, int32_t t)
     return volume6(p) / volume;
 }
 
+void ss_chain_guard_begin(ss_model *model)
+{
+    memcpy(model->guard->before, model->u,
+           4 * (size_t)model->node_count * sizeof *model->guard->before);
+}
+
 void ss_chain_guard_step(ss_model *model)
 {
     ss_chain_guard *guard = model->guard;
@@ -167,5 +183,14 @@ void ss_chain_guard_step(ss_model *model)
     }
     if (model->worst_element >= 0) {
         ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED, "a tetrahedron is inside out");
+    }
+}
+
+void ss_chain_guard_withdraw(ss_model *model, double share)
+{
+    const ss_real *before = model->guard->before, part = (ss_real)share;
+    const ptrdiff_t end = 4 * (ptrdiff_t)model->node_count;
+    for (ptrdiff_t at = 0; at < end; ++at) {
+        model->u[at] -= part * (model->u[at] - before[at]);
     }
 }

@@ -296,6 +296,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
             model->is_crowded = true;
         }
     }
+    model->first_network = index == 0 ? model->network : model->first_network;
     if (!is_finite_now(model)) {
         fault(model);
         return false;
@@ -319,6 +320,43 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
         model->age = 0;
     }
     return true;
+}
+
+/* W at the present displacements. */
+static double network_now(ss_model *model)
+{
+    if (isfinite(model->saturation)) {
+        saturate(model, false);
+    }
+    return model->kernels->pull(model->net, (ss_real)model->ratio, model->output, model->pull);
+}
+
+/* Puts tetrahedra back. Where no cell was moved nothing pays for a rise of W: the step is then
+ * shortened until there is none. With tools the next sub-step tells; W of a part alone tells
+ * nothing. */
+static void keep_volumes(ss_model *model)
+{
+    enum { HALVINGS = 8, PASSES = 10 };
+    bool is_held = true, is_alone = !ss_chain_is_aggregated(model);
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        is_held = is_held && !model->driven[s].is_moving;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_alone = is_alone && !model->tool[k].is_present;
+    }
+    ss_chain_guard_step(model);
+    if (model->guarded == 0 || !is_alone) {
+        return;
+    }
+    for (int k = 1; !is_held && model->guarded > 0 && k < PASSES; ++k) {
+        ss_chain_guard_step(model); /* neighbours undo one another's work */
+    }
+    model->network = network_now(model);
+    for (int k = 0; is_held && k <= HALVINGS && model->network > model->first_network; ++k) {
+        ss_chain_guard_withdraw(model, k < HALVINGS ? 0.5 : 1.0);
+        model->network = network_now(model);
+    }
+    balance(model);
 }
 
 /* ---- the outer step ----------------------------------------------------------------------- */
@@ -364,13 +402,16 @@ void ss_chain_step(ss_model *model, double time, double dt,
         model->stride = (int32_t)fmax(1.0, floor(ss_chain_aggregated_step(model) / h));
         model->stride = model->stride < count ? model->stride : count;
     }
+    if (model->guard) {
+        ss_chain_guard_begin(model);
+    }
     for (int32_t k = 0; k < count; ++k) {
         if (!take_substep(model, k, count, h)) {
             return;
         }
     }
     if (model->guard) {
-        ss_chain_guard_step(model);
+        keep_volumes(model);
     }
     ss_chain_tools_sample(model);
     model->substeps = count;

@@ -304,10 +304,9 @@ static void claim_shape(ss_paper *paper, const shape_run *row, const char *poke_
     ss_claim_at_most(
         paper, "Fig. 6", 0.0, c->inverted[0] + c->inverted[1] + c->inverted[LATE],
         "liver, %s: tetrahedra inverted after 10, 31 and 212 steps, with the tet guard", poke_name);
-    ss_claim_at_most(paper, "eq. 4", 1e-6, row[UNGUARDED].rise,
-                     "liver, %s: a gradient flow: the energy never rises while the contact is held "
-                     "(without the guard, which is no part of the flow): largest rise in a step, "
-                     "of the peak",
+    ss_claim_at_most(paper, "eq. 4", 1e-6, fmax(c->rise, row[UNGUARDED].rise),
+                     "liver, %s: a gradient flow, with the guard and without: the energy never "
+                     "rises while the contact is held: largest rise in a step, of the peak",
                      poke_name);
 }
 
