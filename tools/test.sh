@@ -38,7 +38,8 @@ build_and_test tsan -L 'threads|process'
 build_and_test scalar -LE process
 
 say "clang: build"
-cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON >/dev/null
+cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON \
+  -DCMAKE_BUILD_TYPE=Debug >/dev/null
 cmake --build build/clang
 
 say "fuzz"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds each fuzzer with clang's libFuzzer and both sanitizers, and runs it for some seconds on
-# seeds: tests/fuzz/seeds, or the bundled scenes. A crash ends it with the offending input kept.
+# seeds: tests/fuzz/seeds, or the bundled scenes; as many at once as there are processors. A crash
+# ends it with the offending input kept.
 #   tests/fuzz/run.sh [SECONDS]     default 10
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -10,10 +11,9 @@ build=build/fuzz
 cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g" \
   -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined >/dev/null
 cmake --build "$build" --target fuzzers
-for program in "$build"/tests/fuzz_*; do
-  [ -x "$program" ] || continue
-  name=$(basename "$program")
-  corpus="$build/corpus/$name"
+fuzz() {
+  local name=$1
+  local corpus="$build/corpus/$name"
   mkdir -p "$corpus"
   case "$name" in
     fuzz_scene)
@@ -31,10 +31,17 @@ for program in "$build"/tests/fuzz_*; do
     fuzz_lcmlog) head -c 20000 server/scenes/kidney-poke.lcmlog >"$corpus/poke" ;;
   esac
   [ ! -d "tests/fuzz/seeds/$name" ] || cp "tests/fuzz/seeds/$name"/* "$corpus"/
-  words=()
+  local words=()
   [ ! -f "tests/fuzz/$name.dict" ] || words=("-dict=$PWD/tests/fuzz/$name.dict")
-  echo "== $name, $seconds s"
   (cd "$build" && "tests/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
-    -print_final_stats=0 -artifact_prefix="crash_${name}_" "${words[@]}" "corpus/$name")
-done
+    -print_final_stats=0 -artifact_prefix="crash_${name}_" "${words[@]}" "corpus/$name") \
+    >"$build/$name.log" 2>&1 && echo "$name: clean after $seconds s" && return
+  cat "$build/$name.log" >&2
+  echo "run.sh: $name failed" >&2
+  return 1
+}
+export -f fuzz
+export build seconds
+find "$build/tests" -maxdepth 1 -name 'fuzz_*' -executable -type f -printf '%f\n' | sort |
+  xargs -P "$(nproc)" -I{} bash -euo pipefail -c 'fuzz {}'
 echo "fuzz: clean"
