@@ -21,21 +21,21 @@ tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
 started=$SECONDS
 say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
 
-build_and_test() { # preset, ctest arguments
-  local preset=$1; shift
+build_and_test() { # preset, target, ctest arguments
+  local preset=$1 target=$2; shift 2
   say "$preset: build"
   cmake --preset "$preset" >/dev/null
-  cmake --build --preset "$preset"
+  cmake --build --preset "$preset" --target "$target"
   say "$preset: test"
   ctest --preset "$preset" -j 2 --timeout 300 "$@"
 }
 
 tools/check_layers
-build_and_test release
+build_and_test release all
 [ -z "$quick" ] || exit 0
-build_and_test dev
-build_and_test tsan -L 'threads|process'
-build_and_test scalar -LE process
+build_and_test dev all
+build_and_test tsan threads -L 'threads|process'
+build_and_test scalar all -LE process
 
 say "clang: build"
 cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON \

@@ -87,7 +87,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
     }
     ss_heart_init(&body, mesh, is_hybrid ? "hybrid" : "fem",
                   &ss_heart_table[is_hybrid ? SS_HEART_HM1 : SS_HEART_HM2], "base");
-    ss_heart_set(&body, "mass_damping_per_s", is_hybrid ? 6.0 : 1.0);
+    ss_heart_set(&body, "mass_damping_per_s", is_hybrid ? 6.0 : 2.0);
     ss_heart_set(&body, "layer.spacing_m", 0.027);
     ss_heart_set(&body, "layer.activate_m", 0.3);
     ss_heart_set(&body, "layer.max_active", 600.0);
@@ -102,7 +102,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
                           error);
         }
         /* Plain tetrahedra of HM2's moduli turn over where a hybrid bends. */
-        to[0] = x + 0.2 - (is_hybrid ? 0.2 : 0.1);
+        to[0] = x + 0.2 - (is_hybrid ? 0.2 : 0.06);
         (void)ss_heart_move(&body, to, 120);
         (void)ss_heart_move(&body, to, 120);
     }
@@ -111,7 +111,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
                       is_hybrid ? "Fig. 4: HM1 with a ball of 0.2 pressed in by 0.2, 600 of 28,000 "
                                   "particles awake (red)."
                                 : "Fig. 3: HM2, the ventricle filled with tetrahedra, under the "
-                                  "same ball pressed in by 0.1.",
+                                  "same ball pressed in by 0.06.",
                       error);
     }
     if (status == SOFTSIM_OK) {
