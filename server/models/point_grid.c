@@ -34,6 +34,9 @@ bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point
             high[k] = fmax(high[k], point[i][k]);
         }
     }
+    if (!(grid->cell > 0.0 && isfinite(grid->cell))) { /* points that say nothing of a size */
+        grid->cell = 1.0;
+    }
     /* No more cells than eight a point, whatever the reach. */
     double cells = INFINITY;
     while (count > 0 && cells > 8.0 * count) {
