@@ -57,7 +57,8 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
          "a reference problem, a folder with a case.yaml; may be given again (all of "
          "tests/reference)"},
         {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "SCENE.yaml",
-         "a scene in place of cases: its reference is made by refinement, and judged"},
+         "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
+         "reference is made by refinement, and judged"},
         {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
         {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
         {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
