@@ -454,6 +454,7 @@ static void json_is_well_formed(void **state)
     assert_non_null(strstr(text, "\"step\": -9223372036854775808"));
     assert_non_null(strstr(text, "\"uptime_s\": 1.5,"));
     assert_non_null(strstr(text, "\"stable_step_s\": null"));
+    assert_non_null(strstr(text, "stable step any\n"));
     assert_non_null(strstr(text, "\"step_us\": [0, null, 0]"));
     assert_non_null(strstr(text, "\"poses_refused\": [0, 0, 0, 0, 0, 0, 0, 3]"));
     assert_non_null(strstr(text, "\"reason\": \"\"}\n"));

@@ -194,6 +194,9 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
                      0);
     const double step = number_after(out, "{\"name\": \"fem\", \"stable_step_s\": ");
     assert_true(step > 1e-4 && step < 1e-1); /* cells of 17 mm, sound at 3.4 m/s */
+    assert_int_equal(run(TOOL "check f.msh --units mm", out, sizeof out), 0);
+    assert_non_null(strstr(out, "corotational: stable at any step, "));
+    assert_non_null(strstr(out, "hybrid: it needs layer.spacing_m, which is the scene's\n"));
 }
 
 /* ---- convert ------------------------------------------------------------------------------------

@@ -232,6 +232,21 @@ static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state
 
 /* ---- motion ------------------------------------------------------------------------------- */
 
+static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
+{
+    (void)state;
+    double cost[3];
+    for (int k = 0; k < 3; ++k) {
+        setup s;
+        setup_soft(&s, 12, kinds[0], 0.45);
+        give(&s, "substep_s", k == 0 ? 1e-4 : k == 1 ? 5e-5 : 2.5e-5);
+        cost[k] = s.class->step_cost_us(&s.plan);
+        setup_fini(&s);
+    }
+    assert_true(cost[1] > 1.5 * cost[0]);
+    assert_near(cost[2] - cost[1], 2.0 * (cost[1] - cost[0]), 1e-9); /* but for a step's own */
+}
+
 static void a_thrown_body_keeps_its_momentum(void **state)
 {
     (void)state;
@@ -547,6 +562,7 @@ int main(void)
         cmocka_unit_test(no_stiffness_is_too_much_for_a_step),
         cmocka_unit_test(a_crushed_body_gets_its_shape_back),
         cmocka_unit_test(the_budget_makes_substeps_longer_and_the_body_no_slower),
+        cmocka_unit_test(half_the_substep_is_estimated_at_twice_the_cost),
         cmocka_unit_test(a_thrown_body_keeps_its_momentum),
         cmocka_unit_test(axes_that_are_held_do_not_move),
         cmocka_unit_test(a_tool_is_carried_by_the_support),

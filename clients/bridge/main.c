@@ -80,7 +80,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
          "the device axis, with sign, of each world axis (x,y,z)"},
         {"--scale", SS_ARG_NUMBER, &o->scale, 1e-3, 1e3, "X", "world metres a device metre (1)"},
         {"--offset-m", SS_ARG_STRING, &o->offset, 0, 0, "X,Y,Z",
-         "world position of the device's origin (0,0,0)"},
+         "world position of the device's origin (0,0,0); for sim a tool's radius above the "
+         "tissue, along the script's z"},
         {"--force-scale", SS_ARG_NUMBER, &o->force_scale, 0, 100, "X",
          "device newtons a world newton (1)"},
         {"--correct", SS_ARG_CHOICE, &o->correct, 0, 0, "on|off",
@@ -196,7 +197,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
     } else if (o->device == DEVICE_SIM && bridge->summary.was_inside) {
         fprintf(stderr,
                 "%s: the hand started inside the tissue, so its first half second was faded in; "
-                "move --offset-m out along the surface's normal\n",
+                "move --offset-m out along the surface's normal, or begin once the server is "
+                "ready\n",
                 program);
     }
     return is_good && bridge->summary.forces > 0 && !bridge->summary.has_stopped ? EXIT_SUCCESS

@@ -176,6 +176,13 @@ static void show_probes(FILE *out, const softsim_server_status_t *s)
 
 void ss_show_page(FILE *out, const softsim_server_status_t *s)
 {
+    char limit[32] = "any", worst[16] = "none";
+    if (isfinite(s->stable_step_s)) {
+        (void)snprintf(limit, sizeof limit, "%.3g s", s->stable_step_s);
+    }
+    if (s->worst_element >= 0) {
+        (void)snprintf(worst, sizeof worst, "%d", s->worst_element);
+    }
     fputs("scene       ", out);
     ss_show_text(out, s->scene);
     fputs("\nmodel       ", out);
@@ -184,8 +191,8 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
     ss_show_text(out, s->reason);
     fprintf(out,
             "\nup          %.1f s, %d threads, %.1f MB\n"
-            "body        %d nodes (%d active), %d elements, worst element %d\n"
-            "simulation  step %" PRId64 " at %.1f Hz, %d substeps, stable step %.3g s\n"
+            "body        %d nodes (%d active), %d elements, worst element %s\n"
+            "simulation  step %" PRId64 " at %.1f Hz, %d substeps, stable step %s\n"
             "step time   p50 %.0f  p99 %.0f  max %.0f us\n"
             "lateness    p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n"
             "loop delay  p50 %.2f  p95 %.2f ms\n"
@@ -194,12 +201,12 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
             "wire        %.1f MB of mesh sent, %" PRId64 " messages dropped\n"
             "poses       %" PRId64 " received, %" PRId64 " superseded",
             s->uptime_s, s->threads, 1e-6 * (double)s->bytes_in_use, s->nodes, s->active_nodes,
-            s->elements, s->worst_element, s->step, s->simulation_rate_hz, s->substeps,
-            s->stable_step_s, s->step_us[0], s->step_us[1], s->step_us[2], s->lateness_us[0],
-            s->lateness_us[1], s->lateness_us[2], s->lateness_us[3], s->loop_delay_ms[0],
-            s->loop_delay_ms[1], s->kinetic_j, s->elastic_j, s->total_j, s->energy_to_device_j,
-            s->energy_from_device_j, s->stiffness_backoffs, 1e-6 * (double)s->mesh_bytes_sent,
-            s->wire_dropped, s->poses_received, s->poses_superseded);
+            s->elements, worst, s->step, s->simulation_rate_hz, s->substeps, limit, s->step_us[0],
+            s->step_us[1], s->step_us[2], s->lateness_us[0], s->lateness_us[1], s->lateness_us[2],
+            s->lateness_us[3], s->loop_delay_ms[0], s->loop_delay_ms[1], s->kinetic_j, s->elastic_j,
+            s->total_j, s->energy_to_device_j, s->energy_from_device_j, s->stiffness_backoffs,
+            1e-6 * (double)s->mesh_bytes_sent, s->wire_dropped, s->poses_received,
+            s->poses_superseded);
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         if (s->poses_refused[i] != 0) {
             fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[i], refusals[i]);

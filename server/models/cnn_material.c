@@ -44,14 +44,16 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                                 .fallback = ABSENT,
                                 .help = "membrane modulus E; tools then take E times the median "
                                         "Qhat of this mesh"},
-    [SS_CNN_MODULUS_PA] = {.name = "modulus_pa",
-                           .kind = SS_PARAM_NUMBER,
-                           .max = 1e15,
-                           .exclusive_min = true,
-                           .is_live = true,
-                           .fallback = ABSENT,
-                           .help = "modulus E with domain: volume; tools then take E times the "
-                                   "median Qhat of this mesh"},
+    [SS_CNN_MODULUS_PA] =
+        {.name = "modulus_pa",
+         .kind = SS_PARAM_NUMBER,
+         .max = 1e15,
+         .exclusive_min = true,
+         .is_live = true,
+         .fallback = ABSENT,
+         .help = "the network's modulus with domain: volume, not Young's modulus (fit "
+                 "it by softsim-fit); tools then take it times the "
+                 "median Qhat of this mesh"},
     [SS_CNN_PRETENSION_J] = {.name = "pretension_j",
                              .kind = SS_PARAM_NUMBER,
                              .max = 1e9,

@@ -408,8 +408,12 @@ static void print_rows(const report *r, const ss_sweep_result *result)
         if (f.note[0] != '\0') {
             printf("%-28s %-14s %s\n", o->name, o->model, f.note);
         } else {
-            printf("%-28s %-14s %10.1f %10.1f %12.0f %12.0f %9.1e\n", o->name, o->model,
-                   f.tick_us[0], f.tick_us[1], f.bytes[0], f.bytes[1], f.apart);
+            char apart[16] = "-"; /* nothing moves in either */
+            if (!isnan(f.apart)) {
+                (void)snprintf(apart, sizeof apart, "%.1e", f.apart);
+            }
+            printf("%-28s %-14s %10.1f %10.1f %12.0f %12.0f %9s\n", o->name, o->model, f.tick_us[0],
+                   f.tick_us[1], f.bytes[0], f.bytes[1], apart);
         }
     }
 }

@@ -57,7 +57,8 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
          "a reference problem, a folder with a case.yaml; may be given again (all of "
          "tests/reference)"},
         {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "SCENE.yaml",
-         "a scene in place of cases: its reference is made by refinement, and judged"},
+         "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
+         "reference is made by refinement, and judged"},
         {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
         {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
         {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
@@ -108,8 +109,16 @@ static void check_models(const options *o, softsim_error *error)
         const size_t length = strcspn(at, ",");
         snprintf(name, sizeof name, "%.*s", (int)length, at);
         if (ss_model_find(name) == NULL) {
+            char known[256] = "";
+            int32_t count = 0;
+            const ss_model_class *const *table = ss_model_table(&count);
+            for (int32_t i = 0; i < count; ++i) {
+                const size_t used = strlen(known);
+                snprintf(known + used, sizeof known - used, " %s", table[i]->name);
+            }
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                              "--model: '%s' is not a model of this program", name);
+                              "--model: '%s' is not a model of this program; it has:%s", name,
+                              known);
         }
         at = at[length] == ',' ? at + length + 1 : NULL;
     }
@@ -488,11 +497,12 @@ static softsim_status put_case(report *r, ss_page *page, const ss_case *c, softs
 static void put_dynamics(const report *r, ss_page *page)
 {
     static const char *const head[] = {
-        "case", "model", "mesh", "first frequency", "first minimum", "rms of the first period"};
+        "case",   "model", "mesh", "first frequency", "first minimum", "rms of the first period",
+        "verdict"};
     ss_page_heading(page, "Motion");
     ss_page_text(page, "Gravity switched on, undamped: errors as fractions, the worst of the "
                        "steps.");
-    ss_page_table_begin(page, 6, head);
+    ss_page_table_begin(page, 7, head);
     char *copy = strdup(r->dynamics);
     for (char *at = copy, *line = NULL; copy != NULL && (line = strsep(&at, "\n")) != NULL;) {
         ss_row cells = {.count = 0};
@@ -500,6 +510,11 @@ static void put_dynamics(const report *r, ss_page *page)
             ss_row_add(&cells, "%s", strsep(&line, ","));
         }
         if (cells.count == 6) {
+            /* The rest, which may have commas and then is quoted. */
+            const char *verdict = line != NULL ? line + (*line == '"') : "";
+            const size_t length = strlen(verdict);
+            const bool is_quoted = length > 0 && verdict[length - 1] == '"';
+            ss_row_add(&cells, "%.*s", (int)(length - is_quoted), verdict);
             ss_page_table_row(page, cells.count, cells.cell);
         }
     }

@@ -15,7 +15,7 @@
 #include "report.h"
 
 enum { PATH_SIZE = 4096, MAX_LINES = 1024, MAX_COLUMNS = 16, MAX_GUARDS = 512, MAX_FAILURES = 200 };
-enum { MAP_WIDTH = 900, LINE_HEIGHT = 15, MAP_MARGIN = 150 };
+enum { MAP_WIDTH = 900, LINE_HEIGHT = 15, MAP_MARGIN = 180 };
 
 /* How a run is told: colours of the map and columns of the summary. */
 typedef enum fate { STABLE, GUARDED, DEGRADED, REFUSED, DIVERGED, FAILED, FATES } fate;
@@ -74,7 +74,9 @@ static softsim_status write_csv(const ss_stability *list, const ss_sweep_result 
 /* ---- maps ------------------------------------------------------------------------------------
  */
 
+/* Where a kind has one value and several variants, those are the columns. */
 typedef struct map {
+    bool is_by_variant, has_variants;
     struct {
         int32_t subject, variant;
         double stiffness;
@@ -87,8 +89,8 @@ static int32_t find_line(map *m, const ss_assay *trial)
 {
     const double stiffness = trial->kind == SS_ASSAY_STIFFNESS ? 0.0 : trial->stiffness_pa;
     for (int32_t i = 0; i < m->line_count; ++i) {
-        if (m->line[i].subject == trial->subject && m->line[i].variant == trial->variant &&
-            m->line[i].stiffness == stiffness) {
+        if (m->line[i].subject == trial->subject && m->line[i].stiffness == stiffness &&
+            (m->is_by_variant || m->line[i].variant == trial->variant)) {
             return i;
         }
     }
@@ -115,6 +117,22 @@ static int32_t find_column(map *m, double value)
     return m->column_count++;
 }
 
+static void choose_columns(const ss_stability *list, ss_assay_kind kind, map *m)
+{
+    const ss_assay *first = NULL;
+    bool has_values = false;
+    m->has_variants = false;
+    for (int32_t i = 0; i < list->count; ++i) {
+        const ss_assay *trial = &list->trial[i];
+        if (trial->kind == kind) {
+            first = first != NULL ? first : trial;
+            has_values |= trial->value != first->value;
+            m->has_variants |= trial->variant != first->variant;
+        }
+    }
+    m->is_by_variant = !has_values && m->has_variants;
+}
+
 /* The places of all runs of a kind; `file`: also where they are and their colours. */
 static void lay_map(const ss_stability *list, const ss_sweep_result *result, ss_assay_kind kind,
                     map *m, FILE *file)
@@ -124,7 +142,8 @@ static void lay_map(const ss_stability *list, const ss_sweep_result *result, ss_
             continue;
         }
         const int32_t line = find_line(m, &list->trial[i]);
-        const int32_t column = find_column(m, list->trial[i].value);
+        const int32_t column =
+            find_column(m, m->is_by_variant ? list->trial[i].variant : list->trial[i].value);
         if (file != NULL && line >= 0 && column >= 0) {
             ss_stability_row row;
             ss_stability_read(result, i, &row);
@@ -145,7 +164,10 @@ static void put_tics(const map *m, FILE *file)
         if (m->line[i].stiffness > 0.0) {
             fprintf(file, ", %.0e Pa", m->line[i].stiffness);
         }
-        fprintf(file, ", %d' %d", m->line[i].variant, i);
+        if (m->has_variants && !m->is_by_variant) {
+            fprintf(file, ", %d", m->line[i].variant);
+        }
+        fprintf(file, "' %d", i);
     }
     fputs(")\n", file);
 }
@@ -157,6 +179,7 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
     char name[64];
     ss_output script;
     m.line_count = m.column_count = 0;
+    choose_columns(list, kind, &m);
     lay_map(list, result, kind, &m, NULL);
     if (m.line_count == 0) {
         return SOFTSIM_OK;

@@ -54,6 +54,11 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
     }
     for (int32_t i = 0; i < class->row_count; ++i) {
         param[i] = value_of(class->name, &class->row[i]);
+        if (class->row[i].is_required && !param[i].is_given) {
+            (void)snprintf(out->reason, sizeof out->reason, "it needs %s, which is the scene's",
+                           class->row[i].name);
+            return;
+        }
     }
     const ss_model_plan plan = {.mesh = mesh,
                                 .fixed = fixed,

@@ -165,7 +165,10 @@ static void print_costs(const findings *f)
     }
     for (int32_t i = 0; i < f->cost_count; ++i) {
         const model_cost *cost = &f->cost[i];
-        if (cost->is_known) {
+        if (cost->is_known && isinf(cost->stable_step_s)) {
+            (void)printf("model       %s: stable at any step, %.3g MB\n", cost->name,
+                         1e-6 * (double)cost->bytes);
+        } else if (cost->is_known) {
             (void)printf("model       %s: stable step %.3g s, %.3g MB\n", cost->name,
                          cost->stable_step_s, 1e-6 * (double)cost->bytes);
         } else {
