@@ -733,6 +733,7 @@ static void what_is_not_finite_is_put_back_until_reset(void **state)
     (void)state;
     bench b;
     bench_init(&b);
+    b.mass_damping = 1.0;
     bench_make(&b);
     shift(&b, 1e-3);
     run(&b, 10, 1e-3, NULL);
@@ -743,6 +744,8 @@ static void what_is_not_finite_is_put_back_until_reset(void **state)
     assert_int_equal(told(&b).fault_bits, SS_MODEL_FAULT_NOT_FINITE);
     assert_int_equal(told(&b).step < 13, true);
     assert_true(fabs(at(&b, 20, 0) - before) < 1e-3);
+    assert_true(isfinite(told(&b).kinetic) && isfinite(told(&b).elastic));
+    assert_true(isfinite(told(&b).work) && isfinite(told(&b).dissipated));
     for (int32_t i = 0; i < 64; ++i) {
         assert_true(isfinite((ss_real)at(&b, i, 0)) && isfinite((ss_real)at(&b, i, 1)));
     }

@@ -36,8 +36,8 @@
 
 #include "rt/vec.h"
 
-/* Edges a sub-step; diagonals of the body a displacement and, in an outer step of a model that
- * steps by itself, a node may go. */
+/* Edges that a node may go in an explicit sub-step; diagonals of the body that it may be displaced.
+ */
 #define MAX_EDGES        0.2
 #define MAX_DISPLACEMENT 100.0
 /* Gains: of the energy, and the time over which they are added up, s. */
@@ -203,8 +203,13 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
 
 /* ---- guards ------------------------------------------------------------------------------- */
 
+/* The ledger goes back with the positions; the motion that is stopped is lost. */
 static void fault(ss_body *body, const char *reason)
 {
+    body->work = body->kept.work;
+    body->elastic = body->kept.elastic;
+    body->dissipated = body->kept.dissipated + body->kept.kinetic - body->kept.shadow;
+    body->kinetic = body->shadow = 0.0;
     memcpy(body->nodes.u, body->old_u, ss_body_bytes(body));
     memset(body->nodes.v, 0, ss_body_bytes(body));
     body->nodes.kick_lag = body->settled_lag = 0.0;
@@ -432,6 +437,11 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->is_slowed = false;
     body->taken = 0.0;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
+    body->kept = (ss_body_ledger){.kinetic = body->kinetic,
+                                  .elastic = body->elastic,
+                                  .shadow = body->shadow,
+                                  .work = body->work,
+                                  .dissipated = body->dissipated};
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
@@ -452,7 +462,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->work += ss_body_loads_work(body);
     book_losses(body, body->nodes.kick_lag);
     body->settled_lag = body->nodes.kick_lag;
-    if (!isfinite(body->elastic + body->kinetic)) {
+    if (!isfinite(ledger_sum(body))) {
         fault(body, "not finite: last good state restored, waiting for reset");
         return;
     }
