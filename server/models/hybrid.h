@@ -29,7 +29,7 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
-/* Entries of an awake skin node's row over nodes: 12 particles, tied ones through 16 nodes each,
+/* Entries of an awake skin node's row over nodes: 16 particles, tied ones through 16 nodes each,
  * most of them shared. Where it takes more the node stays asleep. */
 enum { SS_HYBRID_RIDE = 112 };
 

@@ -5,7 +5,7 @@
  * The surface that is seen and touched: its nodes ride on the layer.
  *
  * A skin node where all sleeps follows the core by one row, T. Where particles are awake it follows
- * the twelve nearest ones, S; of these, those that are tied are put in terms of nodes at once, so
+ * the sixteen nearest ones, S; of these, those that are tied are put in terms of nodes at once, so
  * that a row over the body's nodes results. On the way from one to the other it is (1 - theta) T +
  * theta S with a slow theta: linear at every moment, so that forces on it go back by the transpose
  * and momentum is kept, and without a jump. Contact with the particles themselves was rejected:

@@ -27,7 +27,10 @@
 #include "rt/vec.h"
 
 #define MIN_NEIGHBOURS 10
-#define GHOST_SHARE    0.95 /* of a tetrahedron's volume */
+/* Largest sum of a row's absolute weights: how far it may extrapolate. */
+#define TIE_LIMIT   8.0
+#define SKIN_LIMIT  3.0
+#define GHOST_SHARE 0.95 /* of a tetrahedron's volume */
 
 /* ---- small systems ---------------------------------------------------------------------------
  */
@@ -72,7 +75,7 @@ static void solve(int n, const double a[4][4], double x[4])
 }
 
 bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], const double *square,
-                      double *out_weight)
+                      double limit, double *out_weight)
 {
     double m[4][4] = {{0}};
     double farthest = 0.0;
@@ -105,7 +108,7 @@ bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], c
              (c[1] * (x[i][0] - at[0]) + c[2] * (x[i][1] - at[1]) + c[3] * (x[i][2] - at[2])) / h);
         reach += fabs(out_weight[i]);
     }
-    return reach < 8.0;
+    return reach < limit;
 }
 
 /* ---- the set-up's own state ------------------------------------------------------------------
@@ -442,7 +445,7 @@ static int32_t tie_outside(const builder *b, const double at[3], tie_row *out)
         out->node[k] = b->core_node[core[k]];
     }
     const int32_t host = choose_host(b, at, out->count, core);
-    if (!ss_layer_fit_row(at, out->count, (const double(*)[3])x, square, out->weight)) {
+    if (!ss_layer_fit_row(at, out->count, (const double(*)[3])x, square, TIE_LIMIT, out->weight)) {
         tie_inside(b, host, at, out);
     }
     return host;
@@ -494,7 +497,8 @@ static bool tie_all(builder *b)
 
 enum { SKIN_MOST = 4 * SS_LAYER_SKIN };
 
-/* Row of a skin node: 12 particles, more where those do not span space. 0: none does. */
+/* Row of a skin node: 16 particles, more where those would extrapolate too far. 0: none does. Too
+ * few give contact a weak hold where the lattice ends in a small step. */
 static int32_t fit_skin(const builder *b, int32_t node, int32_t out_particle[SKIN_MOST],
                         double out_weight[SKIN_MOST])
 {
@@ -507,7 +511,7 @@ static int32_t fit_skin(const builder *b, int32_t node, int32_t out_particle[SKI
             ss_copy3(x[k], b->layer->rest[out_particle[k]]);
         }
         if (ss_layer_fit_row(b->mesh->position[node], count, (const double(*)[3])x, square,
-                             out_weight)) {
+                             most < SKIN_MOST ? SKIN_LIMIT : TIE_LIMIT, out_weight)) {
             return count;
         }
     }

@@ -23,7 +23,7 @@
 
 enum {
     SS_LAYER_TIE = 16,       /* nodes of a particle's tie outside the core */
-    SS_LAYER_SKIN = 12,      /* particles of a skin node's row */
+    SS_LAYER_SKIN = 16,      /* particles of a skin node's row */
     SS_LAYER_MAX_PAIRS = 192 /* neighbours of a particle; more are where spacings differ */
 };
 
@@ -85,6 +85,7 @@ softsim_status ss_layer_list_sites(const ss_layer_plan *plan, ss_layer_sites *ou
                                    softsim_error *error);
 
 /* Linear-reproducing weights of the points at `x` (moving least squares): sum T = 1, sum T X = at.
- * False when the points do not span space or would be extrapolated from too far. */
+ * False when the points do not span space or the weights' absolute values sum to `limit` or more.
+ */
 bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], const double *square,
-                      double *out_weight);
+                      double limit, double *out_weight);
