@@ -552,6 +552,11 @@ static void wrong_scenes_are_refused_with_advice(void **state)
         assert_null(s.model);
         setup_fini(&s);
     }
+    setup s;
+    setup_soft(&s, 1, kinds[0], 0.3);
+    give(&s, "youngs_modulus_pa", -1.0); /* refused also where nobody wants to know why */
+    assert_int_equal(s.class->create(&s.plan, &s.model, NULL), SOFTSIM_ERROR_SCENE);
+    setup_fini(&s);
 }
 
 int main(void)
