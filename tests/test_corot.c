@@ -808,6 +808,31 @@ static void presses_and_is_pressed(void **state)
     assert_near(force[0], force[1], 0.3 * force[1]);
 }
 
+/* What a tool does on its way to where it stays for the step is work, to the last digit, also where
+ * it touches on little of that way. */
+static void a_tool_that_darts_about_makes_no_energy(void **state)
+{
+    (void)state;
+    setup s;
+    setup_press(&s, 1e8);
+    press(&s, 0.002, 40);
+    ss_model_tool *tool = &s.tool[0];
+    const double z = tool->to.position[2];
+    const ss_model_info start = info_of(&s);
+    double least = start.elastic + start.kinetic + start.dissipated - start.work;
+    for (int k = 0; k < 20; ++k) {
+        tool->from = tool->to;
+        tool->to.position[0] = k % 2 == 0 ? 0.058 : 0.04;
+        tool->to.position[2] = k % 4 < 2 ? z + 0.003 : z;
+        steps(&s, 1, 1e-3);
+        const ss_model_info info = info_of(&s);
+        const double ledger = info.elastic + info.kinetic + info.dissipated - info.work;
+        assert_true(ledger <= least + 0.005 * start.elastic);
+        least = fmin(least, ledger);
+    }
+    setup_fini(&s);
+}
+
 static void holds_what_it_grasps(void **state)
 {
     (void)state;
@@ -921,6 +946,7 @@ int main(void)
         cmocka_unit_test(never_makes_energy),
         cmocka_unit_test(viscosity_and_mass_damping_dissipate),
         cmocka_unit_test(presses_and_is_pressed),
+        cmocka_unit_test(a_tool_that_darts_about_makes_no_energy),
         cmocka_unit_test(holds_what_it_grasps),
         cmocka_unit_test(same_input_gives_same_bits),
         cmocka_unit_test(says_when_it_was_not_solved),

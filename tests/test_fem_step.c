@@ -147,6 +147,28 @@ static void stable_below_and_unstable_above(void **state)
     }
 }
 
+/* Damping per mass shortens the step of Runge-Kutta's method, which it would blow up. */
+static void mass_damping_bounds_runge_kutta(void **state)
+{
+    (void)state;
+    setup s;
+    const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
+    setup_init(&s, make_block(&size));
+    give(&s, SS_FEM_YOUNGS_MODULUS, 1e3);
+    give(&s, SS_FEM_INTEGRATOR, 1.0);
+    give(&s, SS_FEM_MASS_DAMPING, 2e4);
+    s.plan.gravity[0] = 10.0;
+    create(&s);
+    steps(&s, 100, 1e-3);
+    ss_model_info info;
+    s.class->info(s.model, &info);
+    assert_true(info.stable_step < 2.8 / 2e4);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
+    /* At the speed g / alpha nearly from the beginning. */
+    assert_near(largest_displacement(&s), 0.1 * 10.0 / 2e4, 1e-6);
+    setup_fini(&s);
+}
+
 /* Stretched by half, sheared, squeezed: the step follows, whatever the law. */
 static void step_follows_the_stretch(void **state)
 {
@@ -504,6 +526,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reported_step_is_not_beyond_the_largest),
         cmocka_unit_test(stable_below_and_unstable_above),
+        cmocka_unit_test(mass_damping_bounds_runge_kutta),
         cmocka_unit_test(step_follows_the_stretch),
         cmocka_unit_test(cure_keeps_a_beam_from_locking),
         cmocka_unit_test(scrambled_bodies_come_back),

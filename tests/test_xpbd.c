@@ -539,6 +539,22 @@ static void one_element_takes_its_implicit_step(void **state)
 
 /* ---- refusals ----------------------------------------------------------------------------- */
 
+static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
+{
+    (void)state;
+    setup s;
+    double cost[3];
+    for (int k = 0; k < 3; ++k) {
+        setup_soft(&s, 4, kinds[0], 0.3);
+        s.plan.max_substeps = 64;
+        give(&s, "substep_s", k == 0 ? 1e-3 : k == 1 ? 1e-4 : 1e-9);
+        cost[k] = s.class->step_cost_us(&s.plan);
+        setup_fini(&s);
+    }
+    /* One sub-step of a millisecond, ten, and no more than the budget. */
+    assert_near((cost[2] - cost[0]) / (cost[1] - cost[0]), 63.0 / 9.0, 1e-9);
+}
+
 static void wrong_scenes_are_refused_with_advice(void **state)
 {
     (void)state;
@@ -551,6 +567,11 @@ static void wrong_scenes_are_refused_with_advice(void **state)
         assert_null(s.model);
         setup_fini(&s);
     }
+    setup s;
+    setup_soft(&s, 1, kinds[0], 0.3);
+    give(&s, "youngs_modulus_pa", -1.0); /* refused also where nobody wants to know why */
+    assert_int_equal(s.class->create(&s.plan, &s.model, NULL), SOFTSIM_ERROR_SCENE);
+    setup_fini(&s);
 }
 
 int main(void)
@@ -570,6 +591,7 @@ int main(void)
         cmocka_unit_test(packs_hold_every_element_once_and_no_node_twice),
         cmocka_unit_test(all_paths_agree),
         cmocka_unit_test(one_element_takes_its_implicit_step),
+        cmocka_unit_test(the_cost_of_a_step_is_that_of_its_sub_steps),
         cmocka_unit_test(wrong_scenes_are_refused_with_advice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

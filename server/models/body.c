@@ -93,8 +93,8 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
 {
     const double omega = sqrt(rate2);
     if (integrator == SS_BODY_SYMPLECTIC_EULER) { /* any mass damping is stable */
-        return rate2 > 0.0 ? sqrt(viscous_time * viscous_time + 4.0 / rate2) - viscous_time
-                           : (double)INFINITY;
+        const double whole = sqrt(viscous_time * viscous_time + 4.0 / rate2) + viscous_time;
+        return rate2 > 0.0 ? 4.0 / (rate2 * whole) : (double)INFINITY; /* nothing cancels */
     }
     const double damping = mass_damping + viscous_time * rate2;
     return fmin((damping > 0.0 ? RK4_LEAST : RK4_UNDAMPED) / omega, RK4_REAL / damping);
@@ -121,8 +121,8 @@ static softsim_status allocate(ss_body *body)
 {
     ss_body_nodes *nodes = &body->nodes;
     const size_t n = (size_t)nodes->padded_count;
-    ss_real **const quads[] = {&nodes->u,    &nodes->v,    &nodes->force,     &nodes->mobility,
-                               &body->old_u, &body->old_v, &body->load_force, &body->old_load};
+    ss_real **const quads[] = {&nodes->u,    &nodes->v,         &nodes->force,  &nodes->mobility,
+                               &body->old_u, &body->load_force, &body->old_load};
     bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         is_good = get_quads(body, quads[k]) && is_good;
@@ -289,8 +289,8 @@ void ss_body_destroy(ss_body **body)
     void *const owned[] = {
         gone->nodes.rest, gone->nodes.u,  gone->nodes.v,   gone->nodes.force, gone->nodes.mobility,
         gone->nodes.mass, gone->axes,     gone->is_source, gone->load_force,  gone->old_load,
-        gone->old_u,      gone->old_v,    gone->stage[0],  gone->stage[1],    gone->stage[2],
-        gone->stage[3],   gone->stage[4], gone->mass};
+        gone->old_u,      gone->stage[0], gone->stage[1],  gone->stage[2],    gone->stage[3],
+        gone->stage[4],   gone->mass};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -326,12 +326,6 @@ void ss_body_set_worst_element(ss_body *body, int32_t element)
 void ss_body_set_active_nodes(ss_body *body, int32_t count)
 {
     body->active_nodes = count;
-}
-
-void ss_body_book(ss_body *body, double dissipated, double work)
-{
-    body->dissipated += dissipated;
-    body->work += work;
 }
 
 void ss_body_renew(ss_body *body)
@@ -379,8 +373,7 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
 
 void ss_body_reset(ss_body *body)
 {
-    ss_real *const cleared[] = {body->nodes.u, body->nodes.v, body->nodes.force, body->old_u,
-                                body->old_v};
+    ss_real *const cleared[] = {body->nodes.u, body->nodes.v, body->nodes.force, body->old_u};
     for (size_t k = 0; k < sizeof cleared / sizeof *cleared; ++k) {
         memset(cleared[k], 0, ss_body_bytes(body));
     }

@@ -162,8 +162,6 @@ void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, 
 /* The element at fault or that limits the step, for ss_model_info; -1 none. */
 void ss_body_set_worst_element(ss_body *body, int32_t element);
 void ss_body_set_active_nodes(ss_body *body, int32_t count);
-/* Energy that a model took from (> 0) or gave to the body outside the forces, e.g. activation. */
-void ss_body_book(ss_body *body, double dissipated, double work);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */
 void ss_body_renew(ss_body *body);
 
@@ -176,11 +174,9 @@ void ss_body_external(ss_body *body, const ss_real *u, double path);
 /* Where the tools are on their way as the sub-step begins. Explicit forces of a contact are taken
  * there: with the tools ahead of the nodes, pressing and letting go would both gain energy. */
 double ss_body_path_start(const ss_body *body);
-/* Loads only: constant through an outer step. */
-const ss_real *ss_body_loads(const ss_body *body);
 /* Adds the contact's and grasps' stiffness to diagonal[i], N/m: rows of an upper bound. */
 void ss_body_contact_diagonal(ss_body *body, double *diagonal);
-/* out -= K_contact x of the active samples and grasps (their force's change for motions x). */
+/* out += K_contact x of the active samples and grasps: less their force's change for motions x. */
 void ss_body_contact_tangent(ss_body *body, const ss_real *x, ss_real *out);
 /* Is any tool in the world? Else ss_body_external is the loads. */
 bool ss_body_has_contact(const ss_body *body);

@@ -473,11 +473,6 @@ double ss_body_path_start(const ss_body *body)
     return body->path;
 }
 
-const ss_real *ss_body_loads(const ss_body *body)
-{
-    return body->load_force;
-}
-
 /* ---- what the hand is told ---------------------------------------------------------------- */
 
 void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)

@@ -44,6 +44,11 @@ typedef struct ss_body_solver {
     double *stiff; /* N/m, the law's diagonal */
 } ss_body_solver;
 
+/* J; what they are: struct ss_body. */
+typedef struct ss_body_ledger {
+    double kinetic, elastic, shadow, work, dissipated;
+} ss_body_ledger;
+
 struct ss_body {
     ss_body_plan own;   /* as given; own.plan points to `plan` */
     ss_model_plan plan; /* `param` is NULL */
@@ -87,12 +92,13 @@ struct ss_body {
     double bound;               /* s, with contact */
     double contact_rate2;       /* 1/s^2 */
     /* scratch */
-    ss_real *old_u, *old_v; /* at the start of the outer step */
-    ss_real *stage[5];      /* RK4: u, v and rate of a stage; new u, sum of rates */
-    ss_real *skin_u;        /* the model's own surface; else NULL and nodes.u is meant */
-    ss_real *skin_force;    /* of nodes of the contact surface, clear between calls */
-    double *skin_stiff;     /* likewise */
-    double *contact_stiff;  /* of nodes, clear between calls */
+    ss_real *old_u;        /* at the start of the outer step */
+    ss_body_ledger kept;   /* likewise */
+    ss_real *stage[5];     /* RK4: u, v and rate of a stage; new u, sum of rates */
+    ss_real *skin_u;       /* the model's own surface; else NULL and nodes.u is meant */
+    ss_real *skin_force;   /* of nodes of the contact surface, clear between calls */
+    double *skin_stiff;    /* likewise */
+    double *contact_stiff; /* of nodes, clear between calls */
     ss_body_solver solver;
     /* report */
     int32_t substeps, worst_element, active_nodes;
@@ -169,7 +175,7 @@ softsim_status ss_body_tools_create(ss_body *body, softsim_error *error);
 void ss_body_set_contact_stiffness(ss_body *body);
 void ss_body_tools_fini(ss_body *body);
 void ss_body_tools_reset(ss_body *body);
-/* Takes over where the tools go; false where a jump made the forces invalid. */
+/* Takes over where the tools go: not ready where one came, left or jumped. */
 void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
 /* Buttons pressed and let go, at the start of a step. */
 void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -190,5 +196,3 @@ softsim_status ss_body_set_rest_felt(ss_body *body);
 
 /* Improves tool->felt and tool->viscosity for a push along `normal`. */
 void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3]);
-/* 1 / stiffness of the body at rest for solver.push, m/N. Thread: set-up only. */
-double ss_body_rest_compliance(ss_body *body, ss_real *y);

@@ -36,8 +36,8 @@
 
 #include "rt/vec.h"
 
-/* Edges a sub-step; diagonals of the body a displacement and, in an outer step of a model that
- * steps by itself, a node may go. */
+/* Edges that a node may go in an explicit sub-step; diagonals of the body that it may be displaced.
+ */
 #define MAX_EDGES        0.2
 #define MAX_DISPLACEMENT 100.0
 /* Gains: of the energy, and the time over which they are added up, s. */
@@ -65,6 +65,11 @@ static void set_motion(ss_body *body)
     body->shadow = 0.5 * lag * lag * rate;
 }
 
+static bool has_implicit_contact(const ss_body *body)
+{
+    return !isfinite(body->own.planned_step);
+}
+
 /* All forces at the present state with the tools at `path`; with the energies at the end of an
  * outer step. A model that steps by itself needs its law's forces only there and at supports that
  * move. */
@@ -90,7 +95,7 @@ static void evaluate(ss_body *body, double path, bool has_energies)
         body->is_above = energy.is_above;
         set_motion(body);
     }
-    body->contact_rate2 = isfinite(body->own.planned_step) ? ss_body_contact_rate2(body) : 0.0;
+    body->contact_rate2 = has_implicit_contact(body) ? 0.0 : ss_body_contact_rate2(body);
     body->is_ready = true;
 }
 
@@ -198,8 +203,13 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
 
 /* ---- guards ------------------------------------------------------------------------------- */
 
+/* The ledger goes back with the positions; the motion that is stopped is lost. */
 static void fault(ss_body *body, const char *reason)
 {
+    body->work = body->kept.work;
+    body->elastic = body->kept.elastic;
+    body->dissipated = body->kept.dissipated + body->kept.kinetic - body->kept.shadow;
+    body->kinetic = body->shadow = 0.0;
     memcpy(body->nodes.u, body->old_u, ss_body_bytes(body));
     memset(body->nodes.v, 0, ss_body_bytes(body));
     body->nodes.kick_lag = body->settled_lag = 0.0;
@@ -267,13 +277,16 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
 }
 
 /* What the limit of speeds took is booked as it would have moved on, which is too much where forces
- * would have turned it: up to that much a gain is none. More is energy from nowhere. */
-static void judge_slowed(ss_body *body, double gain)
+ * would have turned it: up to that much a gain is none. More is energy from nowhere, added up as
+ * everywhere. */
+static void judge_slowed(ss_body *body, double gain, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
     const double much = fmin(fmax(gain, 0.0), fmax(body->taken, 0.0));
     body->dissipated -= much;
-    if (gain - much > most) {
+    body->pool = fmax(-most, body->pool * exp(-dt / GAIN_TIME) + gain - much);
+    if (body->pool > most) {
+        body->pool = 0.0;
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
                       "nodes were slowed down, and there is more energy than work was done");
     }
@@ -339,8 +352,19 @@ static bool advance(ss_body *body, double h, double path, double fraction, doubl
                                                : symplectic_euler(body, h);
 }
 
+/* The tools go to `path`, the nodes still: their work is what that adds to the contact's energy,
+ * exactly, however little of the way they touch on. */
+static void move_tools(ss_body *body, double path)
+{
+    if (ss_body_has_contact(body)) {
+        const double before = ss_body_contact_energy(body);
+        ss_body_external(body, body->nodes.u, path);
+        body->work += ss_body_contact_energy(body) - before;
+    }
+}
+
 /* One sub-step; false when the body is at fault. Work is force times way, the forces' mean at both
- * ends. */
+ * ends; a model that takes contact implicitly has the tools at their end before the nodes move. */
 static bool substep(ss_body *body, progress *p)
 {
     const ss_body_elastic *law = &body->own.elastic;
@@ -353,7 +377,12 @@ static bool substep(ss_body *body, progress *p)
     const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
     body->path = p->path;
     place_driven(body, p->path, fraction, h, true);
-    body->work += 0.5 * fraction * ss_body_tool_work(body) + 0.5 * h * ss_body_driven_power(body);
+    body->work += 0.5 * h * ss_body_driven_power(body);
+    if (has_implicit_contact(body)) {
+        move_tools(body, next);
+    } else {
+        body->work += 0.5 * fraction * ss_body_tool_work(body);
+    }
     const bool is_finite = advance(body, h, p->path, fraction, next);
     place_driven(body, next, fraction, h, false);
     fade_grasps(body, h);
@@ -366,8 +395,10 @@ static bool substep(ss_body *body, progress *p)
     if (is_finite) {
         evaluate(body, next, next == 1.0);
         settle_grasps(body);
-        body->work +=
-            0.5 * fraction * ss_body_tool_work(body) + 0.5 * h * ss_body_driven_power(body);
+        body->work += 0.5 * h * ss_body_driven_power(body);
+        if (!has_implicit_contact(body)) {
+            body->work += 0.5 * fraction * ss_body_tool_work(body);
+        }
         set_bound(body);
     } else {
         fault(body, "not finite: last good state restored, waiting for reset");
@@ -406,17 +437,22 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->is_slowed = false;
     body->taken = 0.0;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
+    body->kept = (ss_body_ledger){.kinetic = body->kinetic,
+                                  .elastic = body->elastic,
+                                  .shadow = body->shadow,
+                                  .work = body->work,
+                                  .dissipated = body->dissipated};
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
         ss_driven_set_aim(&body->driven[k], body->nodes.u, time + dt);
     }
+    const double before = ledger_sum(body);
     ready(body, has_new_loads);
     ss_body_take_grasps(body, tool);
     ready(body, false);
     body->law_step = body->own.elastic.stable_step(body->own.elastic.owner, body);
     set_bound(body);
-    const double before = ledger_sum(body);
     progress p = {.left = dt, .motion = ss_body_motion_steps(body)};
     while (p.path < 1.0) {
         if (!substep(body, &p)) {
@@ -426,13 +462,13 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->work += ss_body_loads_work(body);
     book_losses(body, body->nodes.kick_lag);
     body->settled_lag = body->nodes.kick_lag;
-    if (!isfinite(body->elastic + body->kinetic)) {
+    if (!isfinite(ledger_sum(body))) {
         fault(body, "not finite: last good state restored, waiting for reset");
         return;
     }
     const double gain = ledger_sum(body) - before;
     if (body->is_slowed || body->was_slowed) {
-        judge_slowed(body, gain);
+        judge_slowed(body, gain, dt);
     } else {
         judge_gain(body, gain, gain - body->elastic, dt);
     }

@@ -132,14 +132,12 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
 {
     ss_model *model = ss_memory_get(1, sizeof *model);
     double *mass = ss_memory_get((size_t)plan->mesh->node_count, sizeof *mass);
-    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     *out_model = NULL;
-    if (model && mass && own) {
-        status = build(model, plan, mass, error ? error : own);
+    if (model && mass) {
+        status = build(model, plan, mass, error);
     }
     ss_memory_free(mass);
-    ss_memory_free(own);
     if (status != SOFTSIM_OK) {
         destroy(model);
         return status;

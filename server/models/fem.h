@@ -165,9 +165,10 @@ typedef struct ss_fem {
     ss_fem_average average;
     ss_fem_stability stability;
     ss_body_integrator integrator;
-    double viscous_time;
-    double *diagonal; /* N/m, mean of K's diagonal block of a node, at rest */
-    const ss_real *u; /* of the last force */
+    double viscous_time; /* s */
+    double mass_damping; /* 1/s */
+    double *diagonal;    /* N/m, mean of K's diagonal block of a node, at rest */
+    const ss_real *u;    /* of the last force */
 } ss_fem;
 
 typedef struct ss_fem_setup {
@@ -193,8 +194,8 @@ uint64_t ss_fem_hash(const void *owner, uint64_t seed);
 
 /* dt* at rest: the largest stable step of the integrator, from below, s. */
 double ss_fem_rest_step(const ss_fem *fem);
-/* dt* for the largest rate `rate2` = omega^2 (1/s^2) of the integrator, viscosity included, s. */
-double ss_fem_step_limit(ss_body_integrator integrator, double rate2, double viscous_time);
+/* dt* for the largest rate `rate2` = omega^2 (1/s^2), s: ss_body_step_limit with all damping. */
+double ss_fem_step_limit(const ss_fem *fem, double rate2);
 /* Says so to the body where elements are squeezed or turned inside out; after stable_step. */
 void ss_fem_judge(const ss_fem *fem, ss_body *body);
 /* What a force sweep streams and computes for an element of stvk or stvk-guarded, without a cure:

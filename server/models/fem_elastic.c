@@ -48,6 +48,7 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
         fem->kind = material->kind;
         fem->integrator = material->integrator;
         fem->viscous_time = material->viscous_time;
+        fem->mass_damping = material->mass_damping;
         fem->diagonal = ss_memory_get((size_t)setup->node_count, sizeof *fem->diagonal);
         fem->u = rest;
         is_good = fem->diagonal && ss_fem_blocks_create(&stuff, &fem->blocks) &&
@@ -157,6 +158,6 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
     say(line, sink,
         "stable step of the elastic body: %.4g s by power iteration, of which half is taken; "
         "assembled bound %.4g s%s",
-        ss_fem_rest_step(fem), ss_fem_step_limit(fem->integrator, s->rest_bound, fem->viscous_time),
+        ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
         s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
 }

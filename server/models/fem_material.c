@@ -44,13 +44,14 @@ static bool check_pair(const ss_model_plan *plan, const char *name, bool *out_is
     return false;
 }
 
-static void fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_material *material,
+/* False after a fault. */
+static bool fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_material *material,
                         softsim_error *error)
 {
     bool is_young = false;
     ss_number_list bad = {0};
     if (!check_pair(plan, name, &is_young, error)) {
-        return;
+        return false;
     }
     for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
         double lambda = ss_plan_element_value(plan, SS_FEM_LAMBDA, e),
@@ -72,6 +73,7 @@ static void fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_mate
                           "solid: lame_mu_pa and lame_lambda_pa + 2/3 lame_mu_pa must be above 0",
                           name, bad.count, bad.text);
     }
+    return bad.count == 0;
 }
 
 static void fill_viscosity(const ss_model_plan *plan, ss_fem_material *material)
@@ -117,7 +119,6 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
 {
     const size_t n = (size_t)plan->mesh->tetrahedron_count;
     const bool is_viscous = has_viscosity(plan);
-    const int32_t before = error ? error->fault_count : 0;
     ss_fem_material material = {.kind = (ss_tissue_kind)plan->param[SS_FEM_MATERIAL].number,
                                 .lambda = ss_memory_get(n, sizeof(double)),
                                 .mu = ss_memory_get(n, sizeof(double)),
@@ -134,14 +135,14 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
         (is_viscous && (!material.phi || !material.psi))) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    fill_moduli(plan, name, &material, error);
+    const bool is_good = fill_moduli(plan, name, &material, error);
     for (size_t e = 0; e < n; ++e) {
         material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
     }
     fill_viscosity(plan, &material);
     fill_own(plan, &material);
     *out_material = material;
-    return error && error->fault_count > before ? SOFTSIM_ERROR_SCENE : SOFTSIM_OK;
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
 }
 
 void ss_fem_material_fini(ss_fem_material *material)

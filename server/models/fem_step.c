@@ -54,24 +54,6 @@ enum { MAX_TURNS = 400 };
 /* From here on elements may be turning over: a side of length 0 has |2E| = 1. */
 #define TURNING_STRAIN 0.9
 
-/* ---- limits ------------------------------------------------------------------------------- */
-
-double ss_fem_step_limit(ss_body_integrator integrator, double rate2, double viscous_time)
-{
-    const double omega = sqrt(rate2), zeta = 0.5 * viscous_time * omega;
-    if (!(omega > 0.0)) {
-        return (double)INFINITY;
-    }
-    if (integrator == SS_BODY_SYMPLECTIC_EULER) {
-        return 2.0 /
-               (omega * (sqrt(1.0 + zeta * zeta) + zeta)); /* = (sqrt - zeta), no cancelling */
-    }
-    if (zeta <= 0.0) {
-        return 2.8284 / omega;
-    }
-    return 2.615 / (omega * (zeta > 1.0 ? zeta + sqrt(zeta * zeta - 1.0) : 1.0));
-}
-
 /* ---- the assembled bound ------------------------------------------------------------------ */
 
 /* Rows xx yy zz, then yz zx xy times sqrt 2, of the strain of a node that moves by e_i, with
@@ -323,9 +305,14 @@ void ss_fem_stability_fini(ss_fem_stability *stability)
     *stability = (ss_fem_stability){0};
 }
 
+double ss_fem_step_limit(const ss_fem *fem, double rate2)
+{
+    return ss_body_step_limit(fem->integrator, rate2, fem->viscous_time, fem->mass_damping);
+}
+
 double ss_fem_rest_step(const ss_fem *fem)
 {
-    return ss_fem_step_limit(fem->integrator, fem->stability.rest_rate2, fem->viscous_time);
+    return ss_fem_step_limit(fem, fem->stability.rest_rate2);
 }
 
 /* ---- while running -------------------------------------------------------------------------- */
@@ -389,7 +376,7 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
         s->squeezed = 0;
     }
     const double rate2 = has_rule ? fmax(s->rate2, 0.25 * bound) : s->rate2;
-    return ss_fem_step_limit(fem->integrator, rate2, fem->viscous_time);
+    return ss_fem_step_limit(fem, rate2);
 }
 
 void ss_fem_judge(const ss_fem *fem, ss_body *body)

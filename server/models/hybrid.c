@@ -427,8 +427,9 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
     ss_hybrid_settle(hybrid);
     hybrid->is_all_awake = is_all_awake;
     ss_body_destroy(&hybrid->body);
-    const double limit = ss_fem_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
-                                           hybrid->material.viscous_time);
+    const double limit =
+        ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                           hybrid->material.viscous_time, hybrid->material.mass_damping);
     status = create_body(hybrid, plan, mass, STEP_SHARE * limit, error);
     if (status == SOFTSIM_OK) {
         hybrid->u = ss_body_read_nodes(hybrid->body)->u;
@@ -608,8 +609,8 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
              "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",
              layer->skin_count,
              hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
-             ss_fem_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
-                               hybrid->material.viscous_time));
+             ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                                hybrid->material.viscous_time, hybrid->material.mass_damping));
     line(sink, text);
     if (!(hybrid->cohesion > 0.0)) {
         line(sink, "left out: cohesion (lennard_jones_share 0)");

@@ -148,6 +148,6 @@ double ss_hybrid_stable_step(void *owner, const ss_body *body)
         hybrid->seen_strain = strain;
     }
     const double grown = hybrid->rest_rate2 * (1.0 + STRAIN_GROWTH * fmin(strain, 1.0));
-    return ss_fem_step_limit(hybrid->material.integrator, fmax(hybrid->rate2, 0.5 * grown),
-                             hybrid->material.viscous_time);
+    return ss_body_step_limit(hybrid->material.integrator, fmax(hybrid->rate2, 0.5 * grown),
+                              hybrid->material.viscous_time, hybrid->material.mass_damping);
 }

@@ -108,6 +108,7 @@ typedef struct edge {
 
 struct ss_model {
     ss_body *body;
+    const ss_mesh *mesh; /* borrowed */
     int32_t edge_count;
     edge *edge;
     bool has_dampers;
@@ -116,7 +117,6 @@ struct ss_model {
     ss_body_integrator integrator;
     double damping;
     double *block;    /* A_i: xx yy zz xy yz zx, a node */
-    int32_t limiting; /* node */
     int32_t age;      /* calls of stable_step since the last look */
     double seen_step; /* s, then */
     double stiffness_min, stiffness_max;
@@ -270,14 +270,40 @@ static double stable_step(void *owner, const ss_body *body)
         const edge *e = &model->edge[k];
         const double from = model->block[6 * (ptrdiff_t)(e->from / 4)];
         const double to = model->block[6 * (ptrdiff_t)(e->to / 4)];
-        if (from + to > rate2) {
-            rate2 = from + to;
-            model->limiting = from > to ? e->from / 4 : e->to / 4;
-        }
+        rate2 = fmax(rate2, from + to);
     }
     model->seen_step =
         ss_body_step_limit(model->integrator, rate2, model->viscous_time, model->damping);
     return model->seen_step;
+}
+
+/* ---- the watch ---------------------------------------------------------------------------- */
+
+/* Springs know lengths alone: a tetrahedron that is its own mirror image is at rest to them, holds
+ * its neighbours wrongly and pulls where it should push. That cannot be mended here, so it is said
+ * for as long as it lasts. */
+static void judge_turned(const ss_model *model)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
+    for (int32_t t = 0; t < model->mesh->tetrahedron_count; ++t) {
+        const int32_t *c = model->mesh->tetrahedron[t];
+        const ss_real *u0 = nodes->u + 4 * (ptrdiff_t)c[0];
+        double side[3][3], n[3];
+        for (int a = 0; a < 3; ++a) {
+            const ss_real *u = nodes->u + 4 * (ptrdiff_t)c[a + 1];
+            for (int k = 0; k < 3; ++k) {
+                side[a][k] =
+                    nodes->rest[c[a + 1]][k] - nodes->rest[c[0]][k] + (double)(u[k] - u0[k]);
+            }
+        }
+        ss_cross3(n, side[0], side[1]);
+        if (!(ss_dot3(n, side[2]) > 0.0)) {
+            ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0,
+                          "tetrahedra are turned inside out, and springs may keep them so");
+            ss_body_set_worst_element(model->body, t);
+            return;
+        }
+    }
 }
 
 static void reset_state(void *owner)
@@ -500,6 +526,7 @@ static void destroy(ss_model *model)
 
 static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
+    model->mesh = plan->mesh;
     model->is_volume = plan->mesh->tetrahedron_count > 0;
     model->damping = plan->param[ROW_MASS_DAMPING].number;
     model->integrator =
@@ -547,6 +574,7 @@ static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     ss_body_step(model->body, time, dt, tool);
+    judge_turned(model);
 }
 
 static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
@@ -562,7 +590,6 @@ static void reset(ss_model *model)
 static void info(const ss_model *model, ss_model_info *out)
 {
     ss_body_info(model->body, out);
-    out->worst_element = out->verdict >= SOFTSIM_VERDICT_DEGRADED ? model->limiting : -1;
 }
 
 static const ss_real *displacement(const ss_model *model)

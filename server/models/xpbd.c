@@ -58,10 +58,12 @@ static const ss_param_row rows[ROW_COUNT] = {
 /* Of the stable step of an explicit method: sub-steps up to it are softer than the law by less
  * than what the ledger looks at. */
 #define EXACT_SHARE 0.3
-/* Microseconds a sub-step of an element, of an outer step by itself and with a tool. */
+/* Microseconds a sub-step of an element, of a step by itself and with a tool; the step that is
+ * meant, s. */
 #define COST_ELEMENT 0.02
 #define COST_STEP    10.0
 #define COST_TOOL    30.0
+#define COST_TIME    1e-3
 
 struct ss_model {
     ss_body *body;
@@ -267,8 +269,9 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
 
 static double step_cost_us(const ss_model_plan *plan)
 {
-    const double substeps_of_ms = fmax(1.0, 1e-3 / plan->param[ROW_SUBSTEP].number);
-    double cost = COST_STEP + COST_ELEMENT * substeps_of_ms * plan->mesh->tetrahedron_count;
+    const double substeps =
+        fmin(ceil(COST_TIME / plan->param[ROW_SUBSTEP].number - 1e-9), (double)plan->max_substeps);
+    double cost = COST_STEP + COST_ELEMENT * substeps * plan->mesh->tetrahedron_count;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
     }
