@@ -432,6 +432,8 @@ static void wrong_layers_are_refused(void **state)
     refuse(&c, "layer.spacing_m");
     case_init(&c, make_block(origin), 1e-4);
     refuse(&c, "coarser");
+    case_init(&c, make_block(origin), 0.006);
+    refuse(&c, "particles, more than");
     case_init(&c, make_block(origin), 0.1);
     case_set(&c, SS_HYBRID_ACTIVATE, 0.2);
     case_set(&c, SS_HYBRID_DEACTIVATE, 0.1);
