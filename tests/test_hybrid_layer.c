@@ -432,6 +432,8 @@ static void wrong_layers_are_refused(void **state)
     refuse(&c, "layer.spacing_m");
     case_init(&c, make_block(origin), 1e-4);
     refuse(&c, "coarser");
+    case_init(&c, make_block(origin), 0.006);
+    refuse(&c, "particles, more than");
     case_init(&c, make_block(origin), 0.1);
     case_set(&c, SS_HYBRID_ACTIVATE, 0.2);
     case_set(&c, SS_HYBRID_DEACTIVATE, 0.1);
@@ -440,6 +442,19 @@ static void wrong_layers_are_refused(void **state)
     case_set(&c, SS_HYBRID_ACTIVATE, 1e6);
     case_set(&c, SS_HYBRID_MAX_ACTIVE, 50);
     refuse(&c, "layer.max_active");
+    /* Nodes of the outer surface ride on the particles: a set of nothing else would do nothing. */
+    case_init(&c, make_block(origin), 0.1);
+    int32_t top[1] = {-1};
+    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+        top[0] = top[0] < 0 || c.mesh->position[i][2] > c.mesh->position[top[0]][2] ? i : top[0];
+    }
+    double down[1][3] = {{0.0, 0.0, -0.01}};
+    const ss_prescribed set = {
+        .node = top, .node_count = 1, .displacement = down, .axis = {true, true, true}};
+    c.fixed[top[0]] = 0;
+    c.plan.prescribed = &set;
+    c.plan.prescribed_count = 1;
+    refuse(&c, "drives nothing");
     case_init(&c, make_block(origin), 0.1);
     case_set(&c, SS_FEM_LOCKING_CURE, 2.0);
     refuse(&c, "locking_cure");

@@ -192,7 +192,7 @@ static void huge_modulus(setup *s)
 }
 static void rho_thrice(setup *s)
 {
-    give(s, "rho", 1.0);
+    give(s, "rho", 0.5);
     give(s, "rho_direction", 1.0);
     give(s, "rho_across", 1.0);
 }

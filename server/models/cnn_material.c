@@ -305,6 +305,14 @@ static void read_modulus(const ss_model_plan *plan, ss_cnn_material *material, s
     }
 }
 
+/* Not given, or as --print-config prints what was not given. */
+static bool is_default(const ss_model_plan *plan, int row)
+{
+    const ss_param_value *value = &plan->param[row];
+    return !value->is_given ||
+           (value->per_node == NULL && value->number == ss_cnn_rows_table[row].fallback);
+}
+
 static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, softsim_error *error)
 {
     const ss_param_value *param = plan->param;
@@ -312,8 +320,7 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
     material->pretension = param[SS_CNN_PRETENSION_J].number;
     material->bulk = param[SS_CNN_ENCLOSED_BULK_PA].number;
     const ss_param_row *steps = &ss_cnn_rows_table[SS_CNN_RELAXATION_STEPS];
-    if (param[SS_CNN_RELAXATION_STEPS].is_given && param[SS_CNN_SOLVER].number == 0.0 &&
-        param[SS_CNN_RELAXATION_STEPS].number != steps->fallback) {
+    if (!is_default(plan, SS_CNN_RELAXATION_STEPS) && param[SS_CNN_SOLVER].number == 0.0) {
         softsim_error_add(
             error, SOFTSIM_ERROR_SCENE,
             "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "
@@ -390,7 +397,7 @@ static bool read_anisotropy(const ss_model_plan *plan, const ss_cnn_material *ma
     const bool has_along = param[SS_CNN_RHO_DIRECTION].is_given;
     const bool has_across = param[SS_CNN_RHO_ACROSS].is_given;
     const bool has_direction = param[SS_CNN_MATERIAL_DIRECTION].is_given;
-    if (param[SS_CNN_RHO].is_given && (has_along || has_across)) {
+    if (!is_default(plan, SS_CNN_RHO) && (has_along || has_across)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: give rho, or rho_direction and rho_across, not both");
     }

@@ -31,6 +31,8 @@
 #define TIE_LIMIT   8.0
 #define SKIN_LIMIT  3.0
 #define GHOST_SHARE 0.95 /* of a tetrahedron's volume */
+/* More take minutes to set up; a layer of a hundredth of them is what a hand feels in time. */
+enum { MAX_PARTICLES = 1 << 20 };
 
 /* ---- small systems ---------------------------------------------------------------------------
  */
@@ -243,6 +245,16 @@ static bool take_sites(builder *b)
     return true;
 }
 
+/* m; cells of this size hold few particles wherever they are, also beside far coarser ones. */
+static double finest_reach(const ss_layer *layer)
+{
+    double finest = INFINITY;
+    for (int32_t p = 0; p < layer->count; ++p) {
+        finest = fmin(finest, layer->spacing[p]);
+    }
+    return reach_of(finest, finest);
+}
+
 /* Neighbours of particle p, nearest first; how many. */
 static int32_t find_neighbours(const builder *b, int32_t p, int32_t out[SS_LAYER_MAX_PAIRS],
                                double square[SS_LAYER_MAX_PAIRS])
@@ -316,7 +328,7 @@ static bool drop_lonely(builder *b)
         is_done = true;
         ss_point_grid_fini(&b->grid);
         if (!ss_point_grid_init(&b->grid, layer->count, (const double(*)[3])layer->rest,
-                                reach_of(b->plan->spacing, b->plan->spacing))) {
+                                finest_reach(layer))) {
             return false;
         }
         int32_t kept = 0;
@@ -626,6 +638,17 @@ static softsim_status build(builder *b, softsim_error *error)
     softsim_status status = ss_layer_list_sites(b->plan, &b->sites, error);
     if (status != SOFTSIM_OK) {
         return status;
+    }
+    int32_t own = 0;
+    for (int32_t s = 0; s < b->sites.count; ++s) {
+        own += b->sites.site[s].host < 0;
+    }
+    if (own > MAX_PARTICLES) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "layer.spacing_m: %g m fills the layer with %d particles, more than %d; "
+                          "give a coarser spacing, or a thinner layer",
+                          b->plan->spacing, own, MAX_PARTICLES);
+        return SOFTSIM_ERROR_SCENE;
     }
     if (!sort_nodes(b) || !reserve_particles(b->layer, b->sites.count) || !take_sites(b) ||
         !drop_lonely(b)) {

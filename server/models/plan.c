@@ -107,7 +107,7 @@ typedef struct checker {
     const ss_model_plan *plan;
     const char *name;    /* of the model */
     const double *size;  /* a value a node, below 0 where there is nothing to push or hold */
-    const char *outside; /* what is said of such nodes in a load; NULL: nothing */
+    const char *outside; /* what is said of such nodes in a load or a set; NULL: nothing */
     softsim_error *error;
 } checker;
 
@@ -171,9 +171,12 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
     if (!nodes_are_valid(check, set->node, set->node_count, "prescribed set", which)) {
         return;
     }
-    ss_number_list clash = {0};
+    ss_number_list clash = {0}, outside = {0};
     for (int32_t i = 0; i < set->node_count; ++i) {
         bool is_clash = false;
+        if (check->size[set->node[i]] < 0.0) {
+            ss_number_list_add(&outside, ss_mesh_file_node(plan->mesh, set->node[i]));
+        }
         for (int k = 0; k < 3; ++k) {
             const uint8_t bit = (uint8_t)(1 << k);
             if (ss_plan_is_driven(set, i, k)) {
@@ -184,6 +187,13 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
         if (is_clash) {
             ss_number_list_add(&clash, ss_mesh_file_node(plan->mesh, set->node[i]));
         }
+    }
+    /* Beside others they follow; alone they would stay, and nobody would be told. */
+    if (outside.count == set->node_count && check->outside) {
+        softsim_error_add(check->error, SOFTSIM_ERROR_SCENE,
+                          "%s: prescribed set %d drives nothing: its %d nodes (first %s) are all "
+                          "among those %s",
+                          check->name, which, outside.count, outside.text, check->outside);
     }
     if (clash.count > 0) {
         softsim_error_add(check->error, SOFTSIM_ERROR_SCENE,

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <glob.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -198,6 +199,37 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
         }
         assert_int_equal(p.out_size, 0);
     }
+}
+
+/* ---- the bundled scenes
+ * --------------------------------------------------------------------------------------- */
+
+static void what_a_bundled_scene_prints_loads_again(void **state)
+{
+    (void)state;
+    static process p;
+    static char printed[sizeof p.out];
+    glob_t scene;
+    assert_int_equal(glob(SCENES "*.yaml", 0, NULL, &scene), 0);
+    assert_true(scene.gl_pathc > 5);
+    for (size_t i = 0; i < scene.gl_pathc; ++i) {
+        const char *const print[] = {"softsimd", "--print-config", scene.gl_pathv[i], NULL};
+        const int status = process_run(&p, print);
+        if (status == 2 && strstr(p.err, "not built in")) {
+            continue;
+        }
+        const size_t size = (size_t)p.out_size;
+        assert_in_range(size, 100, sizeof printed - 1);
+        memcpy(printed, p.out, size);
+        write_file("scene.yaml", printed, size);
+        const char *const again[] = {"softsimd", "--print-config", path_of("scene.yaml"), NULL};
+        if (status != 0 || process_run(&p, again) != 0) {
+            fail_msg("%s: %s", scene.gl_pathv[i], p.err);
+        }
+        assert_int_equal(p.out_size, size);
+        assert_memory_equal(p.out, printed, size);
+    }
+    globfree(&scene);
 }
 
 /* ---- arguments
@@ -395,6 +427,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes_and_meshes_are_refused),
         cmocka_unit_test(checks_tell_what_is_good_and_what_is_doubtful),
+        cmocka_unit_test(what_a_bundled_scene_prints_loads_again),
         cmocka_unit_test(arguments_are_refused),
         cmocka_unit_test(poses_are_refused),
         cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),
