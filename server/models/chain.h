@@ -129,7 +129,8 @@ struct ss_model {
     /* scratch */
     ss_real *mobility, *free; /* 1/C (1/s), and 1, of every axis that may move, else 0 */
     ss_real *pull;
-    ss_real *output; /* Q = sat(u); u itself without saturation */
+    ss_real *output;   /* Q = sat(u); u itself without saturation */
+    bool is_saturated; /* Q is not u */
     ss_real *contact;
     double *diagonal_of; /* N/m, of contact */
     int32_t *touched;    /* nodes under tools at the last sub-step, increasing within a tool */
@@ -155,8 +156,9 @@ void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason)
 /* ---- chain_material.c ---- */
 /* Parameters into links and nodes; everything refused about them. Thread: set-up only. */
 softsim_status ss_chain_material_create(ss_model *model, softsim_error *error);
-/* Sets capacitance where none was given, and the rates. After the coarse level. */
-void ss_chain_material_time(ss_model *model);
+/* Sets capacitance where none was given, and the rates. After the coarse level. Out of memory at
+ * worst. Thread: set-up only. */
+softsim_status ss_chain_material_time(ss_model *model);
 /* The largest stable step, s. */
 double ss_chain_stable_step(const ss_model *model);
 

@@ -95,9 +95,8 @@ static softsim_status create_levels(ss_model *model)
         status = ss_chain_coarse_create(model, cells, aggregated->is_given);
     }
     if (status == SOFTSIM_OK) {
-        ss_chain_material_time(model);
+        status = ss_chain_material_time(model);
         set_mobility(model);
-        status = model->rate > 0.0 ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     }
     if (status == SOFTSIM_OK && is_volume && model->plan.param[SS_CHAIN_TET_GUARD].number != 0.0) {
         status = ss_chain_guard_create(model);
@@ -123,7 +122,7 @@ static void reset(ss_model *model)
         memset(set[k]->word, 0, (size_t)set[k]->top_count * sizeof *set[k]->word);
     }
     front->groups = front->nodes = 0;
-    model->is_all_awake = model->is_crowded = model->has_current = false;
+    model->is_all_awake = model->is_crowded = model->has_current = model->is_saturated = false;
     model->stride = 1;
     model->age = 0;
     for (int32_t k = 0; k < model->plan.load_count; ++k) {

@@ -120,8 +120,8 @@ static bool follow_unloading(ss_model *model, double h)
 
 /* ---- saturation --------------------------------------------------------------------------- */
 
-/* Q = sat(u), and (Q - u)/R with R = 1 into pull. */
-static void saturate(ss_model *model, bool is_pulling)
+/* Q = sat(u) */
+static void saturate(ss_model *model)
 {
     const double limit = model->saturation;
     int32_t count = 0;
@@ -133,13 +133,19 @@ static void saturate(ss_model *model, bool is_pulling)
         count += share < 1.0;
         for (int k = 0; k < 3; ++k) {
             q[k] = share < 1.0 ? (ss_real)(share * x[k]) : u[k];
-            if (is_pulling) {
-                model->pull[4 * (ptrdiff_t)i + k] += q[k] - u[k];
-            }
         }
     }
-    if (count > 0) {
+    model->is_saturated = count > 0;
+    if (model->is_saturated) {
         ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED, "cells are saturated");
+    }
+}
+
+/* (Q - u)/R into pull, R = 1. */
+static void draw_back(ss_model *model)
+{
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->pull[at] += model->output[at] - model->u[at];
     }
 }
 
@@ -281,7 +287,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     ss_chain_driven_place(model, path);
     ss_chain_tools_touch(model, index == 0, path);
     if (isfinite(model->saturation)) {
-        saturate(model, false);
+        saturate(model);
     }
     const bool is_full = choose_full(model, index, follow_unloading(model, h));
     const ss_real ratio = (ss_real)model->ratio;
@@ -303,8 +309,8 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     if (is_full || !ss_chain_is_aggregated(model)) { /* else W is of a part alone */
         balance(model);
     }
-    if (isfinite(model->saturation)) {
-        saturate(model, true);
+    if (model->is_saturated) {
+        draw_back(model);
     }
     ss_chain_loads_apply(model);
     ss_chain_tools_apply(model, h);
@@ -361,8 +367,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     }
     if (ss_chain_is_aggregated(model)) {
         ss_chain_refine(model);
-        model->stride = (int32_t)fmax(1.0, floor(ss_chain_aggregated_step(model) / h));
-        model->stride = model->stride < count ? model->stride : count;
+        model->stride = (int32_t)fmin(fmax(1.0, floor(ss_chain_aggregated_step(model) / h)), count);
     }
     for (int32_t k = 0; k < count; ++k) {
         if (!take_substep(model, k, count, h)) {
