@@ -284,6 +284,38 @@ static void saturated_cells_are_calm_with_two_levels(void **state)
     assert_near(middle[1], middle[0], 1e-3 * middle[0]);
 }
 
+/* Leak and a load: the coarse level, and aggregated cells, change the way to the equilibrium alone.
+ */
+static void leak_balances_a_load_on_every_level(void **state)
+{
+    (void)state;
+    double middle[3];
+    for (int which = 0; which < 3; ++which) {
+        int32_t node[PATCH];
+        double way[PATCH][3], before = 0.0;
+        setup s;
+        setup_block(&s, 0.0, which == 1 ? 64 : 0, node, way);
+        s.plan.prescribed_count = 0;
+        s.load[s.plan.load_count++] = (ss_load){
+            .node = node, .node_count = PATCH, .force = {0.0, 0.0, 2.0}, .to = (double)INFINITY};
+        give(&s, "leak_resistance", 10.0);
+        if (which == 2) {
+            give(&s, "cells", 200.0);
+        }
+        create(&s);
+        const double h = 0.999 * ss_chain_stable_step(s.model);
+        for (int n = 0; n < 3000; ++n) {
+            before = moved(&s, node[4], 2);
+            steps(&s, 1, h);
+        }
+        middle[which] = moved(&s, node[4], 2);
+        assert_near(middle[which], before, 1e-5 * before);
+        setup_fini(&s);
+    }
+    assert_near(middle[1], middle[0], 1e-3 * middle[0]);
+    assert_near(middle[2], middle[0], 0.25 * middle[0]); /* seven elements a cell */
+}
+
 /* Every element above the fixed ones is driven: there is no cell left that may move. */
 static void a_body_without_a_free_cell_follows_its_set(void **state)
 {
@@ -323,6 +355,7 @@ int main(void)
         cmocka_unit_test(volumes_have_it_and_surfaces_have_not),
         cmocka_unit_test(saturation_never_reached_changes_nothing),
         cmocka_unit_test(saturated_cells_are_calm_with_two_levels),
+        cmocka_unit_test(leak_balances_a_load_on_every_level),
         cmocka_unit_test(a_body_without_a_free_cell_follows_its_set)};
     return cmocka_run_group_tests_name("chain_coarse", tests, NULL, NULL);
 }

@@ -197,8 +197,8 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);
 void ss_chain_coarse_destroy(ss_chain_coarse **coarse);
 void ss_chain_coarse_reset(ss_model *model);
-/* Makes D, and the largest rate of both levels together, 1/s; negative without memory. Thread:
- * set-up only. */
+/* Makes D, and the largest rate of both levels together (of aggregated cells alone), 1/s, with the
+ * leak; 0 where nothing may move, negative without memory. Thread: set-up only. */
 double ss_chain_coarse_rate(ss_model *model);
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse);
 const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);

@@ -11,11 +11,12 @@
  * farthest points with mean spacing s; rows sum to 1, and are 0 for elements that are fixed,
  * driven, under a tool or saturated (D is made for links, and far too large for what draws a cell
  * back by itself). L: the Laplacian of all links with weight w/2, an upper bound of the Hessian of
- * W whatever is slack; lambda its largest eigenvalue. The metric 1 + Phi D Phi' is constant and
- * positive: still a gradient flow of the same W with the same equilibria, stable for
- * h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine network alone spreads
- * by diffusion, at a time that grows with the square of the distance, each coarse step spreads over
- * the body at once.
+ * W whatever is slack, and the leak (dP has it too: with the leak on the fine cells alone the
+ * equilibrium under a load would be another); lambda its largest eigenvalue. The metric 1 + Phi D
+ * Phi' is constant and positive: still a gradient flow of the same W with the same equilibria,
+ * stable for h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine network
+ * alone spreads by diffusion, at a time that grows with the square of the distance, each coarse
+ * step spreads over the body at once.
  *
  * Aggregated cells (`cells: N`) are the same hats used instead of the fine cells: away from tools
  * P = P0 + Phi x and C m_j dx_j/dt = (Phi' dP)_j, m_j the elements of cell j: the drag of the
@@ -419,7 +420,7 @@ static void add_element(ss_model *model, int32_t node, double sign)
 {
     ss_chain_coarse *coarse = model->coarse;
     const ss_chain_net *net = model->net;
-    add_product(coarse, node, node, sign * 0.25 * model->valence[node]);
+    add_product(coarse, node, node, sign * (0.25 * model->valence[node] + 0.5 * model->leak));
     for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
         const int32_t other = ss_chain_other(net, net->at[p], node);
         const double half =
@@ -492,7 +493,7 @@ static void invert(ss_chain_coarse *coarse)
 
 /* ---- eigenvalues -------------------------------------------------------------------------- */
 
-/* out = L x over the elements that move, L with weights w/2. */
+/* out = L x over the elements that move, L with weights w/2 and the leak. */
 static void apply_laplacian(const ss_model *model, const ss_real *x, ss_real *out)
 {
     const ss_chain_net *net = model->net;
@@ -510,7 +511,7 @@ static void apply_laplacian(const ss_model *model, const ss_real *x, ss_real *ou
         }
     }
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
-        out[at] *= model->free[at];
+        out[at] = model->free[at] * (out[at] + (ss_real)model->leak * x[at]);
     }
 }
 
@@ -572,8 +573,8 @@ double ss_chain_coarse_rate(ss_model *model)
     double rate = -1.0;
     if (x && y) {
         if (coarse->is_aggregated) {
-            coarse->rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
-            rate = largest_rate(model, true, false, x, y);
+            rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
+            coarse->rate = rate;
             goto done;
         }
         coarse->lambda = largest_rate(model, true, false, x, y) * model->capacitance;

@@ -9,7 +9,7 @@
  * move by f_i/D_i, the mean of its samples' depths (f_i = sum_q A_q kc B_qi (-d_q)+ n_q, D_i =
  * sum_q A_q kc B_qi), and is held there as firmly as D_i is beside its links:
  *
- *   u_i += tau_i (dP_i + f_i/(2 k)),  1/tau_i = C_i/h + D_i/(2 k)
+ *   u_i += tau_i (dP_i + f_i/(2 k) - u_i/R_rest),  1/tau_i = C_i/h + D_i/(2 k)
  *
  * For D_i >> 2 k C_i/h the cell goes where the tool puts it (a fixed-state cell), for D_i -> 0 it
  * is free: a cell enters and leaves a contact through D_i = 0, so neither position nor force jumps
@@ -363,9 +363,10 @@ void ss_chain_tools_apply(ss_model *model, double h)
         const double firm = h * model->conductance[i] * model->diagonal_of[i] * scale;
         for (int a = 0; a < 3; ++a) {
             const bool is_free = model->free[at + a] > 0;
+            const double leak = model->leak * (double)model->u[at + a]; /* comes with the answer */
             const double pull =
                 (double)model->pull[at + a] + scale * (double)model->contact[at + a];
-            model->pull[at + a] = (ss_real)(is_free ? pull / (1.0 + firm) : pull);
+            model->pull[at + a] = (ss_real)(is_free ? (pull - leak) / (1.0 + firm) + leak : pull);
             model->contact[at + a] = 0;
         }
         model->diagonal_of[i] = 0.0;

@@ -224,13 +224,6 @@ double ss_chain_stable_step(const ss_model *model)
     return STEP_SHARE * 2.0 / model->rate;
 }
 
-/* Largest of what the network and the saturation's draw allow, leak on top; `network` in 1/s. */
-static double with_own_rate(const ss_model *model, double network, double largest)
-{
-    const double drawn = isfinite(model->saturation) ? largest : 0.0;
-    return fmax(network, drawn) + model->leak * largest;
-}
-
 softsim_status ss_chain_material_time(ss_model *model)
 {
     const ss_param_value *given = &model->plan.param[SS_CHAIN_CAPACITANCE_S];
@@ -240,7 +233,9 @@ softsim_status ss_chain_material_time(ss_model *model)
         largest = fmax(largest, model->conductance[i]);
     }
     model->capacitance = given->is_given ? mean_of(given, model->node_count) : 1.0;
-    model->fine_rate = with_own_rate(model, 0.5 * link_rate(model), largest);
+    const double leak = model->leak * largest;
+    const double drawn = isfinite(model->saturation) ? largest : 0.0;
+    model->fine_rate = fmax(0.5 * link_rate(model), drawn) + leak;
     model->rate = model->fine_rate;
     if (model->coarse) {
         const double both = ss_chain_coarse_rate(model);
@@ -250,7 +245,7 @@ softsim_status ss_chain_material_time(ss_model *model)
         /* Sharper than the bound over links, though it has both levels in it; cells of their own
          * step as the proof over links says, and so does what has no cell that may move. */
         if (both > 0.0 && !ss_chain_is_aggregated(model)) {
-            model->rate = with_own_rate(model, both, largest);
+            model->rate = fmax(both, drawn + leak);
         }
     }
     if (!given->is_given) {

@@ -249,6 +249,15 @@ static void clamp_displacements(ss_model *model)
                   "displacement beyond a hundred times the body was cut off");
 }
 
+/* -u/R_rest into pull. */
+static void leak(ss_model *model)
+{
+    const ss_real share = (ss_real)model->leak;
+    for (ptrdiff_t at = 0; share > 0 && at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->pull[at] -= share * model->u[at];
+    }
+}
+
 /* The cells answer to pull; those of a coarse level for `far` seconds. */
 static void answer(ss_model *model, double h, double far, bool is_full, bool is_first)
 {
@@ -259,6 +268,8 @@ static void answer(ss_model *model, double h, double far, bool is_full, bool is_
                               .u = model->u};
     model->work += ss_chain_loads_work(model, -1.0);
     if (model->coarse && is_full) {
+        leak(model);
+        motion.leak = 0;
         ss_chain_coarse_move(model, far, is_first);
     }
     if (is_full) {
