@@ -142,9 +142,9 @@ struct ss_model {
     /* report */
     double network;                     /* W of the last sub-step, m^2 */
     double elastic, dissipated, booked; /* J, at one moment: booked is the work until then */
+    double gained;                      /* J, from nowhere, until then */
     double fixed_reaction[3];
     int32_t substeps, active_nodes, worst_element;
-    int32_t guarded; /* tetrahedra that the guard put back in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason;
@@ -171,6 +171,8 @@ void ss_chain_loads_update(ss_model *model, double time);
 void ss_chain_driven_update(ss_model *model, double time);
 /* Puts them at `path` (0..1) of it and books the work. */
 void ss_chain_driven_place(ss_model *model, double path);
+/* What the links of some nodes store, J. */
+double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *node);
 /* Adds currents to pull. */
 void ss_chain_loads_apply(ss_model *model);
 /* What supports answer to pull; not `is_full`: of the front's nodes. */
@@ -183,6 +185,8 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error);
 void ss_chain_tools_fini(ss_model *model);
 void ss_chain_tools_reset(ss_model *model);
 void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+/* What the contact and a grasp store, J. */
+double ss_chain_tool_energy(const ss_chain_tool *tool);
 /* Sub-steps that the tools' motion asks for. */
 int32_t ss_chain_tools_substeps(ss_model *model);
 /* Moves the tools on to `path` of the step: contact forces, firmness and work. */

@@ -181,7 +181,11 @@ static void forget_touched(ss_model *model)
 
 void ss_chain_tools_reset(ss_model *model)
 {
+    const size_t n = (size_t)model->padded; /* a fault leaves scratch as it was */
     forget_touched(model);
+    memset(model->contact, 0, 4 * n * sizeof *model->contact);
+    memset(model->push, 0, 4 * n * sizeof *model->push);
+    memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].is_present = false;
         let_go(&model->tool[k]);
@@ -202,7 +206,7 @@ static void evaluate(ss_model *model, ss_chain_tool *tool)
     }
 }
 
-static double stored(const ss_chain_tool *tool)
+double ss_chain_tool_energy(const ss_chain_tool *tool)
 {
     return tool->energy + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
 }
@@ -219,7 +223,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             ss_surface_refit(model->surface, model->u);
             is_any = true;
         }
-        const double before = stored(own);
+        const double before = ss_chain_tool_energy(own);
         if (!is_present ||
             (is_moved && own->is_present &&
              ss_tool_motion_bound(own->shape, &own->pose, &tool[k].from) > 0.25 * own->radius)) {
@@ -235,7 +239,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             evaluate(model, own);
         }
         /* A jump's energy is the tool's work. */
-        model->work += stored(own) - before;
+        model->work += ss_chain_tool_energy(own) - before;
         own->is_present = is_present;
         own->grasp_wish = is_present && tool[k].is_grasping;
     }
@@ -321,7 +325,7 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
         evaluate(model, tool);
         tool->pose = next;
     }
-    const double before = stored(tool);
+    const double before = ss_chain_tool_energy(tool);
     ss_set3(tool->force, 0.0, 0.0, 0.0);
     ss_set3(tool->torque, 0.0, 0.0, 0.0);
     tool->energy = ss_touch_penalty(tool->touch, model->u, &tool->pose, model->contact, tool->force,
@@ -330,7 +334,7 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
     const int32_t count = ss_touch_reach(tool->touch, &node);
     ss_grasp_add_forces(&tool->grasp, rest, model->u, &tool->pose, model->contact, tool->force,
                         tool->torque);
-    model->work += stored(tool) - before;
+    model->work += ss_chain_tool_energy(tool) - before;
     tool->is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
     tool->drive.depth = tool->is_touching ? depth_of(model, node, count) : 0.0;
     take_grasp(model, tool, node, count);

@@ -142,9 +142,10 @@ static void reset(ss_model *model)
     model->ratio = 1.0;
     model->has_touched = false;
     model->step = 0;
-    model->substeps = model->active_nodes = model->guarded = 0;
+    model->substeps = model->active_nodes = 0;
     model->worst_element = -1;
-    model->work = model->booked = model->elastic = model->dissipated = model->network = 0.0;
+    model->work = model->booked = model->gained = model->elastic = model->dissipated =
+        model->network = 0.0;
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
