@@ -385,6 +385,22 @@ static void not_finite_is_a_fault_until_reset(void **state)
     setup_fini(&s);
 }
 
+static void a_set_too_fast_to_follow_is_said(void **state)
+{
+    (void)state;
+    int32_t node[1];
+    double way[1][3] = {{0.0, 0.0, 40.0}};
+    setup s;
+    setup_plane(&s, 0.02, node, way, 0.0);
+    s.plan.max_substeps = 8;
+    create(&s);
+    steps(&s, 1, 0.01);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
+    steps(&s, 1, 0.01);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
 /* What turns up in the last sub-step is not published either. */
 static void nothing_not_finite_is_published(void **state)
 {
@@ -480,6 +496,7 @@ int main(void)
         cmocka_unit_test(contradiction_is_an_equilibrium_with_energy),
         cmocka_unit_test(too_few_substeps_are_said),
         cmocka_unit_test(not_finite_is_a_fault_until_reset),
+        cmocka_unit_test(a_set_too_fast_to_follow_is_said),
         cmocka_unit_test(nothing_not_finite_is_published),
         cmocka_unit_test(energy_from_nowhere_is_in_the_ledger),
         cmocka_unit_test(energy_that_creeps_in_is_found)};

@@ -42,19 +42,21 @@
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
+/* Of the nodes that lie on the surface, m^2; negative without memory. */
 static double mean_area(const ss_mesh *mesh)
 {
     double area = 0.0, count = 0.0;
     double *of = ss_memory_get((size_t)mesh->node_count, sizeof *of);
-    if (of) {
-        ss_mesh_node_areas(mesh, of);
+    if (!of) {
+        return -1.0;
     }
-    for (int32_t i = 0; of && i < mesh->node_count; ++i) {
+    ss_mesh_node_areas(mesh, of);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
         area += of[i];
         count += of[i] > 0.0;
     }
     ss_memory_free(of);
-    return count > 0.0 ? area / count : 0.0;
+    return area / fmax(count, 1.0);
 }
 
 /* kc, N/m^3. */
@@ -133,7 +135,8 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
     softsim_status status =
         ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
     status = status == SOFTSIM_OK ? allocate(model) : status;
-    const double area = mean_area(plan->mesh);
+    const double area = status == SOFTSIM_OK ? mean_area(plan->mesh) : 0.0;
+    status = area < 0.0 ? SOFTSIM_ERROR_MEMORY : status;
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
             status = create_tool(model, &model->tool[k], &plan->tool[k].shape, area);

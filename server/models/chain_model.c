@@ -275,17 +275,24 @@ static void reaction(const ss_model *model, int32_t set, double out_force[3])
     }
 }
 
+static uint64_t hash_drive(uint64_t hash, const ss_chain_drive *drive)
+{
+    hash = ss_hash_bytes(hash, &drive->depth, sizeof drive->depth);
+    hash = ss_hash_bytes(hash, &drive->most, sizeof drive->most);
+    return ss_hash_bytes(hash, &drive->is_falling, sizeof drive->is_falling);
+}
+
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     uint64_t hash = ss_hash_bytes(seed, &model->ratio, sizeof model->ratio);
     hash = ss_hash_bytes(hash, &model->has_touched, sizeof model->has_touched);
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        hash = ss_hash_bytes(hash, &model->driven[s].drive.most, sizeof(double));
+        hash = hash_drive(hash, &model->driven[s].drive);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_chain_tool *tool = &model->tool[k];
         if (tool->is_used) {
-            hash = ss_hash_bytes(hash, &tool->drive.depth, 2 * sizeof(double));
+            hash = hash_drive(hash, &tool->drive);
             hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
             hash = ss_grasp_hash(&tool->grasp, hash);
         }

@@ -365,7 +365,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
 /* ---- the outer step ----------------------------------------------------------------------- */
 
 /* Sub-steps that driven cells ask for: a quarter of a link each. */
-static double driven_substeps(const ss_model *model)
+static double driven_substeps(ss_model *model)
 {
     double way = 0.0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
@@ -376,7 +376,12 @@ static double driven_substeps(const ss_model *model)
             way = fmax(way, ss_norm3(d));
         }
     }
-    return ceil(4.0 * way / model->net->mean_length - 1e-9);
+    const double steps = ceil(4.0 * way / model->net->mean_length - 1e-9);
+    if (steps > model->plan.max_substeps) {
+        ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED,
+                      "a prescribed set moved further in a step than its sub-steps can follow");
+    }
+    return steps;
 }
 
 void ss_chain_step(ss_model *model, double time, double dt,
