@@ -273,6 +273,29 @@ static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
     }
 }
 
+/* A tool that hovers beside one that presses takes hold of nothing. */
+static void grasp_holds_what_its_own_tool_touches(void **state)
+{
+    (void)state;
+    felt f;
+    felt_init(&f, 0.02);
+    f.s.plan.tool[1] = f.s.plan.tool[0];
+    create(&f.s);
+    f.tool[1] = f.tool[0];
+    f.tool[1].to.position[0] += 0.012;
+    f.tool[1].to.position[2] = TOP + RADIUS + 0.0015;
+    f.tool[1].from = f.tool[1].to;
+    go(&f, 0.0, -0.002, 40);
+    ss_contact_set set;
+    f.s.class->contacts(f.s.model, 1, 0.01, &set);
+    assert_near(ss_norm3(set.force), 0.0, 0.0);
+    f.tool[1].is_grasping = true;
+    go(&f, 0.0, -0.002, 2);
+    f.s.class->contacts(f.s.model, 1, 0.01, &set);
+    assert_false(set.is_held);
+    setup_fini(&f.s);
+}
+
 /* A fault under a tool leaves nothing behind that reset does not clear. */
 static void reset_after_a_fault_forgets_the_contact(void **state)
 {
@@ -313,6 +336,7 @@ int main(void)
         cmocka_unit_test(told_stiffness_errs_high),
         cmocka_unit_test(grasp_pulls_and_lets_go),
         cmocka_unit_test(reset_after_a_fault_forgets_the_contact),
+        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
         cmocka_unit_test(books_balance_under_a_tool),
         cmocka_unit_test(teleport_ends_well),
         cmocka_unit_test(deep_poke_inverts_no_tetrahedron_and_is_undone)};

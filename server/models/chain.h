@@ -133,6 +133,7 @@ struct ss_model {
     bool is_saturated; /* Q is not u */
     ss_real *contact;
     double *diagonal_of; /* N/m, of contact */
+    double *firmness;    /* the same of one tool */
     int32_t *touched;    /* nodes under tools at the last sub-step, increasing within a tool */
     int32_t touched_count;
     uint8_t *is_touched, *is_marked;

@@ -107,13 +107,15 @@ static softsim_status allocate(ss_model *model)
     model->push = ss_memory_get(4 * n, sizeof *model->push);
     model->answer = ss_memory_get(4 * n, sizeof *model->answer);
     model->diagonal_of = ss_memory_get(n, sizeof *model->diagonal_of);
+    model->firmness = ss_memory_get(n, sizeof *model->firmness);
     model->touched = ss_memory_get(n, sizeof *model->touched);
     model->is_touched = ss_memory_get(n, sizeof *model->is_touched);
     model->is_marked = ss_memory_get(n, sizeof *model->is_marked);
     model->hold = ss_memory_get(n, sizeof *model->hold);
     model->hold_weight = ss_memory_get(n, sizeof *model->hold_weight);
-    return model->contact && model->push && model->answer && model->diagonal_of && model->touched &&
-                   model->is_touched && model->is_marked && model->hold && model->hold_weight
+    return model->contact && model->push && model->answer && model->diagonal_of &&
+                   model->firmness && model->touched && model->is_touched && model->is_marked &&
+                   model->hold && model->hold_weight
                ? SOFTSIM_OK
                : SOFTSIM_ERROR_MEMORY;
 }
@@ -152,9 +154,10 @@ void ss_chain_tools_fini(ss_model *model)
         ss_grasp_fini(&model->tool[k].grasp);
     }
     ss_surface_destroy(&model->surface);
-    void *const owned[] = {model->contact,     model->push,    model->answer,
-                           model->diagonal_of, model->touched, model->is_touched,
-                           model->is_marked,   model->hold,    model->hold_weight};
+    void *const owned[] = {model->contact,     model->push,      model->answer,
+                           model->diagonal_of, model->firmness,  model->touched,
+                           model->is_touched,  model->is_marked, model->hold,
+                           model->hold_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -189,6 +192,7 @@ void ss_chain_tools_reset(ss_model *model)
     memset(model->contact, 0, 4 * n * sizeof *model->contact);
     memset(model->push, 0, 4 * n * sizeof *model->push);
     memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
+    memset(model->firmness, 0, n * sizeof *model->firmness);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].is_present = false;
         let_go(&model->tool[k]);
@@ -276,7 +280,7 @@ static double depth_of(const ss_model *model, const int32_t *node, int32_t count
 {
     double moved[3] = {0.0}, sum = 0.0;
     for (int32_t k = 0; k < count; ++k) {
-        const double weight = model->diagonal_of[node[k]];
+        const double weight = model->firmness[node[k]];
         for (int a = 0; a < 3; ++a) {
             moved[a] += weight * (double)model->u[4 * (ptrdiff_t)node[k] + a];
         }
@@ -291,9 +295,9 @@ static void take_grasp(ss_model *model, ss_chain_tool *tool, const int32_t *node
     if (tool->grasp_wish && !tool->grasp.is_pressed) {
         int32_t held = 0;
         for (int32_t k = 0; k < count; ++k) {
-            if (model->diagonal_of[node[k]] > 0.0 && held < model->node_count) {
+            if (model->firmness[node[k]] > 0.0 && held < model->node_count) {
                 model->hold[held] = node[k];
-                model->hold_weight[held++] = model->diagonal_of[node[k]] / tool->stiffness;
+                model->hold_weight[held++] = model->firmness[node[k]] / tool->stiffness;
             }
         }
         ss_grasp_take(&tool->grasp, held, model->hold, model->hold_weight,
@@ -333,7 +337,7 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
     ss_set3(tool->torque, 0.0, 0.0, 0.0);
     tool->energy = ss_touch_penalty(tool->touch, model->u, &tool->pose, model->contact, tool->force,
                                     tool->torque);
-    ss_touch_diagonal(tool->touch, model->diagonal_of);
+    ss_touch_diagonal(tool->touch, model->firmness);
     const int32_t count = ss_touch_reach(tool->touch, &node);
     ss_grasp_add_forces(&tool->grasp, rest, model->u, &tool->pose, model->contact, tool->force,
                         tool->torque);
@@ -341,6 +345,10 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
     tool->is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
     tool->drive.depth = tool->is_touching ? depth_of(model, node, count) : 0.0;
     take_grasp(model, tool, node, count);
+    for (int32_t k = 0; k < count; ++k) {
+        model->diagonal_of[node[k]] += model->firmness[node[k]];
+        model->firmness[node[k]] = 0.0;
+    }
     for (int32_t k = 0; k < tool->grasp.count; ++k) {
         model->diagonal_of[tool->grasp.node[k]] += tool->grasp.share * tool->grasp.stiffness[k];
     }
