@@ -571,19 +571,16 @@ double ss_chain_coarse_rate(ss_model *model)
     const size_t n = 4 * (size_t)model->padded;
     ss_real *x = ss_memory_get(n, sizeof *x), *y = ss_memory_get(n, sizeof *y);
     double rate = -1.0;
-    if (x && y) {
-        if (coarse->is_aggregated) {
-            rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
-            coarse->rate = rate;
-            goto done;
-        }
+    if (x && y && coarse->is_aggregated) {
+        rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
+        coarse->rate = rate;
+    } else if (x && y) {
         coarse->lambda = largest_rate(model, true, false, x, y) * model->capacitance;
         invert(coarse);
         memcpy(coarse->base_inverse, coarse->inverse,
                (size_t)coarse->row * (size_t)coarse->row * sizeof *coarse->inverse);
         rate = largest_rate(model, true, true, x, y);
     }
-done:
     ss_memory_free(x);
     ss_memory_free(y);
     return rate;
