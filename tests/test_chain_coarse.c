@@ -227,13 +227,135 @@ static void volumes_have_it_and_surfaces_have_not(void **state)
     setup_fini(&s);
 }
 
+/* Whether the step or C is what is chosen, and with the front or without. */
+static void saturation_never_reached_changes_nothing(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 3; ++kind) {
+        int32_t node[PATCH];
+        double way[PATCH][3];
+        setup s[2];
+        for (int which = 0; which < 2; ++which) {
+            setup_block(&s[which], 0.02, kind == 0 ? 64 : 0, node, way);
+            s[which].param[row_of(&s[which], "capacitance_s")].is_given = kind == 2;
+            if (which == 1) {
+                give(&s[which], "saturation_sizes", 1e6);
+            }
+            create(&s[which]);
+            steps(&s[which], 60, kind == 2 ? 0.3 : 1e-3);
+        }
+        assert_int_equal(info_of(&s[0]).substeps, info_of(&s[1]).substeps);
+        for (int32_t i = 0; i < NODES; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                assert_near(moved(&s[1], i, k), moved(&s[0], i, k), 0.0);
+            }
+        }
+        assert_int_equal(info_of(&s[1]).verdict, SOFTSIM_VERDICT_GOOD);
+        setup_fini(&s[0]);
+        setup_fini(&s[1]);
+    }
+}
+
+/* Beyond its saturation a cell is drawn back by 1/R alone, however far the coarse level reaches. */
+static void saturated_cells_are_calm_with_two_levels(void **state)
+{
+    (void)state;
+    double middle[2];
+    for (int which = 0; which < 2; ++which) {
+        int32_t node[PATCH];
+        double way[PATCH][3], before = 0.0;
+        setup s;
+        setup_block(&s, 0.0, which ? 64 : 0, node, way);
+        s.plan.prescribed_count = 0;
+        s.load[s.plan.load_count++] = (ss_load){
+            .node = node, .node_count = PATCH, .force = {0.0, 0.0, 60.0}, .to = (double)INFINITY};
+        give(&s, "saturation_sizes", 0.02);
+        create(&s);
+        const double h = 0.999 * ss_chain_stable_step(s.model);
+        for (int n = 0; n < 4000; ++n) {
+            before = moved(&s, node[4], 2);
+            steps(&s, 1, h);
+        }
+        middle[which] = moved(&s, node[4], 2);
+        assert_near(middle[which], before, 1e-4 * before); /* settled */
+        assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
+        setup_fini(&s);
+    }
+    assert_near(middle[1], middle[0], 1e-3 * middle[0]);
+}
+
+/* Leak and a load: the coarse level, and aggregated cells, change the way to the equilibrium alone.
+ */
+static void leak_balances_a_load_on_every_level(void **state)
+{
+    (void)state;
+    double middle[3];
+    for (int which = 0; which < 3; ++which) {
+        int32_t node[PATCH];
+        double way[PATCH][3], before = 0.0;
+        setup s;
+        setup_block(&s, 0.0, which == 1 ? 64 : 0, node, way);
+        s.plan.prescribed_count = 0;
+        s.load[s.plan.load_count++] = (ss_load){
+            .node = node, .node_count = PATCH, .force = {0.0, 0.0, 2.0}, .to = (double)INFINITY};
+        give(&s, "leak_resistance", 10.0);
+        if (which == 2) {
+            give(&s, "cells", 200.0);
+        }
+        create(&s);
+        const double h = 0.999 * ss_chain_stable_step(s.model);
+        for (int n = 0; n < 3000; ++n) {
+            before = moved(&s, node[4], 2);
+            steps(&s, 1, h);
+        }
+        middle[which] = moved(&s, node[4], 2);
+        assert_near(middle[which], before, 1e-5 * before);
+        setup_fini(&s);
+    }
+    assert_near(middle[1], middle[0], 1e-3 * middle[0]);
+    assert_near(middle[2], middle[0], 0.25 * middle[0]); /* seven elements a cell */
+}
+
+/* Every element above the fixed ones is driven: there is no cell left that may move. */
+static void a_body_without_a_free_cell_follows_its_set(void **state)
+{
+    (void)state;
+    for (int aggregated = 0; aggregated < 2; ++aggregated) {
+        static int32_t node[NODES];
+        static double way[NODES][3];
+        setup s;
+        setup_network(&s, make_box(SIDE, SIDE, SIDE, 1.0), 0.02);
+        s.param[row_of(&s, "coarse_cells")].is_given = false;
+        s.param[row_of(&s, "capacitance_s")].is_given = false;
+        if (aggregated) {
+            give(&s, "cells", 32.0);
+        }
+        for (int32_t i = 0; i < NODES; ++i) {
+            s.fixed[i] = i < SIDE * SIDE ? 7 : 0;
+            node[i] = i + SIDE * SIDE;
+            ss_set3(way[i], 0.05, 0.0, 0.2);
+        }
+        drive(&s, NODES - SIDE * SIDE, node, way, 0.01);
+        create(&s);
+        steps(&s, 40, 1e-3);
+        assert_near(moved(&s, NODES - 1, 2), 0.2, 1e-6);
+        assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+        setup_fini(&s);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(hats_sum_to_one),
-                                       cmocka_unit_test(energy_never_rises_with_two_levels),
-                                       cmocka_unit_test(poke_reaches_into_the_depth_at_once),
-                                       cmocka_unit_test(reset_gives_the_same_bits_again),
-                                       cmocka_unit_test(aggregated_cells_stay_near_the_full_model),
-                                       cmocka_unit_test(volumes_have_it_and_surfaces_have_not)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hats_sum_to_one),
+        cmocka_unit_test(energy_never_rises_with_two_levels),
+        cmocka_unit_test(poke_reaches_into_the_depth_at_once),
+        cmocka_unit_test(reset_gives_the_same_bits_again),
+        cmocka_unit_test(aggregated_cells_stay_near_the_full_model),
+        cmocka_unit_test(volumes_have_it_and_surfaces_have_not),
+        cmocka_unit_test(saturation_never_reached_changes_nothing),
+        cmocka_unit_test(saturated_cells_are_calm_with_two_levels),
+        cmocka_unit_test(leak_balances_a_load_on_every_level),
+        cmocka_unit_test(a_body_without_a_free_cell_follows_its_set)};
     return cmocka_run_group_tests_name("chain_coarse", tests, NULL, NULL);
 }

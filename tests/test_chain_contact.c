@@ -273,6 +273,59 @@ static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
     }
 }
 
+/* A tool that hovers beside one that presses takes hold of nothing. */
+static void grasp_holds_what_its_own_tool_touches(void **state)
+{
+    (void)state;
+    felt f;
+    felt_init(&f, 0.02);
+    f.s.plan.tool[1] = f.s.plan.tool[0];
+    create(&f.s);
+    f.tool[1] = f.tool[0];
+    f.tool[1].to.position[0] += 0.012;
+    f.tool[1].to.position[2] = TOP + RADIUS + 0.0015;
+    f.tool[1].from = f.tool[1].to;
+    go(&f, 0.0, -0.002, 40);
+    ss_contact_set set;
+    f.s.class->contacts(f.s.model, 1, 0.01, &set);
+    assert_near(ss_norm3(set.force), 0.0, 0.0);
+    f.tool[1].is_grasping = true;
+    go(&f, 0.0, -0.002, 2);
+    f.s.class->contacts(f.s.model, 1, 0.01, &set);
+    assert_false(set.is_held);
+    setup_fini(&f.s);
+}
+
+/* A fault under a tool leaves nothing behind that reset does not clear. */
+static void reset_after_a_fault_forgets_the_contact(void **state)
+{
+    (void)state;
+    double force[2] = {0.0};
+    for (int faulty = 0; faulty < 2; ++faulty) {
+        felt f;
+        felt_init(&f, 0.02);
+        const ss_tool_pose start = f.tool[0].to;
+        create(&f.s);
+        if (faulty) {
+            go(&f, 0.0, -0.004, 40);
+            f.s.model->u[4 * (SIDE * SIDE * LAYERS - 1 - SIDE * SIDE / 2) + 2] = (ss_real)NAN;
+            go(&f, 0.0, -0.004, 1);
+            assert_int_equal(info_of(&f.s).verdict, SOFTSIM_VERDICT_FAULT);
+            const ss_contact_set set = feel(&f);
+            assert_int_equal(set.count, 0);
+            f.s.class->reset(f.s.model);
+            f.tool[0].from = f.tool[0].to = start;
+            f.s.time = 0.0;
+        }
+        go(&f, 0.0, -0.004, 40);
+        assert_true(info_of(&f.s).verdict < SOFTSIM_VERDICT_FAULT);
+        force[faulty] = feel(&f).force[2];
+        setup_fini(&f.s);
+    }
+    assert_true(force[0] > 0.1);
+    assert_near(force[1], force[0], 0.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +335,8 @@ int main(void)
         cmocka_unit_test(force_is_smooth_as_the_tool_slides),
         cmocka_unit_test(told_stiffness_errs_high),
         cmocka_unit_test(grasp_pulls_and_lets_go),
+        cmocka_unit_test(reset_after_a_fault_forgets_the_contact),
+        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
         cmocka_unit_test(books_balance_under_a_tool),
         cmocka_unit_test(teleport_ends_well),
         cmocka_unit_test(deep_poke_inverts_no_tetrahedron_and_is_undone)};

@@ -195,6 +195,83 @@ static void tool_moves_what_it_touches_and_feels_nothing(void **state)
     setup_fini(&s);
 }
 
+/* A set that drives z alone leaves x and y to the links. */
+static void axes_that_are_not_driven_are_free(void **state)
+{
+    (void)state;
+    int32_t node[2] = {0, 1};
+    double way[2][3] = {{-1.0, 0.0, 0.0}, {(double)NAN, (double)NAN, 0.1}};
+    setup s;
+    setup_init(&s, "chainmail", make_triangle(0.8));
+    give(&s, "alpha", 0.1);
+    give(&s, "band", 1);
+    drive(&s, 1, node, way, 1.0);
+    drive(&s, 1, node + 1, way + 1, 0.0);
+    create(&s);
+    steps(&s, 30, 0.1);
+    assert_near(moved(&s, 0, 0), -1.0, 1e-6);
+    assert_near(moved(&s, 1, 2), 0.1, 1e-6);
+    assert_true(moved(&s, 1, 0) < -0.85); /* pulled along: a link is at most 1.1 long */
+    setup_fini(&s);
+}
+
+/* A tool that touches nothing takes hold of nothing, whatever another one touches. */
+static void grasp_holds_what_its_own_tool_touches(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    for (int k = 0; k < 2; ++k) {
+        s.plan.tool[k] =
+            (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    }
+    for (int32_t i = 0; i < 81; ++i) {
+        s.fixed[i] = 7;
+    }
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    for (int k = 0; k < 2; ++k) {
+        tool[k].is_present = true;
+        tool[k].from = tool[k].to = (ss_tool_pose){.position = {0.04, 0.04, k == 0 ? 0.052 : 0.2},
+                                                   .orientation = {1, 0, 0, 0}};
+    }
+    s.class->step(s.model, 0.0, 0.001, tool);
+    const double pressed = moved(&s, 4 * 81 + 40, 2);
+    assert_true(pressed < -0.001);
+    tool[1].is_grasping = true;
+    for (int k = 1; k < 20; ++k) {
+        s.class->step(s.model, 0.001 * k, 0.001, tool);
+        tool[1].from = tool[1].to;
+        tool[1].to.position[2] += 0.0005;
+    }
+    ss_contact_set set;
+    s.class->contacts(s.model, 1, 0.005, &set);
+    assert_false(set.is_held);
+    assert_below(moved(&s, 4 * 81 + 40, 2), 0.9 * pressed);
+    setup_fini(&s);
+}
+
+static void too_few_parts_are_said(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    s.plan.tool[0] =
+        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {0.04, 0.04, 1.0}, .orientation = {1, 0, 0, 0}};
+    tool[0].from = tool[0].to;
+    tool[0].to.position[2] = -1.0;
+    s.class->step(s.model, 0.0, 0.001, tool);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
+    tool[0].from = tool[0].to;
+    s.class->step(s.model, 0.001, 0.001, tool);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
 static void forces_are_refused_by_name(void **state)
 {
     (void)state;
@@ -220,6 +297,9 @@ int main(void)
         cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
         cmocka_unit_test(relaxation_smooths_what_nobody_holds),
         cmocka_unit_test(tool_moves_what_it_touches_and_feels_nothing),
+        cmocka_unit_test(axes_that_are_not_driven_are_free),
+        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
+        cmocka_unit_test(too_few_parts_are_said),
         cmocka_unit_test(forces_are_refused_by_name)};
     return cmocka_run_group_tests_name("chainmail", tests, NULL, NULL);
 }

@@ -129,9 +129,11 @@ struct ss_model {
     /* scratch */
     ss_real *mobility, *free; /* 1/C (1/s), and 1, of every axis that may move, else 0 */
     ss_real *pull;
-    ss_real *output; /* Q = sat(u); u itself without saturation */
+    ss_real *output;   /* Q = sat(u); u itself without saturation */
+    bool is_saturated; /* Q is not u */
     ss_real *contact;
     double *diagonal_of; /* N/m, of contact */
+    double *firmness;    /* the same of one tool */
     int32_t *touched;    /* nodes under tools at the last sub-step, increasing within a tool */
     int32_t touched_count;
     uint8_t *is_touched, *is_marked;
@@ -140,11 +142,12 @@ struct ss_model {
     ss_real *push, *answer; /* of the stiffness estimate */
     /* report */
     double network;                     /* W of the last sub-step, m^2 */
+    int32_t guarded;                    /* tetrahedra that the guard put back in the last step */
     double first_network;               /* W of the outer step's first, cells moved */
     double elastic, dissipated, booked; /* J, at one moment: booked is the work until then */
+    double gained;                      /* J, from nowhere, until then */
     double fixed_reaction[3];
     int32_t substeps, active_nodes, worst_element;
-    int32_t guarded; /* tetrahedra that the guard put back in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason;
@@ -156,8 +159,9 @@ void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason)
 /* ---- chain_material.c ---- */
 /* Parameters into links and nodes; everything refused about them. Thread: set-up only. */
 softsim_status ss_chain_material_create(ss_model *model, softsim_error *error);
-/* Sets capacitance where none was given, and the rates. After the coarse level. */
-void ss_chain_material_time(ss_model *model);
+/* Sets capacitance where none was given, and the rates. After the coarse level. Out of memory at
+ * worst. Thread: set-up only. */
+softsim_status ss_chain_material_time(ss_model *model);
 /* The largest stable step, s. */
 double ss_chain_stable_step(const ss_model *model);
 
@@ -170,6 +174,8 @@ void ss_chain_loads_update(ss_model *model, double time);
 void ss_chain_driven_update(ss_model *model, double time);
 /* Puts them at `path` (0..1) of it and books the work. */
 void ss_chain_driven_place(ss_model *model, double path);
+/* What the links of some nodes store, J. */
+double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *node);
 /* Adds currents to pull. */
 void ss_chain_loads_apply(ss_model *model);
 /* What supports answer to pull; not `is_full`: of the front's nodes. */
@@ -182,6 +188,8 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error);
 void ss_chain_tools_fini(ss_model *model);
 void ss_chain_tools_reset(ss_model *model);
 void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+/* What the contact and a grasp store, J. */
+double ss_chain_tool_energy(const ss_chain_tool *tool);
 /* Sub-steps that the tools' motion asks for. */
 int32_t ss_chain_tools_substeps(ss_model *model);
 /* Moves the tools on to `path` of the step: contact forces, firmness and work. */
@@ -196,8 +204,8 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);
 void ss_chain_coarse_destroy(ss_chain_coarse **coarse);
 void ss_chain_coarse_reset(ss_model *model);
-/* Makes D, and the largest rate of both levels together, 1/s; negative without memory. Thread:
- * set-up only. */
+/* Makes D, and the largest rate of both levels together (of aggregated cells alone), 1/s, with the
+ * leak; 0 where nothing may move, negative without memory. Thread: set-up only. */
 double ss_chain_coarse_rate(ss_model *model);
 int32_t ss_chain_coarse_cells(const ss_chain_coarse *coarse);
 const ss_chain_hats *ss_chain_coarse_hats(const ss_chain_coarse *coarse);

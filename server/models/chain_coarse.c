@@ -8,13 +8,15 @@
  *   dP/dt = 1/C (dP + Phi D Phi' dP),  D = lambda (Phi' L Phi)^-1
  *
  * Phi: hat weights (1 - r/(1.8 s))^2 of every chain element over the coarse cells around it, at
- * farthest points with mean spacing s; rows sum to 1, and are 0 for elements that are fixed, driven
- * or under a tool. L: the Laplacian of all links with weight w/2, an upper bound of the Hessian of
- * W whatever is slack; lambda its largest eigenvalue. The metric 1 + Phi D Phi' is constant and
- * positive: still a gradient flow of the same W with the same equilibria, stable for
- * h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine network alone spreads
- * by diffusion, at a time that grows with the square of the distance, each coarse step spreads over
- * the body at once.
+ * farthest points with mean spacing s; rows sum to 1, and are 0 for elements that are fixed,
+ * driven, under a tool or saturated (D is made for links, and far too large for what draws a cell
+ * back by itself). L: the Laplacian of all links with weight w/2, an upper bound of the Hessian of
+ * W whatever is slack, and the leak (dP has it too: with the leak on the fine cells alone the
+ * equilibrium under a load would be another); lambda its largest eigenvalue. The metric 1 + Phi D
+ * Phi' is constant and positive: still a gradient flow of the same W with the same equilibria,
+ * stable for h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine network
+ * alone spreads by diffusion, at a time that grows with the square of the distance, each coarse
+ * step spreads over the body at once.
  *
  * Aggregated cells (`cells: N`) are the same hats used instead of the fine cells: away from tools
  * P = P0 + Phi x and C m_j dx_j/dt = (Phi' dP)_j, m_j the elements of cell j: the drag of the
@@ -72,7 +74,7 @@ struct ss_chain_coarse {
     double *weight;      /* Phi: of an element (by slot), one for each entry of its block */
     int64_t *first;      /* of a block's weights */
     ss_real *mask;       /* 1 where an element takes part, quads */
-    int32_t *out, *idle; /* elements under tools, and for how long they have not been */
+    int32_t *out, *idle; /* elements left out, and for how long without need */
     int32_t out_count;
     bool is_stale;                   /* the inverse is of another matrix */
     double *base, *matrix;           /* Phi'LPhi without tools, and now; cells x cells */
@@ -418,7 +420,7 @@ static void add_element(ss_model *model, int32_t node, double sign)
 {
     ss_chain_coarse *coarse = model->coarse;
     const ss_chain_net *net = model->net;
-    add_product(coarse, node, node, sign * 0.25 * model->valence[node]);
+    add_product(coarse, node, node, sign * (0.25 * model->valence[node] + 0.5 * model->leak));
     for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
         const int32_t other = ss_chain_other(net, net->at[p], node);
         const double half =
@@ -491,7 +493,7 @@ static void invert(ss_chain_coarse *coarse)
 
 /* ---- eigenvalues -------------------------------------------------------------------------- */
 
-/* out = L x over the elements that move, L with weights w/2. */
+/* out = L x over the elements that move, L with weights w/2 and the leak. */
 static void apply_laplacian(const ss_model *model, const ss_real *x, ss_real *out)
 {
     const ss_chain_net *net = model->net;
@@ -509,7 +511,7 @@ static void apply_laplacian(const ss_model *model, const ss_real *x, ss_real *ou
         }
     }
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
-        out[at] *= model->free[at];
+        out[at] = model->free[at] * (out[at] + (ss_real)model->leak * x[at]);
     }
 }
 
@@ -569,19 +571,16 @@ double ss_chain_coarse_rate(ss_model *model)
     const size_t n = 4 * (size_t)model->padded;
     ss_real *x = ss_memory_get(n, sizeof *x), *y = ss_memory_get(n, sizeof *y);
     double rate = -1.0;
-    if (x && y) {
-        if (coarse->is_aggregated) {
-            coarse->rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
-            rate = largest_rate(model, true, false, x, y);
-            goto done;
-        }
+    if (x && y && coarse->is_aggregated) {
+        rate = AGGREGATE_MARGIN * largest_rate(model, false, true, x, y);
+        coarse->rate = rate;
+    } else if (x && y) {
         coarse->lambda = largest_rate(model, true, false, x, y) * model->capacitance;
         invert(coarse);
         memcpy(coarse->base_inverse, coarse->inverse,
                (size_t)coarse->row * (size_t)coarse->row * sizeof *coarse->inverse);
         rate = largest_rate(model, true, true, x, y);
     }
-done:
     ss_memory_free(x);
     ss_memory_free(y);
     return rate;
@@ -693,7 +692,7 @@ void ss_chain_coarse_destroy(ss_chain_coarse **coarse)
     *coarse = NULL;
 }
 
-/* No element is under a tool any more: back to what was computed at the start, to the last bit. */
+/* No element is left out any more: back to what was computed at the start, to the last bit. */
 static void restore(ss_chain_coarse *coarse)
 {
     if (coarse->is_aggregated) {
@@ -729,15 +728,35 @@ static void change_element(ss_model *model, int32_t node, double sign)
     }
 }
 
-/* Elements under tools no longer take part, those that tools left long ago do again. */
-static void follow_tools(ss_model *model, bool is_first)
+/* From now on an element takes no part. */
+static void leave_out(ss_model *model, int32_t node)
 {
     ss_chain_coarse *coarse = model->coarse;
+    put_mask(coarse, node, 0);
+    change_element(model, node, -1.0);
+    coarse->out[coarse->out_count] = node;
+    coarse->idle[coarse->out_count++] = 0;
+}
+
+static bool is_saturated(const ss_model *model, int32_t node)
+{
+    const ss_real *u = model->u + 4 * (ptrdiff_t)node, *q = model->output + 4 * (ptrdiff_t)node;
+    return q[0] != u[0] || q[1] != u[1] || q[2] != u[2];
+}
+
+/* Elements under tools or saturated no longer take part, those that have not been for long do
+ * again. Aggregated cells need no such care of saturation: their metric is at most 1. */
+static void follow_elements(ss_model *model, bool is_first)
+{
+    ss_chain_coarse *coarse = model->coarse;
+    const bool has_saturated = model->is_saturated && !coarse->is_aggregated;
     bool is_changed = false;
     int32_t kept = 0;
     for (int32_t k = 0; k < coarse->out_count; ++k) {
         const int32_t node = coarse->out[k];
-        const int32_t idle = model->is_touched[node] ? 0 : coarse->idle[k] + 1;
+        const bool is_out = (model->is_touched && model->is_touched[node]) ||
+                            (has_saturated && is_saturated(model, node));
+        const int32_t idle = is_out ? 0 : coarse->idle[k] + 1;
         if (idle > LINGER) {
             change_element(model, node, 1.0);
             put_mask(coarse, node, 1);
@@ -749,12 +768,14 @@ static void follow_tools(ss_model *model, bool is_first)
     }
     coarse->out_count = kept;
     for (int32_t k = 0; k < model->touched_count; ++k) {
-        const int32_t node = model->touched[k];
-        if (takes_part(coarse, node)) {
-            put_mask(coarse, node, 0);
-            change_element(model, node, -1.0);
-            coarse->out[coarse->out_count] = node;
-            coarse->idle[coarse->out_count++] = 0;
+        if (takes_part(coarse, model->touched[k])) {
+            leave_out(model, model->touched[k]);
+            is_changed = true;
+        }
+    }
+    for (int32_t i = 0; has_saturated && i < model->node_count; ++i) {
+        if (takes_part(coarse, i) && is_saturated(model, i)) {
+            leave_out(model, i);
             is_changed = true;
         }
     }
@@ -770,7 +791,7 @@ static void follow_tools(ss_model *model, bool is_first)
 
 void ss_chain_coarse_move(ss_model *model, double h, bool is_first)
 {
-    follow_tools(model, is_first);
+    follow_elements(model, is_first);
     spread(model, model->pull, h / model->capacitance, model->u);
 }
 

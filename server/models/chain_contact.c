@@ -9,7 +9,7 @@
  * move by f_i/D_i, the mean of its samples' depths (f_i = sum_q A_q kc B_qi (-d_q)+ n_q, D_i =
  * sum_q A_q kc B_qi), and is held there as firmly as D_i is beside its links:
  *
- *   u_i += tau_i (dP_i + f_i/(2 k)),  1/tau_i = C_i/h + D_i/(2 k)
+ *   u_i += tau_i (dP_i + f_i/(2 k) - u_i/R_rest),  1/tau_i = C_i/h + D_i/(2 k)
  *
  * For D_i >> 2 k C_i/h the cell goes where the tool puts it (a fixed-state cell), for D_i -> 0 it
  * is free: a cell enters and leaves a contact through D_i = 0, so neither position nor force jumps
@@ -42,19 +42,21 @@
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
+/* Of the nodes that lie on the surface, m^2; negative without memory. */
 static double mean_area(const ss_mesh *mesh)
 {
     double area = 0.0, count = 0.0;
     double *of = ss_memory_get((size_t)mesh->node_count, sizeof *of);
-    if (of) {
-        ss_mesh_node_areas(mesh, of);
+    if (!of) {
+        return -1.0;
     }
-    for (int32_t i = 0; of && i < mesh->node_count; ++i) {
+    ss_mesh_node_areas(mesh, of);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
         area += of[i];
         count += of[i] > 0.0;
     }
     ss_memory_free(of);
-    return count > 0.0 ? area / count : 0.0;
+    return area / fmax(count, 1.0);
 }
 
 /* kc, N/m^3. */
@@ -105,13 +107,15 @@ static softsim_status allocate(ss_model *model)
     model->push = ss_memory_get(4 * n, sizeof *model->push);
     model->answer = ss_memory_get(4 * n, sizeof *model->answer);
     model->diagonal_of = ss_memory_get(n, sizeof *model->diagonal_of);
+    model->firmness = ss_memory_get(n, sizeof *model->firmness);
     model->touched = ss_memory_get(n, sizeof *model->touched);
     model->is_touched = ss_memory_get(n, sizeof *model->is_touched);
     model->is_marked = ss_memory_get(n, sizeof *model->is_marked);
     model->hold = ss_memory_get(n, sizeof *model->hold);
     model->hold_weight = ss_memory_get(n, sizeof *model->hold_weight);
-    return model->contact && model->push && model->answer && model->diagonal_of && model->touched &&
-                   model->is_touched && model->is_marked && model->hold && model->hold_weight
+    return model->contact && model->push && model->answer && model->diagonal_of &&
+                   model->firmness && model->touched && model->is_touched && model->is_marked &&
+                   model->hold && model->hold_weight
                ? SOFTSIM_OK
                : SOFTSIM_ERROR_MEMORY;
 }
@@ -133,7 +137,8 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
     softsim_status status =
         ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
     status = status == SOFTSIM_OK ? allocate(model) : status;
-    const double area = mean_area(plan->mesh);
+    const double area = status == SOFTSIM_OK ? mean_area(plan->mesh) : 0.0;
+    status = area < 0.0 ? SOFTSIM_ERROR_MEMORY : status;
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
             status = create_tool(model, &model->tool[k], &plan->tool[k].shape, area);
@@ -149,9 +154,10 @@ void ss_chain_tools_fini(ss_model *model)
         ss_grasp_fini(&model->tool[k].grasp);
     }
     ss_surface_destroy(&model->surface);
-    void *const owned[] = {model->contact,     model->push,    model->answer,
-                           model->diagonal_of, model->touched, model->is_touched,
-                           model->is_marked,   model->hold,    model->hold_weight};
+    void *const owned[] = {model->contact,     model->push,      model->answer,
+                           model->diagonal_of, model->firmness,  model->touched,
+                           model->is_touched,  model->is_marked, model->hold,
+                           model->hold_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -181,7 +187,12 @@ static void forget_touched(ss_model *model)
 
 void ss_chain_tools_reset(ss_model *model)
 {
+    const size_t n = (size_t)model->padded; /* a fault leaves scratch as it was */
     forget_touched(model);
+    memset(model->contact, 0, 4 * n * sizeof *model->contact);
+    memset(model->push, 0, 4 * n * sizeof *model->push);
+    memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
+    memset(model->firmness, 0, n * sizeof *model->firmness);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].is_present = false;
         let_go(&model->tool[k]);
@@ -202,7 +213,7 @@ static void evaluate(ss_model *model, ss_chain_tool *tool)
     }
 }
 
-static double stored(const ss_chain_tool *tool)
+double ss_chain_tool_energy(const ss_chain_tool *tool)
 {
     return tool->energy + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
 }
@@ -219,7 +230,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             ss_surface_refit(model->surface, model->u);
             is_any = true;
         }
-        const double before = stored(own);
+        const double before = ss_chain_tool_energy(own);
         if (!is_present ||
             (is_moved && own->is_present &&
              ss_tool_motion_bound(own->shape, &own->pose, &tool[k].from) > 0.25 * own->radius)) {
@@ -235,7 +246,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             evaluate(model, own);
         }
         /* A jump's energy is the tool's work. */
-        model->work += stored(own) - before;
+        model->work += ss_chain_tool_energy(own) - before;
         own->is_present = is_present;
         own->grasp_wish = is_present && tool[k].is_grasping;
     }
@@ -269,7 +280,7 @@ static double depth_of(const ss_model *model, const int32_t *node, int32_t count
 {
     double moved[3] = {0.0}, sum = 0.0;
     for (int32_t k = 0; k < count; ++k) {
-        const double weight = model->diagonal_of[node[k]];
+        const double weight = model->firmness[node[k]];
         for (int a = 0; a < 3; ++a) {
             moved[a] += weight * (double)model->u[4 * (ptrdiff_t)node[k] + a];
         }
@@ -284,9 +295,9 @@ static void take_grasp(ss_model *model, ss_chain_tool *tool, const int32_t *node
     if (tool->grasp_wish && !tool->grasp.is_pressed) {
         int32_t held = 0;
         for (int32_t k = 0; k < count; ++k) {
-            if (model->diagonal_of[node[k]] > 0.0 && held < model->node_count) {
+            if (model->firmness[node[k]] > 0.0 && held < model->node_count) {
                 model->hold[held] = node[k];
-                model->hold_weight[held++] = model->diagonal_of[node[k]] / tool->stiffness;
+                model->hold_weight[held++] = model->firmness[node[k]] / tool->stiffness;
             }
         }
         ss_grasp_take(&tool->grasp, held, model->hold, model->hold_weight,
@@ -321,19 +332,23 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
         evaluate(model, tool);
         tool->pose = next;
     }
-    const double before = stored(tool);
+    const double before = ss_chain_tool_energy(tool);
     ss_set3(tool->force, 0.0, 0.0, 0.0);
     ss_set3(tool->torque, 0.0, 0.0, 0.0);
     tool->energy = ss_touch_penalty(tool->touch, model->u, &tool->pose, model->contact, tool->force,
                                     tool->torque);
-    ss_touch_diagonal(tool->touch, model->diagonal_of);
+    ss_touch_diagonal(tool->touch, model->firmness);
     const int32_t count = ss_touch_reach(tool->touch, &node);
     ss_grasp_add_forces(&tool->grasp, rest, model->u, &tool->pose, model->contact, tool->force,
                         tool->torque);
-    model->work += stored(tool) - before;
+    model->work += ss_chain_tool_energy(tool) - before;
     tool->is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
     tool->drive.depth = tool->is_touching ? depth_of(model, node, count) : 0.0;
     take_grasp(model, tool, node, count);
+    for (int32_t k = 0; k < count; ++k) {
+        model->diagonal_of[node[k]] += model->firmness[node[k]];
+        model->firmness[node[k]] = 0.0;
+    }
     for (int32_t k = 0; k < tool->grasp.count; ++k) {
         model->diagonal_of[tool->grasp.node[k]] += tool->grasp.share * tool->grasp.stiffness[k];
     }
@@ -363,9 +378,10 @@ void ss_chain_tools_apply(ss_model *model, double h)
         const double firm = h * model->conductance[i] * model->diagonal_of[i] * scale;
         for (int a = 0; a < 3; ++a) {
             const bool is_free = model->free[at + a] > 0;
+            const double leak = model->leak * (double)model->u[at + a]; /* comes with the answer */
             const double pull =
                 (double)model->pull[at + a] + scale * (double)model->contact[at + a];
-            model->pull[at + a] = (ss_real)(is_free ? pull / (1.0 + firm) : pull);
+            model->pull[at + a] = (ss_real)(is_free ? (pull - leak) / (1.0 + firm) + leak : pull);
             model->contact[at + a] = 0;
         }
         model->diagonal_of[i] = 0.0;

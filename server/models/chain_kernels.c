@@ -210,11 +210,19 @@ SS_INLINE double most_of(ss_quad a)
     return most > (double)lane[2] ? most : (double)lane[2];
 }
 
+/* Of u - u: 0, but NaN where u is not finite, which comparisons would not show. */
+SS_INLINE double sum_of(ss_quad a)
+{
+    _Alignas(32) ss_real lane[4];
+    ss_quad_store(lane, a);
+    return (double)(lane[0] + lane[1] + lane[2]);
+}
+
 static void move_front(const ss_chain_net *net, ss_chain_front *front, ss_chain_motion *motion)
 {
     const ss_quad leak = ss_quad_all(motion->leak), zero = ss_quad_all(0);
     const ss_quad h = ss_quad_all(motion->h);
-    ss_quad largest = zero;
+    ss_quad largest = zero, doubt = zero;
     int32_t from = 0;
     for (int32_t i = take_next(&front->moving, &from); i >= 0;
          i = take_next(&front->moving, &from)) {
@@ -225,6 +233,7 @@ static void move_front(const ss_chain_net *net, ss_chain_front *front, ss_chain_
             ss_quad_mul(ss_quad_mul(h, ss_quad_load(motion->mobility + at)), pulled);
         u = ss_quad_add(u, step);
         largest = ss_quad_most(ss_quad_most(u, ss_quad_sub(zero, u)), largest);
+        doubt = ss_quad_add(doubt, ss_quad_sub(u, u));
         ss_quad_store(motion->u + at, u);
         ss_quad_store(motion->pull + at, zero);
         if (ss_quad_is_any_above(ss_quad_most(step, ss_quad_sub(zero, step)), zero)) {
@@ -237,7 +246,7 @@ static void move_front(const ss_chain_net *net, ss_chain_front *front, ss_chain_
             }
         }
     }
-    motion->largest = most_of(largest);
+    motion->largest = most_of(largest) + sum_of(doubt);
 }
 
 /* ---- nodes -------------------------------------------------------------------------------- */
@@ -247,17 +256,18 @@ static void move(int32_t count, ss_chain_motion *motion)
     const ss_pair leak = ss_pair_all(motion->leak), zero = ss_pair_all(0);
     const ss_pair h = ss_pair_all(motion->h);
     const ptrdiff_t end = 4 * (ptrdiff_t)count;
-    ss_pair largest = zero;
+    ss_pair largest = zero, doubt = zero;
     for (ptrdiff_t at = 0; at < end; at += 8) {
         ss_pair u = ss_pair_load(motion->u + at);
         const ss_pair pulled = ss_pair_fnma(leak, u, ss_pair_load(motion->pull + at));
         u = ss_pair_add(u,
                         ss_pair_mul(ss_pair_mul(h, ss_pair_load(motion->mobility + at)), pulled));
         largest = ss_pair_most(ss_pair_most(u, ss_pair_sub(zero, u)), largest);
+        doubt = ss_pair_add(doubt, ss_pair_sub(u, u));
         ss_pair_store(motion->u + at, u);
         ss_pair_store(motion->pull + at, zero);
     }
-    motion->largest = most_of(ss_pair_fold(largest));
+    motion->largest = most_of(ss_pair_fold(largest)) + ss_pair_sum(doubt);
 }
 
 /* ---- the coarse level --------------------------------------------------------------------- */

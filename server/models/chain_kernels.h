@@ -57,7 +57,7 @@ typedef struct ss_chain_motion {
     ss_real leak;            /* 1/R_rest */
     ss_real *pull;           /* in: what moves the nodes, m; out: 0 */
     ss_real *u;              /* moved */
-    double largest;          /* out: of |u|'s components, m */
+    double largest;          /* out: of |u|'s components, m; NaN when one is not finite */
 } ss_chain_motion;
 
 /* Phi of chain_coarse.c: blocks of nodes near one another, in each of which the weight of a cell is

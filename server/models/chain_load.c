@@ -204,42 +204,54 @@ void ss_chain_driven_update(ss_model *model, double time)
     }
 }
 
+/* A node's output, Q of chain_step.c. */
+static void output_at(const ss_model *model, int32_t at, double out[3])
+{
+    const ss_real *u = model->u + at;
+    ss_set3(out, (double)u[0], (double)u[1], (double)u[2]);
+    const double length = isfinite(model->saturation) ? ss_norm3(out) : 0.0;
+    if (length > model->saturation) {
+        ss_scale3(out, out, model->saturation / length);
+    }
+}
+
 /* sum w/4 ex^2 of the links of one node, those to nodes in the mask half. */
-static double energy_at(const ss_model *model, int32_t node, const uint8_t *is_driven)
+static double energy_at(const ss_model *model, int32_t node, const uint8_t *is_inside)
 {
     const ss_chain_net *net = model->net;
     double energy = 0.0;
     for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
         const ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
         const int lane = net->at[p] % SS_CHAIN_LANES;
-        const ss_real *a = model->u + group->a[lane], *b = model->u + group->b[lane];
-        const double d[3] = {(double)(group->x[lane] + (b[0] - a[0])),
-                             (double)(group->y[lane] + (b[1] - a[1])),
-                             (double)(group->z[lane] + (b[2] - a[2]))};
+        double a[3], b[3];
+        output_at(model, group->a[lane], a);
+        output_at(model, group->b[lane], b);
+        const double d[3] = {(double)group->x[lane] + (b[0] - a[0]),
+                             (double)group->y[lane] + (b[1] - a[1]),
+                             (double)group->z[lane] + (b[2] - a[2])};
         const double length = ss_norm3(d), rest = (double)group->rest[lane];
         const double slack = model->ratio * (double)group->slack[lane];
         const double ex =
             fmax(length - rest - slack, 0.0) - fmax(fmax(rest - slack, 0.0) - length, 0.0);
-        const double share = is_driven[ss_chain_other(net, net->at[p], node)] ? 0.25 : 0.5;
+        const double share = is_inside[ss_chain_other(net, net->at[p], node)] ? 0.25 : 0.5;
         energy += share * (double)group->half[lane] * ex * ex;
     }
     return energy;
 }
 
-static double energy_of(const ss_model *model, const ss_prescribed *set)
+double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *node)
 {
     double energy = 0.0;
-    for (int32_t i = 0; i < set->node_count; ++i) {
-        energy += energy_at(model, set->node[i], model->is_placed);
+    for (int32_t i = 0; i < count; ++i) {
+        model->is_placed[node[i]] = 1;
     }
-    return energy;
-}
-
-static void mark_set(ss_model *model, const ss_prescribed *set, uint8_t value)
-{
-    for (int32_t i = 0; i < set->node_count; ++i) {
-        model->is_placed[set->node[i]] = value;
+    for (int32_t i = 0; i < count; ++i) {
+        energy += energy_at(model, node[i], model->is_placed);
     }
+    for (int32_t i = 0; i < count; ++i) {
+        model->is_placed[node[i]] = 0;
+    }
+    return 2.0 * model->k * energy;
 }
 
 void ss_chain_driven_place(ss_model *model, double path)
@@ -250,8 +262,7 @@ void ss_chain_driven_place(ss_model *model, double path)
         if (!driven->is_moving) {
             continue;
         }
-        mark_set(model, set, 1);
-        const double before = energy_of(model, set);
+        const double before = ss_chain_energy_around(model, set->node_count, set->node);
         for (int32_t i = 0; i < set->node_count; ++i) {
             for (int k = 0; k < 3; ++k) {
                 if (ss_plan_is_driven(set, i, k)) {
@@ -263,8 +274,7 @@ void ss_chain_driven_place(ss_model *model, double path)
             }
             ss_chain_wake(model, set->node[i]);
         }
-        model->work += 2.0 * model->k * (energy_of(model, set) - before);
-        mark_set(model, set, 0);
+        model->work += ss_chain_energy_around(model, set->node_count, set->node) - before;
     }
 }
 

@@ -11,9 +11,11 @@
  * Step (gradient flow of W with Hessian at most L/2, L the Laplacian of all links with weights w):
  * Euler decreases W from any configuration if h < 4/lambda_max(C^-1 L), and lambda_max is at most
  * max over links of s_a/C_a + s_b/C_b, s = weighted valence (Gershgorin on B C^-1 B', B the edge
- * incidence, whose spectrum is the same but for zeros). Leak and saturation add 1/R each. Taken is
- * 0.9 of it. Rejected: h = C, as a first reading of equation (4) suggests: it diverges as soon as
- * s_a + s_b > 4. RK4, 1.39 times the step for four times the work.
+ * incidence, whose spectrum is the same but for zeros). Leak adds 1/R. Saturation (R = 1) adds
+ * nothing: with S = dQ/du, 0 <= S <= 1, the flow's matrix is C^-1 (H S + 1 - S), similar to
+ * S^1/2 H S^1/2 + 1 - S before C^-1, at most the larger of lambda_max and 1/C. Taken is 0.9 of it.
+ * Rejected: h = C, as a first reading of equation (4) suggests: it diverges as soon as s_a + s_b
+ * > 4. RK4, 1.39 times the step for four times the work.
  */
 #include <math.h>
 
@@ -217,18 +219,12 @@ static double link_rate(const ss_model *model)
     return most;
 }
 
-/* The rate of what draws a cell back by itself, for C = 1: leak, saturation. */
-static double own_rate(const ss_model *model)
-{
-    return model->leak + (isfinite(model->saturation) ? 1.0 : 0.0);
-}
-
 double ss_chain_stable_step(const ss_model *model)
 {
     return STEP_SHARE * 2.0 / model->rate;
 }
 
-void ss_chain_material_time(ss_model *model)
+softsim_status ss_chain_material_time(ss_model *model)
 {
     const ss_param_value *given = &model->plan.param[SS_CHAIN_CAPACITANCE_S];
     double largest = 0.0;
@@ -237,13 +233,20 @@ void ss_chain_material_time(ss_model *model)
         largest = fmax(largest, model->conductance[i]);
     }
     model->capacitance = given->is_given ? mean_of(given, model->node_count) : 1.0;
-    model->fine_rate = 0.5 * link_rate(model) + own_rate(model) * largest;
+    const double leak = model->leak * largest;
+    const double drawn = isfinite(model->saturation) ? largest : 0.0;
+    model->fine_rate = fmax(0.5 * link_rate(model), drawn) + leak;
     model->rate = model->fine_rate;
-    if (model->coarse) { /* sharper than the bound over links, though it has both levels in it */
-        model->rate = ss_chain_coarse_rate(model) + own_rate(model) * largest;
-    }
-    if (ss_chain_is_aggregated(model)) { /* cells of their own step as the proof over links says */
-        model->rate = model->fine_rate;
+    if (model->coarse) {
+        const double both = ss_chain_coarse_rate(model);
+        if (both < 0.0) {
+            return SOFTSIM_ERROR_MEMORY;
+        }
+        /* Sharper than the bound over links, though it has both levels in it; cells of their own
+         * step as the proof over links says, and so does what has no cell that may move. */
+        if (both > 0.0 && !ss_chain_is_aggregated(model)) {
+            model->rate = fmax(both, drawn + leak);
+        }
     }
     if (!given->is_given) {
         const double substeps = ss_chain_planned_substeps(&model->plan);
@@ -259,6 +262,7 @@ void ss_chain_material_time(ss_model *model)
             ss_chain_aggregated_slow(model, c);
         }
     }
+    return SOFTSIM_OK;
 }
 
 /* S: twice the largest distance from the middle, which no rotation changes. */

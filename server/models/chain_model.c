@@ -95,9 +95,8 @@ static softsim_status create_levels(ss_model *model)
         status = ss_chain_coarse_create(model, cells, aggregated->is_given);
     }
     if (status == SOFTSIM_OK) {
-        ss_chain_material_time(model);
+        status = ss_chain_material_time(model);
         set_mobility(model);
-        status = model->rate > 0.0 ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     }
     if (status == SOFTSIM_OK && is_volume && model->plan.param[SS_CHAIN_TET_GUARD].number != 0.0) {
         status = ss_chain_guard_create(model);
@@ -123,7 +122,7 @@ static void reset(ss_model *model)
         memset(set[k]->word, 0, (size_t)set[k]->top_count * sizeof *set[k]->word);
     }
     front->groups = front->nodes = 0;
-    model->is_all_awake = model->is_crowded = model->has_current = false;
+    model->is_all_awake = model->is_crowded = model->has_current = model->is_saturated = false;
     model->stride = 1;
     model->age = 0;
     for (int32_t k = 0; k < model->plan.load_count; ++k) {
@@ -143,9 +142,10 @@ static void reset(ss_model *model)
     model->ratio = 1.0;
     model->has_touched = false;
     model->step = 0;
-    model->substeps = model->active_nodes = model->guarded = 0;
+    model->substeps = model->active_nodes = 0;
     model->worst_element = -1;
-    model->work = model->booked = model->elastic = model->dissipated = model->network = 0.0;
+    model->work = model->booked = model->gained = model->elastic = model->dissipated =
+        model->network = 0.0;
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
@@ -275,17 +275,24 @@ static void reaction(const ss_model *model, int32_t set, double out_force[3])
     }
 }
 
+static uint64_t hash_drive(uint64_t hash, const ss_chain_drive *drive)
+{
+    hash = ss_hash_bytes(hash, &drive->depth, sizeof drive->depth);
+    hash = ss_hash_bytes(hash, &drive->most, sizeof drive->most);
+    return ss_hash_bytes(hash, &drive->is_falling, sizeof drive->is_falling);
+}
+
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     uint64_t hash = ss_hash_bytes(seed, &model->ratio, sizeof model->ratio);
     hash = ss_hash_bytes(hash, &model->has_touched, sizeof model->has_touched);
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        hash = ss_hash_bytes(hash, &model->driven[s].drive.most, sizeof(double));
+        hash = hash_drive(hash, &model->driven[s].drive);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_chain_tool *tool = &model->tool[k];
         if (tool->is_used) {
-            hash = ss_hash_bytes(hash, &tool->drive.depth, 2 * sizeof(double));
+            hash = hash_drive(hash, &tool->drive);
             hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
             hash = ss_grasp_hash(&tool->grasp, hash);
         }

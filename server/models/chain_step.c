@@ -12,10 +12,14 @@
  * more than a third of the groups is awake the plain loops are quicker, and the front is looked for
  * again after a while. The coarse level and saturation touch every node: no front with them.
  *
- * Energy: E = 2 k W + contact, at the moment after the prescribed motion. Work is counted
- * exactly for driven cells and loads, to second order for tools; what a change of alpha adds is
- * work too. The rest is dissipated: Euler at a stable step only loses (chain_material.c), and
- * where it did not, the verdict says so.
+ * Energy: E = 2 k W + contact, at the moment after the prescribed motion. Work is counted by what
+ * does it: exactly for driven cells, loads and tools (the change of E, or I.du, while only they
+ * move); what a change of alpha and the tetrahedron guard change of W is work too. Dissipation is
+ * not counted by itself: sum of C |du|^2/h is up to ten times the loss at the largest stable step,
+ * and a better rule would cost a second look at all links. It is what work leaves, and the ledger
+ * is therefore blind to energy that is lost; but it never falls. Euler at a stable step only loses
+ * (chain_material.c), so energy that comes from nowhere, all at once or creeping in, stays in the
+ * ledger as stored + dissipated - work > 0, and beyond rounding the verdict says so.
  *
  * Unloading ("chain links restored to their initial lengths"): alpha falls with the depth of the
  * deepest-pressed contact, alpha d/d_max (ramp), or to 0 as soon as one goes back (literal, which
@@ -36,7 +40,7 @@ enum { FRONT_AGE = 16 };
 #define FALLING_SHARE 0.999
 /* Body sizes beyond which a displacement means nothing. */
 #define MAX_DISPLACEMENT 100.0
-/* Energy from nowhere in a sub-step over all stored, before it is said. */
+/* Energy from nowhere over all stored, before it is said: rounding, and the kinks of links. */
 #define MAX_SILENT_GAIN 0.02
 
 void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason)
@@ -54,11 +58,21 @@ void ss_chain_wake(ss_model *model, int32_t node)
     }
 }
 
+/* Everything that is published is at rest from now on, but the energies of before. */
 static void fault(ss_model *model)
 {
+    const size_t bytes = 4 * (size_t)model->padded * sizeof *model->u;
+    memset(model->u, 0, bytes);
+    memset(model->pull, 0, bytes);
+    for (int32_t k = 0; k < model->plan.prescribed_count; ++k) {
+        ss_set3(model->driven[k].reaction, 0.0, 0.0, 0.0);
+    }
+    ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
+    if (model->surface) {
+        ss_chain_tools_reset(model);
+    }
     model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
-    ss_chain_tell(model, SOFTSIM_VERDICT_FAULT,
-                  "not finite: last good state restored, waiting for reset");
+    ss_chain_tell(model, SOFTSIM_VERDICT_FAULT, "not finite: back at rest, waiting for reset");
 }
 
 /* ---- alpha -------------------------------------------------------------------------------- */
@@ -120,8 +134,8 @@ static bool follow_unloading(ss_model *model, double h)
 
 /* ---- saturation --------------------------------------------------------------------------- */
 
-/* Q = sat(u), and (Q - u)/R with R = 1 into pull. */
-static void saturate(ss_model *model, bool is_pulling)
+/* Q = sat(u) */
+static void saturate(ss_model *model)
 {
     const double limit = model->saturation;
     int32_t count = 0;
@@ -133,13 +147,19 @@ static void saturate(ss_model *model, bool is_pulling)
         count += share < 1.0;
         for (int k = 0; k < 3; ++k) {
             q[k] = share < 1.0 ? (ss_real)(share * x[k]) : u[k];
-            if (is_pulling) {
-                model->pull[4 * (ptrdiff_t)i + k] += q[k] - u[k];
-            }
         }
     }
-    if (count > 0) {
+    model->is_saturated = count > 0;
+    if (model->is_saturated) {
         ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED, "cells are saturated");
+    }
+}
+
+/* (Q - u)/R into pull, R = 1. */
+static void draw_back(ss_model *model)
+{
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->pull[at] += model->output[at] - model->u[at];
     }
 }
 
@@ -202,21 +222,23 @@ static bool choose_full(ss_model *model, int32_t index, bool is_changed)
     return model->is_all_awake;
 }
 
-/* What the network stores now, and what that says of the sub-step before. */
+/* What the network stores now, and what that says of the sub-steps before. */
 static void balance(ss_model *model)
 {
     double elastic = 2.0 * model->k * model->network;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_chain_tool *tool = &model->tool[k];
-        elastic += tool->is_present ? tool->energy + tool->grasp.share * tool->grasp.square : 0.0;
+        elastic += model->tool[k].is_present ? ss_chain_tool_energy(&model->tool[k]) : 0.0;
     }
-    const double dissipated = model->work - elastic;
-    if (model->dissipated - dissipated > MAX_SILENT_GAIN * elastic + model->small) {
+    const double lost = model->work + model->gained - elastic - model->dissipated;
+    if (lost >= 0.0) {
+        model->dissipated += lost;
+    } else if (-lost > MAX_SILENT_GAIN * elastic + model->small) {
+        model->gained -= lost;
         model->fault_bits |= SS_MODEL_FAULT_ENERGY;
-        ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED, "a sub-step gained energy from nowhere");
+        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
+                      "energy from nowhere: work is less than what is stored and dissipated");
     }
     model->elastic = elastic;
-    model->dissipated = dissipated;
     model->booked = model->work;
 }
 
@@ -229,22 +251,37 @@ static bool is_finite_now(const ss_model *model)
     return isfinite(sum);
 }
 
-/* A displacement far beyond the body means nothing any more and would drown every digit. */
-static void clamp_displacements(ss_model *model)
+/* A displacement far beyond the body means nothing any more and would drown every digit. False for
+ * one that is no number. */
+static bool clamp_displacements(ss_model *model)
 {
     const double limit = MAX_DISPLACEMENT * model->diagonal;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         const double u = (double)model->u[at];
+        if (isnan(u)) {
+            return false;
+        }
         model->u[at] = fabs(u) > limit ? (ss_real)copysign(limit, u) : model->u[at];
     }
     lose_front(model);
     model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
     ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
                   "displacement beyond a hundred times the body was cut off");
+    return true;
 }
 
-/* The cells answer to pull; those of a coarse level for `far` seconds. */
-static void answer(ss_model *model, double h, double far, bool is_full, bool is_first)
+/* -u/R_rest into pull. */
+static void leak(ss_model *model)
+{
+    const ss_real share = (ss_real)model->leak;
+    for (ptrdiff_t at = 0; share > 0 && at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->pull[at] -= share * model->u[at];
+    }
+}
+
+/* The cells answer to pull; those of a coarse level for `far` seconds. False when one has become
+ * no number. */
+static bool answer(ss_model *model, double h, double far, bool is_full, bool is_first)
 {
     ss_chain_motion motion = {.h = (ss_real)h,
                               .mobility = model->mobility,
@@ -253,6 +290,8 @@ static void answer(ss_model *model, double h, double far, bool is_full, bool is_
                               .u = model->u};
     model->work += ss_chain_loads_work(model, -1.0);
     if (model->coarse && is_full) {
+        leak(model);
+        motion.leak = 0;
         ss_chain_coarse_move(model, far, is_first);
     }
     if (is_full) {
@@ -268,9 +307,7 @@ static void answer(ss_model *model, double h, double far, bool is_full, bool is_
         swap_sets(&front->moving, &front->stay);
     }
     model->work += ss_chain_loads_work(model, 1.0);
-    if (motion.largest > MAX_DISPLACEMENT * model->diagonal) {
-        clamp_displacements(model);
-    }
+    return motion.largest <= MAX_DISPLACEMENT * model->diagonal || clamp_displacements(model);
 }
 
 /* On to sub-step `index` of `count`, `h` seconds long; false when the model is at fault. */
@@ -281,7 +318,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     ss_chain_driven_place(model, path);
     ss_chain_tools_touch(model, index == 0, path);
     if (isfinite(model->saturation)) {
-        saturate(model, false);
+        saturate(model);
     }
     const bool is_full = choose_full(model, index, follow_unloading(model, h));
     const ss_real ratio = (ss_real)model->ratio;
@@ -304,8 +341,8 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
     if (is_full || !ss_chain_is_aggregated(model)) { /* else W is of a part alone */
         balance(model);
     }
-    if (isfinite(model->saturation)) {
-        saturate(model, true);
+    if (model->is_saturated) {
+        draw_back(model);
     }
     ss_chain_loads_apply(model);
     ss_chain_tools_apply(model, h);
@@ -313,7 +350,11 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
         ss_chain_sample_reactions(model, is_full);
     }
     const int32_t left = count - index;
-    answer(model, h, h * (model->stride < left ? model->stride : left), is_full, index == 0);
+    const double far = h * (model->stride < left ? model->stride : left);
+    if (!answer(model, h, far, is_full, index == 0)) {
+        fault(model);
+        return false;
+    }
     if (model->is_crowded) {
         model->is_crowded = false;
         lose_front(model);
@@ -326,7 +367,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
 static double network_now(ss_model *model)
 {
     if (isfinite(model->saturation)) {
-        saturate(model, false);
+        saturate(model);
     }
     return model->kernels->pull(model->net, (ss_real)model->ratio, model->output, model->pull);
 }
@@ -362,7 +403,7 @@ static void keep_volumes(ss_model *model)
 /* ---- the outer step ----------------------------------------------------------------------- */
 
 /* Sub-steps that driven cells ask for: a quarter of a link each. */
-static double driven_substeps(const ss_model *model)
+static double driven_substeps(ss_model *model)
 {
     double way = 0.0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
@@ -373,7 +414,12 @@ static double driven_substeps(const ss_model *model)
             way = fmax(way, ss_norm3(d));
         }
     }
-    return ceil(4.0 * way / model->net->mean_length - 1e-9);
+    const double steps = ceil(4.0 * way / model->net->mean_length - 1e-9);
+    if (steps > model->plan.max_substeps) {
+        ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED,
+                      "a prescribed set moved further in a step than its sub-steps can follow");
+    }
+    return steps;
 }
 
 void ss_chain_step(ss_model *model, double time, double dt,
@@ -399,8 +445,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     }
     if (ss_chain_is_aggregated(model)) {
         ss_chain_refine(model);
-        model->stride = (int32_t)fmax(1.0, floor(ss_chain_aggregated_step(model) / h));
-        model->stride = model->stride < count ? model->stride : count;
+        model->stride = (int32_t)fmin(fmax(1.0, floor(ss_chain_aggregated_step(model) / h)), count);
     }
     if (model->guard) {
         ss_chain_guard_begin(model);

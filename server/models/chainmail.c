@@ -104,7 +104,8 @@ struct ss_model {
     int32_t heap_count;
     ss_real *push; /* scratch of contact */
     double *weight;
-    uint8_t *is_driven, *is_held; /* held: by tools, in this step */
+    uint8_t *bound; /* axes of a node that are fixed or driven: bits 0 to 2 */
+    uint8_t *held;  /* by tools, in this step: a bit each */
     int64_t step;
     int32_t moved_count;
     softsim_verdict verdict;
@@ -151,14 +152,14 @@ static double place_by(const ss_model *model, int32_t position, int32_t node, in
 
 static bool may_move(const ss_model *model, int32_t node)
 {
-    return !model->has_moved[node] && (model->plan.fixed[node] & 7) != 7 && !model->is_driven[node];
+    return !model->has_moved[node] && model->bound[node] != 7;
 }
 
-/* Fixed axes stay. Rounded as it is stored. */
+/* Fixed and driven axes stay. Rounded as it is stored. */
 static void move_to(ss_model *model, int32_t node, const double u[3])
 {
     for (int k = 0; k < 3; ++k) {
-        if ((model->plan.fixed[node] & (1 << k)) == 0) {
+        if ((model->bound[node] & (1 << k)) == 0) {
             model->u[4 * (ptrdiff_t)node + k] = (ss_real)u[k];
         }
     }
@@ -304,7 +305,7 @@ static void relax(ss_model *model)
     for (int32_t i = 0; i < model->node_count; ++i) {
         const int32_t degree = net->first[i + 1] - net->first[i];
         double mean[3] = {0.0, 0.0, 0.0};
-        if (degree == 0 || model->is_held[i] || !may_move(model, i)) {
+        if (degree == 0 || model->held[i] != 0 || !may_move(model, i)) {
             continue;
         }
         for (int32_t p = net->first[i]; p < net->first[i + 1]; ++p) {
@@ -341,8 +342,14 @@ static void move_driven(ss_model *model, double time)
     }
 }
 
+static uint8_t bit_of(const ss_model *model, const mail_tool *tool)
+{
+    _Static_assert(SOFTSIM_MAX_PROBES <= 8, "a bit for each tool");
+    return (uint8_t)(1u << (tool - model->tool));
+}
+
 /* One pass: cells whose samples are inside the tool go out by their mean depth. */
-static int32_t push_out(ss_model *model, mail_tool *tool)
+static int32_t push_out(ss_model *model, const mail_tool *tool)
 {
     double force[3] = {0.0}, torque[3] = {0.0};
     const int32_t *node;
@@ -353,13 +360,13 @@ static int32_t push_out(ss_model *model, mail_tool *tool)
     for (int32_t k = 0; k < count; ++k) {
         const int32_t i = node[k];
         ss_real *f = model->push + 4 * (ptrdiff_t)i;
-        if (model->weight[i] > 0.0 && (model->plan.fixed[i] & 7) != 7 && !model->is_driven[i]) {
+        if (model->weight[i] > 0.0 && model->bound[i] != 7) {
             double u[3];
             for (int a = 0; a < 3; ++a) {
                 u[a] = (double)model->u[4 * (ptrdiff_t)i + a] + (double)f[a] / model->weight[i];
             }
             move_to(model, i, u);
-            model->is_held[i] = 1;
+            model->held[i] |= bit_of(model, tool);
             sponsor(model, i);
             ++pushed;
         }
@@ -374,7 +381,7 @@ static void take_grasp(ss_model *model, mail_tool *tool, bool is_grasping)
     if (is_grasping && !tool->is_pressed) {
         tool->held_count = 0;
         for (int32_t i = 0; i < model->node_count; ++i) {
-            if (model->is_held[i]) {
+            if ((model->held[i] & bit_of(model, tool)) != 0) {
                 double x[3];
                 for (int k = 0; k < 3; ++k) {
                     x[k] = model->plan.mesh->position[i][k] +
@@ -399,7 +406,7 @@ static void carry(ss_model *model, const mail_tool *tool)
             x[a] += tool->pose.position[a] - model->plan.mesh->position[i][a];
         }
         move_to(model, i, x);
-        model->is_held[i] = 1;
+        model->held[i] |= bit_of(model, tool);
         sponsor(model, i);
     }
 }
@@ -440,6 +447,10 @@ static int32_t count_parts(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX
             own->is_pressed = false;
         }
     }
+    if (parts > model->plan.max_substeps) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason = "a tool moved further in a step than its sub-steps can follow";
+    }
     return (int32_t)fmin(parts, model->plan.max_substeps);
 }
 
@@ -449,9 +460,11 @@ static void step(ss_model *model, double time, double dt,
     if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
         return;
     }
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
     const int32_t parts = count_parts(model, tool);
     model->moved_count = 0;
-    memset(model->is_held, 0, (size_t)model->node_count);
+    memset(model->held, 0, (size_t)model->node_count);
     if (model->surface) {
         ss_surface_refit(model->surface, model->u);
     }
@@ -553,13 +566,12 @@ static softsim_status allocate(ss_model *model)
     model->push = ss_memory_get(4 * n, sizeof *model->push);
     model->weight = ss_memory_get(n, sizeof *model->weight);
     model->has_moved = ss_memory_get(n, 1);
-    model->is_driven = ss_memory_get(n, 1);
-    model->is_held = ss_memory_get(n, 1);
+    model->bound = ss_memory_get(n, 1);
+    model->held = ss_memory_get(n, 1);
     model->queue = ss_memory_get(n, sizeof *model->queue);
     model->heap = ss_memory_get(model->is_by_violation ? 2 * links : 0, sizeof *model->heap);
     return model->alpha && model->u && model->v && model->push && model->weight &&
-                   model->has_moved && model->is_driven && model->is_held && model->queue &&
-                   model->heap
+                   model->has_moved && model->bound && model->held && model->queue && model->heap
                ? SOFTSIM_OK
                : SOFTSIM_ERROR_MEMORY;
 }
@@ -577,12 +589,15 @@ static void set_material(ss_model *model)
         model->alpha[net->position[e]] = 0.5 * (value_at(&plan->param[ALPHA], net->link[e][0]) +
                                                 value_at(&plan->param[ALPHA], net->link[e][1]));
     }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->bound[i] = plan->fixed[i] & 7;
+    }
     for (int32_t s = 0; s < plan->prescribed_count; ++s) {
         const ss_prescribed *set = &plan->prescribed[s];
         for (int32_t i = 0; i < set->node_count; ++i) {
             for (int k = 0; k < 3; ++k) {
                 if (ss_plan_is_driven(set, i, k)) {
-                    model->is_driven[set->node[i]] = 1;
+                    model->bound[set->node[i]] |= (uint8_t)(1u << k);
                 }
             }
         }
@@ -625,9 +640,8 @@ static void destroy(ss_model *model)
     }
     ss_surface_destroy(&model->surface);
     ss_chain_net_destroy(&model->net);
-    void *const owned[] = {model->alpha,  model->u,         model->v,         model->push,
-                           model->weight, model->has_moved, model->is_driven, model->is_held,
-                           model->queue,  model->heap};
+    void *const owned[] = {model->alpha,     model->u,     model->v,    model->push,  model->weight,
+                           model->has_moved, model->bound, model->held, model->queue, model->heap};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -637,7 +651,7 @@ static void destroy(ss_model *model)
 static void reset(ss_model *model)
 {
     memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
-    memset(model->is_held, 0, (size_t)model->node_count);
+    memset(model->held, 0, (size_t)model->node_count);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].is_present = model->tool[k].is_pressed = false;
         model->tool[k].held_count = 0;

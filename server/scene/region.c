@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum {
     MAX_DATA_BYTES = 256 << 20, /* of one data file: four million rows of the longest kind */
@@ -63,6 +64,9 @@ static char *read_whole(const char *path, const char **out_why)
     FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
     if (stream == NULL) {
         *out_why = strerror(errno);
+        if (fd >= 0) {
+            close(fd);
+        }
         return NULL;
     }
     char *text = NULL;

@@ -246,11 +246,12 @@ typedef struct options {
     const char *only[SS_STABILITY_MAX_MODELS + 1]; /* NULL-ended */
 } options;
 
-/* Processors that this process may use: under mpirun often one. */
+/* Processors that this process may use, as jobs: under mpirun often one. */
 static int64_t count_processors(void)
 {
     cpu_set_t set;
-    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    const int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count < SS_SWEEP_MAX_JOBS ? count : SS_SWEEP_MAX_JOBS;
 }
 
 static void parse_models(options *o, softsim_error *error)
