@@ -44,10 +44,10 @@ typedef struct ss_param_link {
 
 /* Values for a table of rows, in row order. */
 typedef struct ss_param_value {
-    double number;            /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
-    double *per_node;         /* of a FIELD that varies: node_count values; NULL when uniform */
-    double *by_element;       /* of a FIELD by a file of elements; then per_node is NULL */
-    ss_param_link *per_link;  /* of a FIELD by link: link_count values; else NULL */
+    double number;           /* of NUMBER, INTEGER, BOOL, CHOICE, and of a uniform FIELD */
+    double *per_node;        /* of a FIELD that varies: node_count values; NULL when uniform */
+    double *by_element;      /* of a FIELD by a file of elements; then per_node is NULL */
+    ss_param_link *per_link; /* of a FIELD by link: link_count values; else NULL */
     int32_t link_count;
     double direction[3];      /* of a uniform DIRECTION, a unit vector; 0 when not given */
     double (*per_element)[3]; /* of a DIRECTION by file, unit vectors; NULL when uniform */

@@ -133,9 +133,8 @@ static softsim_status write_profiles(ss_zhang *zhang, const plane_field *u, cons
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(script.file,
-            "set datafile separator ','\nset grid\nset key below\nset xlabel 'x, h'\n"
-            "set ylabel 'z, h'\nset yrange [-5.3:0.3]\nplot ");
+    fprintf(script.file, "set datafile separator ','\nset grid\nset key below\nset xlabel 'x, h'\n"
+                         "set ylabel 'z, h'\nset yrange [-5.3:0.3]\nplot ");
     for (int s = 0; s < SHAPE_COUNT; ++s) {
         if (is_there[s]) {
             fprintf(script.file,
