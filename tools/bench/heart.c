@@ -14,6 +14,7 @@ static const struct {
     {"Fig. 2: the pair curve", ss_heart_pair_curve, 1},
     {"Table 1 and eq. 14: steps", ss_heart_steps, 8},
     {"Frames a second", ss_heart_rates, 6},
+    {"Tetrahedra a second", ss_heart_speed, 15},
     {"Hybrid beside finite elements", ss_heart_indentation, 12},
     {"A thin wall, and what waking is felt as", ss_heart_walls, 40},
     {"Figs. 3 and 4: ventricles", ss_heart_pictures, 5},

@@ -62,6 +62,7 @@ int32_t ss_heart_awake(const ss_heart_body *body);
 softsim_status ss_heart_pair_curve(ss_paper *paper, softsim_error *error);
 softsim_status ss_heart_steps(ss_paper *paper, softsim_error *error);
 softsim_status ss_heart_rates(ss_paper *paper, softsim_error *error);
+softsim_status ss_heart_speed(ss_paper *paper, softsim_error *error);
 softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error);
 softsim_status ss_heart_walls(ss_paper *paper, softsim_error *error);
 softsim_status ss_heart_pictures(ss_paper *paper, softsim_error *error);
