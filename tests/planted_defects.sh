@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Plants one defect at a time in a scratch copy of the sources, builds it, and shows who catches it:
-# the model's own unit tests, and softsim-bench stability, whose verdicts must disagree with what
-# its audit finds (or a control run must no longer be good). A defect that either of them misses ends
-# it with status 1.
+# the model's own unit tests; softsim-bench stability, whose verdicts must disagree with what its
+# audit finds (or a control run must no longer be good); and softsim-bench accuracy on the smallest
+# slab, whose rows (error of the field in two digits, verdict) must change where the defect touches
+# statics. A defect that the first or the second misses ends it with status 1.
 #   tests/planted_defects.sh [--check] [SCRATCH]     default build/planted
 # --check only sees to it that every defect can still be planted: its line is there once.
 set -euo pipefail
@@ -73,23 +74,36 @@ failures() {
   fi
 }
 
+# Rows of model $1 on the slab: level, field error, verdict.
+errors() {
+  local out=$scratch/accuracy
+  rm -rf "$out"
+  "$build/bin/softsim-bench" accuracy --quick --case tests/reference/c_slab --mesh 300 --model "$1" \
+    --out "$out" >"$scratch/log" 2>&1 || true
+  awk -F, 'NR > 1 { printf "%s %s %.2f %s\n", $2, $7, $8, $17 }' "$out/accuracy.csv" 2>"$scratch/log" || true
+}
+
 status=0
 for defect in "${defects[@]}"; do
   IFS='|' read -r model test file old new <<<"$defect"
   cmake --build "$build" --target softsim-bench "$test" >/dev/null
   before=$(failures "$model")
+  right=$(errors "$model")
   (cd "$build" && "./tests/$test" >/dev/null 2>&1) || { echo "$test fails without a defect" >&2; status=1; }
   cp "$source/$file" "$scratch/kept"
   plant "$source/$file" "$old" "$new"
   cmake --build "$build" --target softsim-bench "$test" >/dev/null
   after=$(failures "$model")
+  wrong=$(errors "$model")
   by_test=no
   (cd "$build" && "./tests/$test" >/dev/null 2>&1) || by_test=yes
   cp "$scratch/kept" "$source/$file"
   by_report=no
   [ "$after" -gt "$before" ] && by_report=yes
   echo "$model, $file: $new"
-  echo "  stability: $by_report ($before failures before, $after after); $test: $by_test"
+  by_accuracy=no
+  [ "$right" != "$wrong" ] && by_accuracy=yes
+  echo "  accuracy: $by_accuracy; stability: $by_report ($before failures before, $after after); $test: $by_test"
   [ "$by_report" = yes ] && [ "$by_test" = yes ] || status=1
 done
 exit $status
