@@ -527,7 +527,7 @@ static void bridge_closes_the_loop(void **state)
     char line[1024];
     double before[14] = {0.0};
     double energy = 0.0;
-    int count = 0;
+    int count = 0, kept = 0;
     assert_non_null(fgets(line, sizeof line, file));
     while (fgets(line, sizeof line, file) != NULL) {
         double row[14];
@@ -542,12 +542,17 @@ static void bridge_closes_the_loop(void **state)
             }
             assert_true(fabs(energy - before[13]) < 1e-12);
         }
-        assert_true(row[0] == count && fabs(row[9] - stand_in.kept[count].position[2]) < 1e-15);
+        assert_true(row[0] == count);
+        if (kept < stand_in.fresh && stand_in.kept[kept].seq == count + 1) { /* not lost */
+            assert_true(fabs(row[9] - stand_in.kept[kept].position[2]) < 1e-15);
+            ++kept;
+        }
         memcpy(before, row, sizeof before);
         ++count;
     }
     fclose(file);
     assert_int_equal(count, 1500);
+    assert_int_equal(kept, stand_in.fresh);
 }
 
 static void bridge_models_a_bad_bus(void **state)
