@@ -7,11 +7,11 @@
  * bookkeeping that says what was done to it.
  *
  * In: the scene's plan, masses, and the elastic law as a few functions. Out: everything that
- * ss_model_class asks for. A model keeps an ss_body, fills ss_body_elastic, and hands its class
- * functions on: ss_body_step, ss_body_contacts, ss_body_info, ss_body_reaction, ss_body_hash,
- * ss_body_reset. Explicit models name an integrator; implicit and position-based ones give
- * `advance` and call the pieces (ss_body_external, ss_body_contact_diagonal) themselves. body.c
- * derives the ledger, body_contact.c the stiffness that a tool feels.
+ * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
+ * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
+ * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
+ * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body.c derives the ledger,
+ * body_contact.c the stiffness that a tool feels.
  *
  * Nodes: the mesh's, then any of the model's own (particles). Arrays of nodes have 4 ss_real each,
  * x y z 0, on 64 bytes, their count padded to a multiple of 8 nodes with zeros.
@@ -142,7 +142,20 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
 /* Mass of one node from now on, with its momentum as it is told: for models that move mass. */
 void ss_body_set_mass(ss_body *body, int32_t node, double mass);
 
-/* ---- what the class of a model hands on ----------------------------------------------------- */
+/* ---- the class of a model --------------------------------------------------------------------
+ * Functions of ss_model_class for any model whose struct begins with its `ss_body *`. */
+
+void ss_body_model_step(ss_model *model, double time, double dt,
+                        const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+void ss_body_model_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
+void ss_body_model_reset(ss_model *model);
+void ss_body_model_info(const ss_model *model, ss_model_info *out);
+const ss_real *ss_body_model_displacement(const ss_model *model);
+const ss_real *ss_body_model_velocity(const ss_model *model);
+void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
+uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
+
+/* ---- the same of the body, for models that add to it ---------------------------------------- */
 
 void ss_body_step(ss_body *body, double time, double dt,
                   const ss_model_tool tool[SOFTSIM_MAX_PROBES]);

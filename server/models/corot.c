@@ -227,47 +227,6 @@ static double step_cost_us(const ss_model_plan *plan)
            COST_TETRAHEDRON * (has_tool ? COST_TOOL : 1.0) * plan->mesh->tetrahedron_count;
 }
 
-static void step(ss_model *model, double time, double dt,
-                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
-{
-    ss_body_step(model->body, time, dt, tool);
-}
-
-static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
-{
-    ss_body_contacts(model->body, probe, near, out);
-}
-
-static void reset(ss_model *model)
-{
-    ss_body_reset(model->body);
-}
-
-static void info(const ss_model *model, ss_model_info *out)
-{
-    ss_body_info(model->body, out);
-}
-
-static const ss_real *displacement(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->u;
-}
-
-static const ss_real *velocity(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->v;
-}
-
-static void reaction(const ss_model *model, int32_t set, double out_force[3])
-{
-    ss_body_reaction(model->body, set, out_force);
-}
-
-static uint64_t hash(const ss_model *model, uint64_t seed)
-{
-    return ss_body_hash(model->body, seed);
-}
-
 typedef struct printer {
     void (*line)(void *sink, const char *text);
     void *sink;
@@ -315,12 +274,12 @@ const ss_model_class ss_model_corotational = {
     .step_cost_us = step_cost_us,
     .create = create,
     .destroy = destroy,
-    .step = step,
-    .contacts = contacts,
-    .reset = reset,
-    .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash,
+    .step = ss_body_model_step,
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
+    .info = ss_body_model_info,
+    .displacement = ss_body_model_displacement,
+    .velocity = ss_body_model_velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
     .explain = explain};

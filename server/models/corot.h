@@ -45,9 +45,9 @@ typedef struct ss_corot_material {
 } ss_corot_material;
 
 struct ss_model {
+    ss_body *body; /* first, as ss_body_model_... take it */
     ss_model_plan plan;
     const ss_corot_kernels *kernels;
-    ss_body *body;
     ss_fem_blocks blocks;
     ss_corot_material material;
     bool has_viscosity;

@@ -540,21 +540,6 @@ static void step(ss_model *model, double time, double dt,
     ss_body_step(hybrid->body, time, dt, tool);
 }
 
-static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
-{
-    ss_body_contacts(((ss_hybrid *)model)->body, probe, near, out);
-}
-
-static void reset(ss_model *model)
-{
-    ss_body_reset(((ss_hybrid *)model)->body);
-}
-
-static void info(const ss_model *model, ss_model_info *out)
-{
-    ss_body_info(((const ss_hybrid *)model)->body, out);
-}
-
 static const ss_real *displacement(const ss_model *model)
 {
     const ss_hybrid *hybrid = (const ss_hybrid *)model;
@@ -567,16 +552,6 @@ static const ss_real *velocity(const ss_model *model)
     const ss_hybrid *hybrid = (const ss_hybrid *)model;
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->v, hybrid->shown_v);
     return hybrid->shown_v;
-}
-
-static void reaction(const ss_model *model, int32_t set, double out_force[3])
-{
-    ss_body_reaction(((const ss_hybrid *)model)->body, set, out_force);
-}
-
-static uint64_t hash(const ss_model *model, uint64_t seed)
-{
-    return ss_body_hash(((const ss_hybrid *)model)->body, seed);
 }
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
@@ -632,11 +607,11 @@ const ss_model_class ss_model_hybrid = {
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = contacts,
-    .reset = reset,
-    .info = info,
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
+    .info = ss_body_model_info,
     .displacement = displacement,
     .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
     .explain = explain};

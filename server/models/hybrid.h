@@ -53,7 +53,7 @@ typedef struct ss_hybrid_ride {
 } ss_hybrid_ride;
 
 typedef struct ss_hybrid {
-    ss_body *body;
+    ss_body *body;    /* first, as ss_body_model_... take it */
     const ss_real *u; /* of the last force */
     const ss_mesh *mesh;
     ss_layer *layer;

@@ -107,7 +107,7 @@ typedef struct edge {
 } edge;
 
 struct ss_model {
-    ss_body *body;
+    ss_body *body;       /* first, as ss_body_model_... take it */
     const ss_mesh *mesh; /* borrowed */
     int32_t edge_count;
     edge *edge;
@@ -577,41 +577,6 @@ static void step(ss_model *model, double time, double dt,
     judge_turned(model);
 }
 
-static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
-{
-    ss_body_contacts(model->body, probe, near, out);
-}
-
-static void reset(ss_model *model)
-{
-    ss_body_reset(model->body);
-}
-
-static void info(const ss_model *model, ss_model_info *out)
-{
-    ss_body_info(model->body, out);
-}
-
-static const ss_real *displacement(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->u;
-}
-
-static const ss_real *velocity(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->v;
-}
-
-static void reaction(const ss_model *model, int32_t set, double out_force[3])
-{
-    ss_body_reaction(model->body, set, out_force);
-}
-
-static uint64_t hash(const ss_model *model, uint64_t seed)
-{
-    return ss_body_hash(model->body, seed);
-}
-
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
     char text[256];
@@ -625,13 +590,6 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
-static void set(ss_model *model, int32_t index, double value)
-{
-    (void)model; /* no row is live */
-    (void)index;
-    (void)value;
-}
-
 extern const ss_model_class ss_model_mass_spring;
 const ss_model_class ss_model_mass_spring = {
     .name = "mass-spring",
@@ -643,12 +601,11 @@ const ss_model_class ss_model_mass_spring = {
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = contacts,
-    .reset = reset,
-    .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash,
-    .explain = explain,
-    .set = set};
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
+    .info = ss_body_model_info,
+    .displacement = ss_body_model_displacement,
+    .velocity = ss_body_model_velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
+    .explain = explain};

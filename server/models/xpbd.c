@@ -66,8 +66,8 @@ static const ss_param_row rows[ROW_COUNT] = {
 #define COST_TIME    1e-3
 
 struct ss_model {
-    ss_body *body;
-    ss_fem *fem; /* forces, energy and tangent of the law */
+    ss_body *body; /* first, as ss_body_model_... take it */
+    ss_fem *fem;   /* forces, energy and tangent of the law */
     ss_fem_material material;
     const ss_xpbd_kernels *kernels;
     ss_xpbd_packs packs;
@@ -278,40 +278,10 @@ static double step_cost_us(const ss_model_plan *plan)
     return cost;
 }
 
-static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
-{
-    ss_body_contacts(model->body, probe, near, out);
-}
-
-static void reset(ss_model *model)
-{
-    ss_body_reset(model->body);
-}
-
 static void info(const ss_model *model, ss_model_info *out)
 {
     ss_body_info(model->body, out);
     out->stable_step = ss_fem_rest_step(model->fem); /* it has none; up to here it is the law's */
-}
-
-static const ss_real *displacement(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->u;
-}
-
-static const ss_real *velocity(const ss_model *model)
-{
-    return ss_body_read_nodes(model->body)->v;
-}
-
-static void reaction(const ss_model *model, int32_t set, double out_force[3])
-{
-    ss_body_reaction(model->body, set, out_force);
-}
-
-static uint64_t hash(const ss_model *model, uint64_t seed)
-{
-    return ss_body_hash(model->body, seed);
 }
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
@@ -341,13 +311,6 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
-static void set(ss_model *model, int32_t index, double value)
-{
-    (void)model; /* no row is live */
-    (void)index;
-    (void)value;
-}
-
 extern const ss_model_class ss_model_xpbd;
 const ss_model_class ss_model_xpbd = {
     .name = "xpbd",
@@ -359,12 +322,11 @@ const ss_model_class ss_model_xpbd = {
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = contacts,
-    .reset = reset,
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
     .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash,
-    .explain = explain,
-    .set = set};
+    .displacement = ss_body_model_displacement,
+    .velocity = ss_body_model_velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
+    .explain = explain};
