@@ -19,6 +19,7 @@ case "${1:-}" in
 esac
 tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
 started=$SECONDS
+jobs=$(($(nproc) + 1)) # process tests mostly wait
 say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
 
 build_and_test() { # preset, target, ctest arguments
@@ -27,15 +28,15 @@ build_and_test() { # preset, target, ctest arguments
   cmake --preset "$preset" >/dev/null
   cmake --build --preset "$preset" --target "$target"
   say "$preset: test"
-  ctest --preset "$preset" -j 2 --timeout 300 "$@"
+  ctest --preset "$preset" -j "$jobs" --timeout 300 "$@"
 }
 
 tools/check_layers
 build_and_test release all
 [ -z "$quick" ] || exit 0
 build_and_test dev all
-build_and_test tsan threads -L 'threads|process'
-build_and_test scalar all -LE process
+build_and_test tsan threads -L threads
+build_and_test scalar all -LE 'process|mesh'
 
 say "clang: build"
 cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON \
@@ -43,5 +44,5 @@ cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON 
 cmake --build build/clang
 
 say "fuzz"
-tests/fuzz/run.sh 10
+tests/fuzz/run.sh 5
 say "all done"

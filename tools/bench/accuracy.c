@@ -169,13 +169,11 @@ static void find_standard_cases(report *r)
 /* The scene as a case of the report's own. */
 static softsim_status make_scene_case(report *r, softsim_error *error)
 {
-    char path[SS_ACCURACY_PATH + 16];
-    snprintf(path, sizeof path, "%s/case", r->o.out);
-    if (strlen(path) >= SS_CASE_PATH) {
+    char *path = r->found[r->found_count++];
+    if (snprintf(path, SS_CASE_PATH, "%s/case", r->o.out) >= SS_CASE_PATH) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    snprintf(r->found[r->found_count++], SS_CASE_PATH, "%s", path);
     softsim_status status = ss_report_make_folder(r->o.out, error);
     status = status == SOFTSIM_OK ? ss_report_make_folder(path, error) : status;
     return status == SOFTSIM_OK
