@@ -22,6 +22,7 @@
 #include "norms.h"
 #include "output.h"
 #include "rt/vec.h"
+#include "scratch.h"
 
 static const double step_s = 1e-3;
 static const double damping_share = 1.4;
@@ -43,9 +44,9 @@ typedef struct work {
     ss_accuracy_body size;
     ss_accuracy_knobs knobs;
     double omega;
-    char folder[64];      /* temporary */
-    int32_t first;        /* level of the material */
-    double longest_cpu_s; /* of a run */
+    char folder[SS_SCRATCH_PATH]; /* temporary */
+    int32_t first;                /* level of the material */
+    double longest_cpu_s;         /* of a run */
     bool is_calibrated;
     softsim_error *error;
     softsim_status status;
@@ -65,13 +66,22 @@ void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[25
 
 /* ---- runs --------------------------------------------------------------------------------- */
 
+/* The scene's lines of the model; NULL with a fault when out of memory. */
+static char *model_text(work *w)
+{
+    char *text = ss_accuracy_model_text(w->model, &w->knobs);
+    if (text == NULL) {
+        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    }
+    return text;
+}
+
 static softsim_status run_level(work *w, double level, ss_static_run *out)
 {
     w->omega = w->model->omega != NULL ? w->model->omega(&w->knobs) : w->omega;
     w->knobs.damping = damping_share * w->omega;
-    char *text = ss_accuracy_model_text(w->model, &w->knobs);
+    char *text = model_text(w);
     if (text == NULL) {
-        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
     const ss_static_plan plan = {.c = w->c,
@@ -94,9 +104,8 @@ static softsim_status find_omega(work *w)
     if (w->model->omega != NULL) {
         return SOFTSIM_OK;
     }
-    char *text = ss_accuracy_model_text(w->model, &w->knobs);
+    char *text = model_text(w);
     if (text == NULL) {
-        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
     const ss_static_plan plan = {.c = w->c,
@@ -412,13 +421,20 @@ static void begin(work *w, const ss_accuracy_plan *plan, int32_t index, softsim_
     }
 }
 
+void ss_accuracy_scratch_name(int64_t owner, char out[SS_ACCURACY_SCRATCH])
+{
+    snprintf(out, SS_ACCURACY_SCRATCH, "softsim-accuracy-%d", (int)owner);
+}
+
 static softsim_status prepare(work *w, int32_t material)
 {
     softsim_status status =
         ss_case_load_body(w->c, w->mesh, material, w->model->on_surface, &w->body, w->error);
     if (status == SOFTSIM_OK) {
         w->size = ss_accuracy_body_of(w->c, w->body.mesh);
-        status = ss_static_open_folder(getppid(), w->folder, w->error);
+        char name[SS_ACCURACY_SCRATCH];
+        ss_accuracy_scratch_name(getppid(), name);
+        status = ss_scratch_make(name, w->folder, w->error);
     }
     return status == SOFTSIM_OK ? ss_static_prepare(&w->body, w->folder, w->error) : status;
 }
@@ -441,7 +457,7 @@ softsim_status ss_accuracy_run_job(const void *plan, int32_t index, FILE *out, s
     if (status == SOFTSIM_OK) {
         status = run_levels(&w, index, out);
     }
-    ss_static_close_folder(w.folder);
+    ss_scratch_remove(w.folder);
     ss_case_body_fini(&w.body);
     return status;
 }
@@ -540,9 +556,8 @@ static softsim_status swing_run(work *w, const double gravity[3], int32_t count,
 {
     char verdict[320] = "";
     int32_t done = 0;
-    char *text = ss_accuracy_model_text(w->model, &w->knobs);
+    char *text = model_text(w);
     if (text == NULL) {
-        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
     const ss_static_plan plan = {
@@ -667,7 +682,7 @@ softsim_status ss_accuracy_run_dynamic(const void *plan, int32_t index, FILE *ou
         if (status == SOFTSIM_OK) {
             status = run_steps(&w, &s);
         }
-        ss_static_close_folder(w.folder);
+        ss_scratch_remove(w.folder);
         ss_case_body_fini(&w.body);
     }
     if (status == SOFTSIM_OK) {

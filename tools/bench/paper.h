@@ -13,6 +13,7 @@
 
 #include "output.h"
 #include "report.h"
+#include "scratch.h"
 #include "softsim/softsim.h"
 #include "softsim/types.h"
 
@@ -33,10 +34,10 @@ typedef struct ss_missing {
 enum { SS_PAPER_MAX_CLAIMS = 320, SS_PAPER_MAX_MISSING = 32 };
 
 typedef struct ss_paper {
-    const char *name;   /* of the paper, in claims.csv */
-    const char *folder; /* of the report */
-    char temporary[64]; /* for scenes and meshes */
-    char bin[4096];     /* where softsim-mesh is */
+    const char *name;                /* of the paper, in claims.csv */
+    const char *folder;              /* of the report */
+    char temporary[SS_SCRATCH_PATH]; /* for scenes and meshes */
+    char bin[4096];                  /* where softsim-mesh is */
     bool is_quick;
     ss_page page;
     ss_claim claim[SS_PAPER_MAX_CLAIMS];

@@ -103,13 +103,7 @@ int32_t ss_paper_count(const ss_paper *paper, ss_claim_result result)
 softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const char *name,
                                  const char *head, softsim_error *error)
 {
-    char path[4352];
-    snprintf(path, sizeof path, "%s/%s.csv", paper->folder, name);
-    const softsim_status status = ss_output_open(csv, path, error);
-    if (status == SOFTSIM_OK) {
-        fprintf(csv->file, "%s\n", head);
-    }
-    return status;
+    return ss_report_csv_open(csv, paper->folder, name, head, error);
 }
 
 softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
