@@ -2,9 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-bench accuracy: norms have the values worked out by hand, tables and case folders are
- * read as they are and refused with their place when they are wrong, the fit finds a least value,
- * the Pareto front and the choice within a budget are the right ones, and a whole run on a small
- * case, pushed and pulled, leaves the rows it should, twice the same.
+ * read as they are and refused with their place when they are wrong, the Pareto front and the
+ * choice within a budget are the right ones, and a whole run on a small case, pushed and pulled, is
+ * calibrated and leaves the rows it should, twice the same.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,7 +30,6 @@
 #include "models/model.h"
 #include "norms.h"
 #include "refine.h"
-#include "simplex.h"
 #include "table.h"
 
 #define REFERENCE                    SOURCE_DIR "/tests/reference"
@@ -407,41 +406,8 @@ static void hostile_bodies_are_refused(void **state)
     }
 }
 
-/* ---- fit, front, choice -----------------------------------------------------------------------
+/* ---- front, choice -----------------------------------------------------------------------
  */
-
-static double valley(void *context, const double *x)
-{
-    ++*(int32_t *)context;
-    return 1.0 + (x[0] - 1.0) * (x[0] - 1.0) + 10.0 * (x[1] + 2.0 * x[0]) * (x[1] + 2.0 * x[0]);
-}
-
-static void the_simplex_finds_the_least_value_within_bounds(void **state)
-{
-    (void)state;
-    int32_t asked = 0;
-    double x[2] = {-3.0, 3.0};
-    ss_simplex simplex = {.count = 2,
-                          .low = {-5.0, -5.0},
-                          .high = {5.0, 5.0},
-                          .step = 1.0,
-                          .tolerance = 1e-12,
-                          .most = 400,
-                          .context = &asked,
-                          .value = valley};
-    assert_near(ss_simplex_minimise(&simplex, x), 1.0, 1e-9);
-    assert_near(x[0], 1.0, 1e-4);
-    assert_near(x[1], -2.0, 1e-4);
-    simplex.high[0] = 0.5;
-    x[0] = x[1] = 0.0;
-    assert_near(ss_simplex_minimise(&simplex, x), 1.25, 1e-6);
-    assert_near(x[0], 0.5, 1e-9);
-    asked = 0;
-    simplex.most = 10;
-    simplex.high[0] = 5.0;
-    ss_simplex_minimise(&simplex, x);
-    assert_true(asked <= 14); /* a shrinkage ends what it has begun */
-}
 
 static void the_front_is_what_nothing_beats(void **state)
 {
@@ -845,7 +811,6 @@ int main(void)
         cmocka_unit_test(hostile_statements_are_refused_with_their_place),
         cmocka_unit_test(numbers_lead_to_nodes),
         cmocka_unit_test(hostile_bodies_are_refused),
-        cmocka_unit_test(the_simplex_finds_the_least_value_within_bounds),
         cmocka_unit_test(the_front_is_what_nothing_beats),
         cmocka_unit_test(the_choice_is_the_most_accurate_that_fits),
         cmocka_unit_test(a_run_leaves_its_rows_pushed_or_pulled),

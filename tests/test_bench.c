@@ -3,7 +3,8 @@
 /*
  * tools/bench: percentiles are exact, counters that do not add up are found, only first answers
  * within the run count, what is read is bounded and every fault has its line, what is written is
- * escaped, children are reaped with the right status.
+ * escaped, temporary folders go with what is in them and nothing else, children are reaped with the
+ * right status.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "child.h"
@@ -25,6 +27,7 @@
 #include "judge.h"
 #include "report.h"
 #include "samples.h"
+#include "scratch.h"
 #include "session.h"
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
@@ -346,6 +349,71 @@ static void a_csv_field_is_quoted_where_it_must_be(void **state)
     assert_string_equal(text, "plain: text,\"a, \"\"b\"\"\nc\"");
 }
 
+/* ---- temporary folders --------------------------------------------------------------------------
+ */
+
+static void make_inner(const char *in, const char *name, bool is_folder)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", in, name);
+    FILE *file = is_folder ? NULL : fopen(path, "w");
+    assert_int_equal(is_folder ? mkdir(path, 0700) : fclose(file), 0);
+}
+
+static void temporary_folders_go_with_what_is_in_them(void **state)
+{
+    (void)state;
+    char one[SS_SCRATCH_PATH], other[SS_SCRATCH_PATH], kept[SS_SCRATCH_PATH], link[512];
+    softsim_error error = {.status = SOFTSIM_OK};
+    const char *outside = write_file("good.csv", "");
+    setenv("TMPDIR", folder, 1);
+    assert_int_equal(ss_scratch_make("a-1", one, &error), SOFTSIM_OK);
+    assert_int_equal(ss_scratch_make("a-1", other, &error), SOFTSIM_OK);
+    assert_int_equal(ss_scratch_make("a-12", kept, &error), SOFTSIM_OK);
+    assert_ptr_equal(strstr(one, folder), one);
+    assert_string_not_equal(one, other);
+    make_inner(one, "scene.yaml", false);
+    make_inner(one, "trial-abc", true);
+    make_inner(one, "trial-abc/body.msh", false);
+    snprintf(link, sizeof link, "%s/link", one);
+    assert_int_equal(symlink(folder, link), 0);
+    ss_scratch_remove(one);
+    assert_int_not_equal(access(one, F_OK), 0);
+    assert_int_equal(access(outside, F_OK), 0);
+    make_inner(other, "scene.yaml", false);
+    ss_scratch_remove_all("a-1");
+    ss_scratch_remove_all("a");
+    assert_int_not_equal(access(other, F_OK), 0);
+    assert_int_equal(access(kept, F_OK), 0);
+    ss_scratch_remove(kept);
+    assert_int_not_equal(access(kept, F_OK), 0);
+    ss_scratch_remove("");
+    unsetenv("TMPDIR");
+}
+
+static void temporary_folders_are_made_where_it_is_said_if_that_can_be(void **state)
+{
+    (void)state;
+    char path[SS_SCRATCH_PATH], far[2 * SS_SCRATCH_PATH] = "/tmp";
+    softsim_error error = {.status = SOFTSIM_OK};
+    while (strlen(far) < SS_SCRATCH_PATH) {
+        strcat(far, "/.");
+    }
+    const char *const unusable[] = {far, ".", ""};
+    for (size_t i = 0; i < sizeof unusable / sizeof *unusable; ++i) {
+        setenv("TMPDIR", unusable[i], 1);
+        assert_int_equal(ss_scratch_make("softsim-test", path, &error), SOFTSIM_OK);
+        assert_ptr_equal(strstr(path, "/tmp/softsim-test-"), path);
+        ss_scratch_remove(path);
+        assert_int_not_equal(access(path, F_OK), 0);
+    }
+    setenv("TMPDIR", "/nowhere", 1);
+    assert_int_equal(ss_scratch_make("softsim-test", path, &error), SOFTSIM_ERROR_FILE);
+    assert_string_equal(path, "");
+    assert_non_null(strstr(error.text, "/nowhere"));
+    unsetenv("TMPDIR");
+}
+
 /* ---- children -----------------------------------------------------------------------------------
  */
 
@@ -439,6 +507,8 @@ int main(void)
         cmocka_unit_test(bridge_arguments_are_read_without_a_shell),
         cmocka_unit_test(a_page_is_escaped_and_complete_or_not_there),
         cmocka_unit_test(a_csv_field_is_quoted_where_it_must_be),
+        cmocka_unit_test(temporary_folders_go_with_what_is_in_them),
+        cmocka_unit_test(temporary_folders_are_made_where_it_is_said_if_that_can_be),
         cmocka_unit_test(children_are_reaped_with_their_status),
         cmocka_unit_test(speed_of_tetrahedra_adds_up),
     };

@@ -135,6 +135,63 @@ static void the_page_shows_each_claim_once(void **state)
     assert_non_null(strstr(text, "<a href=\"curve.csv\">"));
 }
 
+static softsim_status works(ss_paper *of, softsim_error *fault)
+{
+    (void)fault;
+    ++*(int32_t *)of->shared;
+    ss_claim_at_most(of, "eq. 1", 1.0, 0.5, "claim %d", *(int32_t *)of->shared);
+    return SOFTSIM_OK;
+}
+
+static softsim_status stops(ss_paper *of, softsim_error *fault)
+{
+    softsim_error_add(fault, SOFTSIM_ERROR_SYSTEM, "stopped");
+    ++*(int32_t *)of->shared;
+    return SOFTSIM_ERROR_SYSTEM;
+}
+
+static void sections_run_in_order_up_to_the_first_that_fails(void **state)
+{
+    (void)state;
+    static const ss_paper_section sections[] = {
+        {"One", works, 1.0}, {"Two", works, 2.0}, {"Three", stops, 4.0}, {"Four", works, 8.0}};
+    char text[8192];
+    int32_t runs = 0;
+    start();
+    paper.shared = &runs;
+    assert_int_equal(ss_page_open(&paper.page, folder, "page", "title", &error), SOFTSIM_OK);
+    assert_int_equal(ss_paper_run_sections(&paper, 4, sections, &error), SOFTSIM_ERROR_SYSTEM);
+    assert_int_equal(runs, 3);
+    assert_true(paper.weight_all == 15.0);
+    assert_true(paper.weight_done == 7.0);
+    ss_paper_write_missing(&paper);
+    ss_paper_write_verdict(&paper, " a little.");
+    ss_paper_miss(&paper, "not <built>", "a model");
+    ss_paper_write_missing(&paper);
+    assert_int_equal(ss_page_close(&paper.page, &error), SOFTSIM_OK);
+    read_back("page.html", text, sizeof text);
+    static const char *const order[] = {"<h2>One</h2>",
+                                        "claim 1",
+                                        "<h2>Two</h2>",
+                                        "claim 2",
+                                        "<h2>Three</h2>",
+                                        "<h2>Verdict</h2>",
+                                        "2 claims: 2 pass, 0 fail, 0 differ a little.",
+                                        "<a href=\"claims.csv\">",
+                                        "<h2>Not in this program</h2>",
+                                        "a model",
+                                        "not &lt;built&gt;"};
+    const char *at = text;
+    for (size_t k = 0; k < sizeof order / sizeof *order; ++k) {
+        at = strstr(at, order[k]);
+        if (at == NULL) {
+            fail_msg("no '%s' in its place", order[k]);
+            return;
+        }
+    }
+    assert_null(strstr(text, "Four"));
+}
+
 /* ---- the report's own network --------------------------------------------------------------- */
 
 static const double edge = 0.3;
@@ -443,6 +500,7 @@ int main(void)
         cmocka_unit_test(the_list_of_claims_is_bounded),
         cmocka_unit_test(claims_are_written_in_six_columns),
         cmocka_unit_test(the_page_shows_each_claim_once),
+        cmocka_unit_test(sections_run_in_order_up_to_the_first_that_fails),
         cmocka_unit_test(a_hexagon_is_as_solved_by_hand),
         cmocka_unit_test(a_tube_has_the_printed_coefficients),
         cmocka_unit_test(the_direction_counts_on_triangles),

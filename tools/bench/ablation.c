@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "bench.h"
 #include "block.h"
@@ -23,6 +22,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "samples.h"
+#include "scratch.h"
 #include "softsim/softsim.h"
 #include "sweep.h"
 
@@ -94,7 +94,7 @@ typedef struct figures {
 
 typedef struct report {
     const char *out;
-    char folder[128];
+    char folder[SS_SCRATCH_PATH];
     int32_t index[OMISSIONS]; /* those whose model is built in */
     int32_t count;
 } report;
@@ -289,16 +289,15 @@ static void read_figures(const ss_sweep_run *from, figures *out)
 static softsim_status write_csv(const report *r, const ss_sweep_result *result,
                                 softsim_error *error)
 {
-    char path[PATH_SIZE];
     ss_output output;
-    snprintf(path, sizeof path, "%s/ablation.csv", r->out);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status = ss_report_csv_open(
+        &output, r->out, "ablation",
+        "omission,model,points,tick_us_without,tick_us_with,bytes_without,bytes_with,"
+        "create_ms_without,create_ms_with,field_difference,note",
+        error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs("omission,model,points,tick_us_without,tick_us_with,bytes_without,bytes_with,"
-          "create_ms_without,create_ms_with,field_difference,note\n",
-          output.file);
     for (int32_t i = 0; i < r->count; ++i) {
         char name[SS_SWEEP_NAME_SIZE];
         figures f;
@@ -421,42 +420,13 @@ static void print_rows(const report *r, const ss_sweep_result *result)
 /* ---- the report ------------------------------------------------------------------------------
  */
 
-static softsim_status make_folder(report *r, softsim_error *error)
+static softsim_status measure(report *r, softsim_error *error)
 {
-    const char *parent = getenv("TMPDIR");
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > sizeof r->folder - 32) {
-        parent = "/tmp";
-    }
-    snprintf(r->folder, sizeof r->folder, "%s/softsim-bench-XXXXXX", parent);
-    if (mkdtemp(r->folder) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s", parent);
-        return SOFTSIM_ERROR_FILE;
-    }
     for (int32_t i = 0; i < OMISSIONS; ++i) {
         if (ss_model_find(omissions[i].model) != NULL) {
             r->index[r->count++] = i;
         }
     }
-    return SOFTSIM_OK;
-}
-
-static void remove_folder(const report *r)
-{
-    char path[PATH_SIZE];
-    for (int32_t i = 0; i < OMISSIONS; ++i) {
-        snprintf(path, sizeof path, "%s/block-%s%d.msh", r->folder,
-                 omissions[i].is_surface ? "surface-" : "", omissions[i].points);
-        unlink(path);
-    }
-    snprintf(path, sizeof path, "%s/scene.yaml", r->folder);
-    unlink(path);
-    snprintf(path, sizeof path, "%s/ball.obj", r->folder);
-    unlink(path);
-    rmdir(r->folder);
-}
-
-static softsim_status measure(report *r, softsim_error *error)
-{
     const ss_sweep sweep = {.folder = r->out,
                             .name = "ablation",
                             .count = r->count,
@@ -499,11 +469,11 @@ int ss_bench_ablation(int argc, char **argv)
     ss_process_catch_stop();
     softsim_status status = ss_report_make_folder(r.out, &error);
     if (status == SOFTSIM_OK) {
-        status = make_folder(&r, &error);
+        status = ss_scratch_make("softsim-bench", r.folder, &error);
     }
     if (status == SOFTSIM_OK) {
         status = measure(&r, &error);
-        remove_folder(&r);
+        ss_scratch_remove(r.folder);
     }
     if (status != SOFTSIM_OK) {
         ss_args_print_error(argv[0], &error);

@@ -21,6 +21,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
+#include "scratch.h"
 #include "sweep.h"
 
 enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
@@ -347,6 +348,7 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
                                 ss_sweep *sweep, ss_sweep_result *result, softsim_error *error)
 {
     const bool is_dynamic = plan == &r->dynamic;
+    char scratch[SS_ACCURACY_SCRATCH];
     *sweep = (ss_sweep){.folder = r->o.out,
                         .name = is_dynamic ? "dynamics" : "accuracy",
                         .count = plan->job_count,
@@ -359,7 +361,8 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
     const softsim_status status =
         plan->job_count > 0 ? ss_sweep_execute(sweep, result, error) : SOFTSIM_OK;
     *out_is_complete = result->is_complete;
-    ss_static_close_all(getpid());
+    ss_accuracy_scratch_name(getpid(), scratch);
+    ss_scratch_remove_all(scratch);
     return status;
 }
 
@@ -367,16 +370,14 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
 
 static softsim_status write_dynamics(report *r, softsim_error *error)
 {
-    char path[SS_ACCURACY_PATH + 32];
     ss_output output;
-    snprintf(path, sizeof path, "%s/dynamics.csv", r->o.out);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status = ss_report_csv_open(
+        &output, r->o.out, "dynamics",
+        "case,model,mesh,f1_error,first_minimum_error,rms_first_period,verdict", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(output.file,
-            "case,model,mesh,f1_error,first_minimum_error,rms_first_period,verdict\n%s",
-            r->dynamics != NULL ? r->dynamics : "");
+    fputs(r->dynamics != NULL ? r->dynamics : "", output.file);
     return ss_output_commit(&output, error);
 }
 

@@ -20,6 +20,7 @@
 #include "table.h"
 
 enum { SS_ACCURACY_MAX_CASES = 64, SS_ACCURACY_PATH = 1024, SS_ACCURACY_MAX_SOURCES = 16 };
+enum { SS_ACCURACY_SCRATCH = 32 };
 
 typedef struct ss_accuracy_job {
     int32_t case_index, material, mesh; /* mesh: of ss_case_meshes(case, model's on_surface) */
@@ -38,6 +39,8 @@ typedef struct ss_accuracy_plan {
 
 /* case_material_model_mesh, as files are called. */
 void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[256]);
+/* What the temporary folders of the jobs are called that process `owner` has started. */
+void ss_accuracy_scratch_name(int64_t owner, char out[SS_ACCURACY_SCRATCH]);
 /* Runs a job: one line a level (ss_accuracy_line) into `out`. Loads that a model cannot take are
  * rows; an error is a body that cannot be read, or a lack of memory or disk. */
 softsim_status ss_accuracy_run_job(const void *plan, int32_t index, FILE *out,

@@ -50,14 +50,12 @@ void ss_accuracy_line(FILE *file, const ss_accuracy_row *row, bool is_whole)
 softsim_status ss_accuracy_rows_write(const ss_accuracy_rows *rows, const char *folder,
                                       softsim_error *error)
 {
-    char path[SS_ACCURACY_PATH + 32];
     ss_output output;
-    snprintf(path, sizeof path, "%s/accuracy.csv", folder);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status =
+        ss_report_csv_open(&output, folder, "accuracy", ss_accuracy_head, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(output.file, "%s\n", ss_accuracy_head);
     for (int32_t i = 0; i < rows->count; ++i) {
         if (rows->row[i].source == 0) {
             ss_accuracy_line(output.file, &rows->row[i], false);

@@ -2,20 +2,17 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "accuracy_run.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "norms.h"
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
+#include "scratch.h"
 
 enum { PATH_SIZE = 512, MAX_LOOKS = 4096, MAX_SUBSTEPS = 2000, CALM_LOOKS = 8 };
 static const double ramp_phase = 3.14159265358979; /* omega t at the ramp's end */
@@ -27,59 +24,6 @@ static const double pilot_share = 0.1; /* of the level */
 static const double pilot_phase = 14.0;
 static const double slowest_omega = 1.0; /* 1/s: what is slower is not waited for */
 static const double least_phase = 3.0;   /* omega t after the ramp before anything is settled */
-
-/* ---- temporary folders -------------------------------------------------------------------- */
-
-static const char *temporary_parent(void)
-{
-    const char *parent = getenv("TMPDIR");
-    return parent == NULL || parent[0] != '/' || strlen(parent) > 24 ? "/tmp" : parent;
-}
-
-softsim_status ss_static_open_folder(int64_t owner, char out[64], softsim_error *error)
-{
-    snprintf(out, 64, "%s/softsim-accuracy-%d-XXXXXX", temporary_parent(), (int)owner);
-    if (mkdtemp(out) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s",
-                          temporary_parent(), strerror(errno));
-        out[0] = '\0';
-        return SOFTSIM_ERROR_FILE;
-    }
-    return SOFTSIM_OK;
-}
-
-/* It holds plain files only. */
-void ss_static_close_folder(const char *name)
-{
-    DIR *folder = name[0] != '\0' ? opendir(name) : NULL;
-    if (folder == NULL) {
-        return;
-    }
-    for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
-        unlinkat(dirfd(folder), at->d_name, 0);
-    }
-    closedir(folder);
-    rmdir(name);
-}
-
-void ss_static_close_all(int64_t owner)
-{
-    char prefix[64];
-    DIR *parent = opendir(temporary_parent());
-    snprintf(prefix, sizeof prefix, "softsim-accuracy-%d-", (int)owner);
-    while (parent != NULL) {
-        char path[PATH_SIZE];
-        const struct dirent *at = readdir(parent);
-        if (at == NULL) {
-            closedir(parent);
-            break;
-        }
-        if (strncmp(at->d_name, prefix, strlen(prefix)) == 0) {
-            snprintf(path, sizeof path, "%s/%s", temporary_parent(), at->d_name);
-            ss_static_close_folder(path);
-        }
-    }
-}
 
 /* ---- files and scene ---------------------------------------------------------------------- */
 

@@ -47,11 +47,6 @@ typedef struct ss_static_run {
     char verdict[320];
 } ss_static_run;
 
-/* A temporary folder of one's own, for the files of scenes, marked with the process `owner`. */
-softsim_status ss_static_open_folder(int64_t owner, char out[64], softsim_error *error);
-/* Removes it; those that killed processes have left, all of that owner. */
-void ss_static_close_folder(const char *name);
-void ss_static_close_all(int64_t owner);
 /* The body's own files in the folder: mesh, fixed and pressed nodes. */
 softsim_status ss_static_prepare(const ss_case_body *body, const char *folder,
                                  softsim_error *error);

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "accuracy_models.h"
 #include "accuracy_run.h"
@@ -16,6 +15,7 @@
 #include "refine.h"
 #include "rt/vec.h"
 #include "scene/scene.h"
+#include "scratch.h"
 #include "world.h"
 
 enum { MAX_MESHES = 3, LEVELS = 2, MOST_NODES = 120000, QUICK_NODES = 12000, LONG_PATH = 1200 };
@@ -27,7 +27,7 @@ static const double assumed_ratio = 2.0, least_ratio = 1.5, most_ratio = 4.5;
 
 typedef struct maker {
     const char *path, *folder;
-    char temporary[64]; /* for the runs: several processes may make the same reference */
+    char temporary[SS_SCRATCH_PATH]; /* for runs: others may make the same reference */
     ss_scene *scene;
     const ss_model_class *class;
     ss_case c;
@@ -555,7 +555,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
     }
     *m = (maker){.path = scene, .folder = folder, .worth = out, .error = error};
     *out = (ss_accuracy_worth){.nodes = 0};
-    softsim_status status = ss_static_open_folder(getpid(), m->temporary, error);
+    softsim_status status = ss_scratch_make("softsim-accuracy", m->temporary, error);
     status = status == SOFTSIM_OK ? read_scene(m) : status;
     if (status == SOFTSIM_OK) {
         status = refine_bodies(m, is_quick ? QUICK_NODES : MOST_NODES);
@@ -574,7 +574,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
         ss_case_body_fini(&m->body[k]);
     }
     ss_scene_destroy(&m->scene);
-    ss_static_close_folder(m->temporary);
+    ss_scratch_remove(m->temporary);
     free(m);
     return status;
 }

@@ -13,6 +13,7 @@
 #include "audit.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
+#include "scratch.h"
 #include "softsim/softsim.h"
 
 enum { PATH_SIZE = 512, MIN_TICKS = 40 };
@@ -90,16 +91,6 @@ static softsim_status write_files(const assay_folder *folder, const ss_assay_pla
         return SOFTSIM_ERROR_FILE;
     }
     return SOFTSIM_OK;
-}
-
-static void remove_files(const assay_folder *folder)
-{
-    char path[PATH_SIZE];
-    name_file(folder, "body.msh", path);
-    unlink(path);
-    name_file(folder, "scene.yaml", path);
-    unlink(path);
-    rmdir(folder->path);
 }
 
 /* The first line of a refusal without the folder and the place in the scene. */
@@ -369,7 +360,7 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
         softsim_error_add(error, status, "cannot make a folder in %s: %s", parent, strerror(errno));
     } else {
         status = run(r, error);
-        remove_files(&r->folder);
+        ss_scratch_remove(r->folder.path);
     }
     out->cpu_ms = 1e-6 * (double)(ss_clock_thread_cpu_ns() - begin_ns);
     free(r->u);

@@ -2,12 +2,10 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "body.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "child.h"
 #include "output.h"
@@ -140,23 +138,16 @@ static softsim_status write_path(ss_body *body, softsim_error *error)
 
 softsim_status ss_body_open(ss_body *body, softsim_error *error)
 {
-    const char *parent = getenv("TMPDIR");
     *body = (ss_body){.top_node = -1};
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > sizeof body->folder - 32) {
-        parent = "/tmp";
-    }
-    snprintf(body->folder, sizeof body->folder, "%s/softsim-bench-XXXXXX", parent);
-    if (mkdtemp(body->folder) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s", parent,
-                          strerror(errno));
-        body->folder[0] = '\0';
-        return SOFTSIM_ERROR_FILE;
+    softsim_status status = ss_scratch_make("softsim-bench", body->folder, error);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
     if (!ss_child_own_folder(body->bin, sizeof body->bin)) {
         softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "cannot find this program's own folder");
         return SOFTSIM_ERROR_SYSTEM;
     }
-    softsim_status status = write_path(body, error);
+    status = write_path(body, error);
     if (status == SOFTSIM_OK) {
         static const deed slide = {
             .name = "slide.yaml",
@@ -173,17 +164,7 @@ softsim_status ss_body_open(ss_body *body, softsim_error *error)
 
 void ss_body_close(ss_body *body)
 {
-    static const char *const names[] = {"path.csv", "slide.yaml", "load.yaml", "body.msh",
-                                        "mesh.log"};
-    if (body->folder[0] == '\0') {
-        return;
-    }
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char path[PATH_SIZE];
-        file_name(body, names[i], path);
-        unlink(path);
-    }
-    rmdir(body->folder);
+    ss_scratch_remove(body->folder);
     free(body->rest);
     body->rest = NULL;
     body->folder[0] = '\0';

@@ -18,11 +18,12 @@
 #include <stdint.h>
 
 #include "samples.h"
+#include "scratch.h"
 #include "softsim/types.h"
 
 typedef struct ss_body {
-    char folder[64]; /* temporary */
-    char bin[4096];  /* where softsim-mesh is */
+    char folder[SS_SCRATCH_PATH]; /* temporary */
+    char bin[4096];               /* where softsim-mesh is */
     int32_t points;
     int32_t top_node;   /* at rest; -1: not yet known */
     int32_t node_count; /* with `rest`, m, before scaling; known with top_node */

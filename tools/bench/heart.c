@@ -6,11 +6,7 @@
  */
 #include "heart.h"
 
-static const struct {
-    const char *heading;
-    softsim_status (*run)(ss_paper *paper, softsim_error *error);
-    double weight; /* seconds, roughly */
-} sections[] = {
+static const ss_paper_section sections[] = {
     {"Fig. 2: the pair curve", ss_heart_pair_curve, 1},
     {"Table 1 and eq. 14: steps", ss_heart_steps, 8},
     {"Frames a second", ss_heart_rates, 6},
@@ -53,25 +49,9 @@ static void write_declined(ss_page *page)
 
 softsim_status ss_paper_hybrid(ss_paper *paper, softsim_error *error)
 {
-    softsim_status status = SOFTSIM_OK;
-    for (int k = 0; k < SECTION_COUNT; ++k) {
-        paper->weight_all += sections[k].weight;
-    }
     write_head(&paper->page);
-    for (int k = 0; status == SOFTSIM_OK && k < SECTION_COUNT; ++k) {
-        paper->section = sections[k].heading;
-        paper->weight = sections[k].weight;
-        ss_paper_progress(paper, 0.0);
-        ss_page_heading(&paper->page, sections[k].heading);
-        status = sections[k].run(paper, error);
-        ss_paper_show_claims(paper);
-        paper->weight_done += sections[k].weight;
-    }
+    const softsim_status status = ss_paper_run_sections(paper, SECTION_COUNT, sections, error);
     write_declined(&paper->page);
-    ss_page_heading(&paper->page, "Verdict");
-    ss_page_text(&paper->page, "%d claims: %d pass, %d fail, %d differ from the paper's words.",
-                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
-                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
-    ss_page_link(&paper->page, "claims.csv");
+    ss_paper_write_verdict(paper, " from the paper's words.");
     return status;
 }

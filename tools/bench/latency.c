@@ -182,17 +182,15 @@ static void put_count(FILE *file, const char *name, int64_t count)
 
 static softsim_status write_csv(const report *r, softsim_error *error)
 {
-    char path[PATH_SIZE];
     ss_output output;
     quantity quantities[QUANTITIES];
     const ss_figures *f = r->figures;
-    snprintf(path, sizeof path, "%s/latency.csv", r->options->out);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status = ss_report_csv_open(&output, r->options->out, "latency",
+                                                     "quantity,p50,p99,p999,max,count", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     FILE *file = output.file;
-    fputs("quantity,p50,p99,p999,max,count\n", file);
     list_quantities(f, quantities);
     for (int i = 0; i < QUANTITIES; ++i) {
         const ss_figure *figure = &quantities[i].figure;

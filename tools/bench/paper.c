@@ -6,8 +6,6 @@
  */
 #include "paper.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -62,40 +60,6 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-static softsim_status open_temporary(ss_paper *paper, softsim_error *error)
-{
-    const char *parent = getenv("TMPDIR");
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > sizeof paper->temporary - 32) {
-        parent = "/tmp";
-    }
-    snprintf(paper->temporary, sizeof paper->temporary, "%s/softsim-paper-XXXXXX", parent);
-    if (mkdtemp(paper->temporary) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s", parent,
-                          strerror(errno));
-        paper->temporary[0] = '\0';
-        return SOFTSIM_ERROR_FILE;
-    }
-    if (!ss_child_own_folder(paper->bin, sizeof paper->bin)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "cannot find this program's own folder");
-        return SOFTSIM_ERROR_SYSTEM;
-    }
-    return SOFTSIM_OK;
-}
-
-/* The folder holds plain files only. */
-static void remove_temporary(ss_paper *paper)
-{
-    DIR *folder = paper->temporary[0] != '\0' ? opendir(paper->temporary) : NULL;
-    if (folder == NULL) {
-        return;
-    }
-    for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
-        unlinkat(dirfd(folder), at->d_name, 0);
-    }
-    closedir(folder);
-    rmdir(paper->temporary);
-}
-
 static void print_summary(const ss_paper *paper)
 {
     for (int32_t i = 0; i < paper->claim_count; ++i) {
@@ -120,7 +84,11 @@ static softsim_status make_report(ss_paper *paper, int which, softsim_error *err
     ss_yardstick yardstick;
     softsim_status status = ss_report_make_folder(paper->folder, error);
     if (status == SOFTSIM_OK) {
-        status = open_temporary(paper, error);
+        status = ss_scratch_make("softsim-paper", paper->temporary, error);
+    }
+    if (status == SOFTSIM_OK && !ss_child_own_folder(paper->bin, sizeof paper->bin)) {
+        status = SOFTSIM_ERROR_SYSTEM;
+        softsim_error_add(error, status, "cannot find this program's own folder");
     }
     if (status == SOFTSIM_OK) {
         status = ss_page_open(&paper->page, paper->folder, paper->name, papers[which].title, error);
@@ -161,7 +129,7 @@ int ss_bench_paper(int argc, char **argv)
     paper.start_ns = ss_clock_now_ns();
     const softsim_status status = make_report(&paper, o.paper, &error);
     ss_page_abandon(&paper.page);
-    remove_temporary(&paper);
+    ss_scratch_remove(paper.temporary);
     if (status != SOFTSIM_OK) {
         ss_args_print_error(argv[0], &error);
         return EXIT_FAILURE;

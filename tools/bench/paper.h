@@ -2,17 +2,18 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What the reports on papers share: the claims and their verdicts, runs of scenes without LCM, the
- * page, progress. A claim has an expected and a measured value and a result: pass, fail, or
- * differs where the paper's own words hold in no well-posed reading (the reason is in the measured
- * text). What the built program refuses to do is missing, not failed: the page says so.
- * Thread: main.
+ * What the reports on papers share: the claims and their verdicts, the page and its sections,
+ * progress, runs of scenes without LCM. A claim has an expected and a measured value and a result:
+ * pass, fail, or differs where the paper's own words hold in no well-posed reading (the reason is
+ * in the measured text). What the built program refuses to do is missing, not failed: the page says
+ * so. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "output.h"
 #include "report.h"
+#include "scratch.h"
 #include "softsim/softsim.h"
 #include "softsim/types.h"
 
@@ -33,10 +34,10 @@ typedef struct ss_missing {
 enum { SS_PAPER_MAX_CLAIMS = 320, SS_PAPER_MAX_MISSING = 32 };
 
 typedef struct ss_paper {
-    const char *name;   /* of the paper, in claims.csv */
-    const char *folder; /* of the report */
-    char temporary[64]; /* for scenes and meshes */
-    char bin[4096];     /* where softsim-mesh is */
+    const char *name;                /* of the paper, in claims.csv */
+    const char *folder;              /* of the report */
+    char temporary[SS_SCRATCH_PATH]; /* for scenes and meshes */
+    char bin[4096];                  /* where softsim-mesh is */
     bool is_quick;
     ss_page page;
     ss_claim claim[SS_PAPER_MAX_CLAIMS];
@@ -48,7 +49,14 @@ typedef struct ss_paper {
     int64_t start_ns;
     double weight, weight_done, weight_all; /* of the present section, those before, all */
     const char *section;
+    void *shared; /* by the paper's sections, which know its type; NULL: nothing */
 } ss_paper;
+
+typedef struct ss_paper_section {
+    const char *heading;
+    softsim_status (*run)(ss_paper *paper, softsim_error *error);
+    double weight; /* seconds, roughly */
+} ss_paper_section;
 
 /* Adds a claim; `claim`, `expected` and `measured` are copied, the claim in printf form. */
 void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_result result, const char *expected,
@@ -80,6 +88,14 @@ softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *n
                                   softsim_error *error);
 /* `share` (0 to 1) of the present section is done; on a terminal, with the time that is left. */
 void ss_paper_progress(ss_paper *paper, double share);
+/* Runs the sections in order, each under its heading and followed by its claims; the first that
+ * does not return SOFTSIM_OK is the last. */
+softsim_status ss_paper_run_sections(ss_paper *paper, int32_t count,
+                                     const ss_paper_section *section, softsim_error *error);
+/* A table of what is missing; nothing when all is there. */
+void ss_paper_write_missing(ss_paper *paper);
+/* How many claims pass, fail and differ; `differ` ends the sentence after the last number. */
+void ss_paper_write_verdict(ss_paper *paper, const char *differ);
 
 /* ---- runs of scenes ----------------------------------------------------------------------- */
 

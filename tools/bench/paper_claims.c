@@ -103,13 +103,7 @@ int32_t ss_paper_count(const ss_paper *paper, ss_claim_result result)
 softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const char *name,
                                  const char *head, softsim_error *error)
 {
-    char path[4352];
-    snprintf(path, sizeof path, "%s/%s.csv", paper->folder, name);
-    const softsim_status status = ss_output_open(csv, path, error);
-    if (status == SOFTSIM_OK) {
-        fprintf(csv->file, "%s\n", head);
-    }
-    return status;
+    return ss_report_csv_open(csv, paper->folder, name, head, error);
 }
 
 softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
@@ -174,4 +168,50 @@ void ss_paper_progress(ss_paper *paper, double share)
     if (done > 0.02) {
         fprintf(stderr, " about %.0f s left ", elapsed_s * (1.0 - done) / done);
     }
+}
+
+softsim_status ss_paper_run_sections(ss_paper *paper, int32_t count,
+                                     const ss_paper_section *section, softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    for (int32_t k = 0; k < count; ++k) {
+        paper->weight_all += section[k].weight;
+    }
+    for (int32_t k = 0; status == SOFTSIM_OK && k < count; ++k) {
+        paper->section = section[k].heading;
+        paper->weight = section[k].weight;
+        ss_paper_progress(paper, 0.0);
+        ss_page_heading(&paper->page, section[k].heading);
+        status = section[k].run(paper, error);
+        ss_paper_show_claims(paper);
+        paper->weight_done += section[k].weight;
+    }
+    return status;
+}
+
+void ss_paper_write_missing(ss_paper *paper)
+{
+    static const char *const head[] = {"what", "what the program says"};
+    if (paper->missing_count == 0) {
+        return;
+    }
+    ss_page_heading(&paper->page, "Not in this program");
+    ss_page_text(&paper->page,
+                 "These runs need a feature that the program which made this page refuses; their "
+                 "claims were not made.");
+    ss_page_table_begin(&paper->page, 2, head);
+    for (int32_t i = 0; i < paper->missing_count; ++i) {
+        const char *const cell[] = {paper->missing[i].what, paper->missing[i].why};
+        ss_page_table_row(&paper->page, 2, cell);
+    }
+    ss_page_table_end(&paper->page);
+}
+
+void ss_paper_write_verdict(ss_paper *paper, const char *differ)
+{
+    ss_page_heading(&paper->page, "Verdict");
+    ss_page_text(&paper->page, "%d claims: %d pass, %d fail, %d differ%s", paper->claim_count,
+                 ss_paper_count(paper, SS_CLAIM_PASS), ss_paper_count(paper, SS_CLAIM_FAIL),
+                 ss_paper_count(paper, SS_CLAIM_DIFFERS), differ);
+    ss_page_link(&paper->page, "claims.csv");
 }

@@ -198,11 +198,18 @@ void ss_row_add_number(ss_row *row, double value)
  */
 
 static softsim_status open_script(ss_output *script, const char *folder, const char *name,
-                                  softsim_error *error)
+                                  const char *terminal, const char *type, const char *style,
+                                  int32_t width, int32_t height, softsim_error *error)
 {
     char path[PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s.gp", folder, name);
-    return ss_output_open(script, path, error);
+    const softsim_status status = ss_output_open(script, path, error);
+    if (status == SOFTSIM_OK) {
+        fprintf(script->file, "set terminal %s size %d,%d %s background rgb 'white'\n", terminal,
+                width, height, style);
+        fprintf(script->file, "set output '%s.%s'\n", name, type);
+    }
+    return status;
 }
 
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
@@ -214,27 +221,15 @@ softsim_status ss_plot_open(ss_output *script, const char *folder, const char *n
 softsim_status ss_plot_open_sized(ss_output *script, const char *folder, const char *name,
                                   int32_t width, int32_t height, softsim_error *error)
 {
-    const softsim_status status = open_script(script, folder, name, error);
-    if (status == SOFTSIM_OK) {
-        fprintf(script->file,
-                "set terminal svg size %d,%d dynamic font 'sans,13' background rgb 'white'\n"
-                "set output '%s.svg'\n",
-                width, height, name);
-    }
-    return status;
+    return open_script(script, folder, name, "svg", "svg", "dynamic font 'sans,13'", width, height,
+                       error);
 }
 
 softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const char *name,
                                  int32_t width, int32_t height, softsim_error *error)
 {
-    const softsim_status status = open_script(script, folder, name, error);
-    if (status == SOFTSIM_OK) {
-        fprintf(script->file,
-                "set terminal pngcairo size %d,%d font 'sans,12' background rgb 'white'\n"
-                "set output '%s.png'\n",
-                width, height, name);
-    }
-    return status;
+    return open_script(script, folder, name, "pngcairo", "png", "font 'sans,12'", width, height,
+                       error);
 }
 
 /* The whole file; NULL when it cannot be read or is too large. */
@@ -329,6 +324,18 @@ void ss_page_abandon(ss_page *page)
 
 /* ---- CSV ---------------------------------------------------------------------------------------
  */
+
+softsim_status ss_report_csv_open(ss_output *csv, const char *folder, const char *name,
+                                  const char *head, softsim_error *error)
+{
+    char path[PATH_SIZE];
+    snprintf(path, sizeof path, "%s/%s.csv", folder, name);
+    const softsim_status status = ss_output_open(csv, path, error);
+    if (status == SOFTSIM_OK) {
+        fprintf(csv->file, "%s\n", head);
+    }
+    return status;
+}
 
 void ss_csv_text(FILE *file, const char *text)
 {

@@ -70,5 +70,8 @@ softsim_status ss_page_close(ss_page *page, softsim_error *error);
 /* Removes what there is of the page; does nothing when not open. */
 void ss_page_abandon(ss_page *page);
 
+/* Opens `folder`/`name`.csv with a head line, given without its end. */
+softsim_status ss_report_csv_open(ss_output *csv, const char *folder, const char *name,
+                                  const char *head, softsim_error *error);
 /* One field of a CSV: quoted where it holds a comma, a quote or a line end. */
 void ss_csv_text(FILE *file, const char *text);

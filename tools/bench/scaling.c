@@ -22,11 +22,11 @@
 #include "process.h"
 #include "report.h"
 #include "rt/args.h"
+#include "scratch.h"
 #include "sweep.h"
 
 enum {
     EXIT_BAD_INPUT = 2,
-    PATH_SIZE = 4096,
     MAX_SIZES = 32,
     LEAST_POINTS = 200,
     MOST_POINTS = 1000000,
@@ -77,8 +77,8 @@ typedef struct row {
 typedef struct report {
     const options *options;
     ss_yardstick yardstick;
-    char folder[64]; /* of the blocks' meshes */
-    ss_sweep sweep;  /* of the blocks */
+    char folder[SS_SCRATCH_PATH]; /* of the blocks' meshes */
+    ss_sweep sweep;               /* of the blocks */
     ss_sweep_result blocks;
     row row[CASES * MAX_SIZES + MAX_BLOCKS];
     int32_t row_count;
@@ -337,23 +337,9 @@ static void add_block(report *r, const ss_sweep_run *run, int32_t index)
     }
 }
 
-static void remove_meshes(const report *r)
-{
-    for (int32_t i = 0; i < r->options->block_count; ++i) {
-        for (int k = 0; k < 2; ++k) {
-            char path[128];
-            snprintf(path, sizeof path, "%s/block-%s%d.msh", r->folder, k == 0 ? "" : "surface-",
-                     r->options->block[i]);
-            unlink(path);
-        }
-    }
-    rmdir(r->folder);
-}
-
 /* Every model at every size, each in a process of its own. */
 static softsim_status measure_blocks(report *r, softsim_error *error)
 {
-    const char *parent = getenv("TMPDIR");
     r->sweep = (ss_sweep){.folder = r->options->out,
                           .name = "scaling",
                           .count = r->options->block_count * ss_assay_subject_count(),
@@ -362,16 +348,12 @@ static softsim_status measure_blocks(report *r, softsim_error *error)
                           .context = r,
                           .label = block_label,
                           .run = block_run};
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > sizeof r->folder - 32) {
-        parent = "/tmp";
+    softsim_status status = ss_scratch_make("softsim-bench", r->folder, error);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
-    snprintf(r->folder, sizeof r->folder, "%s/softsim-bench-XXXXXX", parent);
-    if (mkdtemp(r->folder) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s", parent);
-        return SOFTSIM_ERROR_FILE;
-    }
-    const softsim_status status = ss_sweep_execute(&r->sweep, &r->blocks, error);
-    remove_meshes(r);
+    status = ss_sweep_execute(&r->sweep, &r->blocks, error);
+    ss_scratch_remove(r->folder);
     for (int32_t i = 0; status == SOFTSIM_OK && r->blocks.is_complete && i < r->blocks.count; ++i) {
         add_block(r, &r->blocks.run[i], i);
     }
@@ -392,17 +374,16 @@ static void put_number(FILE *file, double value)
 
 static softsim_status write_csv(const report *r, softsim_error *error)
 {
-    char path[PATH_SIZE];
     ss_output output;
-    snprintf(path, sizeof path, "%s/scaling.csv", r->options->out);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status = ss_report_csv_open(
+        &output, r->options->out, "scaling",
+        "points,nodes,case,step_us_p50,step_us_p99,substeps,substep_us,paper_ms,jump_percent,"
+        "ledger_fraction,active_nodes,field_error,prototype_us,verdict,model,create_s,memory_mb,"
+        "peak_mb",
+        error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs("points,nodes,case,step_us_p50,step_us_p99,substeps,substep_us,paper_ms,jump_percent,"
-          "ledger_fraction,active_nodes,field_error,prototype_us,verdict,model,create_s,memory_mb,"
-          "peak_mb\n",
-          output.file);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
         fprintf(output.file, "%d,%d,%s", at->points, at->nodes, at->name);

@@ -8,14 +8,11 @@
  * by the program and, from what it publishes alone, by audit.h. Exit 1 when they disagree anywhere,
  * or when what must be stable is not.
  */
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "audit.h"
 #include "bench.h"
@@ -23,6 +20,7 @@
 #include "process.h"
 #include "report.h"
 #include "rt/args.h"
+#include "scratch.h"
 
 enum { EXIT_BAD_INPUT = 2, MAX_AXIS = 12, MAX_VARIANTS = 12, QUICK_STRIDE = 3, TEXT_SIZE = 4096 };
 static const double run_timeout_s = 120.0;
@@ -292,40 +290,6 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-/* What runs that were killed have left, two levels deep. */
-static void remove_scratch(const char *path, int depth)
-{
-    DIR *folder = opendir(path);
-    for (const struct dirent *at = folder != NULL ? readdir(folder) : NULL; at != NULL;
-         at = readdir(folder)) {
-        char inner[TEXT_SIZE];
-        snprintf(inner, sizeof inner, "%s/%s", path, at->d_name);
-        if (strcmp(at->d_name, ".") != 0 && strcmp(at->d_name, "..") != 0 && unlink(inner) != 0 &&
-            depth > 0) {
-            remove_scratch(inner, depth - 1);
-        }
-    }
-    if (folder != NULL) {
-        closedir(folder);
-    }
-    rmdir(path);
-}
-
-static softsim_status make_scratch(char out[128], softsim_error *error)
-{
-    const char *parent = getenv("TMPDIR");
-    if (parent == NULL || parent[0] != '/' || strlen(parent) > 90) {
-        parent = "/tmp";
-    }
-    snprintf(out, 128, "%s/softsim-bench-XXXXXX", parent);
-    if (mkdtemp(out) == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in %s: %s", parent,
-                          strerror(errno));
-        return SOFTSIM_ERROR_FILE;
-    }
-    return SOFTSIM_OK;
-}
-
 /* All runs, and the report by the rank that has them all. */
 static softsim_status sweep_and_report(ss_stability *list, int32_t jobs, int32_t *out_failures,
                                        softsim_error *error)
@@ -359,7 +323,7 @@ int ss_bench_stability(int argc, char **argv)
     options o;
     ss_stability list = {.trial = NULL};
     softsim_error error = {.status = SOFTSIM_OK};
-    char scratch[128] = "";
+    char scratch[SS_SCRATCH_PATH] = "";
     int32_t failures = 0;
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
     if (parsed == SS_ARGS_DONE) {
@@ -376,13 +340,13 @@ int ss_bench_stability(int argc, char **argv)
         softsim_error_add(&error, status, "out of memory");
     }
     if (status == SOFTSIM_OK) {
-        status = make_scratch(scratch, &error);
+        status = ss_scratch_make("softsim-bench", scratch, &error);
     }
     if (status == SOFTSIM_OK) {
         list.folder = o.out;
         list.scratch = scratch;
         status = sweep_and_report(&list, (int32_t)o.jobs, &failures, &error);
-        remove_scratch(scratch, 1);
+        ss_scratch_remove(scratch);
     }
     ss_stability_list_fini(&list);
     if (status != SOFTSIM_OK) {

@@ -14,7 +14,7 @@
 #include "output.h"
 #include "report.h"
 
-enum { PATH_SIZE = 4096, MAX_LINES = 1024, MAX_COLUMNS = 16, MAX_GUARDS = 512, MAX_FAILURES = 200 };
+enum { MAX_LINES = 1024, MAX_COLUMNS = 16, MAX_GUARDS = 512, MAX_FAILURES = 200 };
 enum { MAP_WIDTH = 900, LINE_HEIGHT = 15, MAP_MARGIN = 180 };
 
 /* How a run is told: colours of the map and columns of the summary. */
@@ -42,19 +42,17 @@ static fate fate_of(const ss_stability_row *row)
 static const char csv_head[] =
     "model,sweep,stiffness_pa,value,variant,outcome,verdict,acted,found,agrees,limit_s,step_s,"
     "ticks,substeps,stored_j,end_j,balance_error,work_error,displacement_m,recovery_error,"
-    "inverted,cpu_ms\n";
+    "inverted,cpu_ms";
 
 static softsim_status write_csv(const ss_stability *list, const ss_sweep_result *result,
                                 softsim_error *error)
 {
-    char path[PATH_SIZE];
     ss_output output;
-    snprintf(path, sizeof path, "%s/stability.csv", list->folder);
-    const softsim_status status = ss_output_open(&output, path, error);
+    const softsim_status status =
+        ss_report_csv_open(&output, list->folder, "stability", csv_head, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fputs(csv_head, output.file);
     for (int32_t i = 0; i < list->count; ++i) {
         ss_stability_row row;
         char label[SS_SWEEP_NAME_SIZE];

@@ -6,11 +6,7 @@
  */
 #include "zhang.h"
 
-static const struct {
-    const char *heading;
-    softsim_status (*run)(ss_zhang *zhang, softsim_error *error);
-    double weight; /* seconds, roughly */
-} sections[] = {
+static const ss_paper_section sections[] = {
     {"Fig. 4: a plane, beside ChainMail", ss_zhang_shapes, 0.5},
     {"Fig. 5a: force and displacement", ss_zhang_forces, 1.5},
     {"Fig. 5b: hysteresis", ss_zhang_hysteresis, 0.7},
@@ -40,21 +36,6 @@ static void write_head(ss_page *page)
                  "in capacitances C.");
 }
 
-static void write_missing(ss_paper *paper)
-{
-    static const char *const head[] = {"what", "what the program says"};
-    if (paper->missing_count == 0) {
-        return;
-    }
-    ss_page_heading(&paper->page, "Not in this program");
-    ss_page_table_begin(&paper->page, 2, head);
-    for (int32_t i = 0; i < paper->missing_count; ++i) {
-        const char *const cell[] = {paper->missing[i].what, paper->missing[i].why};
-        ss_page_table_row(&paper->page, 2, cell);
-    }
-    ss_page_table_end(&paper->page);
-}
-
 static void write_declined(ss_page *page)
 {
     ss_page_heading(page, "Left out, and why");
@@ -64,42 +45,22 @@ static void write_declined(ss_page *page)
                        "and with them what B would weigh.");
 }
 
-static void write_verdict(ss_paper *paper)
-{
-    ss_page_heading(&paper->page, "Verdict");
-    ss_page_text(&paper->page,
-                 "%d claims: %d pass, %d fail, %d differ: there the paper's words go further than "
-                 "its equations.",
-                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
-                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
-    ss_page_link(&paper->page, "claims.csv");
-}
-
 softsim_status ss_paper_zhang(ss_paper *paper, softsim_error *error)
 {
     static ss_zhang zhang; /* large */
     zhang.paper = paper;
     zhang.has_network = ss_zhang_has("cnn-chainmail");
-    for (int k = 0; k < SECTION_COUNT; ++k) {
-        paper->weight_all += sections[k].weight;
-    }
+    paper->shared = &zhang;
     write_head(&paper->page);
     softsim_status status = ss_zhang_plane_init(&zhang.plane, error);
     if (!zhang.has_network) {
         ss_paper_miss(paper, "the model is not built into this program", "cnn-chainmail");
+    } else if (status == SOFTSIM_OK) {
+        status = ss_paper_run_sections(paper, SECTION_COUNT, sections, error);
     }
-    for (int k = 0; zhang.has_network && status == SOFTSIM_OK && k < SECTION_COUNT; ++k) {
-        paper->section = sections[k].heading;
-        paper->weight = sections[k].weight;
-        ss_paper_progress(paper, 0.0);
-        ss_page_heading(&paper->page, sections[k].heading);
-        status = sections[k].run(&zhang, error);
-        ss_paper_show_claims(paper);
-        paper->weight_done += sections[k].weight;
-    }
-    write_missing(paper);
+    ss_paper_write_missing(paper);
     write_declined(&paper->page);
-    write_verdict(paper);
+    ss_paper_write_verdict(paper, ": there the paper's words go further than its equations.");
     ss_zhang_plane_fini(&zhang.plane);
     return status;
 }

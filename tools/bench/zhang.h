@@ -65,11 +65,11 @@ softsim_status ss_zhang_solid_draw(ss_paper *paper, const ss_zhang_solid *solid,
 
 /* ---- sections ------------------------------------------------------------------------------- */
 
-softsim_status ss_zhang_shapes(ss_zhang *zhang, softsim_error *error);     /* Fig. 4 */
-softsim_status ss_zhang_forces(ss_zhang *zhang, softsim_error *error);     /* Fig. 5a */
-softsim_status ss_zhang_hysteresis(ss_zhang *zhang, softsim_error *error); /* Fig. 5b */
-softsim_status ss_zhang_relaxation(ss_zhang *zhang, softsim_error *error); /* Fig. 5c */
-softsim_status ss_zhang_liver(ss_zhang *zhang, softsim_error *error);      /* Fig. 6 */
-softsim_status ss_zhang_cells(ss_zhang *zhang, softsim_error *error);      /* future work */
-softsim_status ss_zhang_fitting(ss_zhang *zhang, softsim_error *error);    /* future work */
-softsim_status ss_zhang_speed(ss_zhang *zhang, softsim_error *error);
+softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error);     /* Fig. 4 */
+softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error);     /* Fig. 5a */
+softsim_status ss_zhang_hysteresis(ss_paper *paper, softsim_error *error); /* Fig. 5b */
+softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error); /* Fig. 5c */
+softsim_status ss_zhang_liver(ss_paper *paper, softsim_error *error);      /* Fig. 6 */
+softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error);      /* future work */
+softsim_status ss_zhang_fitting(ss_paper *paper, softsim_error *error);    /* future work */
+softsim_status ss_zhang_speed(ss_paper *paper, softsim_error *error);

@@ -80,7 +80,7 @@ static double mean_edge(const ss_mesh *mesh)
 softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int32_t points,
                                    ss_zhang_solid *out, softsim_error *error)
 {
-    char path[128];
+    char path[sizeof paper->temporary + 64];
     *out = (ss_zhang_solid){.mesh = NULL};
     snprintf(path, sizeof path, "%s/%s-%d.msh", paper->temporary, shape, points);
     /* Made once: other sections ask for the same body. */

@@ -101,11 +101,11 @@ static softsim_status show(ss_paper *paper, const cells_run *run, softsim_error 
     return ss_paper_csv_close(paper, &csv, "cells", error);
 }
 
-softsim_status ss_zhang_cells(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     cells_run run[RATIO_COUNT];
     ss_zhang_solid liver;
-    ss_paper *paper = zhang->paper;
     softsim_status status = ss_zhang_liver_make(paper, &liver, error);
     if (status != SOFTSIM_OK) {
         return status;

@@ -93,13 +93,12 @@ static void tell(void *sink, const char *text)
     ss_page_text(sink, "%s", text);
 }
 
-softsim_status ss_zhang_fitting(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_fitting(ss_paper *paper, softsim_error *error)
 {
     static ss_fit fit; /* large */
     static const double with_toe[MOST] = {40.0, 0.05, 0.01}, no_toe[MOST] = {40.0, 1e-6, 0.01};
     static const double slow[MOST] = {40.0, 0.05, 0.03};
-    ss_paper *paper = zhang->paper;
-    char scene[128];
+    char scene[sizeof paper->temporary + 16];
     ss_output output;
     snprintf(scene, sizeof scene, "%s/plate.yaml", paper->temporary);
     softsim_status status = ss_output_open(&output, scene, error);

@@ -438,11 +438,11 @@ static softsim_status go_about(ss_zhang *zhang, ss_zhang_solid *liver, softsim_e
     return status;
 }
 
-softsim_status ss_zhang_liver(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_liver(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     shape_run deep[RUN_COUNT], shallow[UNGUARDED + 1];
     ss_zhang_solid liver;
-    ss_paper *paper = zhang->paper;
     memcpy(deep, deep_runs, sizeof deep);
     memcpy(shallow, shallow_runs, sizeof shallow);
     for (int r = 0; r < UNGUARDED + 1 && paper->is_quick; ++r) {

@@ -226,10 +226,11 @@ static softsim_status in_block(ss_zhang *zhang, loop *l, softsim_error *error)
     return status;
 }
 
-softsim_status ss_zhang_hysteresis(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_hysteresis(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     static loop l[RULE_COUNT]; /* large */
-    ss_page_text(&zhang->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: loading and unloading follow two distinct paths; for unloading the "
                  "links are restored to their initial lengths. How fast is not said.");
     const softsim_status status = on_plane(zhang, l, error);

@@ -186,12 +186,13 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const bool *is_t
     }
 }
 
-softsim_status ss_zhang_shapes(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     static plane_field u[SHAPE_COUNT];
     bool is_there[SHAPE_COUNT];
     char reason[3][256];
-    ss_page_text(&zhang->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: a plane of 21 x 21 nodes pushed at its middle bends smoothly by the "
                  "network and is a pyramid by ChainMail. Here: alpha 0.02, rim fixed, depth 5 h.");
     softsim_status status = run_network(zhang, u[NETWORK], u[SETTLED], reason[0], error);
@@ -206,7 +207,7 @@ softsim_status ss_zhang_shapes(ss_zhang *zhang, softsim_error *error)
     is_there[RADIAL] = reason[2][0] == '\0';
     for (int k = 0; k < 3; ++k) {
         if (reason[k][0] != '\0') {
-            ss_paper_miss(zhang->paper, reason[k], "the plane's shape, run %d of 3", k + 1);
+            ss_paper_miss(paper, reason[k], "the plane's shape, run %d of 3", k + 1);
         }
     }
     for (int s = 0; s < SHAPE_COUNT && status == SOFTSIM_OK; ++s) {
@@ -318,10 +319,10 @@ static softsim_status write_forces(ss_zhang *zhang, const force_curve *curve, so
                         "Fig. 5a: force at the contact against its displacement, by speed.", error);
 }
 
-softsim_status ss_zhang_forces(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     static force_curve curve[SPEED_COUNT + 1];
-    ss_paper *paper = zhang->paper;
     ss_page_text(&paper->page,
                  "The paper: the force grows faster than the displacement. What it grows like "
                  "depends on the speed, since the network's resistance is partly drag: at 1 h/C it "
@@ -427,10 +428,10 @@ static softsim_status write_relaxation(ss_zhang *zhang, const relaxation *r, sof
                         "Fig. 5c: force while the contact is held 5 h deep.", error);
 }
 
-softsim_status ss_zhang_relaxation(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error)
 {
+    ss_zhang *zhang = paper->shared;
     static relaxation r;
-    ss_paper *paper = zhang->paper;
     ss_page_text(&paper->page,
                  "The paper: under a constant displacement the force falls asymptotically towards "
                  "a minimum. Here: 5 h, reached at 1 h/C, then held.");

@@ -86,11 +86,10 @@ static void claim(ss_paper *paper, const ss_chain_speed *row, int32_t count)
                      "real time: a haptic frame of eight sub-steps on the liver, us of 1000");
 }
 
-softsim_status ss_zhang_speed(ss_zhang *zhang, softsim_error *error)
+softsim_status ss_zhang_speed(ss_paper *paper, softsim_error *error)
 {
     ss_chain_speed row[SS_CHAIN_SPEED_ROWS];
     ss_zhang_solid liver;
-    ss_paper *paper = zhang->paper;
     softsim_status status = ss_zhang_liver_make(paper, &liver, error);
     if (status != SOFTSIM_OK) {
         return status;

@@ -6,11 +6,7 @@
  */
 #include "zhong.h"
 
-static const struct {
-    const char *heading;
-    softsim_status (*run)(ss_zhong *zhong, softsim_error *error);
-    double weight; /* seconds, roughly */
-} sections[] = {
+static const ss_paper_section sections[] = {
     {"Fig. 4: creep", ss_zhong_creep, 4},
     {"Fig. 5: hysteresis", ss_zhong_hysteresis, 4},
     {"Fig. 6: load and deformation", ss_zhong_load_curves, 8},
@@ -25,9 +21,8 @@ static const struct {
 };
 enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 
-static void write_head(ss_zhong *zhong)
+static void write_head(ss_page *page)
 {
-    ss_page *page = &zhong->paper->page;
     ss_page_text(
         page, "The paper treats the surface of a soft body as a cellular neural network: what a "
               "contact puts into the body is a current source on the contact's cell, the "
@@ -51,24 +46,6 @@ static void write_head(ss_zhong *zhong)
                  "with alternating diagonals.");
 }
 
-static void write_missing(ss_paper *paper)
-{
-    static const char *const head[] = {"what", "what the program says"};
-    if (paper->missing_count == 0) {
-        return;
-    }
-    ss_page_heading(&paper->page, "Not in this program");
-    ss_page_text(&paper->page,
-                 "These runs need a feature that the program which made this page refuses; their "
-                 "claims were not made.");
-    ss_page_table_begin(&paper->page, 2, head);
-    for (int32_t i = 0; i < paper->missing_count; ++i) {
-        const char *const cell[] = {paper->missing[i].what, paper->missing[i].why};
-        ss_page_table_row(&paper->page, 2, cell);
-    }
-    ss_page_table_end(&paper->page);
-}
-
 static void write_declined(ss_page *page)
 {
     ss_page_heading(page, "Left out, and why");
@@ -86,17 +63,6 @@ static void write_declined(ss_page *page)
                  "would settle in is given with the network as a circuit.");
     ss_page_text(page, "The PHANToM of Fig. 12: a recorded path stands for it; softsim-bridge "
                        "connects devices.");
-}
-
-static void write_verdict(ss_paper *paper)
-{
-    ss_page_heading(&paper->page, "Verdict");
-    ss_page_text(&paper->page,
-                 "%d claims: %d pass, %d fail, %d differ: these are readings of equations 3 to 9, "
-                 "26 and 28 that the paper's words allow and that are not well posed.",
-                 paper->claim_count, ss_paper_count(paper, SS_CLAIM_PASS),
-                 ss_paper_count(paper, SS_CLAIM_FAIL), ss_paper_count(paper, SS_CLAIM_DIFFERS));
-    ss_page_link(&paper->page, "claims.csv");
 }
 
 static softsim_status make_tubes(ss_zhong *zhong, softsim_error *error)
@@ -119,23 +85,16 @@ softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error)
 {
     static ss_zhong zhong; /* large */
     zhong.paper = paper;
-    for (int k = 0; k < SECTION_COUNT; ++k) {
-        paper->weight_all += sections[k].weight;
-    }
-    write_head(&zhong);
+    paper->shared = &zhong;
+    write_head(&paper->page);
     softsim_status status = make_tubes(&zhong, error);
-    for (int k = 0; status == SOFTSIM_OK && k < SECTION_COUNT; ++k) {
-        paper->section = sections[k].heading;
-        paper->weight = sections[k].weight;
-        ss_paper_progress(paper, 0.0);
-        ss_page_heading(&paper->page, sections[k].heading);
-        status = sections[k].run(&zhong, error);
-        ss_paper_show_claims(paper);
-        paper->weight_done += sections[k].weight;
+    if (status == SOFTSIM_OK) {
+        status = ss_paper_run_sections(paper, SECTION_COUNT, sections, error);
     }
-    write_missing(paper);
+    ss_paper_write_missing(paper);
     write_declined(&paper->page);
-    write_verdict(paper);
+    ss_paper_write_verdict(paper, ": these are readings of equations 3 to 9, 26 and 28 that the "
+                                  "paper's words allow and that are not well posed.");
     for (int k = 0; k < 2; ++k) {
         ss_tube_fini(&zhong.tube[k]);
     }

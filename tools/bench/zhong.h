@@ -93,14 +93,14 @@ double ss_tube_net_static(const ss_zhong_net *net, double force, const double *s
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
-softsim_status ss_zhong_creep(ss_zhong *zhong, softsim_error *error);       /* Fig. 4 */
-softsim_status ss_zhong_hysteresis(ss_zhong *zhong, softsim_error *error);  /* Fig. 5 */
-softsim_status ss_zhong_load_curves(ss_zhong *zhong, softsim_error *error); /* Fig. 6 */
-softsim_status ss_zhong_materials(ss_zhong *zhong, softsim_error *error);   /* Figs. 7 to 11 */
-softsim_status ss_zhong_kidney(ss_zhong *zhong, softsim_error *error);      /* Figs. 12, 13 */
-softsim_status ss_zhong_rates(ss_zhong *zhong, softsim_error *error);       /* Table 1 */
-softsim_status ss_zhong_organs(ss_zhong *zhong, softsim_error *error);
-softsim_status ss_zhong_invariants(ss_zhong *zhong, softsim_error *error);
-softsim_status ss_zhong_templates(ss_zhong *zhong, softsim_error *error);  /* eqs. 14 to 18, 26 */
-softsim_status ss_zhong_relaxation(ss_zhong *zhong, softsim_error *error); /* eqs. 1, 2, 19, 20 */
-softsim_status ss_zhong_literal(ss_zhong *zhong, softsim_error *error);    /* eqs. 3 to 9 */
+softsim_status ss_zhong_creep(ss_paper *paper, softsim_error *error);       /* Fig. 4 */
+softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error);  /* Fig. 5 */
+softsim_status ss_zhong_load_curves(ss_paper *paper, softsim_error *error); /* Fig. 6 */
+softsim_status ss_zhong_materials(ss_paper *paper, softsim_error *error);   /* Figs. 7 to 11 */
+softsim_status ss_zhong_kidney(ss_paper *paper, softsim_error *error);      /* Figs. 12, 13 */
+softsim_status ss_zhong_rates(ss_paper *paper, softsim_error *error);       /* Table 1 */
+softsim_status ss_zhong_organs(ss_paper *paper, softsim_error *error);
+softsim_status ss_zhong_invariants(ss_paper *paper, softsim_error *error);
+softsim_status ss_zhong_templates(ss_paper *paper, softsim_error *error);  /* eqs. 14 to 18, 26 */
+softsim_status ss_zhong_relaxation(ss_paper *paper, softsim_error *error); /* eqs. 1, 2, 19, 20 */
+softsim_status ss_zhong_literal(ss_paper *paper, softsim_error *error);    /* eqs. 3 to 9 */

@@ -16,6 +16,21 @@ static const double tolerance = 0.02;
 
 enum { MAX_CURVES = 8 };
 
+/* The same on each tube that is there. */
+static softsim_status on_tubes(ss_zhong *zhong,
+                               softsim_status (*run)(ss_zhong *zhong, const ss_tube *tube,
+                                                     softsim_error *error),
+                               softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
+        if (zhong->tube[k].is_there) {
+            status = run(zhong, &zhong->tube[k], error);
+        }
+    }
+    return status;
+}
+
 /* Curves over a common abscissa: column 0, and a column a damping. */
 typedef struct table {
     int32_t rows, curves;
@@ -255,20 +270,14 @@ static softsim_status creep_on(ss_zhong *zhong, const ss_tube *tube, softsim_err
     return status;
 }
 
-softsim_status ss_zhong_creep(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_creep(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&zhong->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: under a constant force the displacement of the contact builds up "
                  "towards a maximum, as living tissue creeps; eight materials differ in their "
                  "damping, 3 to 10, the most damped lowest. Here: 0.25 N on the cylinder's top "
                  "point for 400 s.");
-    softsim_status status = SOFTSIM_OK;
-    for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
-        if (zhong->tube[k].is_there) {
-            status = creep_on(zhong, &zhong->tube[k], error);
-        }
-    }
-    return status;
+    return on_tubes(paper->shared, creep_on, error);
 }
 
 /* ---- Fig. 5: hysteresis ------------------------------------------------------------------- */
@@ -449,21 +458,15 @@ static softsim_status loop_on(ss_zhong *zhong, const ss_tube *tube, softsim_erro
     return status;
 }
 
-softsim_status ss_zhong_hysteresis(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&zhong->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: the force rises at a constant rate and falls again; loading and "
                  "unloading follow two distinct paths, as in living tissue. Here: up to 0.5 N and "
                  "back, 40 s each way, damping 2 and 9. The area between the paths is what damping "
                  "has taken; afterwards the body must come back, since the closure has a memory of "
                  "rest (the paper does not say what brings it back).");
-    softsim_status status = SOFTSIM_OK;
-    for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
-        if (zhong->tube[k].is_there) {
-            status = loop_on(zhong, &zhong->tube[k], error);
-        }
-    }
-    return status;
+    return on_tubes(paper->shared, loop_on, error);
 }
 
 /* ---- Fig. 6: load and deformation --------------------------------------------------------- */
@@ -617,18 +620,12 @@ static softsim_status ramp_on(ss_zhong *zhong, const ss_tube *tube, softsim_erro
     return status;
 }
 
-softsim_status ss_zhong_load_curves(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_load_curves(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&zhong->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: the force is raised at a constant rate; the deformation varies "
                  "nonlinearly with it, for eight dampings from 1 (right) to 10 (left). Here: up to "
                  "1 N in 10 s, and beside it the static curve, which hardens: the displacement "
                  "grows about as the square root of the force at first, more slowly later.");
-    softsim_status status = SOFTSIM_OK;
-    for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
-        if (zhong->tube[k].is_there) {
-            status = ramp_on(zhong, &zhong->tube[k], error);
-        }
-    }
-    return status;
+    return on_tubes(paper->shared, ramp_on, error);
 }

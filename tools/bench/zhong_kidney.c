@@ -308,11 +308,10 @@ static softsim_status run_session(ss_paper *paper, session *s, softsim_error *er
     return status;
 }
 
-softsim_status ss_zhong_kidney(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_kidney(ss_paper *paper, softsim_error *error)
 {
     session s = {.body = {.node_count = 0}};
     char reason[256];
-    ss_paper *paper = zhong->paper;
     ss_page_text(&paper->page,
                  "The paper: a haptic device moves a virtual probe; a human kidney is pushed, "
                  "pulled and dragged with force feedback. Here: the bundled kidney of %d points, "
@@ -369,10 +368,9 @@ static softsim_status measure_rates(ss_paper *paper, double out_hz[RATE_COUNT],
     return status;
 }
 
-softsim_status ss_zhong_rates(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_rates(ss_paper *paper, softsim_error *error)
 {
     static const char *const head[] = {"points", "paper, Hz", "here, Hz", "ratio"};
-    ss_paper *paper = zhong->paper;
     double hz[RATE_COUNT];
     ss_output csv;
     ss_page_text(&paper->page,

@@ -203,9 +203,9 @@ static softsim_status plot_variants(ss_zhong *zhong, softsim_error *error)
                         error);
 }
 
-softsim_status ss_zhong_literal(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_literal(ss_paper *paper, softsim_error *error)
 {
-    ss_paper *paper = zhong->paper;
+    ss_zhong *zhong = paper->shared;
     const ss_tube *tube = &zhong->tube[1];
     const double left_s = paper->is_quick ? 100.0 : 200.0;
     ss_output csv;

@@ -361,24 +361,25 @@ static softsim_status saturated_on(ss_zhong *zhong, const ss_tube *tube, softsim
     return status;
 }
 
-softsim_status ss_zhong_relaxation(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_relaxation(ss_paper *paper, softsim_error *error)
 {
+    ss_zhong *zhong = paper->shared;
     ss_output csv;
-    ss_page_text(&zhong->paper->page,
+    ss_page_text(&paper->page,
                  "The paper: the network is a circuit, (1), (2), that develops in time until its "
                  "activity does not change any more, (19); its bound K is a nonlinearity of the "
                  "cell; in hardware the collective activity of all cells is fast. Here: the model "
                  "solves for the equilibrium directly. The circuit itself is run beside it.");
-    softsim_status status = ss_paper_csv_open(zhong->paper, &csv, "relaxation",
+    softsim_status status = ss_paper_csv_open(paper, &csv, "relaxation",
                                               "mesh,step,network_time,residual,field_error", error);
     for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         if (zhong->tube[k].is_there) {
             status = settle_on(zhong, &zhong->tube[k], csv.file, error);
         }
-        ss_paper_progress(zhong->paper, 0.2 * (k + 1));
+        ss_paper_progress(paper, 0.2 * (k + 1));
     }
     if (status == SOFTSIM_OK) {
-        status = ss_paper_csv_close(zhong->paper, &csv, "relaxation", error);
+        status = ss_paper_csv_close(paper, &csv, "relaxation", error);
     } else {
         ss_output_abandon(&csv);
     }

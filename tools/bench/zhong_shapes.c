@@ -393,11 +393,12 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     return status;
 }
 
-softsim_status ss_zhong_materials(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_materials(ss_paper *paper, softsim_error *error)
 {
+    ss_zhong *zhong = paper->shared;
     static result isotropic, other;
     ss_page_text(
-        &zhong->paper->page,
+        &paper->page,
         "The paper: an isotropic cylinder (Fig. 7); a coefficient of 0.1 on the segment "
         "lines and 0.05 along the axis makes it narrower around the deformation (Fig. 8); "
         "red portions with 0.05 and green ones with 0.1 deform differently (Fig. 9); red "
@@ -410,7 +411,7 @@ softsim_status ss_zhong_materials(ss_zhong *zhong, softsim_error *error)
         for (int32_t c = 0; tube->is_there && status == SOFTSIM_OK && c < CASE_COUNT; ++c) {
             status =
                 run_case(zhong, tube, &cases[c], c == 0 ? &isotropic : &other, &isotropic, error);
-            ss_paper_progress(zhong->paper, 0.5 * k + 0.5 * (c + 1) / (CASE_COUNT + 1));
+            ss_paper_progress(paper, 0.5 * k + 0.5 * (c + 1) / (CASE_COUNT + 1));
         }
         if (status == SOFTSIM_OK && tube->is_there) {
             status = per_area_claim(zhong, tube, error);

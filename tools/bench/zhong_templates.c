@@ -183,11 +183,12 @@ static softsim_status hexagon_claims(ss_zhong *zhong, softsim_error *error)
     return status;
 }
 
-softsim_status ss_zhong_templates(ss_zhong *zhong, softsim_error *error)
+softsim_status ss_zhong_templates(ss_paper *paper, softsim_error *error)
 {
+    ss_zhong *zhong = paper->shared;
     ss_output csv;
     ss_page_text(
-        &zhong->paper->page,
+        &paper->page,
         "The paper: Poisson's equation on rectangular grids (14), for anisotropic (15) and "
         "inhomogeneous (16) material, and on triangles (17), (18); a cell's templates are "
         "its coefficients (20), and the flux between two cells is the force between two "
@@ -196,18 +197,17 @@ softsim_status ss_zhong_templates(ss_zhong *zhong, softsim_error *error)
         "dense algebra, and one hexagon of cells solved by hand. On triangles the paper "
         "has no anisotropic form: an edge at the angle t to the axis takes rho along times "
         "cos^2 t plus rho across times sin^2 t.");
-    softsim_status status =
-        ss_paper_csv_open(zhong->paper, &csv, "templates",
-                          "mesh,case,depth_m,own_depth_m,width_m,own_width_m", error);
+    softsim_status status = ss_paper_csv_open(
+        paper, &csv, "templates", "mesh,case,depth_m,own_depth_m,width_m,own_width_m", error);
     for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         for (int32_t c = 0; zhong->tube[k].is_there && status == SOFTSIM_OK && c < CASE_COUNT;
              ++c) {
             status = compare(zhong, &zhong->tube[k], &cases[c], csv.file, error);
-            ss_paper_progress(zhong->paper, 0.4 * k + 0.1 * c);
+            ss_paper_progress(paper, 0.4 * k + 0.1 * c);
         }
     }
     if (status == SOFTSIM_OK) {
-        status = ss_paper_csv_close(zhong->paper, &csv, "templates", error);
+        status = ss_paper_csv_close(paper, &csv, "templates", error);
     } else {
         ss_output_abandon(&csv);
     }

@@ -2,14 +2,10 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "levels.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "rt/vec.h"
 #include "world.h"
@@ -169,12 +165,9 @@ softsim_status ss_fit_levels_open(const char *folder, const char *material, cons
     if (status != SOFTSIM_OK) {
         return status;
     }
-    snprintf(out->folder, sizeof out->folder, "/tmp/softsim-fit-XXXXXX");
-    if (!mkdtemp(out->folder)) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "cannot make a folder in /tmp: %s",
-                          strerror(errno));
-        out->folder[0] = '\0';
-        return SOFTSIM_ERROR_FILE;
+    status = ss_scratch_make("softsim-fit", out->folder, error);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
     out->residual_count = out->level_count * (3 * out->body.mesh->node_count + 1);
     out->residual = calloc((size_t)out->residual_count, sizeof *out->residual);
@@ -184,17 +177,9 @@ softsim_status ss_fit_levels_open(const char *folder, const char *material, cons
     return ss_static_prepare(&out->body, out->folder, error);
 }
 
-/* The folder holds plain files only. */
 void ss_fit_levels_close(ss_fit_levels *levels)
 {
-    DIR *folder = levels->folder[0] != '\0' ? opendir(levels->folder) : NULL;
-    for (const struct dirent *at = folder ? readdir(folder) : NULL; at; at = readdir(folder)) {
-        unlinkat(dirfd(folder), at->d_name, 0);
-    }
-    if (folder) {
-        closedir(folder);
-        rmdir(levels->folder);
-    }
+    ss_scratch_remove(levels->folder);
     ss_case_body_fini(&levels->body);
     ss_case_fini(&levels->c);
     free(levels->model);

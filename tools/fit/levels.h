@@ -16,6 +16,7 @@
 #include "case.h"
 #include "parameters.h"
 #include "press.h"
+#include "scratch.h"
 #include "softsim/types.h"
 
 typedef struct ss_fit_levels {
@@ -27,7 +28,7 @@ typedef struct ss_fit_levels {
     double force_rms;                               /* N, of the reference; 0: none is known */
     double load_s;                                  /* about how long a level is loaded */
     double step_s;                                  /* of the scene */
-    char folder[64];                                /* temporary */
+    char folder[SS_SCRATCH_PATH];                   /* temporary */
     char *model;                                    /* the scene's lines under `model:` */
     double *residual;                               /* of the last measurement */
     int32_t residual_count;
