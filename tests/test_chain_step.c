@@ -329,7 +329,7 @@ static void what_cannot_be_honoured_is_refused_by_name(void **state)
     setup_network(&s, make_plane(5), 0.02);
     s.plan.gravity[2] = -9.81;
     give(&s, "toe_force_n", 0.1);
-    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_int_equal(s.error.fault_count, 2);
     assert_non_null(strstr(s.error.text, "cnn-chainmail: gravity_m_s2"));
     assert_non_null(strstr(s.error.text, "toe_force_n"));

@@ -281,7 +281,7 @@ static void forces_are_refused_by_name(void **state)
     s.plan.gravity[1] = 1.0;
     s.load[s.plan.load_count++] =
         (ss_load){.node = node, .node_count = 1, .force = {0, 0, 1}, .to = (double)INFINITY};
-    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_int_equal(s.error.fault_count, 2);
     assert_non_null(strstr(s.error.text, "chainmail: gravity_m_s2"));
     assert_non_null(strstr(s.error.text, "chainmail: loads"));
