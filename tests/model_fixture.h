@@ -197,6 +197,26 @@ static inline void per_node(setup *s, double mass, double damping, double rest_s
     give(s, "rest_stiffness_n_per_m", rest_stiffness);
 }
 
+/* Soft skin of a centimetre: it resists strain, rests on what is below, and is damped. */
+static inline void give_skin(setup *s)
+{
+    give(s, "modulus_j", 5.0);
+    give(s, "area_density_kg_m2", 11.5);
+    give(s, "damping_n_s_per_m3", 11.5 * 150.0);
+    give(s, "rest_stiffness_n_per_m3", 5e4);
+}
+
+/* Holds the border of a plate of `cells` x `cells`. */
+static inline void hold_rim(setup *s, int cells)
+{
+    for (int i = 0; i <= cells; ++i) {
+        for (int j = 0; j <= cells; ++j) {
+            const bool is_rim = i == 0 || j == 0 || i == cells || j == cells;
+            s->fixed[i * (cells + 1) + j] = is_rim ? 7 : 0;
+        }
+    }
+}
+
 /* The state a test wants to start from. */
 static inline void place(setup *s, int32_t node, double x, double y, double z)
 {

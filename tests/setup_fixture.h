@@ -81,6 +81,12 @@ static inline void setup_init(setup *s, const char *model, ss_mesh *mesh)
     }
 }
 
+static inline void add_sphere(setup *s, int probe, double radius)
+{
+    s->plan.tool[probe].is_used = true;
+    s->plan.tool[probe].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = radius};
+}
+
 static inline softsim_status setup_create(setup *s)
 {
     return s->class->create(&s->plan, &s->model, &s->error);

@@ -495,8 +495,7 @@ static void pressing_deeper_takes_more(void **state)
     give_row(&s, SS_FEM_POISSON_RATIO, 0.45);
     give_row(&s, SS_FEM_MASS_DAMPING, 60.0);
     fix_low(&s, 2);
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(&s, 0, 0.015);
     create(&s);
     double last = 0.0, support[3] = {0.0};
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {

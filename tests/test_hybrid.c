@@ -179,8 +179,7 @@ static void init_block(setup *s, int32_t max_active)
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][2] == 0.0 ? 7 : 0;
     }
-    s->plan.tool[0].is_used = true;
-    s->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.25};
+    add_sphere(s, 0, 0.25);
     s->plan.working_force = 0.5;
 }
 
