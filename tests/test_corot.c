@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "block_fixture.h"
 #include "models/corot.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"
@@ -21,43 +22,6 @@
 typedef double vector[3];
 
 /* ---- a body under test -------------------------------------------------------------------- */
-
-/* A block of nx x ny x nz cells of six tetrahedra, one corner at the origin. */
-static ss_mesh *make_block(int nx, int ny, int nz, double lx, double ly, double lz)
-{
-    static const int path[6][2] = {{1, 2}, {1, 4}, {2, 1}, {2, 4}, {4, 1}, {4, 2}};
-    const int nodes = (nx + 1) * (ny + 1) * (nz + 1);
-    vector *position = calloc((size_t)nodes, sizeof *position);
-    int32_t(*tet)[4] = calloc((size_t)(6 * nx * ny * nz), sizeof *tet);
-    int32_t count = 0;
-    for (int i = 0; i < nodes; ++i) {
-        const int x = i % (nx + 1), y = i / (nx + 1) % (ny + 1), z = i / (nx + 1) / (ny + 1);
-        ss_set3(position[i], lx * x / nx, ly * y / ny, lz * z / nz);
-    }
-    for (int cell = 0; cell < nx * ny * nz; ++cell) {
-        const int x = cell % nx, y = cell / nx % ny, z = cell / nx / ny;
-        int32_t corner[8];
-        for (int k = 0; k < 8; ++k) {
-            corner[k] = (x + (k & 1)) + (nx + 1) * ((y + (k >> 1 & 1)) + (ny + 1) * (z + (k >> 2)));
-        }
-        for (int p = 0; p < 6; ++p) {
-            const int a = path[p][0], b = path[p][0] | path[p][1];
-            const bool is_even = p == 0 || p == 3 || p == 4;
-            int32_t *t = tet[count++];
-            t[0] = corner[0];
-            t[1] = corner[is_even ? a : b];
-            t[2] = corner[is_even ? b : a];
-            t[3] = corner[7];
-        }
-    }
-    ss_mesh *mesh = NULL;
-    assert_int_equal(ss_mesh_create(nodes, (const vector *)position, 0, NULL, count,
-                                    (const int32_t(*)[4])tet, &mesh, NULL),
-                     SOFTSIM_OK);
-    free(position);
-    free(tet);
-    return mesh;
-}
 
 static void setup_corot(setup *s, ss_mesh *mesh, double young, double poisson)
 {
@@ -70,7 +34,8 @@ static void setup_corot(setup *s, ss_mesh *mesh, double young, double poisson)
 enum { BAR_NODES = 5 * 3 * 3 };
 static void setup_bar(setup *s, double young, double poisson)
 {
-    setup_corot(s, make_block(4, 2, 2, 0.08, 0.04, 0.04), young, poisson);
+    setup_corot(s, make_block(&(block_size){.cells = {4, 2, 2}, .size = {0.08, 0.04, 0.04}}), young,
+                poisson);
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][0] < 1e-9 ? 7 : 0;
     }
@@ -126,7 +91,8 @@ static void a_turned_body_is_at_rest(void **state)
 {
     (void)state;
     setup s;
-    setup_corot(&s, make_block(3, 2, 2, 0.06, 0.04, 0.04), 1e4, 0.45);
+    setup_corot(&s, make_block(&(block_size){.cells = {3, 2, 2}, .size = {0.06, 0.04, 0.04}}), 1e4,
+                0.45);
     create(&s);
     place(&s, turned);
     steps(&s, 1, 1e-9);
@@ -142,7 +108,8 @@ static void free_fall_is_exact(void **state)
 {
     (void)state;
     setup s;
-    setup_corot(&s, make_block(2, 2, 2, 0.04, 0.04, 0.04), 1e3, 0.3);
+    setup_corot(&s, make_block(&(block_size){.cells = {2, 2, 2}, .size = {0.04, 0.04, 0.04}}), 1e3,
+                0.3);
     s.plan.gravity[2] = -10.0;
     give_row(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-10));
     create(&s);
@@ -338,6 +305,7 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
     setup_bar(&s, 1e4, 0.45);
     give_row(&s, SS_COROT_MASS_DAMPING, 5.0);
     create(&s);
+    random_state = 3;
     place(&s, from);
     steps(&s, 1, 1e-9);
     const double before = energy_of(&s);
@@ -361,7 +329,6 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
 static void comes_back_from_anything(void **state)
 {
     (void)state;
-    random_state = 3;
     comes_back(scrambled);
     comes_back(mirrored);
     comes_back(flattened);
@@ -418,8 +385,7 @@ static void setup_press(setup *s, double stiffness)
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][2] < 1e-9 ? 7 : 0;
     }
-    s->plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(s, 0, 0.015);
     s->plan.contact_stiffness = stiffness;
     create(s);
 }
