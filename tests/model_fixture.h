@@ -39,6 +39,19 @@ static inline void draft_triangle(draft *d, int32_t a, int32_t b, int32_t c)
     t[2] = c;
 }
 
+/* The halves of quad a b c d, cut from a to c or from b to d. */
+static inline void draft_quad(draft *mesh, int32_t a, int32_t b, int32_t c, int32_t d,
+                              bool is_cut_at_a)
+{
+    if (is_cut_at_a) {
+        draft_triangle(mesh, a, b, c);
+        draft_triangle(mesh, a, c, d);
+    } else {
+        draft_triangle(mesh, a, b, d);
+        draft_triangle(mesh, b, c, d);
+    }
+}
+
 static inline ss_mesh *draft_finish(draft *d)
 {
     ss_mesh *mesh = NULL;
@@ -81,13 +94,7 @@ static inline ss_mesh *make_cylinder(int rows, int columns, double radius, doubl
         for (int j = 0; j < columns; ++j) {
             const int32_t a = i * columns + j, b = i * columns + (j + 1) % columns;
             const int32_t c = a + columns, e = b + columns;
-            if ((i + j) % 2 == 0) {
-                draft_triangle(&d, a, b, e);
-                draft_triangle(&d, a, e, c);
-            } else {
-                draft_triangle(&d, a, b, c);
-                draft_triangle(&d, b, e, c);
-            }
+            draft_quad(&d, a, b, e, c, (i + j) % 2 == 0);
         }
     }
     return draft_finish(&d);
@@ -108,13 +115,7 @@ static inline ss_mesh *make_plate(int cells, double size)
     for (int i = 0; i < cells; ++i) {
         for (int j = 0; j < cells; ++j) {
             const int32_t a = i * side + j, b = a + 1, c = a + side, e = c + 1;
-            if ((i + j) % 2 == 0) {
-                draft_triangle(&d, a, b, e);
-                draft_triangle(&d, a, e, c);
-            } else {
-                draft_triangle(&d, a, b, c);
-                draft_triangle(&d, b, e, c);
-            }
+            draft_quad(&d, a, b, e, c, (i + j) % 2 == 0);
         }
     }
     return draft_finish(&d);

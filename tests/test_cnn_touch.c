@@ -354,16 +354,32 @@ static void strained_tissue_holds_no_tool_off(void **state)
     setup_fini(&s);
 }
 
+#define GRIP_RADIUS 0.008
+
+/* A sphere pressed in by 4 mm, ready to grasp. */
+static void setup_grip(setup *s, ss_model_tool *tool)
+{
+    setup_plate(s, 1, GRIP_RADIUS, 0.0);
+    s->plan.step = 5e-4;
+    create(s);
+    press(s, tool, 1, 0.0, GRIP_RADIUS, 0.004);
+}
+
+/* Lifts it by 8 mm, at y. */
+static void lift(setup *s, ss_model_tool *tool, double y)
+{
+    for (int n = 1; n <= 400; ++n) {
+        go(tool, 0.0, y, GRIP_RADIUS - 0.004 + 0.008 * n / 400.0);
+        step_tools(s, 5e-4, tool);
+    }
+}
+
 static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **state)
 {
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    const double radius = 0.008;
-    setup_plate(&s, 1, radius, 0.0);
-    s.plan.step = 5e-4;
-    create(&s);
-    press(&s, tool, 1, 0.0, radius, 0.004);
+    setup_grip(&s, tool);
     double before[3], change[3];
     ss_copy3(before, s.model->tool[0].force);
     tool[0].is_grasping = true;
@@ -373,10 +389,7 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
     ss_contact_set set;
     s.class->contacts(s.model, 0, 0.005, &set);
     assert_true(set.is_held);
-    for (int n = 1; n <= 400; ++n) { /* lift by 8 mm: now it pulls */
-        go(tool, 0.0, 0.0007, radius - 0.004 + 0.008 * n / 400.0);
-        step_tools(&s, 5e-4, tool);
-    }
+    lift(&s, tool, 0.0007); /* now it pulls */
     settle(&s, 5e-4, tool, 400);
     assert_true(s.model->tool[0].force[2] < -0.01);
     const double stored = info_of(&s).elastic;
@@ -402,20 +415,13 @@ static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    const double radius = 0.008;
-    setup_plate(&s, 1, radius, 0.0);
-    s.plan.step = 5e-4;
-    create(&s);
-    press(&s, tool, 1, 0.0, radius, 0.004);
+    setup_grip(&s, tool);
     tool[0].is_grasping = true;
-    for (int n = 1; n <= 400; ++n) {
-        go(tool, 0.0, 0.0, radius - 0.004 + 0.008 * n / 400.0);
-        step_tools(&s, 5e-4, tool);
-    }
+    lift(&s, tool, 0.0);
     const double stored = info_of(&s).elastic;
     for (int n = 0; n < 240; ++n) { /* let go for 2 ms of the 20 that it takes, and taken again */
         tool[0].is_grasping = n % 24 >= 4;
-        go(tool, 0.0, 0.0, radius + 0.004 + 0.01 * n / 240.0);
+        go(tool, 0.0, 0.0, GRIP_RADIUS + 0.004 + 0.01 * n / 240.0);
         step_tools(&s, 5e-4, tool);
         assert_true(s.model->tool[0].grasp.share > 0.5);
     }
