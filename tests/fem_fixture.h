@@ -156,15 +156,6 @@ static inline ss_real *random_quads(int32_t node_count, double size)
     return q;
 }
 
-static inline double largest_quad(int32_t node_count, const ss_real *q)
-{
-    double largest = 0.0;
-    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)node_count; ++k) {
-        largest = fmax(largest, fabs((double)q[k]));
-    }
-    return largest;
-}
-
 static inline double dot_quads(int32_t node_count, const ss_real *a, const ss_real *b)
 {
     double sum = 0.0;

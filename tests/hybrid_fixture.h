@@ -140,12 +140,3 @@ static inline ss_real *forces_of(ss_hybrid *hybrid, double *out_energy)
     *out_energy = energy.elastic;
     return force;
 }
-
-static inline double largest_of(int32_t count, const ss_real *value)
-{
-    double largest = 0.0;
-    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)count; ++k) {
-        largest = fmax(largest, fabs((double)value[k]));
-    }
-    return largest;
-}

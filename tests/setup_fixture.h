@@ -142,15 +142,21 @@ static inline double moved(const setup *s, int32_t node, int axis)
     return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
 }
 
-/* Along an axis; a displacement that is no number stays. */
-static inline double largest_displacement(const setup *s)
+/* Of nodes' x, y and z; what is no number stays. */
+static inline double largest_quad(int32_t node_count, const ss_real *q)
 {
     double largest = 0.0;
-    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+    for (ptrdiff_t i = 0; i < node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            const double u = fabs(moved(s, i, k));
-            largest = isnan(largest) || u <= largest ? largest : u;
+            const double size = fabs((double)q[4 * i + k]);
+            largest = isnan(largest) || size <= largest ? largest : size;
         }
     }
     return largest;
+}
+
+/* Along an axis. */
+static inline double largest_displacement(const setup *s)
+{
+    return largest_quad(s->mesh->node_count, s->class->displacement(s->model));
 }

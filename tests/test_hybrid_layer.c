@@ -210,7 +210,7 @@ static void force_is_the_slope_of_energy(void **state)
     double energy;
     ss_real *force = forces_of(hybrid, &energy);
     const double h = BY_TYPE(1e-3, 1e-5);
-    const double scale = largest_of(nodes->count, force);
+    const double scale = largest_quad(nodes->count, force);
     for (int32_t i = 0; i < nodes->count; i += 7) {
         if (!has_mass(hybrid, i)) {
             continue;
@@ -252,7 +252,7 @@ static void tangent_is_the_change_of_force(void **state)
     memset(nodes->u, 0, size);
     free(forces_of(hybrid, &energy));
     ss_hybrid_tangent(hybrid, x, product);
-    const double scale = largest_of(nodes->count, force);
+    const double scale = largest_quad(nodes->count, force);
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
         assert_near((double)product[k] / scale, -(double)force[k] / scale, BY_TYPE(4e-3, 2e-4));
     }
@@ -282,7 +282,7 @@ static double rotation_noise(const double low[3])
         }
         set_affine(hybrid, k == 0 ? stretch : turn, back);
         ss_real *force = forces_of(hybrid, &energy);
-        largest[k] = largest_of(ss_body_read_nodes(hybrid->body)->count, force);
+        largest[k] = largest_quad(ss_body_read_nodes(hybrid->body)->count, force);
         free(force);
     }
     setup_fini(&s);
@@ -354,7 +354,7 @@ static void paths_agree(void **state)
         hybrid->kernels = ss_layer_kernels_path(path);
         force[1] = forces_of(hybrid, &energy[1]);
         const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
-        const double scale = largest_of(nodes->count, force[0]);
+        const double scale = largest_quad(nodes->count, force[0]);
         for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
             assert_near((double)force[1][k] / scale, (double)force[0][k] / scale,
                         BY_TYPE(1e-5, 1e-13));
