@@ -1,31 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Meshes, parameters and a chain to step: shared by the tests of chains. cmocka comes first. */
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "mesh/mesh.h"
+/* Meshes and networks: shared by the tests of chains. cmocka comes first. */
 #include "models/chain.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
+#include "setup_fixture.h"
 
-#ifdef SOFTSIM_DOUBLE
-#define BY_TYPE(single, twice) (twice)
-#else
-#define BY_TYPE(single, twice) (single)
-#endif
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
 #define assert_below(a, b)                                                                         \
     do {                                                                                           \
         const double below_a = (a), below_b = (b);                                                 \
@@ -106,58 +87,7 @@ static inline ss_mesh *make_triangle(double far)
     return mesh;
 }
 
-/* ---- a model ------------------------------------------------------------------------------ */
-
-/* What a test says of a model before it is created. */
-typedef struct setup {
-    ss_mesh *mesh;
-    uint8_t *fixed;
-    ss_param_value param[40];
-    ss_load load[4];
-    ss_prescribed prescribed[4];
-    ss_model_plan plan;
-    const ss_model_class *class;
-    softsim_error error;
-    ss_model *model;
-    double time;
-} setup;
-
-static inline int row_of(const setup *s, const char *name)
-{
-    for (int k = 0; k < s->class->row_count; ++k) {
-        if (strcmp(s->class->row[k].name, name) == 0) {
-            return k;
-        }
-    }
-    abort();
-}
-
-static inline void give(setup *s, const char *name, double value)
-{
-    s->param[row_of(s, name)] = (ss_param_value){.number = value, .is_given = true};
-}
-
-/* Takes `mesh`; all parameters at their defaults. */
-static inline void setup_init(setup *s, const char *model, ss_mesh *mesh)
-{
-    memset(s, 0, sizeof *s);
-    s->mesh = mesh;
-    s->class = ss_model_find(model);
-    s->fixed = calloc((size_t)mesh->node_count, 1);
-    for (int k = 0; k < s->class->row_count; ++k) {
-        s->param[k].number = s->class->row[k].fallback;
-    }
-    s->plan = (ss_model_plan){.mesh = mesh,
-                              .fixed = s->fixed,
-                              .param = s->param,
-                              .load = s->load,
-                              .prescribed = s->prescribed,
-                              .working_force = 2.0,
-                              .max_force = 8.0,
-                              .step = 1e-3,
-                              .max_substeps = 64,
-                              .threads = 1};
-}
+/* ---- a network ---------------------------------------------------------------------------- */
 
 /* C = 1 s, k = 1 N/m, no coarse level and no guard: the network alone. */
 static inline void setup_network(setup *s, ss_mesh *mesh, double alpha)
@@ -170,42 +100,6 @@ static inline void setup_network(setup *s, ss_mesh *mesh, double alpha)
     give(s, "tet_guard", 0.0);
 }
 
-static inline void create(setup *s)
-{
-    if (s->class->create(&s->plan, &s->model, &s->error) != SOFTSIM_OK) {
-        fail_msg("create: %s", s->error.text);
-    }
-}
-
-static inline void setup_fini(setup *s)
-{
-    if (s->model) {
-        s->class->destroy(s->model);
-    }
-    free(s->fixed);
-    ss_mesh_destroy(&s->mesh);
-}
-
-static inline void steps(setup *s, int count, double dt)
-{
-    for (int k = 0; k < count; ++k) {
-        s->class->step(s->model, s->time, dt, NULL);
-        s->time += dt;
-    }
-}
-
-static inline ss_model_info info_of(const setup *s)
-{
-    ss_model_info info;
-    s->class->info(s->model, &info);
-    return info;
-}
-
-static inline double moved(const setup *s, int32_t node, int axis)
-{
-    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
-}
-
 /* A set of nodes driven by (x, y, z) from t = 0 on, in `ramp` seconds. */
 static inline void drive(setup *s, int32_t count, int32_t *node, double (*way)[3], double ramp)
 {
@@ -214,12 +108,4 @@ static inline void drive(setup *s, int32_t count, int32_t *node, double (*way)[3
                                                                 .displacement = way,
                                                                 .axis = {true, true, true},
                                                                 .ramp = ramp};
-}
-
-static uint64_t random_state = 1;
-
-static inline double random_unit(void)
-{
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
 }

@@ -23,13 +23,7 @@ static inline ss_mesh *make_grid(int rows, int columns, bool is_ring, const doub
         const int32_t c[4] = {i * columns + j, (i + 1) * columns + j, (i + 1) * columns + next,
                               i * columns + next};
         memcpy(quad[q], c, sizeof c);
-        if ((i + j) % 2 == 0) {
-            draft_triangle(&d, c[0], c[1], c[2]);
-            draft_triangle(&d, c[0], c[2], c[3]);
-        } else {
-            draft_triangle(&d, c[0], c[1], c[3]);
-            draft_triangle(&d, c[1], c[2], c[3]);
-        }
+        draft_quad(&d, c[0], c[1], c[2], c[3], (i + j) % 2 == 0);
     }
     ss_mesh *mesh = draft_finish(&d);
     mesh->quad = quad;

@@ -3,28 +3,10 @@
 #pragma once
 /* Bars of cubes cut into tetrahedra, some of them left to a particle layer, and a hybrid over them:
  * shared by the tests of the layer and of the model. cmocka comes first. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "models/hybrid.h"
-#include "models/model.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
-
-#ifdef SOFTSIM_DOUBLE
-#define BY_TYPE(single, twice) (twice)
-#else
-#define BY_TYPE(single, twice) (single)
-#endif
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
+#include "setup_fixture.h"
 
 /* nx x ny x nz cubes of edge h from `low`, of which those with is_core(i, j, k) are tetrahedra;
  * the surface is the whole bar's. Inner nodes are off by `jitter` edges at most, along x and y. */
@@ -86,75 +68,31 @@ static inline ss_mesh *make_bar(const int n[3], double h, const double low[3], d
 
 /* ---- a hybrid ------------------------------------------------------------------------------- */
 
-typedef struct hybrid_case {
-    ss_mesh *mesh;
-    uint8_t *fixed;
-    ss_param_value param[SS_HYBRID_ROW_COUNT];
-    ss_model_plan plan;
-    const ss_model_class *model_class;
-    ss_model *model;
-} hybrid_case;
-
 /* Takes the mesh; lambda 5.5, mu 2.5, density 1, nothing fixed, all asleep unless set otherwise
- * before case_start. */
-static inline void case_init(hybrid_case *c, ss_mesh *mesh, double spacing)
+ * before start_hybrid. */
+static inline void setup_hybrid(setup *s, ss_mesh *mesh, double spacing)
 {
-    memset(c, 0, sizeof *c);
-    c->mesh = mesh;
-    c->fixed = calloc((size_t)mesh->node_count, 1);
-    c->model_class = ss_model_find("hybrid");
-    assert_non_null(c->model_class);
-    for (int32_t k = 0; k < c->model_class->row_count; ++k) {
-        c->param[k].number = c->model_class->row[k].fallback;
-    }
-    const struct {
-        int row;
-        double value;
-    } given[] = {{SS_FEM_LAMBDA, 5.5},
-                 {SS_FEM_MU, 2.5},
-                 {SS_FEM_DENSITY, 1.0},
-                 {SS_HYBRID_SPACING, spacing}};
-    for (size_t k = 0; k < sizeof given / sizeof *given; ++k) {
-        c->param[given[k].row].number = given[k].value;
-        c->param[given[k].row].is_given = true;
-    }
-    c->plan = (ss_model_plan){.mesh = mesh,
-                              .fixed = c->fixed,
-                              .param = c->param,
-                              .working_force = 0.1,
-                              .max_force = 8.0,
-                              .step = 0.01,
-                              .max_substeps = 1000,
-                              .threads = 1};
-}
-
-static inline void case_set(hybrid_case *c, int row, double value)
-{
-    c->param[row].number = value;
-    c->param[row].is_given = true;
+    setup_init(s, "hybrid", mesh);
+    give_row(s, SS_FEM_LAMBDA, 5.5);
+    give_row(s, SS_FEM_MU, 2.5);
+    give_row(s, SS_FEM_DENSITY, 1.0);
+    give_row(s, SS_HYBRID_SPACING, spacing);
+    s->plan.working_force = 0.1;
+    s->plan.step = 0.01;
+    s->plan.max_substeps = 1000;
 }
 
 /* Everything awake, always. */
-static inline void case_wake_all(hybrid_case *c)
+static inline void wake_all(setup *s)
 {
-    case_set(c, SS_HYBRID_ACTIVATE, 1e6);
-    case_set(c, SS_HYBRID_MAX_ACTIVE, 1e6);
+    give_row(s, SS_HYBRID_ACTIVATE, 1e6);
+    give_row(s, SS_HYBRID_MAX_ACTIVE, 1e6);
 }
 
-static inline ss_hybrid *case_start(hybrid_case *c)
+static inline ss_hybrid *start_hybrid(setup *s)
 {
-    softsim_error error = {.status = SOFTSIM_OK};
-    if (c->model_class->create(&c->plan, &c->model, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return (ss_hybrid *)c->model;
-}
-
-static inline void case_end(hybrid_case *c)
-{
-    c->model_class->destroy(c->model);
-    ss_mesh_destroy(&c->mesh);
-    free(c->fixed);
+    create(s);
+    return (ss_hybrid *)s->model;
 }
 
 /* Rest position of node i of the body: of the mesh, or of the particle that is awake in it. */
@@ -201,13 +139,4 @@ static inline ss_real *forces_of(ss_hybrid *hybrid, double *out_energy)
     ss_hybrid_force(hybrid, nodes->u, nodes->v, force, &energy);
     *out_energy = energy.elastic;
     return force;
-}
-
-static inline double largest_of(int32_t count, const ss_real *value)
-{
-    double largest = 0.0;
-    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)count; ++k) {
-        largest = fmax(largest, fabs((double)value[k]));
-    }
-    return largest;
 }

@@ -1,34 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Meshes, parameters and a model to step: shared by the tests of models/. cmocka comes first. */
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "mesh/mesh.h"
+/* Meshes of triangles, and bodies of cnn-energy: shared by the tests of models/. cmocka comes
+ * first. */
 #include "models/cnn_energy.h"
-#include "models/model.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
+#include "setup_fixture.h"
 
 #define PI 3.14159265358979323846
-
-#ifdef SOFTSIM_DOUBLE
-#define BY_TYPE(single, twice) (twice)
-#else
-#define BY_TYPE(single, twice) (single)
-#endif
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
 
 /* ---- meshes ------------------------------------------------------------------------------- */
 
@@ -57,6 +37,19 @@ static inline void draft_triangle(draft *d, int32_t a, int32_t b, int32_t c)
     t[0] = a;
     t[1] = b;
     t[2] = c;
+}
+
+/* The halves of quad a b c d, cut from a to c or from b to d. */
+static inline void draft_quad(draft *mesh, int32_t a, int32_t b, int32_t c, int32_t d,
+                              bool is_cut_at_a)
+{
+    if (is_cut_at_a) {
+        draft_triangle(mesh, a, b, c);
+        draft_triangle(mesh, a, c, d);
+    } else {
+        draft_triangle(mesh, a, b, d);
+        draft_triangle(mesh, b, c, d);
+    }
 }
 
 static inline ss_mesh *draft_finish(draft *d)
@@ -101,13 +94,7 @@ static inline ss_mesh *make_cylinder(int rows, int columns, double radius, doubl
         for (int j = 0; j < columns; ++j) {
             const int32_t a = i * columns + j, b = i * columns + (j + 1) % columns;
             const int32_t c = a + columns, e = b + columns;
-            if ((i + j) % 2 == 0) {
-                draft_triangle(&d, a, b, e);
-                draft_triangle(&d, a, e, c);
-            } else {
-                draft_triangle(&d, a, b, c);
-                draft_triangle(&d, b, e, c);
-            }
+            draft_quad(&d, a, b, e, c, (i + j) % 2 == 0);
         }
     }
     return draft_finish(&d);
@@ -128,13 +115,7 @@ static inline ss_mesh *make_plate(int cells, double size)
     for (int i = 0; i < cells; ++i) {
         for (int j = 0; j < cells; ++j) {
             const int32_t a = i * side + j, b = a + 1, c = a + side, e = c + 1;
-            if ((i + j) % 2 == 0) {
-                draft_triangle(&d, a, b, e);
-                draft_triangle(&d, a, e, c);
-            } else {
-                draft_triangle(&d, a, b, c);
-                draft_triangle(&d, b, e, c);
-            }
+            draft_quad(&d, a, b, e, c, (i + j) % 2 == 0);
         }
     }
     return draft_finish(&d);
@@ -196,62 +177,9 @@ static inline ss_mesh *make_ellipsoid(int f, double ax, double ay, double az)
 
 /* ---- a model ------------------------------------------------------------------------------ */
 
-enum { MAX_ROWS = 40 };
-
-/* What a test says of a model before it is created. */
-typedef struct setup {
-    ss_mesh *mesh;
-    uint8_t *fixed;
-    ss_param_value param[MAX_ROWS];
-    ss_load load[4];
-    ss_prescribed prescribed[2];
-    ss_model_plan plan;
-    const ss_model_class *class;
-    softsim_error error;
-    ss_model *model;
-    double time;
-} setup;
-
-static inline int row_of(const setup *s, const char *name)
-{
-    for (int k = 0; k < s->class->row_count; ++k) {
-        if (strcmp(s->class->row[k].name, name) == 0) {
-            return k;
-        }
-    }
-    abort();
-}
-
-static inline void give(setup *s, const char *name, double value)
-{
-    s->param[row_of(s, name)] = (ss_param_value){.number = value, .is_given = true};
-}
-
 static inline void give_field(setup *s, const char *name, double *per_node)
 {
     s->param[row_of(s, name)] = (ss_param_value){.per_node = per_node, .is_given = true};
-}
-
-/* Takes `mesh`; all parameters at their defaults. */
-static inline void setup_init(setup *s, const char *model, ss_mesh *mesh)
-{
-    memset(s, 0, sizeof *s);
-    s->mesh = mesh;
-    s->class = ss_model_find(model);
-    s->fixed = calloc((size_t)mesh->node_count, 1);
-    for (int k = 0; k < s->class->row_count; ++k) {
-        s->param[k].number = s->class->row[k].fallback;
-    }
-    s->plan = (ss_model_plan){.mesh = mesh,
-                              .fixed = s->fixed,
-                              .param = s->param,
-                              .load = s->load,
-                              .prescribed = s->prescribed,
-                              .working_force = 2.0,
-                              .max_force = 8.0,
-                              .step = 1e-3,
-                              .max_substeps = 64,
-                              .threads = 2};
 }
 
 /* A constant force on one node from t = 0 on. */
@@ -259,48 +187,6 @@ static inline void push(setup *s, int32_t *node, double fx, double fy, double fz
 {
     s->load[s->plan.load_count++] =
         (ss_load){.node = node, .node_count = 1, .force = {fx, fy, fz}, .to = (double)INFINITY};
-}
-
-static inline softsim_status setup_create(setup *s)
-{
-    return s->class->create(&s->plan, &s->model, &s->error);
-}
-
-static inline void setup_fini(setup *s)
-{
-    if (s->model) {
-        s->class->destroy(s->model);
-    }
-    free(s->fixed);
-    ss_mesh_destroy(&s->mesh);
-}
-
-static inline void steps(setup *s, int count, double dt)
-{
-    for (int k = 0; k < count; ++k) {
-        s->class->step(s->model, s->time, dt, NULL);
-        s->time += dt;
-    }
-}
-
-static inline double moved(const setup *s, int32_t node, int axis)
-{
-    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
-}
-
-static inline ss_model_info info_of(const setup *s)
-{
-    ss_model_info info;
-    s->class->info(s->model, &info);
-    return info;
-}
-
-static inline void create(setup *s)
-{
-    const softsim_status status = setup_create(s);
-    if (status != SOFTSIM_OK) {
-        fail_msg("create: %s", s->error.text);
-    }
 }
 
 /* Mass, damping and rest stiffness of a node as given. */
@@ -312,21 +198,24 @@ static inline void per_node(setup *s, double mass, double damping, double rest_s
     give(s, "rest_stiffness_n_per_m", rest_stiffness);
 }
 
-static inline double ledger(const setup *s)
+/* Soft skin of a centimetre: it resists strain, rests on what is below, and is damped. */
+static inline void give_skin(setup *s)
 {
-    const ss_model_info info = info_of(s);
-    return info.elastic + info.kinetic - info.work + info.dissipated;
+    give(s, "modulus_j", 5.0);
+    give(s, "area_density_kg_m2", 11.5);
+    give(s, "damping_n_s_per_m3", 11.5 * 150.0);
+    give(s, "rest_stiffness_n_per_m3", 5e4);
 }
 
-static inline double largest_displacement(const setup *s)
+/* Holds the border of a plate of `cells` x `cells`. */
+static inline void hold_rim(setup *s, int cells)
 {
-    double largest = 0.0;
-    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            largest = fmax(largest, fabs(moved(s, i, k)));
+    for (int i = 0; i <= cells; ++i) {
+        for (int j = 0; j <= cells; ++j) {
+            const bool is_rim = i == 0 || j == 0 || i == cells || j == cells;
+            s->fixed[i * (cells + 1) + j] = is_rim ? 7 : 0;
         }
     }
-    return largest;
 }
 
 /* The state a test wants to start from. */
@@ -337,14 +226,6 @@ static inline void place(setup *s, int32_t node, double x, double y, double z)
     u[1] = (ss_real)y;
     u[2] = (ss_real)z;
     s->model->is_ready = false;
-}
-
-static uint64_t random_state = 1;
-
-static inline double random_unit(void)
-{
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
 }
 
 /* Random displacements of all free axes, up to `size`. */

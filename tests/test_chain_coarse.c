@@ -151,8 +151,7 @@ static void reset_gives_the_same_bits_again(void **state)
     (void)state;
     setup s;
     setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 1.5}};
+    add_sphere(&s, 0, 1.5);
     for (int32_t i = 0; i < SIDE * SIDE; ++i) {
         s.fixed[i] = 7;
     }

@@ -26,8 +26,7 @@ static void felt_init(felt *f, double alpha)
     setup_init(&f->s, "cnn-chainmail", make_box(SIDE, SIDE, LAYERS, EDGE));
     give(&f->s, "alpha", alpha);
     give(&f->s, "link_stiffness_n_per_m", 200.0);
-    f->s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = RADIUS}};
+    add_sphere(&f->s, 0, RADIUS);
     for (int32_t i = 0; i < SIDE * SIDE; ++i) {
         f->s.fixed[i] = 7;
     }

@@ -98,7 +98,7 @@ static void alpha_is_taken_link_by_link(void **state)
     link[2].node[0] = 0;
     s.param[row_of(&s, "alpha")] =
         (ss_param_value){.per_link = link, .link_count = 3, .is_given = true};
-    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_non_null(strstr(s.error.text, "1 name one again (of node 0), 1 links have no row"));
     setup_fini(&s);
 }

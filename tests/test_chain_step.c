@@ -9,18 +9,21 @@
 
 #include "chain_fixture.h"
 
-/* The 21 x 21 plane of the paper's figure 4, held at its rim, its middle driven by `way`. */
+/* The 21 x 21 plane of the paper's figure 4, held at its rim, its middle driven by `lift` along z
+ * in `ramp` seconds. */
 enum { PLANE = 21, MIDDLE = PLANE * PLANE / 2 };
+static int32_t middle[1] = {MIDDLE};
+static double middle_way[1][3];
 
-static void setup_plane(setup *s, double alpha, int32_t *node, double (*way)[3], double ramp)
+static void setup_plane(setup *s, double alpha, double lift, double ramp)
 {
     setup_network(s, make_plane(PLANE), alpha);
     for (int32_t i = 0; i < PLANE * PLANE; ++i) {
         const int32_t r = i / PLANE, c = i % PLANE;
         s->fixed[i] = r == 0 || c == 0 || r == PLANE - 1 || c == PLANE - 1 ? 7 : 0;
     }
-    node[0] = MIDDLE;
-    drive(s, 1, node, way, ramp);
+    ss_set3(middle_way[0], 0.0, 0.0, lift);
+    drive(s, 1, middle, middle_way, ramp);
 }
 
 static double held_force(const setup *s)
@@ -35,10 +38,8 @@ static double held_force(const setup *s)
 static void held_force_fades_below_the_threshold(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 1.5}}; /* d_c = 10 sqrt(1.02^2 - 1) = 2.01 */
     setup s;
-    setup_plane(&s, 0.02, node, way, 1.5);
+    setup_plane(&s, 0.02, 1.5, 1.5); /* d_c = 10 sqrt(1.02^2 - 1) = 2.01 */
     create(&s);
     steps(&s, 15, 0.1);
     const double peak = held_force(&s);
@@ -52,10 +53,8 @@ static void held_force_fades_below_the_threshold(void **state)
 static void held_force_relaxes_to_a_minimum_above_it(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 5.0}};
     setup s;
-    setup_plane(&s, 0.02, node, way, 5.0);
+    setup_plane(&s, 0.02, 5.0, 5.0);
     create(&s);
     steps(&s, 500, 0.01);
     double last = held_force(&s);
@@ -89,10 +88,8 @@ static double chord_deviation(const setup *s)
 static void shape_is_no_pyramid(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 5.0}};
     setup s;
-    setup_plane(&s, 0.02, node, way, 20.0);
+    setup_plane(&s, 0.02, 5.0, 20.0);
     create(&s);
     steps(&s, 200, 0.1);
     assert_true(chord_deviation(&s) > 0.5); /* while it spreads */
@@ -238,14 +235,12 @@ static void ramp_dissipates_and_literal_creates(void **state)
 static void leak_brings_back_the_exact_shape(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 3.0}};
     setup s;
-    setup_plane(&s, 0.02, node, way, 3.0);
+    setup_plane(&s, 0.02, 3.0, 3.0);
     give(&s, "leak_resistance", 10.0);
     create(&s);
     steps(&s, 100, 0.1);
-    way[0][2] = 0.0; /* let go: back, and alpha 0 */
+    middle_way[0][2] = 0.0; /* let go: back, and alpha 0 */
     steps(&s, 1000, 0.1);
     assert_near(s.model->ratio, 0.0, 1e-6);
     for (int32_t i = 0; i < PLANE * PLANE; ++i) {
@@ -283,10 +278,8 @@ static void load_is_carried_by_the_supports(void **state)
 static void what_moves_a_cell_is_work(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 4.0}};
     setup s;
-    setup_plane(&s, 0.02, node, way, 8.0);
+    setup_plane(&s, 0.02, 4.0, 8.0);
     create(&s);
     double by_force = 0.0, last = 0.0, dissipated = 0.0;
     for (int n = 0; n < 800; ++n) {
@@ -305,10 +298,8 @@ static void stiffness_scales_forces_alone(void **state)
     (void)state;
     double force[2], shape[2];
     for (int which = 0; which < 2; ++which) {
-        int32_t node[1];
-        double way[1][3] = {{0.0, 0.0, 4.0}};
         setup s;
-        setup_plane(&s, 0.02, node, way, 4.0);
+        setup_plane(&s, 0.02, 4.0, 4.0);
         give(&s, "link_stiffness_n_per_m", which ? 250.0 : 1.0);
         create(&s);
         steps(&s, 60, 0.1);
@@ -329,7 +320,7 @@ static void what_cannot_be_honoured_is_refused_by_name(void **state)
     setup_network(&s, make_plane(5), 0.02);
     s.plan.gravity[2] = -9.81;
     give(&s, "toe_force_n", 0.1);
-    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_int_equal(s.error.fault_count, 2);
     assert_non_null(strstr(s.error.text, "cnn-chainmail: gravity_m_s2"));
     assert_non_null(strstr(s.error.text, "toe_force_n"));
@@ -388,10 +379,8 @@ static void not_finite_is_a_fault_until_reset(void **state)
 static void a_set_too_fast_to_follow_is_said(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 40.0}};
     setup s;
-    setup_plane(&s, 0.02, node, way, 0.0);
+    setup_plane(&s, 0.02, 40.0, 0.0);
     s.plan.max_substeps = 8;
     create(&s);
     steps(&s, 1, 0.01);
@@ -406,10 +395,9 @@ static void nothing_not_finite_is_published(void **state)
 {
     (void)state;
     for (int front = 0; front < 2; ++front) {
-        int32_t node[1];
-        double way[1][3] = {{0.0, 0.0, 4.0}}, force[3];
+        double force[3];
         setup s;
-        setup_plane(&s, 0.02, node, way, 4.0);
+        setup_plane(&s, 0.02, 4.0, 4.0);
         create(&s);
         steps(&s, 40, 0.05);
         assert_int_equal(s.model->is_all_awake, false);
@@ -432,10 +420,8 @@ static void nothing_not_finite_is_published(void **state)
 static void energy_from_nowhere_is_in_the_ledger(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 4.0}};
     setup s;
-    setup_plane(&s, 0.0, node, way, 4.0);
+    setup_plane(&s, 0.0, 4.0, 4.0);
     create(&s);
     steps(&s, 200, 0.05);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
@@ -457,10 +443,8 @@ static void energy_from_nowhere_is_in_the_ledger(void **state)
 static void energy_that_creeps_in_is_found(void **state)
 {
     (void)state;
-    int32_t node[1];
-    double way[1][3] = {{0.0, 0.0, 4.0}};
     setup s;
-    setup_plane(&s, 0.0, node, way, 4.0);
+    setup_plane(&s, 0.0, 4.0, 4.0);
     create(&s);
     steps(&s, 4000, 0.4);
     bool is_said = false;

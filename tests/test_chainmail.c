@@ -165,8 +165,7 @@ static void tool_moves_what_it_touches_and_feels_nothing(void **state)
     (void)state;
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(&s, 0, 0.015);
     for (int32_t i = 0; i < 81; ++i) {
         s.fixed[i] = 7;
     }
@@ -222,8 +221,7 @@ static void grasp_holds_what_its_own_tool_touches(void **state)
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
     for (int k = 0; k < 2; ++k) {
-        s.plan.tool[k] =
-            (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+        add_sphere(&s, k, 0.015);
     }
     for (int32_t i = 0; i < 81; ++i) {
         s.fixed[i] = 7;
@@ -256,8 +254,7 @@ static void too_few_parts_are_said(void **state)
     (void)state;
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(&s, 0, 0.015);
     create(&s);
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     tool[0].is_present = true;
@@ -281,7 +278,7 @@ static void forces_are_refused_by_name(void **state)
     s.plan.gravity[1] = 1.0;
     s.load[s.plan.load_count++] =
         (ss_load){.node = node, .node_count = 1, .force = {0, 0, 1}, .to = (double)INFINITY};
-    assert_int_equal(s.class->create(&s.plan, &s.model, &s.error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
     assert_int_equal(s.error.fault_count, 2);
     assert_non_null(strstr(s.error.text, "chainmail: gravity_m_s2"));
     assert_non_null(strstr(s.error.text, "chainmail: loads"));

@@ -302,16 +302,12 @@ static double press_plate(bool is_grid, double across)
         const double *p = s.mesh->position[i];
         s.fixed[i] = fmax(fabs(p[0]), fabs(p[1])) > 0.0499 ? 7 : 0;
     }
-    give(&s, "modulus_j", 5.0);
+    give_skin(&s);
     give(&s, "pretension_j", 0.5);
-    give(&s, "area_density_kg_m2", 11.5);
-    give(&s, "damping_n_s_per_m3", 1725.0);
-    give(&s, "rest_stiffness_n_per_m3", 5e4);
     give(&s, "rho_direction", 1.0);
     give(&s, "rho_across", across);
     give_direction(&s, 1.0, 0.0, 0.0);
-    s.plan.tool[0].is_used = true;
-    s.plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.01};
+    add_sphere(&s, 0, 0.01);
     s.plan.contact_reach = 0.00625; /* the same on both */
     create(&s);
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -415,8 +411,7 @@ static void setup_block(setup *s, int cells, double pretension)
     give(s, "density_kg_m3", 1000.0);
     give(s, "damping_n_s_per_m4", 3e5);
     give(s, "rest_stiffness_n_per_m4", 5e5);
-    s->plan.tool[0].is_used = true;
-    s->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.02};
+    add_sphere(s, 0, 0.02);
     s->plan.contact_reach = 0.02;
 }
 

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "model_fixture.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
+#include "touch_fixture.h"
 
 /* ---- the literal network ------------------------------------------------------------------ */
 
@@ -459,46 +459,19 @@ static void a_release_gives_back_everything(void **state)
 
 /* ---- tools -------------------------------------------------------------------------------- */
 
-static void go(ss_model_tool *tool, double x, double y, double z)
-{
-    tool->from = tool->to;
-    tool->to = (ss_tool_pose){.position = {x, y, z}, .orientation = {1.0, 0.0, 0.0, 0.0}};
-    if (!tool->is_present) {
-        tool->from = tool->to;
-        tool->is_present = true;
-    }
-}
-
-static void step_tools(setup *s, ss_model_tool *tool)
-{
-    s->class->step(s->model, s->time, 1e-3, tool);
-    s->time += 1e-3;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        tool[k].from = tool[k].to;
-    }
-}
-
 #define PLATE_RADIUS 0.006
 
-static void setup_plate(setup *s, double steps_a_substep)
+static void setup_relaxing(setup *s, double steps_a_substep)
 {
     setup_init(s, "cnn-energy", make_plate(16, 0.08));
-    for (int i = 0; i < 17; ++i) {
-        for (int j = 0; j < 17; ++j) {
-            s->fixed[i * 17 + j] = i == 0 || j == 0 || i == 16 || j == 16 ? 7 : 0;
-        }
-    }
-    give(s, "modulus_j", 5.0);
+    hold_rim(s, 16);
+    give_skin(s);
     give(s, "pretension_j", 0.1);
-    give(s, "area_density_kg_m2", 11.5);
-    give(s, "damping_n_s_per_m3", 11.5 * 150.0);
-    give(s, "rest_stiffness_n_per_m3", 5e4);
     if (steps_a_substep > 0.0) {
         give(s, "solver", 1.0);
         give(s, "relaxation_steps", steps_a_substep);
     }
-    s->plan.tool[0].is_used = true;
-    s->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = PLATE_RADIUS};
+    add_sphere(s, 0, PLATE_RADIUS);
     s->plan.contact_stiffness = 2e7;
 }
 
@@ -516,8 +489,8 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
     (void)state;
     setup settled, s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, same[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&settled, 0.0);
-    setup_plate(&s, 1.0);
+    setup_relaxing(&settled, 0.0);
+    setup_relaxing(&s, 1.0);
     create(&settled);
     create(&s);
     double quick = 0.0;
@@ -525,8 +498,8 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
         const double down = fmin(1.0, n / 60.0);
         go(tool, 0.0005, 0.0007, PLATE_RADIUS + 0.001 - 0.005 * down);
         go(same, 0.0005, 0.0007, PLATE_RADIUS + 0.001 - 0.005 * down);
-        step_tools(&s, tool);
-        step_tools(&settled, same);
+        step_tools(&s, 1e-3, tool);
+        step_tools(&settled, 1e-3, same);
         quick = n == 60 ? s.model->tool[0].force[2] / settled.model->tool[0].force[2] : quick;
     }
     assert_true(quick > 0.9 && quick < 0.98); /* a quick press meets a network not yet settled */
@@ -537,20 +510,20 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
     assert_near(ledger(&s) / pressed, 0.0, 5e-3);
     for (int n = 1; n <= 300; ++n) { /* slides on: new cells join from 0 as others are let go */
         go(tool, 0.0005 + 5e-5 * n, 0.0007, PLATE_RADIUS - 0.004);
-        step_tools(&s, tool);
+        step_tools(&s, 1e-3, tool);
         assert_true(states_in_use(&s) <= s.model->tool[0].count + 2);
     }
     assert_near(ledger(&s) / pressed, 0.0, 5e-3);
     for (int n = 1; n <= 400; ++n) {
         go(tool, 0.0155, 0.0007, fmin(0.03, PLATE_RADIUS - 0.004 + 1e-4 * n));
-        step_tools(&s, tool);
+        step_tools(&s, 1e-3, tool);
     }
     assert_int_equal(states_in_use(&s), 0);
     assert_near(ledger(&s) / pressed, 0.0, 5e-3);
     assert_true(largest_displacement(&s) < 1e-6);
     assert_int_equal(info_of(&s).fault_bits, 0);
     go(tool, 0.0155, 0.0007, PLATE_RADIUS - 0.001); /* a new touch starts from 0 */
-    step_tools(&s, tool);
+    step_tools(&s, 1e-3, tool);
     const int32_t cell = s.model->tool[0].node[0];
     const double own = ss_cnn_relax_potential(s.model->relax, s.model->relax->slot_of[cell], cell);
     assert_true(own > 0.0 && own < 0.9 * s.model->network->own[cell]);
@@ -573,7 +546,7 @@ static uint64_t hash_after_press(setup *s)
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     for (int n = 1; n <= 150; ++n) {
         go(tool, 0.0005 + 3e-5 * n, 0.0007, PLATE_RADIUS + 0.001 - 3e-5 * n);
-        step_tools(s, tool);
+        step_tools(s, 1e-3, tool);
     }
     return hash_of(s);
 }
@@ -584,7 +557,7 @@ static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
     uint64_t hash[4];
     for (int k = 0; k < 3; ++k) {
         setup s;
-        setup_plate(&s, k == 2 ? 4.0 : 3.0);
+        setup_relaxing(&s, k == 2 ? 4.0 : 3.0);
         s.plan.threads = k + 1;
         create(&s);
         const int64_t bytes = ss_memory_in_use();
@@ -616,10 +589,7 @@ static void setup_crowd(setup *s, int kind, int32_t *pushed)
         pushed[0] = x[0] > s->mesh->position[pushed[0]][0] ? i : pushed[0];
         pushed[1] = x[0] < s->mesh->position[pushed[1]][0] ? i : pushed[1];
     }
-    give(s, "modulus_j", 5.0);
-    give(s, "area_density_kg_m2", 11.5);
-    give(s, "damping_n_s_per_m3", 11.5 * 150.0);
-    give(s, "rest_stiffness_n_per_m3", 5e4);
+    give_skin(s);
     if ((kind & RELAXED) != 0) {
         give(s, "solver", 1.0);
         give(s, "relaxation_steps", 5.0);
@@ -629,8 +599,7 @@ static void setup_crowd(setup *s, int kind, int32_t *pushed)
         give(s, "saturation", 2e-6);
     }
     for (int k = 0; k < 2; ++k) {
-        s->plan.tool[k].is_used = true;
-        s->plan.tool[k].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.01};
+        add_sphere(s, k, 0.01);
         push(s, &pushed[k], k == 0 ? 0.4 : -0.4, 0.0, 0.02);
         s->load[k].ramp = 0.05;
         s->load[k].to = 0.3;
@@ -670,7 +639,7 @@ static void two_tools_and_loads_keep_the_ledger_whatever_is_chosen(void **state)
             go(&tool[1], (kind & FREE) != 0 ? -along : 0.012,
                (kind & FREE) != 0 ? 0.0 : 0.02 + along,
                (kind & FREE) != 0 ? -0.054 + 0.018 * way : 0.05 - 0.019 * way);
-            step_tools(&s, tool);
+            step_tools(&s, 1e-3, tool);
             largest = fmax(largest, info_of(&s).elastic);
             worst = fmax(worst, fabs(ledger(&s)));
             saturated += s.model->source[0].stretch < 0.99 * s.model->source[0].eps;
@@ -682,7 +651,7 @@ static void two_tools_and_loads_keep_the_ledger_whatever_is_chosen(void **state)
         assert_true(worst < 2e-3 * largest);
         assert_int_equal(s.model->tool[0].count + s.model->tool[1].count, 0);
         for (int n = 0; n < 800; ++n) {
-            step_tools(&s, tool);
+            step_tools(&s, 1e-3, tool);
         }
         if ((kind & FREE) == 0) {
             assert_true(largest_displacement(&s) < 1e-6);
@@ -766,13 +735,9 @@ static void too_many_states_are_refused_before_they_are_solved(void **state)
     (void)state;
     setup s;
     setup_init(&s, "cnn-energy", make_plate(70, 0.2));
-    give(&s, "modulus_j", 5.0);
-    give(&s, "area_density_kg_m2", 11.5);
-    give(&s, "damping_n_s_per_m3", 1725.0);
-    give(&s, "rest_stiffness_n_per_m3", 5e4);
+    give_skin(&s);
     give(&s, "solver", 1.0);
-    s.plan.tool[0].is_used = true;
-    s.plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = PLATE_RADIUS};
+    add_sphere(&s, 0, PLATE_RADIUS);
     assert_int_equal(setup_create(&s), SOFTSIM_ERROR_UNSUPPORTED);
     assert_non_null(strstr(s.error.text, "5041 cells"));
     setup_fini(&s);
@@ -792,7 +757,7 @@ static void cost_and_explanation_count_the_networks_steps(void **state)
     for (int k = 0; k < 4; ++k) {
         setup s;
         char text[8192] = "";
-        setup_plate(&s, k == 0 ? 0.0 : k == 1 ? 10.0 : k == 2 ? 20.0 : 30.0);
+        setup_relaxing(&s, k == 0 ? 0.0 : k == 1 ? 10.0 : k == 2 ? 20.0 : 30.0);
         create(&s);
         cost[k] = s.class->step_cost_us(&s.plan);
         s.class->explain(s.model, join_lines, text);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * models/corotational: the rotation is the nearest one, inside out too, and the force the exact
- * gradient of the energy; at rest and turned nothing acts; at small strain it settles where an
+ * models/corotational: at rest and turned nothing acts; at small strain it settles where an
  * independent solver says; it stays bounded at any step, stiffness and ratio of masses, comes back
  * from being crushed, turned inside out and scrambled; it never makes energy; what it says of
- * reactions, contact and itself is so.
+ * reactions, contact and itself is so. Its elements are test_corot_kernels.c's.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,183 +13,38 @@
 
 #include <cmocka.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "block_fixture.h"
 #include "models/corot.h"
-#include "rt/memory.h"
 #include "rt/vec.h"
+#include "setup_fixture.h"
 #include "static_fem.h"
-
-#ifdef SOFTSIM_DOUBLE
-#define BY_TYPE(single, twice) (twice)
-#else
-#define BY_TYPE(single, twice) (single)
-#endif
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
 
 typedef double vector[3];
 
 /* ---- a body under test -------------------------------------------------------------------- */
 
-typedef struct setup {
-    ss_mesh *mesh;
-    uint8_t *fixed;
-    ss_param_value param[SS_COROT_ROW_COUNT];
-    ss_load load[2];
-    ss_prescribed prescribed[2];
-    ss_model_plan plan;
-    const ss_model_class *class;
-    softsim_error error;
-    ss_model *model;
-    ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    double time;
-} setup;
-
-static uint64_t random_state = 1;
-
-static double random_unit(void)
+static void setup_corot(setup *s, ss_mesh *mesh, double young, double poisson)
 {
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
-}
-
-/* A block of nx x ny x nz cells of six tetrahedra, one corner at the origin. */
-static ss_mesh *make_block(int nx, int ny, int nz, double lx, double ly, double lz)
-{
-    static const int path[6][2] = {{1, 2}, {1, 4}, {2, 1}, {2, 4}, {4, 1}, {4, 2}};
-    const int nodes = (nx + 1) * (ny + 1) * (nz + 1);
-    vector *position = calloc((size_t)nodes, sizeof *position);
-    int32_t(*tet)[4] = calloc((size_t)(6 * nx * ny * nz), sizeof *tet);
-    int32_t count = 0;
-    for (int i = 0; i < nodes; ++i) {
-        const int x = i % (nx + 1), y = i / (nx + 1) % (ny + 1), z = i / (nx + 1) / (ny + 1);
-        ss_set3(position[i], lx * x / nx, ly * y / ny, lz * z / nz);
-    }
-    for (int cell = 0; cell < nx * ny * nz; ++cell) {
-        const int x = cell % nx, y = cell / nx % ny, z = cell / nx / ny;
-        int32_t corner[8];
-        for (int k = 0; k < 8; ++k) {
-            corner[k] = (x + (k & 1)) + (nx + 1) * ((y + (k >> 1 & 1)) + (ny + 1) * (z + (k >> 2)));
-        }
-        for (int p = 0; p < 6; ++p) {
-            const int a = path[p][0], b = path[p][0] | path[p][1];
-            const bool is_even = p == 0 || p == 3 || p == 4;
-            int32_t *t = tet[count++];
-            t[0] = corner[0];
-            t[1] = corner[is_even ? a : b];
-            t[2] = corner[is_even ? b : a];
-            t[3] = corner[7];
-        }
-    }
-    ss_mesh *mesh = NULL;
-    assert_int_equal(ss_mesh_create(nodes, (const vector *)position, 0, NULL, count,
-                                    (const int32_t(*)[4])tet, &mesh, NULL),
-                     SOFTSIM_OK);
-    free(position);
-    free(tet);
-    return mesh;
-}
-
-static void give(setup *s, int row, double value)
-{
-    s->param[row] = (ss_param_value){.number = value, .is_given = true};
-}
-
-static void setup_init(setup *s, ss_mesh *mesh, double young, double poisson)
-{
-    memset(s, 0, sizeof *s);
-    s->mesh = mesh;
-    s->class = ss_model_find("corotational");
-    s->fixed = calloc((size_t)mesh->node_count, 1);
-    for (int k = 0; k < s->class->row_count; ++k) {
-        s->param[k].number = s->class->row[k].fallback;
-    }
-    give(s, SS_COROT_YOUNGS_MODULUS, young);
-    give(s, SS_COROT_POISSON_RATIO, poisson);
-    s->plan = (ss_model_plan){.mesh = mesh,
-                              .fixed = s->fixed,
-                              .param = s->param,
-                              .load = s->load,
-                              .prescribed = s->prescribed,
-                              .working_force = 2.0,
-                              .max_force = 8.0,
-                              .step = 1e-3,
-                              .max_substeps = 64,
-                              .threads = 1};
-}
-
-static void create(setup *s)
-{
-    if (s->class->create(&s->plan, &s->model, &s->error) != SOFTSIM_OK) {
-        fail_msg("create: %s", s->error.text);
-    }
+    setup_init(s, "corotational", mesh);
+    give_row(s, SS_COROT_YOUNGS_MODULUS, young);
+    give_row(s, SS_COROT_POISSON_RATIO, poisson);
 }
 
 /* A bar of 4 x 2 x 2 cells, 8 x 4 x 4 cm, held at x = 0. */
 enum { BAR_NODES = 5 * 3 * 3 };
 static void setup_bar(setup *s, double young, double poisson)
 {
-    setup_init(s, make_block(4, 2, 2, 0.08, 0.04, 0.04), young, poisson);
+    setup_corot(s, make_block(&(block_size){.cells = {4, 2, 2}, .size = {0.08, 0.04, 0.04}}), young,
+                poisson);
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][0] < 1e-9 ? 7 : 0;
     }
-}
-
-static void setup_fini(setup *s)
-{
-    if (s->model) {
-        s->class->destroy(s->model);
-    }
-    free(s->fixed);
-    ss_mesh_destroy(&s->mesh);
-}
-
-static void steps(setup *s, int count, double dt)
-{
-    for (int k = 0; k < count; ++k) {
-        s->class->step(s->model, s->time, dt, s->tool);
-        s->time += dt;
-    }
-}
-
-static ss_model_info info_of(const setup *s)
-{
-    ss_model_info info;
-    s->class->info(s->model, &info);
-    return info;
 }
 
 static double energy_of(const setup *s)
 {
     const ss_model_info info = info_of(s);
     return info.elastic + info.kinetic;
-}
-
-static double moved(const setup *s, int32_t node, int axis)
-{
-    return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
-}
-
-static double largest(const setup *s)
-{
-    double most = 0.0;
-    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const double u = fabs(moved(s, i, k));
-            most = u <= most ? most : u; /* a number that is none stays */
-        }
-    }
-    return most;
 }
 
 /* Puts all free axes where `to` says, from rest. */
@@ -209,238 +63,6 @@ static void place(setup *s, void (*to)(const double x[3], double out_u[3]))
     ss_body_renew(s->model->body);
 }
 
-/* ---- one element -------------------------------------------------------------------------- */
-
-/* tr(R^T F) of the best rotation, by Horn's matrix and Jacobi's rotations: slow and sure. */
-static double best_trace(const double f[3][3])
-{
-    double n[4][4] = {
-        {f[0][0] + f[1][1] + f[2][2], f[2][1] - f[1][2], f[0][2] - f[2][0], f[1][0] - f[0][1]},
-        {0, f[0][0] - f[1][1] - f[2][2], f[0][1] + f[1][0], f[2][0] + f[0][2]},
-        {0, 0, f[1][1] - f[0][0] - f[2][2], f[1][2] + f[2][1]},
-        {0, 0, 0, f[2][2] - f[0][0] - f[1][1]}};
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < i; ++j) {
-            n[i][j] = n[j][i];
-        }
-    }
-    for (int sweep = 0; sweep < 30; ++sweep) {
-        for (int p = 0; p < 4; ++p) {
-            for (int q = p + 1; q < 4; ++q) {
-                if (n[p][q] == 0.0) {
-                    continue;
-                }
-                const double angle = 0.5 * atan2(2.0 * n[p][q], n[q][q] - n[p][p]);
-                const double c = cos(angle), d = sin(angle);
-                for (int k = 0; k < 4; ++k) {
-                    const double a = n[k][p], b = n[k][q];
-                    n[k][p] = c * a - d * b;
-                    n[k][q] = d * a + c * b;
-                }
-                for (int k = 0; k < 4; ++k) {
-                    const double a = n[p][k], b = n[q][k];
-                    n[p][k] = c * a - d * b;
-                    n[q][k] = d * a + c * b;
-                }
-            }
-        }
-    }
-    return fmax(fmax(n[0][0], n[1][1]), fmax(n[2][2], n[3][3]));
-}
-
-/* Eight tetrahedra with a corner at the origin and edges along the axes, each displaced by H x. */
-typedef struct octet {
-    ss_fem_blocks blocks;
-    ss_real *u, *turned, *force;
-} octet;
-
-static void octet_init(octet *o, double lambda, double mu)
-{
-    vector position[32];
-    int32_t corner[8][4];
-    double lambdas[8], mus[8];
-    for (int t = 0; t < 8; ++t) {
-        for (int a = 0; a < 4; ++a) {
-            corner[t][a] = 4 * t + a;
-            ss_set3(position[4 * t + a], a == 1, a == 2, a == 3);
-        }
-        lambdas[t] = lambda;
-        mus[t] = mu;
-    }
-    const ss_fem_stuff stuff = {.node_count = 32,
-                                .element_count = 8,
-                                .position = (const vector *)position,
-                                .corner = (const int32_t(*)[4])corner,
-                                .lambda_own = lambdas,
-                                .lambda = lambdas,
-                                .mu = mus};
-    assert_true(ss_fem_blocks_create(&stuff, &o->blocks));
-    o->u = ss_memory_get(128, sizeof *o->u);
-    o->turned = ss_memory_get(72, sizeof *o->turned);
-    o->force = ss_memory_get(128, sizeof *o->force);
-}
-
-static void octet_fini(octet *o)
-{
-    ss_fem_blocks_fini(&o->blocks);
-    ss_memory_free(o->u);
-    ss_memory_free(o->turned);
-    ss_memory_free(o->force);
-}
-
-/* Element t has F: its corner 1 + j goes to column j. */
-static void deform(octet *o, int t, const double f[3][3])
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            o->u[16 * t + 4 * (1 + j) + i] = (ss_real)(f[i][j] - (i == j ? 1.0 : 0.0));
-        }
-    }
-}
-
-static ss_corot_pass run(octet *o, const ss_corot_kernels *kernels)
-{
-    ss_corot_pass pass = {.blocks = &o->blocks, .u = o->u, .turned = o->turned, .force = o->force};
-    memset(o->force, 0, 128 * sizeof *o->force);
-    kernels->evaluate(&pass);
-    return pass;
-}
-
-/* Small and large strain; inside out; anything; half turns; from 5 on such as have more than one
- * nearest rotation, or nearly so. */
-static void random_deformation(int kind, double f[3][3])
-{
-    double q[4], size = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        q[k] = random_unit();
-        size += q[k] * q[k];
-    }
-    for (int k = 0; k < 4; ++k) {
-        q[k] /= sqrt(size);
-    }
-    for (int j = 0; j < 3; ++j) {
-        const double stretch = kind == 0   ? 1.0 + 1e-3 * random_unit()
-                               : kind == 1 ? 1.0 + 0.5 * random_unit()
-                               : kind == 2 ? (j == 2 ? -0.4 : 1.0 + 0.3 * random_unit())
-                               : kind == 5 ? (j == 2   ? -0.7
-                                              : j == 1 ? 0.7
-                                                       : 1.2)
-                               : kind == 6 ? (j == 2 ? -1.0 : 1.0)
-                               : kind == 7 ? (j == 0 ? 0.5 : 0.0)
-                                           : 2.0 * random_unit();
-        double column[3] = {j == 0, j == 1, j == 2}, out[3];
-        ss_rotate(out, q, column);
-        for (int i = 0; i < 3; ++i) {
-            const double shake = kind == 3 ? 1.0 : kind >= 5 ? 1e-5 : 0.0;
-            f[i][j] = stretch * out[i] + shake * random_unit();
-        }
-    }
-    if (kind == 4) { /* half a turn about an axis, stretched along it */
-        const double half[3][3] = {{-1.0, 0.0, 0.0}, {0.0, -1.1, 0.1}, {0.0, 0.1, 0.9}};
-        memcpy(f, half, sizeof half);
-    }
-}
-
-/* With lambda = 0: W = mu V |F - R|^2 = mu V (|F|^2 + 3 - 2 tr(R^T F)), least at the best R. */
-static void turns_by_the_nearest_rotation(void **state)
-{
-    (void)state;
-    octet o;
-    octet_init(&o, 0.0, 6.0);
-    const ss_corot_kernels *kernels;
-    for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
-        random_state = 7;
-        for (int kind = 0; kind < 8; ++kind) {
-            for (int repeat = 0; repeat < 40; ++repeat) {
-                double expected = 0.0;
-                int inverted = 0;
-                for (int t = 0; t < 8; ++t) {
-                    double f[3][3], square = 0.0;
-                    random_deformation(kind, f);
-                    for (int k = 0; k < 9; ++k) {
-                        square += f[k / 3][k % 3] * f[k / 3][k % 3];
-                    }
-                    deform(&o, t, (const double(*)[3])f);
-                    expected += square + 3.0 - 2.0 * best_trace((const double(*)[3])f);
-                    double n[3];
-                    ss_cross3(n, f[0], f[1]);
-                    inverted += ss_dot3(n, f[2]) < 0.0;
-                }
-                const ss_corot_pass pass = run(&o, kernels);
-                const double share = kind < 5 ? BY_TYPE(1e-4, 1e-10) : 1e-3;
-                assert_near(pass.energy, expected, share * (expected + 1e-3));
-                assert_true(kind > 6 || pass.inverted_count == inverted);
-            }
-        }
-    }
-    octet_fini(&o);
-}
-
-static void force_is_the_gradient_of_the_energy(void **state)
-{
-    (void)state;
-    octet o;
-    octet_init(&o, 12.0, 6.0);
-    const double h = BY_TYPE(1e-2, 1e-6);
-    const ss_corot_kernels *kernels;
-    for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
-        random_state = 11;
-        for (int kind = 0; kind < 3; ++kind) {
-            for (int t = 0; t < 8; ++t) {
-                double f[3][3];
-                random_deformation(kind, f);
-                deform(&o, t, (const double(*)[3])f);
-            }
-            for (int at = 0; at < 128; ++at) {
-                if (at % 4 == 3) {
-                    continue;
-                }
-                const ss_real before = o.u[at];
-                o.u[at] = before + (ss_real)h;
-                const double above = run(&o, kernels).energy;
-                o.u[at] = before - (ss_real)h;
-                const double below = run(&o, kernels).energy;
-                o.u[at] = before;
-                (void)run(&o, kernels);
-                assert_near((double)o.force[at], (below - above) / (2.0 * h), BY_TYPE(5e-3, 1e-7));
-            }
-        }
-    }
-    octet_fini(&o);
-}
-
-static void tangent_is_symmetric_and_positive(void **state)
-{
-    (void)state;
-    octet o;
-    octet_init(&o, 12.0, 6.0);
-    ss_real *x = ss_memory_get(128, sizeof *x), *y = ss_memory_get(128, sizeof *y);
-    const ss_corot_kernels *kernels = ss_corot_kernels_get();
-    for (int kind = 0; kind < 5; ++kind) {
-        for (int t = 0; t < 8; ++t) {
-            double f[3][3];
-            random_deformation(kind, f);
-            deform(&o, t, (const double(*)[3])f);
-        }
-        (void)run(&o, kernels);
-        for (int k = 0; k < 128; ++k) {
-            x[k] = k % 4 < 3 ? (ss_real)random_unit() : 0;
-            y[k] = k % 4 < 3 ? (ss_real)random_unit() : 0;
-        }
-        double both[2];
-        for (int way = 0; way < 2; ++way) {
-            memset(o.force, 0, 128 * sizeof *o.force);
-            kernels->multiply(&o.blocks, o.turned, o.blocks.modulus, 1.0, way ? y : x, o.force);
-            both[way] = kernels->dot(128, way ? x : y, o.force);
-            assert_true(kernels->dot(128, way ? y : x, o.force) > 0.0);
-        }
-        assert_near(both[0], both[1], BY_TYPE(1e-4, 1e-12));
-    }
-    ss_memory_free(x);
-    ss_memory_free(y);
-    octet_fini(&o);
-}
-
 /* ---- at rest ------------------------------------------------------------------------------ */
 
 static void rest_stays_rest(void **state)
@@ -450,7 +72,7 @@ static void rest_stays_rest(void **state)
     setup_bar(&s, 1e4, 0.45);
     create(&s);
     steps(&s, 20, 1e-3);
-    assert_true(largest(&s) == 0.0);
+    assert_true(largest_displacement(&s) == 0.0);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
     setup_fini(&s);
 }
@@ -469,7 +91,8 @@ static void a_turned_body_is_at_rest(void **state)
 {
     (void)state;
     setup s;
-    setup_init(&s, make_block(3, 2, 2, 0.06, 0.04, 0.04), 1e4, 0.45);
+    setup_corot(&s, make_block(&(block_size){.cells = {3, 2, 2}, .size = {0.06, 0.04, 0.04}}), 1e4,
+                0.45);
     create(&s);
     place(&s, turned);
     steps(&s, 1, 1e-9);
@@ -485,9 +108,10 @@ static void free_fall_is_exact(void **state)
 {
     (void)state;
     setup s;
-    setup_init(&s, make_block(2, 2, 2, 0.04, 0.04, 0.04), 1e3, 0.3);
+    setup_corot(&s, make_block(&(block_size){.cells = {2, 2, 2}, .size = {0.04, 0.04, 0.04}}), 1e3,
+                0.3);
     s.plan.gravity[2] = -10.0;
-    give(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-10));
+    give_row(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-10));
     create(&s);
     steps(&s, 50, 1e-3);
     /* implicit Euler: u = g h^2 n (n + 1) / 2 */
@@ -500,8 +124,8 @@ static void free_fall_is_exact(void **state)
 
 static void settle(setup *s)
 {
-    give(s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-9));
-    give(s, SS_COROT_SOLVER_ITERATIONS, 5000.0);
+    give_row(s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-9));
+    give_row(s, SS_COROT_SOLVER_ITERATIONS, 5000.0);
     create(s);
     steps(s, 40, 10.0); /* of ten seconds each: implicit Euler is at rest at once */
     assert_int_equal(info_of(s).verdict, SOFTSIM_VERDICT_GOOD);
@@ -550,7 +174,7 @@ static void bends_as_the_reference_beam(void **state)
     assert_int_equal(ss_mesh_load(SOURCE_DIR "/tests/reference/b_cantilever/mesh_99.msh", 1.0, NULL,
                                   &mesh, NULL),
                      SOFTSIM_OK);
-    setup_init(&s, mesh, 5e4, 0.3);
+    setup_corot(&s, mesh, 5e4, 0.3);
     int32_t tip = -1;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         const double *x = mesh->position[i];
@@ -583,7 +207,7 @@ static void driven_nodes_arrive_and_push_back(void **state)
                                       .axis = {true, true, true},
                                       .ramp = 0.1};
     s.plan.prescribed_count = 1;
-    give(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-8));
+    give_row(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-8));
     create(&s);
     steps(&s, 50, 0.01);
     double there[3], here[3];
@@ -640,7 +264,7 @@ static void stays_bounded(double young, double poisson, double dt, double ratio,
     create(&s);
     for (int k = 0; k < count; ++k) {
         steps(&s, 1, dt);
-        assert_true(largest(&s) < 0.3);
+        assert_true(largest_displacement(&s) < 0.3);
         assert_int_equal(info_of(&s).fault_bits & SS_MODEL_FAULT_NOT_FINITE, 0);
     }
     setup_fini(&s);
@@ -679,8 +303,9 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
 {
     setup s;
     setup_bar(&s, 1e4, 0.45);
-    give(&s, SS_COROT_MASS_DAMPING, 5.0);
+    give_row(&s, SS_COROT_MASS_DAMPING, 5.0);
     create(&s);
+    random_state = 3;
     place(&s, from);
     steps(&s, 1, 1e-9);
     const double before = energy_of(&s);
@@ -696,7 +321,7 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
     steps(&s, 50, 0.1);
     assert_true(guarded > 0);
     assert_true(energy_of(&s) < 1e-6 * before);
-    assert_true(largest(&s) < 1e-4);
+    assert_true(largest_displacement(&s) < 1e-4);
     assert_int_equal(s.model->inverted_count, 0);
     setup_fini(&s);
 }
@@ -704,7 +329,6 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
 static void comes_back_from_anything(void **state)
 {
     (void)state;
-    random_state = 3;
     comes_back(scrambled);
     comes_back(mirrored);
     comes_back(flattened);
@@ -722,10 +346,8 @@ static void never_makes_energy(void **state)
         const double scale = 1.3e-3; /* J: the weight of 128 g over a millimetre */
         for (int n = 0; n < 100; ++n) {
             steps(&s, 1, dt[k]);
-            const ss_model_info info = info_of(&s);
-            const double gain = info.elastic + info.kinetic + info.dissipated - info.work;
-            assert_true(fabs(gain) < 0.01 * scale);
-            assert_int_equal(info.fault_bits, 0);
+            assert_true(fabs(ledger(&s)) < 0.01 * scale);
+            assert_int_equal(info_of(&s).fault_bits, 0);
         }
         setup_fini(&s);
     }
@@ -742,7 +364,7 @@ static void viscosity_and_mass_damping_dissipate(void **state)
         setup s;
         setup_bar(&s, 1e4, 0.3);
         if (k < 3) {
-            give(&s, row[k], value[k]);
+            give_row(&s, row[k], value[k]);
         }
         s.plan.gravity[2] = -1.0;
         create(&s);
@@ -763,16 +385,14 @@ static void setup_press(setup *s, double stiffness)
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][2] < 1e-9 ? 7 : 0;
     }
-    s->plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(s, 0, 0.015);
     s->plan.contact_stiffness = stiffness;
     create(s);
 }
 
 /* Presses the top's middle down to `depth`, in steps of 1 ms at 0.1 m/s, and stays. */
-static void press(setup *s, double depth, int count)
+static void press(setup *s, ss_model_tool *tool, double depth, int count)
 {
-    ss_model_tool *tool = &s->tool[0];
     const double start = 0.04 + 0.015 + 0.001;
     for (int k = 0; k < count; ++k) {
         const double z = start - fmin(depth + 0.001, 1e-4 * (k + 1));
@@ -780,7 +400,7 @@ static void press(setup *s, double depth, int count)
             tool->is_present ? tool->to : (ss_tool_pose){{0.04, 0.02, start}, {1.0, 0.0, 0.0, 0.0}};
         tool->to = (ss_tool_pose){{0.04, 0.02, z}, {1.0, 0.0, 0.0, 0.0}};
         tool->is_present = true;
-        steps(s, 1, 1e-3);
+        steps_with(s, 1, 1e-3, tool);
     }
 }
 
@@ -790,9 +410,10 @@ static void presses_and_is_pressed(void **state)
     double force[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
         setup_press(&s,
                     k == 0 ? 1e8 : 1e11); /* the second far beyond what an explicit step bears */
-        press(&s, 0.006, 400);
+        press(&s, tool, 0.006, 400);
         ss_contact_set set;
         double reaction[3];
         s.class->contacts(s.model, 0, 0.01, &set);
@@ -814,21 +435,19 @@ static void a_tool_that_darts_about_makes_no_energy(void **state)
 {
     (void)state;
     setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_press(&s, 1e8);
-    press(&s, 0.002, 40);
-    ss_model_tool *tool = &s.tool[0];
+    press(&s, tool, 0.002, 40);
     const double z = tool->to.position[2];
-    const ss_model_info start = info_of(&s);
-    double least = start.elastic + start.kinetic + start.dissipated - start.work;
+    const double stored = info_of(&s).elastic;
+    double least = ledger(&s);
     for (int k = 0; k < 20; ++k) {
         tool->from = tool->to;
         tool->to.position[0] = k % 2 == 0 ? 0.058 : 0.04;
         tool->to.position[2] = k % 4 < 2 ? z + 0.003 : z;
-        steps(&s, 1, 1e-3);
-        const ss_model_info info = info_of(&s);
-        const double ledger = info.elastic + info.kinetic + info.dissipated - info.work;
-        assert_true(ledger <= least + 0.005 * start.elastic);
-        least = fmin(least, ledger);
+        steps_with(&s, 1, 1e-3, tool);
+        assert_true(ledger(&s) <= least + 0.005 * stored);
+        least = fmin(least, ledger(&s));
     }
     setup_fini(&s);
 }
@@ -837,17 +456,18 @@ static void holds_what_it_grasps(void **state)
 {
     (void)state;
     setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_press(&s, 0.0);
-    press(&s, 0.003, 60);
-    s.tool[0].is_grasping = true;
-    steps(&s, 1, 1e-3);
+    press(&s, tool, 0.003, 60);
+    tool[0].is_grasping = true;
+    steps_with(&s, 1, 1e-3, tool);
     for (int k = 0; k < 60; ++k) { /* up again, 6 mm */
-        s.tool[0].from = s.tool[0].to;
-        s.tool[0].to.position[2] += 1e-4;
-        steps(&s, 1, 1e-3);
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] += 1e-4;
+        steps_with(&s, 1, 1e-3, tool);
     }
-    s.tool[0].from = s.tool[0].to;
-    steps(&s, 100, 1e-3);
+    tool[0].from = tool[0].to;
+    steps_with(&s, 100, 1e-3, tool);
     ss_contact_set set;
     s.class->contacts(s.model, 0, 0.01, &set);
     assert_true(set.is_held);
@@ -862,6 +482,7 @@ static void same_input_gives_same_bits(void **state)
     (void)state;
     uint64_t hash[3];
     setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_press(&s, 0.0);
     for (int k = 0; k < 3; ++k) {
         if (k == 2) { /* once more after a reset */
@@ -870,9 +491,9 @@ static void same_input_gives_same_bits(void **state)
             setup_fini(&s);
             setup_press(&s, 0.0);
         }
-        memset(s.tool, 0, sizeof s.tool);
+        memset(tool, 0, sizeof tool);
         s.time = 0.0;
-        press(&s, 0.004, 80);
+        press(&s, tool, 0.004, 80);
         const size_t bytes = (size_t)s.mesh->node_count * 4 * sizeof(ss_real);
         hash[k] = s.class->hash(s.model, 14695981039346656037u);
         const unsigned char *u = (const unsigned char *)s.class->displacement(s.model);
@@ -891,19 +512,19 @@ static void says_when_it_was_not_solved(void **state)
     setup s;
     setup_bar(&s, 1e6, 0.49);
     s.plan.gravity[2] = -9.81;
-    give(&s, SS_COROT_SOLVER_ITERATIONS, 1.0);
-    give(&s, SS_COROT_NEWTON_ITERATIONS, 1.0);
+    give_row(&s, SS_COROT_SOLVER_ITERATIONS, 1.0);
+    give_row(&s, SS_COROT_NEWTON_ITERATIONS, 1.0);
     create(&s);
     steps(&s, 1, 0.01);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_DEGRADED);
     assert_non_null(strstr(info_of(&s).reason, "not solved"));
-    assert_true(largest(&s) < 0.1);
+    assert_true(largest_displacement(&s) < 0.1);
     setup_fini(&s);
 }
 
 static void refuse(setup *s, const char *words)
 {
-    assert_int_equal(s->class->create(&s->plan, &s->model, &s->error), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(setup_create(s), SOFTSIM_ERROR_SCENE);
     assert_non_null(strstr(s->error.text, words));
     setup_fini(s);
 }
@@ -913,27 +534,24 @@ static void refuses_what_it_cannot_honour(void **state)
     (void)state;
     setup s;
     setup_bar(&s, 1e4, 0.3);
-    give(&s, SS_COROT_MATERIAL, SS_TISSUE_NEO_HOOKEAN);
+    give_row(&s, SS_COROT_MATERIAL, SS_TISSUE_NEO_HOOKEAN);
     refuse(&s, "use the model fem");
     setup_bar(&s, 1e4, 0.3);
     s.param[SS_COROT_POISSON_RATIO].is_given = false;
     refuse(&s, "one pair");
     setup_bar(&s, 1e4, 0.3);
-    give(&s, SS_COROT_LAME_MU, 1e3);
+    give_row(&s, SS_COROT_LAME_MU, 1e3);
     refuse(&s, "one pair");
     setup_bar(&s, 1e4, 0.3);
     s.param[SS_COROT_YOUNGS_MODULUS].is_given = s.param[SS_COROT_POISSON_RATIO].is_given = false;
-    give(&s, SS_COROT_LAME_MU, 1e3);
-    give(&s, SS_COROT_LAME_LAMBDA, -1e3);
+    give_row(&s, SS_COROT_LAME_MU, 1e3);
+    give_row(&s, SS_COROT_LAME_LAMBDA, -1e3);
     refuse(&s, "no stable");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turns_by_the_nearest_rotation),
-        cmocka_unit_test(force_is_the_gradient_of_the_energy),
-        cmocka_unit_test(tangent_is_symmetric_and_positive),
         cmocka_unit_test(rest_stays_rest),
         cmocka_unit_test(a_turned_body_is_at_rest),
         cmocka_unit_test(free_fall_is_exact),

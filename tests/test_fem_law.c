@@ -9,22 +9,14 @@
 
 #include <cmocka.h>
 
-#include <math.h>
 #include <string.h>
 
 #include "models/tetrahedron.h"
 #include "models/tissue_law.h"
+#include "number_fixture.h"
 
 static const char *const names[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
                                                         "stable-neo-hookean", "linear"};
-
-static uint64_t seed = 1;
-
-static double random_unit(void)
-{
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) / 9007199254740992.0 * 2.0 - 1.0;
-}
 
 static void random_matrix(double size, double out[9])
 {
@@ -63,7 +55,7 @@ static void along(const double h[9], double s, const double x[9], double out[9])
 }
 
 /* States: moderate, squashed below the guard, inverted beyond neo-hookean's floor. */
-static void random_state(int which, double h[9])
+static void random_gradient(int which, double h[9])
 {
     random_matrix(which == 0 ? 0.3 : 0.1, h);
     if (which == 1) {
@@ -81,7 +73,7 @@ static void stress_is_the_slope_of_energy(void **state)
         for (int trial = 0; trial < 60; ++trial) {
             double h[9], x[9], p[9], low[9], high[9];
             const double step = 1e-5;
-            random_state(trial % 3, h);
+            random_gradient(trial % 3, h);
             random_matrix(1.0, x);
             ss_tissue_stress(&law, h, p);
             along(h, -step, x, low);
@@ -101,7 +93,7 @@ static void tangent_is_the_slope_of_stress(void **state)
         for (int trial = 0; trial < 60; ++trial) {
             double h[9], x[9], y[9], dp[9], low[9], high[9], p[2][9];
             const double step = 1e-5;
-            random_state(trial % 3, h);
+            random_gradient(trial % 3, h);
             random_matrix(1.0, x);
             random_matrix(1.0, y);
             ss_tissue_tangent(&law, h, x, dp);

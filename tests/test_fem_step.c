@@ -18,12 +18,12 @@ static double quotient_of(setup *s, ss_real *x, ss_real *y)
     const int32_t n = s->mesh->node_count;
     double xkx = 0.0, xmx = 0.0, norm = 0.0;
     memset(y, 0, (size_t)n * 4 * sizeof *y);
-    ss_fem_tangent(s->fem, x, y);
+    ss_fem_tangent(s->model->fem, x, y);
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)n; ++k) {
         xkx += (double)x[k] * (double)y[k];
-        xmx += (double)x[k] * (double)x[k] * s->mass[k / 4];
+        xmx += (double)x[k] * (double)x[k] * s->model->mass[k / 4];
         const bool is_free = k % 4 < 3 && (s->fixed[k / 4] & (1 << k % 4)) == 0;
-        y[k] = is_free ? (ss_real)((double)y[k] / s->mass[k / 4]) : 0;
+        y[k] = is_free ? (ss_real)((double)y[k] / s->model->mass[k / 4]) : 0;
         norm = fmax(norm, fabs((double)y[k]));
     }
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)n; ++k) {
@@ -59,16 +59,16 @@ static void reported_step_is_not_beyond_the_largest(void **state)
         setup s;
         const block_size size = {
             .cells = {4, 3, 5}, .size = {0.04, 0.03, 0.05}, .jitter = jitters[k % 3]};
-        setup_init(&s, make_block(&size));
-        give(&s, SS_FEM_POISSON_RATIO, k < 3 ? 0.3 : 0.47);
-        give(&s, SS_FEM_LOCKING_CURE, k < 3 ? 1.0 : 2.0);
+        setup_fem(&s, make_block(&size));
+        give_row(&s, SS_FEM_POISSON_RATIO, k < 3 ? 0.3 : 0.47);
+        give_row(&s, SS_FEM_LOCKING_CURE, k < 3 ? 1.0 : 2.0);
         if (k % 2 == 1) {
             fix_low(&s, 2);
         }
         open_up(&s);
         const double largest = 2.0 / sqrt(largest_rate2(&s, 1200));
-        const double reported = ss_fem_rest_step(s.fem);
-        const double bound = 2.0 / sqrt(s.fem->stability.rest_bound);
+        const double reported = ss_fem_rest_step(s.model->fem);
+        const double bound = 2.0 / sqrt(s.model->fem->stability.rest_bound);
         assert_true(reported <= largest * (1.0 + 1e-4));
         assert_true(reported >= 0.97 * largest);
         assert_true(bound <= largest * (1.0 + 1e-5));
@@ -96,9 +96,9 @@ static double growth(setup *s, double h, bool is_rk4, int count)
         for (int stage = 0; stage < (is_rk4 ? 4 : 1); ++stage) {
             ss_body_energy energy = {.is_wanted = false};
             memset(f, 0, (size_t)values * sizeof *f);
-            ss_fem_force(s->fem, u1, v1, f, &energy);
+            ss_fem_force(s->model->fem, u1, v1, f, &energy);
             for (ptrdiff_t k = 0; k < values; ++k) {
-                const double a = (double)f[k] / s->mass[k / 4];
+                const double a = (double)f[k] / s->model->mass[k / 4];
                 if (!is_rk4) {
                     v[k] += (ss_real)(h * a);
                     u[k] += (ss_real)(h * (double)v[k]);
@@ -133,12 +133,12 @@ static void stable_below_and_unstable_above(void **state)
     for (int k = 0; k < 6; ++k) {
         setup s;
         const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
-        setup_init(&s, make_block(&size));
-        give(&s, SS_FEM_MATERIAL, SS_TISSUE_LINEAR);
-        give(&s, SS_FEM_STIFFNESS_DAMPING, damping[k % 3]);
-        give(&s, SS_FEM_INTEGRATOR, k / 3);
+        setup_fem(&s, make_block(&size));
+        give_row(&s, SS_FEM_MATERIAL, SS_TISSUE_LINEAR);
+        give_row(&s, SS_FEM_STIFFNESS_DAMPING, damping[k % 3]);
+        give_row(&s, SS_FEM_INTEGRATOR, k / 3);
         open_elastic(&s);
-        const double limit = ss_fem_rest_step(s.fem);
+        const double limit = ss_fem_rest_step(s.model->fem);
         assert_true(growth(&s, 0.97 * limit, k / 3 == 1, 600) < 30.0);
         if (k % 3 == 0 || k < 3) { /* the limit of a damped RK4 is not sharp */
             assert_true(growth(&s, 1.04 * limit, k / 3 == 1, 600) > 1e3);
@@ -153,15 +153,14 @@ static void mass_damping_bounds_runge_kutta(void **state)
     (void)state;
     setup s;
     const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
-    setup_init(&s, make_block(&size));
-    give(&s, SS_FEM_YOUNGS_MODULUS, 1e3);
-    give(&s, SS_FEM_INTEGRATOR, 1.0);
-    give(&s, SS_FEM_MASS_DAMPING, 2e4);
+    setup_fem(&s, make_block(&size));
+    give_row(&s, SS_FEM_YOUNGS_MODULUS, 1e3);
+    give_row(&s, SS_FEM_INTEGRATOR, 1.0);
+    give_row(&s, SS_FEM_MASS_DAMPING, 2e4);
     s.plan.gravity[0] = 10.0;
     create(&s);
     steps(&s, 100, 1e-3);
-    ss_model_info info;
-    s.class->info(s.model, &info);
+    const ss_model_info info = info_of(&s);
     assert_true(info.stable_step < 2.8 / 2e4);
     assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
     /* At the speed g / alpha nearly from the beginning. */
@@ -179,35 +178,36 @@ static void step_follows_the_stretch(void **state)
         for (int k = 0; k < 4; ++k) {
             setup s;
             const block_size size = {.cells = {3, 3, 3}, .size = {0.03, 0.03, 0.03}, .jitter = 0.2};
-            setup_init(&s, make_block(&size));
-            give(&s, SS_FEM_MATERIAL, kind);
+            setup_fem(&s, make_block(&size));
+            give_row(&s, SS_FEM_MATERIAL, kind);
             open_up(&s);
+            const ss_model *m = s.model;
             for (int32_t i = 0; i < s.mesh->node_count; ++i) {
                 for (int a = 0; a < 3; ++a) {
-                    s.nodes->u[4 * (ptrdiff_t)i + a] =
+                    m->nodes->u[4 * (ptrdiff_t)i + a] =
                         (ss_real)((stretch[k][a] - 1.0) * s.mesh->position[i][a]);
                 }
             }
             ss_body_energy energy = {.is_wanted = true};
-            ss_fem_force(s.fem, s.nodes->u, s.nodes->v, s.nodes->force, &energy);
+            ss_fem_force(m->fem, m->nodes->u, m->nodes->v, m->nodes->force, &energy);
             double reported = 0.0;
             for (int look = 0; look < 3; ++look) {
-                s.fem->stability.strain = fmax(s.fem->stability.strain, 1.0 + look);
-                reported = ss_fem_stable_step(s.fem, s.body);
+                m->fem->stability.strain = fmax(m->fem->stability.strain, 1.0 + look);
+                reported = ss_fem_stable_step(m->fem, m->body);
             }
             const double rate2 = largest_rate2(&s, 300);
             /* sub-steps take half of it */
             assert_true(0.5 * reported < 0.9 * 2.0 / sqrt(rate2));
-            assert_true(reported <= ss_fem_rest_step(s.fem) * (1.0 + 1e-9));
+            assert_true(reported <= ss_fem_rest_step(m->fem) * (1.0 + 1e-9));
             /* of the two laws with a rule, every eigenvalue stays below the certified one */
             if (kind <= SS_TISSUE_STVK) {
                 const ss_fem_pass pass = {
-                    .blocks = &s.fem->blocks, .kind = s.material.kind, .u = s.nodes->u};
-                s.fem->kernels->growth(&pass, s.fem->stability.growth, s.fem->stability.ratio);
+                    .blocks = &m->fem->blocks, .kind = m->material.kind, .u = m->nodes->u};
+                m->fem->kernels->growth(&pass, m->fem->stability.growth, m->fem->stability.ratio);
                 double bound = 0.0;
-                for (int32_t e = 0; e < s.fem->blocks.count * 8; ++e) {
-                    bound = fmax(bound, (double)s.fem->stability.bound[e] *
-                                            (double)s.fem->stability.growth[e]);
+                for (int32_t e = 0; e < m->fem->blocks.count * 8; ++e) {
+                    bound = fmax(bound, (double)m->fem->stability.bound[e] *
+                                            (double)m->fem->stability.growth[e]);
                 }
                 assert_true(rate2 <= bound * (1.0 + 1e-5));
             }
@@ -224,16 +224,16 @@ static double tip_ratio(double ratio, int cure)
 {
     setup s;
     const block_size size = {.cells = {10, 3, 3}, .size = {0.1, 0.03, 0.03}, .jitter = 0.0};
-    setup_init(&s, make_block(&size));
-    give(&s, SS_FEM_POISSON_RATIO, ratio);
-    give(&s, SS_FEM_LOCKING_CURE, cure);
+    setup_fem(&s, make_block(&size));
+    give_row(&s, SS_FEM_POISSON_RATIO, ratio);
+    give_row(&s, SS_FEM_LOCKING_CURE, cure);
     fix_low(&s, 0);
     open_up(&s);
     const int32_t n = s.mesh->node_count;
     ss_real *p = quads(n), *q = quads(n);
     double *u = calloc((size_t)n * 4, sizeof *u), *r = calloc((size_t)n * 4, sizeof *r), rz = 0.0;
     double *z = calloc((size_t)n * 4, sizeof *z), *diagonal = calloc((size_t)n, sizeof *diagonal);
-    ss_fem_diagonal(s.fem, diagonal);
+    ss_fem_diagonal(s.model->fem, diagonal);
     for (int j = 0; j <= 3; ++j) {
         for (int k = 0; k <= 3; ++k) {
             r[4 * (ptrdiff_t)block_node(&size, 10, j, k) + 2] = 1e-3 / 16.0;
@@ -250,7 +250,7 @@ static double tip_ratio(double ratio, int cure)
         }
         rz = next;
         memset(q, 0, (size_t)n * 4 * sizeof *q);
-        ss_fem_tangent(s.fem, p, q);
+        ss_fem_tangent(s.model->fem, p, q);
         for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)n; ++k) {
             q[k] = s.fixed[k / 4] ? 0 : q[k];
             pq += (double)p[k] * (double)q[k];
@@ -305,9 +305,9 @@ static void block_of(setup *s, int kind, double damping)
 {
     const block_size size = {.cells = {4, 4, 4}, .size = {0.04, 0.04, 0.04}, .jitter = 0.15};
     random_state = 3;
-    setup_init(s, make_block(&size));
-    give(s, SS_FEM_MATERIAL, kind);
-    give(s, SS_FEM_MASS_DAMPING, damping);
+    setup_fem(s, make_block(&size));
+    give_row(s, SS_FEM_MATERIAL, kind);
+    give_row(s, SS_FEM_MASS_DAMPING, damping);
     fix_low(s, 2);
 }
 
@@ -315,10 +315,10 @@ static void scramble(setup *s, double size)
 {
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         for (int k = 0; k < 3 && s->fixed[i] == 0; ++k) {
-            s->nodes->u[4 * (ptrdiff_t)i + k] = (ss_real)(size * random_unit());
+            s->model->nodes->u[4 * (ptrdiff_t)i + k] = (ss_real)(size * random_unit());
         }
     }
-    ss_body_renew(s->body);
+    ss_body_renew(s->model->body);
 }
 
 /* Every node anywhere within a block's size: two of the laws come back, neo-hookean untangles
@@ -365,9 +365,10 @@ static void inverted_bodies_come_back(void **state)
         s.plan.max_substeps = 1000;
         open_up(&s);
         for (int32_t i = 0; i < s.mesh->node_count; ++i) {
-            s.nodes->u[4 * (ptrdiff_t)i + 2] = (ss_real)((scale[k] - 1.0) * s.mesh->position[i][2]);
+            s.model->nodes->u[4 * (ptrdiff_t)i + 2] =
+                (ss_real)((scale[k] - 1.0) * s.mesh->position[i][2]);
         }
-        ss_body_renew(s.body);
+        ss_body_renew(s.model->body);
         steps(&s, 350, 2e-3);
         assert_int_equal(squeezed(&s, 0.0), 0);
         assert_true(largest_displacement(&s) < 1e-4);
@@ -420,7 +421,7 @@ static void stiffness_scales_the_step_alone(void **state)
         setup s;
         const double root = sqrt(factor[k]);
         block_of(&s, SS_TISSUE_STVK_GUARDED, 40.0 * root);
-        give(&s, SS_FEM_YOUNGS_MODULUS, 1e4 * factor[k]);
+        give_row(&s, SS_FEM_YOUNGS_MODULUS, 1e4 * factor[k]);
         int32_t node = s.mesh->node_count - 13;
         s.load[0] = (ss_load){.node = &node,
                               .node_count = 1,
@@ -446,7 +447,7 @@ static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
     (void)state;
     setup s;
     block_of(&s, SS_TISSUE_STVK_GUARDED, 10.0);
-    give(&s, SS_FEM_YOUNGS_MODULUS, 1e10);
+    give_row(&s, SS_FEM_YOUNGS_MODULUS, 1e10);
     s.plan.max_substeps = 16;
     int32_t node = s.mesh->node_count - 13;
     s.load[0] = (ss_load){
@@ -490,12 +491,11 @@ static void pressing_deeper_takes_more(void **state)
     (void)state;
     setup s;
     const block_size size = {.cells = {8, 8, 5}, .size = {0.08, 0.08, 0.05}, .jitter = 0.0};
-    setup_init(&s, make_block(&size));
-    give(&s, SS_FEM_POISSON_RATIO, 0.45);
-    give(&s, SS_FEM_MASS_DAMPING, 60.0);
+    setup_fem(&s, make_block(&size));
+    give_row(&s, SS_FEM_POISSON_RATIO, 0.45);
+    give_row(&s, SS_FEM_MASS_DAMPING, 60.0);
     fix_low(&s, 2);
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.015}};
+    add_sphere(&s, 0, 0.015);
     create(&s);
     double last = 0.0, support[3] = {0.0};
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {

@@ -32,22 +32,22 @@ static double bar_force(double cohesion, double stabilisation)
 {
     const int n[3] = {6, 2, 2};
     const double length = 3.0;
-    hybrid_case c;
-    case_init(&c, make_bar(n, 0.5, origin, 0.0, is_at_ends), 0.125);
-    case_set(&c, SS_HYBRID_COHESION, cohesion);
-    case_set(&c, SS_HYBRID_STABILISATION, stabilisation);
-    case_set(&c, SS_FEM_MASS_DAMPING, 2.5);
-    case_wake_all(&c);
+    setup s;
+    setup_hybrid(&s, make_bar(n, 0.5, origin, 0.0, is_at_ends), 0.125);
+    give_row(&s, SS_HYBRID_COHESION, cohesion);
+    give_row(&s, SS_HYBRID_STABILISATION, stabilisation);
+    give_row(&s, SS_FEM_MASS_DAMPING, 2.5);
+    wake_all(&s);
     int32_t node[2][9];
     double moved[9][3] = {{0}};
     int32_t count[2] = {0, 0};
-    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
-        const double *x = c.mesh->position[i];
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        const double *x = s.mesh->position[i];
         const int end = x[0] == 0.0 ? 0 : x[0] == length ? 1 : -1;
         if (end >= 0) {
             node[end][count[end]++] = i;
             /* No more than keeps it from turning and sliding. */
-            c.fixed[i] =
+            s.fixed[i] =
                 (uint8_t)((end == 0 ? 1u : 0u) | (x[1] == 0.5 ? 2u : 0u) | (x[2] == 0.5 ? 4u : 0u));
         }
     }
@@ -59,18 +59,17 @@ static double bar_force(double cohesion, double stabilisation)
                                .displacement = moved,
                                .axis = {true, false, false},
                                .ramp = 2.0};
-    c.plan.prescribed = &set;
-    c.plan.prescribed_count = 1;
-    (void)case_start(&c);
+    s.plan.prescribed = &set;
+    s.plan.prescribed_count = 1;
+    (void)start_hybrid(&s);
     for (int k = 0; k < 150; ++k) {
-        c.model_class->step(c.model, 0.1 * k, 0.1, NULL);
+        s.class->step(s.model, 0.1 * k, 0.1, NULL);
     }
     double force[3];
-    c.model_class->reaction(c.model, 0, force);
-    ss_model_info info;
-    c.model_class->info(c.model, &info);
+    s.class->reaction(s.model, 0, force);
+    const ss_model_info info = info_of(&s);
     assert_int_equal(info.fault_bits, 0);
-    case_end(&c);
+    setup_fini(&s);
     return force[0];
 }
 
@@ -91,12 +90,12 @@ static void bar_carries_the_exact_force(void **state)
  * over the first. Plain arithmetic, beside the model's own integrator. */
 static double growth(double share, int steps, double size, int32_t awake, double *out_momentum)
 {
-    hybrid_case c;
-    case_init(&c, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.3, is_below), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, awake);
-    case_set(&c, SS_HYBRID_ACTIVATE, 0.3);
-    case_set(&c, SS_HYBRID_COHESION, 0.0);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.3, is_below), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, awake);
+    give_row(&s, SS_HYBRID_ACTIVATE, 0.3);
+    give_row(&s, SS_HYBRID_COHESION, 0.0);
+    ss_hybrid *hybrid = start_hybrid(&s);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     /* dt* of this very state: asleep, or with these awake. */
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
@@ -144,7 +143,7 @@ static double growth(double share, int steps, double size, int32_t awake, double
     }
     ss_sub3(drift, end, drift);
     *out_momentum = ss_norm3(drift) / (total * size);
-    case_end(&c);
+    setup_fini(&s);
     return largest / first;
 }
 
@@ -171,21 +170,20 @@ static void motion_keeps_energy_and_momentum(void **state)
 /* ---- tools ---------------------------------------------------------------------------------- */
 
 /* A block of 1 x 1 x 0.8, its upper half a layer, held below, under a ball of 0.25. */
-static void init_block(hybrid_case *c, int32_t max_active)
+static void init_block(setup *s, int32_t max_active)
 {
-    case_init(c, make_bar((const int[3]){5, 5, 4}, 0.2, origin, 0.2, is_below), 0.08);
-    case_set(c, SS_HYBRID_ACTIVATE, 0.2);
-    case_set(c, SS_HYBRID_MAX_ACTIVE, max_active);
-    case_set(c, SS_FEM_MASS_DAMPING, 5.0);
-    for (int32_t i = 0; i < c->mesh->node_count; ++i) {
-        c->fixed[i] = c->mesh->position[i][2] == 0.0 ? 7 : 0;
+    setup_hybrid(s, make_bar((const int[3]){5, 5, 4}, 0.2, origin, 0.2, is_below), 0.08);
+    give_row(s, SS_HYBRID_ACTIVATE, 0.2);
+    give_row(s, SS_HYBRID_MAX_ACTIVE, max_active);
+    give_row(s, SS_FEM_MASS_DAMPING, 5.0);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][2] == 0.0 ? 7 : 0;
     }
-    c->plan.tool[0].is_used = true;
-    c->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.25};
-    c->plan.working_force = 0.5;
+    add_sphere(s, 0, 0.25);
+    s->plan.working_force = 0.5;
 }
 
-static void move(hybrid_case *c, ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth,
+static void move(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth,
                  int steps)
 {
     const double to[3] = {x, 0.5, 1.05 - depth};
@@ -196,7 +194,7 @@ static void move(hybrid_case *c, ss_model_tool tool[SOFTSIM_MAX_PROBES], double 
         for (int a = 0; a < 3; ++a) {
             tool[0].to.position[a] = from[a] + (to[a] - from[a]) * k / steps;
         }
-        c->model_class->step(c->model, 0.0, 0.02, tool);
+        s->class->step(s->model, 0.0, 0.02, tool);
     }
 }
 
@@ -208,10 +206,10 @@ static void start_tool(ss_model_tool tool[SOFTSIM_MAX_PROBES], double x)
     tool[0].from = tool[0].to;
 }
 
-static double felt(hybrid_case *c)
+static double felt(setup *s)
 {
     ss_contact_set set;
-    c->model_class->contacts(c->model, 0, 0.01, &set);
+    s->class->contacts(s->model, 0, 0.01, &set);
     return set.force[2];
 }
 
@@ -244,13 +242,13 @@ static void sum_up(const ss_hybrid *hybrid, double *out_mass, double out_momentu
 static void waking_keeps_mass_and_momentum(void **state)
 {
     (void)state;
-    hybrid_case c;
-    init_block(&c, 100);
-    memset(c.fixed, 0, (size_t)c.mesh->node_count);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    init_block(&s, 100);
+    memset(s.fixed, 0, (size_t)s.mesh->node_count);
+    ss_hybrid *hybrid = start_hybrid(&s);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     uint32_t seed = 5;
-    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
         for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
             seed = seed * 1664525u + 1013904223u;
             nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)((double)(seed >> 8) / 16777216.0);
@@ -275,7 +273,7 @@ static void waking_keeps_mass_and_momentum(void **state)
             assert_near(momentum[k][a] / mass[0], momentum[0][a] / mass[0], BY_TYPE(1e-6, 1e-13));
         }
     }
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* Force grows with depth, particles wake under the tool and sleep again when it goes; at rest the
@@ -283,34 +281,33 @@ static void waking_keeps_mass_and_momentum(void **state)
 static void tool_wakes_what_it_touches(void **state)
 {
     (void)state;
-    hybrid_case c;
+    setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&c, 150);
-    ss_hybrid *hybrid = case_start(&c);
+    init_block(&s, 150);
+    ss_hybrid *hybrid = start_hybrid(&s);
     start_tool(tool, 0.5);
     double before = 0.0;
     for (int k = 1; k <= 6; ++k) {
-        move(&c, tool, 0.5, 0.025 * k, 20);
-        move(&c, tool, 0.5, 0.025 * k, 40);
-        assert_true(felt(&c) > before);
-        before = felt(&c);
+        move(&s, tool, 0.5, 0.025 * k, 20);
+        move(&s, tool, 0.5, 0.025 * k, 40);
+        assert_true(felt(&s) > before);
+        before = felt(&s);
     }
     assert_true(hybrid->awake_count > 50 && hybrid->awake_count <= 150);
     for (int32_t p = 0; p < hybrid->layer->own_count; ++p) {
         const double *x = hybrid->layer->rest[p];
         assert_true(hybrid->node_of[p] < 0 || hypot(x[0] - 0.5, x[1] - 0.5) < 0.5);
     }
-    ss_model_info info;
-    c.model_class->info(c.model, &info);
+    const ss_model_info info = info_of(&s);
     assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
     assert_int_equal(info.active_nodes, hybrid->awake_count);
-    move(&c, tool, 0.5, -0.6, 40);
-    move(&c, tool, 0.5, -0.6, 200);
+    move(&s, tool, 0.5, -0.6, 40);
+    move(&s, tool, 0.5, -0.6, 200);
     assert_int_equal(hybrid->awake_count, 0);
     assert_int_equal(hybrid->point_count, 0);
     assert_int_equal(hybrid->drifting_count, 0);
-    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 2e-3);
-    case_end(&c);
+    assert_near(largest_displacement(&s), 0.0, 2e-3);
+    setup_fini(&s);
 }
 
 /* Slowly along the block, the force with particles that wake and sleep is that of all awake within
@@ -321,21 +318,21 @@ static void switching_is_not_felt(void **state)
     enum { STOPS = 30 };
     double force[2][STOPS];
     for (int all = 0; all < 2; ++all) {
-        hybrid_case c;
+        setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES];
-        init_block(&c, 300);
+        init_block(&s, 300);
         if (all) {
-            case_wake_all(&c);
+            wake_all(&s);
         }
-        (void)case_start(&c);
+        (void)start_hybrid(&s);
         start_tool(tool, 0.35);
-        move(&c, tool, 0.35, 0.1, 60);
-        move(&c, tool, 0.35, 0.1, 60);
+        move(&s, tool, 0.35, 0.1, 60);
+        move(&s, tool, 0.35, 0.1, 60);
         for (int k = 0; k < STOPS; ++k) {
-            move(&c, tool, 0.35 + 0.01 * (k + 1), 0.1, 12);
-            force[all][k] = felt(&c);
+            move(&s, tool, 0.35 + 0.01 * (k + 1), 0.1, 12);
+            force[all][k] = felt(&s);
         }
-        case_end(&c);
+        setup_fini(&s);
     }
     for (int k = 0; k < STOPS; ++k) {
         assert_near(force[0][k] / force[1][k], 1.0, 0.05);
@@ -346,16 +343,16 @@ static void switching_is_not_felt(void **state)
     }
 }
 
-static uint64_t press_and_hash(hybrid_case *c)
+static uint64_t press_and_hash(setup *s)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     start_tool(tool, 0.4);
-    move(c, tool, 0.4, 0.1, 30);
-    move(c, tool, 0.6, 0.1, 30);
-    move(c, tool, 0.6, -0.6, 10);
-    uint64_t hash = c->model_class->hash(c->model, 14695981039346656037u);
-    const unsigned char *byte = (const unsigned char *)c->model_class->displacement(c->model);
-    for (size_t k = 0; k < 4 * (size_t)c->mesh->node_count * sizeof(ss_real); ++k) {
+    move(s, tool, 0.4, 0.1, 30);
+    move(s, tool, 0.6, 0.1, 30);
+    move(s, tool, 0.6, -0.6, 10);
+    uint64_t hash = s->class->hash(s->model, 14695981039346656037u);
+    const unsigned char *byte = (const unsigned char *)s->class->displacement(s->model);
+    for (size_t k = 0; k < 4 * (size_t)s->mesh->node_count * sizeof(ss_real); ++k) {
         hash = (hash ^ byte[k]) * 1099511628211u;
     }
     return hash;
@@ -364,19 +361,19 @@ static uint64_t press_and_hash(hybrid_case *c)
 static void reset_begins_anew(void **state)
 {
     (void)state;
-    hybrid_case c;
-    init_block(&c, 100);
-    (void)case_start(&c);
-    const uint64_t first = press_and_hash(&c);
-    c.model_class->reset(c.model);
-    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 0.0);
-    c.model_class->reset(c.model);
-    const uint64_t again = press_and_hash(&c);
-    case_end(&c);
-    init_block(&c, 100);
-    (void)case_start(&c);
-    assert_true(press_and_hash(&c) == first);
-    case_end(&c);
+    setup s;
+    init_block(&s, 100);
+    (void)start_hybrid(&s);
+    const uint64_t first = press_and_hash(&s);
+    s.class->reset(s.model);
+    assert_near(largest_displacement(&s), 0.0, 0.0);
+    s.class->reset(s.model);
+    const uint64_t again = press_and_hash(&s);
+    setup_fini(&s);
+    init_block(&s, 100);
+    (void)start_hybrid(&s);
+    assert_true(press_and_hash(&s) == first);
+    setup_fini(&s);
     assert_true(first == again);
 }
 
@@ -384,21 +381,21 @@ static void reset_begins_anew(void **state)
 static void hard_blow_is_survived(void **state)
 {
     (void)state;
-    hybrid_case c;
+    setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&c, 100);
-    (void)case_start(&c);
+    init_block(&s, 100);
+    (void)start_hybrid(&s);
     start_tool(tool, 0.5);
-    move(&c, tool, 0.5, 0.6, 3);
-    move(&c, tool, 0.5, 0.6, 20);
-    const ss_real *u = c.model_class->displacement(c.model);
-    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)c.mesh->node_count; ++k) {
+    move(&s, tool, 0.5, 0.6, 3);
+    move(&s, tool, 0.5, 0.6, 20);
+    const ss_real *u = s.class->displacement(s.model);
+    for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)s.mesh->node_count; ++k) {
         assert_true(isfinite(u[k]));
     }
-    move(&c, tool, 0.5, -0.6, 10);
-    move(&c, tool, 0.5, -0.6, 300);
-    assert_near(largest_of(c.mesh->node_count, c.model_class->displacement(c.model)), 0.0, 0.01);
-    case_end(&c);
+    move(&s, tool, 0.5, -0.6, 10);
+    move(&s, tool, 0.5, -0.6, 300);
+    assert_near(largest_displacement(&s), 0.0, 0.01);
+    setup_fini(&s);
 }
 
 int main(void)

@@ -104,15 +104,15 @@ static void spacing_may_differ(void **state)
 {
     (void)state;
     ss_mesh *mesh = make_block(origin);
-    hybrid_case c;
-    case_init(&c, mesh, 0.1);
+    setup s;
+    setup_hybrid(&s, mesh, 0.1);
     double *spacing = calloc((size_t)mesh->node_count, sizeof *spacing);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         spacing[i] = mesh->position[i][0] < 0.5 ? 0.05 : 0.1;
     }
-    c.param[SS_HYBRID_SPACING].per_node = spacing;
-    case_wake_all(&c);
-    ss_hybrid *hybrid = case_start(&c);
+    s.param[SS_HYBRID_SPACING].per_node = spacing;
+    wake_all(&s);
+    ss_hybrid *hybrid = start_hybrid(&s);
     const ss_layer *layer = hybrid->layer;
     double volume = 0.0;
     int32_t fine = 0;
@@ -134,7 +134,7 @@ static void spacing_may_differ(void **state)
         }
     }
     free(spacing);
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* ---- one volume ----------------------------------------------------------------------------- */
@@ -145,14 +145,14 @@ static void affine_maps_are_exact(void **state)
 {
     (void)state;
     for (int awake = 0; awake < 3; ++awake) {
-        hybrid_case c;
-        case_init(&c, make_block(origin), 0.07);
-        case_set(&c, SS_HYBRID_COHESION, 0.0); /* which is no function of the strain alone */
-        case_set(&c, SS_HYBRID_MAX_ACTIVE, 60);
+        setup s;
+        setup_hybrid(&s, make_block(origin), 0.07);
+        give_row(&s, SS_HYBRID_COHESION, 0.0); /* which is no function of the strain alone */
+        give_row(&s, SS_HYBRID_MAX_ACTIVE, 60);
         if (awake == 2) {
-            case_wake_all(&c);
+            wake_all(&s);
         }
-        ss_hybrid *hybrid = case_start(&c);
+        ss_hybrid *hybrid = start_hybrid(&s);
         if (awake == 1) {
             ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
             assert_int_equal(hybrid->awake_count, 60);
@@ -178,7 +178,7 @@ static void affine_maps_are_exact(void **state)
                             gradient[a / 3][a % 3], BY_TYPE(5e-6, 1e-12));
             }
         }
-        case_end(&c);
+        setup_fini(&s);
     }
 }
 
@@ -199,18 +199,18 @@ static void shake(const ss_hybrid *hybrid, double size)
 static void force_is_the_slope_of_energy(void **state)
 {
     (void)state;
-    hybrid_case c;
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
-    case_set(&c, SS_HYBRID_COHESION, 0.2);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
+    give_row(&s, SS_HYBRID_COHESION, 0.2);
+    ss_hybrid *hybrid = start_hybrid(&s);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
     shake(hybrid, 0.02);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     double energy;
     ss_real *force = forces_of(hybrid, &energy);
     const double h = BY_TYPE(1e-3, 1e-5);
-    const double scale = largest_of(nodes->count, force);
+    const double scale = largest_quad(nodes->count, force);
     for (int32_t i = 0; i < nodes->count; i += 7) {
         if (!has_mass(hybrid, i)) {
             continue;
@@ -228,17 +228,17 @@ static void force_is_the_slope_of_energy(void **state)
                     -(high - low) / (2.0 * h) / scale, BY_TYPE(5e-3, 1e-6));
     }
     free(force);
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* The tangent is the force's change; the cohesion's is taken at rest, so the state is near it. */
 static void tangent_is_the_change_of_force(void **state)
 {
     (void)state;
-    hybrid_case c;
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
+    ss_hybrid *hybrid = start_hybrid(&s);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const size_t size = (size_t)nodes->padded_count * 4 * sizeof(ss_real);
@@ -252,23 +252,23 @@ static void tangent_is_the_change_of_force(void **state)
     memset(nodes->u, 0, size);
     free(forces_of(hybrid, &energy));
     ss_hybrid_tangent(hybrid, x, product);
-    const double scale = largest_of(nodes->count, force);
+    const double scale = largest_quad(nodes->count, force);
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
         assert_near((double)product[k] / scale, -(double)force[k] / scale, BY_TYPE(4e-3, 2e-4));
     }
     free(force);
     free(x);
     free(product);
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* Largest force of a rotation over that of a stretch by 1 %, the block's corner at `low`. */
 static double rotation_noise(const double low[3])
 {
-    hybrid_case c;
-    case_init(&c, make_block(low), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_block(low), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
+    ss_hybrid *hybrid = start_hybrid(&s);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
     const double turn[3][3] = {
         {cos(0.3) - 1.0, -sin(0.3), 0.0}, {sin(0.3), cos(0.3) - 1.0, 0.0}, {0.0, 0.0, 0.0}};
@@ -282,10 +282,10 @@ static double rotation_noise(const double low[3])
         }
         set_affine(hybrid, k == 0 ? stretch : turn, back);
         ss_real *force = forces_of(hybrid, &energy);
-        largest[k] = largest_of(ss_body_read_nodes(hybrid->body)->count, force);
+        largest[k] = largest_quad(ss_body_read_nodes(hybrid->body)->count, force);
         free(force);
     }
-    case_end(&c);
+    setup_fini(&s);
     return largest[1] / largest[0];
 }
 
@@ -301,10 +301,10 @@ static void rigid_motion_is_free(void **state)
 static void inner_forces_balance(void **state)
 {
     (void)state;
-    hybrid_case c;
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
+    ss_hybrid *hybrid = start_hybrid(&s);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
     shake(hybrid, 0.03);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
@@ -333,17 +333,17 @@ static void inner_forces_balance(void **state)
     assert_near(ss_norm3(sum) / size, 0.0, BY_TYPE(1e-6, 1e-14));
     assert_near(ss_norm3(torque) / size, 0.0, BY_TYPE(1e-6, 1e-14));
     free(force);
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* Both paths of the kernels agree, and each with itself. */
 static void paths_agree(void **state)
 {
     (void)state;
-    hybrid_case c;
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = case_start(&c);
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
+    ss_hybrid *hybrid = start_hybrid(&s);
     ss_hybrid_wake_around(hybrid, 0);
     shake(hybrid, 0.03);
     double energy[2];
@@ -354,7 +354,7 @@ static void paths_agree(void **state)
         hybrid->kernels = ss_layer_kernels_path(path);
         force[1] = forces_of(hybrid, &energy[1]);
         const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
-        const double scale = largest_of(nodes->count, force[0]);
+        const double scale = largest_quad(nodes->count, force[0]);
         for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
             assert_near((double)force[1][k] / scale, (double)force[0][k] / scale,
                         BY_TYPE(1e-5, 1e-13));
@@ -363,7 +363,7 @@ static void paths_agree(void **state)
         free(force[1]);
     }
     free(force[0]);
-    case_end(&c);
+    setup_fini(&s);
 }
 
 /* ---- the pair curve ------------------------------------------------------------------------- */
@@ -408,56 +408,56 @@ static bool is_everywhere(int i, int j, int k)
     return true;
 }
 
-static void refuse(hybrid_case *c, const char *word)
+static void refuse(setup *s, const char *word)
 {
-    softsim_error error = {.status = SOFTSIM_OK};
-    if (c->model_class->create(&c->plan, &c->model, &error) == SOFTSIM_OK) {
+    if (setup_create(s) == SOFTSIM_OK) {
         fail_msg("nothing refused where '%s' is at fault", word);
     }
-    if (strstr(error.text, word) == NULL || error.fault_count != 1) {
-        fail_msg("%d faults, not one that says '%s': %s", error.fault_count, word, error.text);
+    if (strstr(s->error.text, word) == NULL || s->error.fault_count != 1) {
+        fail_msg("%d faults, not one that says '%s': %s", s->error.fault_count, word,
+                 s->error.text);
     }
-    assert_null(c->model);
-    case_end(c);
+    assert_null(s->model);
+    setup_fini(s);
 }
 
 static void wrong_layers_are_refused(void **state)
 {
     (void)state;
     const int n[3] = {2, 2, 2};
-    hybrid_case c;
-    case_init(&c, make_bar(n, 0.2, origin, 0.0, is_everywhere), 0.1);
-    refuse(&c, "layer");
-    case_init(&c, make_block(origin), 1.0);
-    refuse(&c, "layer.spacing_m");
-    case_init(&c, make_block(origin), 1e-4);
-    refuse(&c, "coarser");
-    case_init(&c, make_block(origin), 0.006);
-    refuse(&c, "particles, more than");
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_ACTIVATE, 0.2);
-    case_set(&c, SS_HYBRID_DEACTIVATE, 0.1);
-    refuse(&c, "layer.deactivate_m");
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_HYBRID_ACTIVATE, 1e6);
-    case_set(&c, SS_HYBRID_MAX_ACTIVE, 50);
-    refuse(&c, "layer.max_active");
+    setup s;
+    setup_hybrid(&s, make_bar(n, 0.2, origin, 0.0, is_everywhere), 0.1);
+    refuse(&s, "layer");
+    setup_hybrid(&s, make_block(origin), 1.0);
+    refuse(&s, "layer.spacing_m");
+    setup_hybrid(&s, make_block(origin), 1e-4);
+    refuse(&s, "coarser");
+    setup_hybrid(&s, make_block(origin), 0.006);
+    refuse(&s, "particles, more than");
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_ACTIVATE, 0.2);
+    give_row(&s, SS_HYBRID_DEACTIVATE, 0.1);
+    refuse(&s, "layer.deactivate_m");
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_ACTIVATE, 1e6);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 50);
+    refuse(&s, "layer.max_active");
     /* Nodes of the outer surface ride on the particles: a set of nothing else would do nothing. */
-    case_init(&c, make_block(origin), 0.1);
+    setup_hybrid(&s, make_block(origin), 0.1);
     int32_t top[1] = {-1};
-    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
-        top[0] = top[0] < 0 || c.mesh->position[i][2] > c.mesh->position[top[0]][2] ? i : top[0];
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        top[0] = top[0] < 0 || s.mesh->position[i][2] > s.mesh->position[top[0]][2] ? i : top[0];
     }
     double down[1][3] = {{0.0, 0.0, -0.01}};
     const ss_prescribed set = {
         .node = top, .node_count = 1, .displacement = down, .axis = {true, true, true}};
-    c.fixed[top[0]] = 0;
-    c.plan.prescribed = &set;
-    c.plan.prescribed_count = 1;
-    refuse(&c, "drives nothing");
-    case_init(&c, make_block(origin), 0.1);
-    case_set(&c, SS_FEM_LOCKING_CURE, 2.0);
-    refuse(&c, "locking_cure");
+    s.fixed[top[0]] = 0;
+    s.plan.prescribed = &set;
+    s.plan.prescribed_count = 1;
+    refuse(&s, "drives nothing");
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_FEM_LOCKING_CURE, 2.0);
+    refuse(&s, "locking_cure");
 }
 
 int main(void)

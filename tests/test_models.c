@@ -23,13 +23,9 @@ static void setup_whole(setup *s, int32_t *top)
         s->fixed[i] = s->mesh->position[i][2] < -0.024 ? 7 : 0;
         *top = s->mesh->position[i][2] > s->mesh->position[*top][2] ? i : *top;
     }
-    give(s, "modulus_j", 5.0);
+    give_skin(s);
     give(s, "pretension_j", 0.1);
-    give(s, "area_density_kg_m2", 11.5);
-    give(s, "damping_n_s_per_m3", 1725.0);
-    give(s, "rest_stiffness_n_per_m3", 5e4);
-    s->plan.tool[0].is_used = true;
-    s->plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.01};
+    add_sphere(s, 0, 0.01);
     push(s, top, 0.05, 0.0, 0.0);
 }
 
@@ -442,10 +438,7 @@ static void short_edges_and_loose_nodes_are_refused(void **state)
         draft_triangle(&d, 0, 1, 2);
         setup_init(&s, "cnn-energy", draft_finish(&d));
         s.fixed[0] = s.fixed[1] = s.fixed[2] = 7;
-        give(&s, "modulus_j", 5.0);
-        give(&s, "area_density_kg_m2", 11.5);
-        give(&s, "damping_n_s_per_m3", 1725.0);
-        give(&s, "rest_stiffness_n_per_m3", 5e4);
+        give_skin(&s);
         assert_int_equal(setup_create(&s), kind == 0 ? SOFTSIM_ERROR_MESH : SOFTSIM_ERROR_SCENE);
         assert_non_null(strstr(s.error.text, kind == 0 ? "between nodes 1 and 3" : "first 3"));
         setup_fini(&s);

@@ -12,25 +12,17 @@
 
 #include <cmocka.h>
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "number_fixture.h"
 #include "rt/vec.h"
 #include "static_fem.h"
 
 #define REFERENCE SOURCE_DIR "/tests/reference/"
 
 typedef double vector[3];
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, expected %.17g within %.3g", #a, near_a, near_b, near_t);        \
-        }                                                                                          \
-    } while (0)
 
 /* ---- a body under test -------------------------------------------------------------------- */
 

@@ -315,8 +315,7 @@ static void a_tool_is_carried_by_the_support(void **state)
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
         s.fixed[i] = s.mesh->position[i][2] < -0.0299 ? 7 : 0;
     }
-    s.plan.tool[0] =
-        (ss_tool_plan){.is_used = true, .shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.012}};
+    add_sphere(&s, 0, 0.012);
     give(&s, "mass_damping_per_s", 50.0);
     create(&s);
     tool[0].is_present = true;

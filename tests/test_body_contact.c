@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Tools on the body that Newtonian models share, under a law with closed forms: what a touch gives
+ * and takes, the stiffness that is felt, grasps, a surface that rides on the nodes, and the same
+ * bits from the same touch.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "body_fixture.h"
+
+static const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.015};
+
+/* ---- tools -------------------------------------------------------------------------------- */
+
+static void tool_at(ss_model_tool *tool, double from, double to, double x)
+{
+    *tool = (ss_model_tool){.is_present = true};
+    ss_set3(tool->from.position, x, 0.0, from);
+    ss_set3(tool->to.position, x, 0.0, to);
+    tool->from.orientation[0] = tool->to.orientation[0] = 1.0;
+}
+
+static void bench_with_ball(bench *b)
+{
+    bench_init(b);
+    b->law.stiffness = 40.0;
+    b->mass_damping = 30.0;
+    b->s.plan.tool[0] = (ss_tool_plan){.is_used = true, .shape = ball};
+}
+
+/* Presses the ball from above by `depth` in `steps` steps from where it just touches. */
+static void press(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES], double depth, int steps)
+{
+    const double top = 0.03 + ball.radius;
+    for (int k = 0; k < steps; ++k) {
+        tool_at(tool, top - depth * k / steps, top - depth * (k + 1) / steps, 0.0);
+        run(b, 1, 1e-3, tool);
+    }
+}
+
+static void hold(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES], int steps)
+{
+    tool[0].from = tool[0].to;
+    run(b, steps, 1e-3, tool);
+}
+
+static void a_tool_gets_back_what_it_gives(void **state)
+{
+    (void)state;
+    for (int m = 0; m < 2; ++m) {
+        bench b;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+        ss_contact_set set;
+        bench_with_ball(&b);
+        b.law.integrator = methods[m];
+        bench_make(&b);
+        press(&b, tool, 5e-3, 100);
+        hold(&b, tool, 600);
+        ss_body_contacts(b.body, 0, 0.01, &set);
+        double sum[3] = {0.0};
+        for (int32_t i = 0; i < 64; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                sum[k] += 40.0 * at(&b, i, k);
+            }
+        }
+        /* At rest the springs carry all of it. */
+        assert_true(set.force[2] > 0.1);
+        assert_near(set.force[2], -sum[2], 1e-4 * set.force[2]);
+        assert_near(set.contact[0].force, set.force[2], 1e-5 * set.force[2]);
+        const ss_model_info info = told(&b);
+        assert_near(balance(&b), 0.0, 0.005 * info.work);
+        assert_int_equal(info.fault_bits, 0);
+        /* Let go: everything comes back, and what was given is gone into damping. */
+        press(&b, tool, -5e-3, 50);
+        memset(tool, 0, sizeof tool);
+        run(&b, 800, 1e-3, tool);
+        assert_near(told(&b).elastic + told(&b).kinetic, 0.0, 1e-9);
+        assert_near(balance(&b), 0.0, 0.01 * told(&b).dissipated + 1e-9);
+        bench_fini(&b);
+    }
+}
+
+static void the_felt_stiffness_errs_high_but_little(void **state)
+{
+    (void)state;
+    bench b;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    ss_contact_set set, more;
+    bench_with_ball(&b);
+    bench_make(&b);
+    press(&b, tool, 4e-3, 100);
+    for (int k = 0; k < 600; ++k) {
+        hold(&b, tool, 1);
+        ss_body_contacts(b.body, 0, 0.01, &set);
+    }
+    const double z = tool[0].to.position[2];
+    tool_at(tool, z, z - 1e-5, 0.0);
+    run(&b, 1, 1e-3, tool);
+    hold(&b, tool, 600);
+    ss_body_contacts(b.body, 0, 0.01, &more);
+    const double slope = (more.force[2] - set.force[2]) / 1e-5;
+    assert_true(set.contact[0].stiffness > 0.97 * slope);
+    assert_true(set.contact[0].stiffness < 1.1 * slope);
+    assert_true(set.contact[0].viscosity > 0.0);
+    bench_fini(&b);
+}
+
+static void a_grasp_pulls_and_lets_go(void **state)
+{
+    (void)state;
+    bench b;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    ss_contact_set set;
+    bench_with_ball(&b);
+    bench_make(&b);
+    press(&b, tool, 4e-3, 100);
+    tool[0].is_grasping = true;
+    hold(&b, tool, 1);
+    for (int k = 0; k < 100; ++k) {
+        const double z = tool[0].to.position[2];
+        tool_at(tool, z, z + 1e-4, 0.0);
+        tool[0].is_grasping = true;
+        run(&b, 1, 1e-3, tool);
+    }
+    hold(&b, tool, 300);
+    ss_body_contacts(b.body, 0, 0.01, &set);
+    assert_true(set.is_held);
+    assert_true(set.force[2] < -0.05);
+    const double before = balance(&b);
+    tool[0].is_grasping = false;
+    hold(&b, tool, 100);
+    ss_body_contacts(b.body, 0, 0.01, &set);
+    assert_false(set.is_held);
+    assert_near(set.force[2], 0.0, 1e-6);
+    assert_near(balance(&b), before, 0.02 * told(&b).work);
+    bench_fini(&b);
+}
+
+static void a_fast_tool_is_swept_and_does_not_tunnel(void **state)
+{
+    (void)state;
+    bench b;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    ss_contact_set set;
+    bench_with_ball(&b);
+    bench_make(&b);
+    tool_at(tool, 0.08, 0.035, 0.0);
+    run(&b, 1, 1e-3, tool);
+    assert_true(told(&b).substeps >= 12);
+    ss_body_contacts(b.body, 0, 0.01, &set);
+    assert_true(set.force[2] > 0.0);
+    bench_fini(&b);
+}
+
+/* ---- a surface that rides on the nodes ------------------------------------------------------- */
+
+static void lay_half(void *owner, const ss_real *u, ss_real *skin_u)
+{
+    const anchors *a = owner;
+    memcpy(skin_u, u, (size_t)ss_body_read_nodes(a->body)->count * 4 * sizeof *u);
+}
+
+static void carry_same(void *owner, int32_t count, const int32_t *node, const ss_real *skin_force,
+                       ss_real *force)
+{
+    (void)owner;
+    for (int32_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            force[4 * node[i] + k] += skin_force[4 * node[i] + k];
+        }
+    }
+}
+
+static void carry_same_diagonal(void *owner, int32_t count, const int32_t *node, const double *skin,
+                                double *diagonal)
+{
+    (void)owner;
+    for (int32_t i = 0; i < count; ++i) {
+        diagonal[node[i]] += skin[node[i]];
+    }
+}
+
+static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
+{
+    (void)state;
+    ss_contact_set set[2];
+    double stable[2];
+    for (int kind = 0; kind < 2; ++kind) {
+        bench b;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+        bench_with_ball(&b);
+        b.s.plan.contact_stiffness = 2e6;
+        const size_t n = (size_t)b.s.mesh->node_count;
+        double *mass = calloc(n, sizeof *mass);
+        for (size_t i = 0; i < n; ++i) {
+            mass[i] = 0.216 / 64.0;
+        }
+        ss_body_plan plan = {.name = "anchors",
+                             .plan = &b.s.plan,
+                             .node_count = (int32_t)n,
+                             .mass = mass,
+                             .mass_damping = b.mass_damping,
+                             .edge = ss_body_mean_edge(b.s.mesh),
+                             .step_share = 0.5,
+                             .elastic = {.owner = &b.law,
+                                         .force = anchor_force,
+                                         .tangent = anchor_tangent,
+                                         .diagonal = anchor_diagonal,
+                                         .stable_step = anchor_step}};
+        if (kind == 1) {
+            plan.skin = (ss_body_skin){.mesh = b.s.mesh,
+                                       .sigma = 1.0,
+                                       .lay = lay_half,
+                                       .carry = carry_same,
+                                       .carry_diagonal = carry_same_diagonal};
+        }
+        assert_int_equal(ss_body_create(&plan, &b.body, &b.s.error), SOFTSIM_OK);
+        free(mass);
+        b.law.body = b.body;
+        assert_int_equal(ss_body_start(b.body), SOFTSIM_OK);
+        press(&b, tool, 4e-3, 50);
+        tool[0].is_grasping = true;
+        hold(&b, tool, 20);
+        ss_body_contacts(b.body, 0, 0.01, &set[kind]);
+        stable[kind] = told(&b).stable_step;
+        bench_fini(&b);
+    }
+    assert_near(set[1].force[2], set[0].force[2], 1e-5 * set[0].force[2]);
+    assert_near(set[1].contact[0].stiffness, set[0].contact[0].stiffness,
+                1e-3 * set[0].contact[0].stiffness);
+    assert_near(stable[1], stable[0], 1e-5 * stable[0]);
+}
+
+/* ---- identity ----------------------------------------------------------------------------- */
+
+static uint64_t whole_hash(bench *b)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(b->body);
+    uint64_t hash = ss_body_hash(b->body, 0xcbf29ce484222325u);
+    const unsigned char *byte = (const unsigned char *)nodes->u;
+    for (size_t k = 0; k < (size_t)nodes->count * 4 * sizeof(ss_real); ++k) {
+        hash = (hash ^ byte[k]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static void the_same_run_gives_the_same_bits_also_after_a_reset(void **state)
+{
+    (void)state;
+    bench b;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    uint64_t hash[2];
+    bench_with_ball(&b);
+    b.s.plan.gravity[0] = 1.0;
+    bench_make(&b);
+    for (int k = 0; k < 2; ++k) {
+        ss_contact_set set;
+        b.time = 0.0;
+        press(&b, tool, 6e-3, 60);
+        ss_body_contacts(b.body, 0, 0.01, &set);
+        tool[0].is_grasping = true;
+        hold(&b, tool, 30);
+        ss_body_contacts(b.body, 0, 0.01, &set);
+        hash[k] = whole_hash(&b);
+        ss_body_reset(b.body);
+    }
+    assert_true(hash[0] == hash[1]);
+    bench_fini(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tool_gets_back_what_it_gives),
+        cmocka_unit_test(the_felt_stiffness_errs_high_but_little),
+        cmocka_unit_test(a_grasp_pulls_and_lets_go),
+        cmocka_unit_test(a_fast_tool_is_swept_and_does_not_tunnel),
+        cmocka_unit_test(a_skin_of_the_nodes_themselves_changes_nothing),
+        cmocka_unit_test(the_same_run_gives_the_same_bits_also_after_a_reset),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
