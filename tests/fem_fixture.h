@@ -14,7 +14,7 @@
 
 /* The model with its insides open, by open_elastic and open_up. */
 struct ss_model {
-    ss_body *body;
+    ss_body *body; /* first, as ss_body_model_... take it */
     ss_fem *fem;
     ss_fem_material material;
     double *mass;
@@ -56,24 +56,14 @@ static inline void open_step(ss_model *model, double time, double dt, const ss_m
     ss_fem_judge(model->fem, model->body);
 }
 
-static inline void open_info(const ss_model *model, ss_model_info *out)
-{
-    ss_body_info(model->body, out);
-}
-
-static inline const ss_real *open_displacement(const ss_model *model)
-{
-    return model->nodes->u;
-}
-
 /* Material and elastic body alone. */
 static inline void open_elastic(setup *s)
 {
     static const ss_model_class open_class = {.name = "fem",
                                               .destroy = open_destroy,
                                               .step = open_step,
-                                              .info = open_info,
-                                              .displacement = open_displacement};
+                                              .info = ss_body_model_info,
+                                              .displacement = ss_body_model_displacement};
     ss_model *model = calloc(1, sizeof *model);
     s->class = &open_class;
     s->model = model;
