@@ -215,6 +215,32 @@ static double force_along(const setup *s, const double normal[3])
     return ss_dot3(s->model->tool[0].force, normal);
 }
 
+/* What the resting tool is told of its stiffness against what its force changes by when it moves.
+ */
+static void check_told(setup *s, ss_model_tool *tool)
+{
+    ss_contact_set set = {0};
+    for (int n = 0; n < 60; ++n) {
+        step_tools(s, 1e-3, tool);
+        s->class->contacts(s->model, 0, 0.005, &set);
+    }
+    assert_int_equal(set.count, 1);
+    const ss_contact *contact = &set.contact[0];
+    const double *n = contact->normal, *at = tool[0].to.position, move = 2e-5;
+    double force[2], home[3];
+    ss_copy3(home, at);
+    for (int side = 0; side < 2; ++side) {
+        const double way = side == 0 ? -move : move;
+        go(tool, home[0] + way * n[0], home[1] + way * n[1], home[2] + way * n[2]);
+        settle(s, 1e-3, tool, 250);
+        force[side] = force_along(s, n);
+    }
+    const double measured = (force[0] - force[1]) / (2.0 * move);
+    assert_true(contact->stiffness > 0.99 * measured);
+    assert_true(contact->stiffness < 1.06 * measured);
+    assert_true(contact->viscosity > 0.0 && contact->viscosity <= 0.01 * contact->stiffness);
+}
+
 static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
 {
     (void)state;
@@ -225,28 +251,49 @@ static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
         setup_plate(&s, 1, radius, kind % 2 == 0 ? 0.0 : 0.5);
         create(&s);
         press(&s, tool, 1, 0.001, radius, 0.003);
-        ss_contact_set set = {0};
-        for (int n = 0; n < 60; ++n) {
-            step_tools(&s, 1e-3, tool);
-            s.class->contacts(s.model, 0, 0.005, &set);
-        }
-        assert_int_equal(set.count, 1);
-        const ss_contact *contact = &set.contact[0];
-        const double *n = contact->normal, *at = tool[0].to.position, move = 2e-5;
-        double force[2], home[3];
-        ss_copy3(home, at);
-        for (int side = 0; side < 2; ++side) {
-            const double way = side == 0 ? -move : move;
-            go(tool, home[0] + way * n[0], home[1] + way * n[1], home[2] + way * n[2]);
-            settle(&s, 1e-3, tool, 250);
-            force[side] = force_along(&s, n);
-        }
-        const double measured = (force[0] - force[1]) / (2.0 * move);
-        assert_true(contact->stiffness > 0.99 * measured);
-        assert_true(contact->stiffness < 1.06 * measured);
-        assert_true(contact->viscosity > 0.0 && contact->viscosity <= 0.01 * contact->stiffness);
+        check_told(&s, tool);
         setup_fini(&s);
     }
+}
+
+/* Held nodes are stiffer than touched ones, and a closed body resists with all its volume. */
+static void the_stiffness_told_counts_the_grasp(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 1, PLATE_EDGE, 0.2);
+    create(&s);
+    press(&s, tool, 1, 0.001, PLATE_EDGE, 0.003);
+    tool[0].is_grasping = true;
+    settle(&s, 1e-3, tool, 200);
+    assert_true(s.model->tool[0].grasp.count > 0);
+    check_told(&s, tool);
+    setup_fini(&s);
+}
+
+static void the_stiffness_told_counts_the_enclosed_volume(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_init(&s, "cnn-energy", make_ellipsoid(4, 0.05, 0.04, 0.03));
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = s.mesh->position[i][2] < -0.024 ? 7 : 0;
+    }
+    give_skin(&s);
+    give(&s, "pretension_j", 0.05);
+    give(&s, "enclosed_bulk_pa", 2e4);
+    add_sphere(&s, 0, 0.012);
+    s.plan.contact_stiffness = 5e7;
+    create(&s);
+    for (int n = 0; n <= 60; ++n) {
+        go(tool, 0.003, -0.002, 0.043 - 0.004 * n / 60.0);
+        settle(&s, 1e-3, tool, 4);
+    }
+    settle(&s, 1e-3, tool, 300);
+    check_told(&s, tool);
+    setup_fini(&s);
 }
 
 static void contacts_tell_of_nearness_before_they_touch(void **state)
@@ -450,6 +497,8 @@ int main(void)
         cmocka_unit_test(all_forces_are_the_gradient_of_one_potential),
         cmocka_unit_test(forces_balance_and_move_with_body_and_tool),
         cmocka_unit_test(the_stiffness_told_is_the_tangent_and_errs_high),
+        cmocka_unit_test(the_stiffness_told_counts_the_grasp),
+        cmocka_unit_test(the_stiffness_told_counts_the_enclosed_volume),
         cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),
         cmocka_unit_test(a_fast_tool_is_sub_stepped_and_does_not_tunnel),
         cmocka_unit_test(a_tool_that_leaves_or_jumps_keeps_the_ledger),
