@@ -170,7 +170,7 @@ static softsim_status run_row(ss_paper *paper, int which, bool is_rk4, softsim_e
         ball_at(which, -0.01, to);
         (void)ss_heart_move(&body, to, 1);
         ball_at(which, 0.1, to);
-        (void)ss_heart_move(&body, to, paper->is_quick ? 100 : 200);
+        (void)ss_heart_move(&body, to, 200); /* faster, it would outrun HM2's shear waves */
         (void)ss_heart_move(&body, to, paper->is_quick ? 50 : 200);
         ss_heart_force(&body, force);
         ss_heart_idle(&body, paper->is_quick ? 50 : 200);
