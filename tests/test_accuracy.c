@@ -106,6 +106,7 @@ static void tables_keep_quoted_cells_and_short_rows(void **state)
     assert_true(isnan(ss_table_number(&table, 1, 2, &error)));
     assert_int_equal(ss_table_find(&table, "d", &error), -1);
     assert_int_equal(error.fault_count, 2);
+    assert_non_null(strstr(error.text, "t.csv:4: column 'c'"));
     ss_table_fini(&table);
 }
 
@@ -297,12 +298,22 @@ static void hostile_statements_are_refused_with_their_place(void **state)
          "neither a volume nor a surface"},
         {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1e-3}}\n", "'meshes' is missing"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "force: nowhere.csv\n", "nowhere.csv"},
+        {GOOD_HEAD GOOD_PUSH GOOD_REST "force: half.csv\n",
+         "half.csv: no row for linear at 0.001 m"},
+        {"case: t\nkind: dynamic\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0, "
+         "density_kg_m3: 1}\nmesh_case: " REFERENCE
+         "/b_cantilever\nprobe_point_m: [0, 0, 0]\nsteps: [{gravity_m_s2: [0, 0, -1], reference: "
+         "curve.csv, compare_until_s: 8}]\n",
+         "curve.csv:9: the last time is 7 s"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "kind: slow\n", "static or dynamic"},
         {"case: t\nkind: dynamic\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0, "
          "density_kg_m3: "
          "1}\nmesh_case: .\nprobe_point_m: [0, 0, 0]\nsteps: []\n",
          "leads from case to case"},
     };
+    write_file("half.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.002,0,0,-1\n");
+    write_file("curve.csv", "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,0,0,0\n"
+                            "4,0,0,0\n5,0,0,0\n6,0,0,0\n7,0,0,0\n");
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case c;
         softsim_error error = {.status = SOFTSIM_OK};
@@ -388,7 +399,27 @@ static void hostile_bodies_are_refused(void **state)
         {"r.csv",
          "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,1,0,nan,0\n3,1,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n"
          "9,0,1,0,1,0,0,0\n",
-         "'nan' is no number"},
+         "r.csv:2: column 'uy_a': 'nan' is no number"},
+        {"r.csv",
+         "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,1,0,0,1e-3\n3,1,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n"
+         "9,0,1,0,1,0,0,0\n\n9,0,1,0,1,0,0,0\n",
+         "r.csv:7: a second row for node 9"},
+        {"r.csv",
+         "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,1,0,0,1e-3\n3,1,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n"
+         "9,0,1,0,1,0,0,0\n10,0,1,0,1,0,0,0\n",
+         "r.csv:6: the mesh has no node 10"},
+        {"r.csv",
+         "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,1,0,0,1e-3\n3,2,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n"
+         "9,0,1,0,1,0,0,0\n",
+         "r.csv:3: x is 2, in the mesh it is 1"},
+        {"r.csv",
+         "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,1,0,0,0\n3,1,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n"
+         "9,0,1,0,1,0,0,0\n",
+         "nothing to measure"},
+        {"m.msh",
+         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n7 0 0 0\n3 1 0 0\n9 0 1 0\n2 0 0 -1\n"
+         "$EndNodes\n$Elements\n1\n1 4 2 1 1 7 3 9 2\n$EndElements\n",
+         "m.msh: inverted tetrahedra: 1"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case_body body;

@@ -239,7 +239,7 @@ static bool is_quick_mesh(const ss_case *c, const ss_case_mesh *mesh, int32_t in
                           bool on_surface)
 {
     ss_case_body body;
-    softsim_error ignored = {.status = SOFTSIM_OK}; /* the job will say it */
+    softsim_error ignored = {.status = SOFTSIM_OK}; /* ss_accuracy_check_bodies says it */
     if (index == 0 || index >= QUICK_MESHES) {
         return index == 0;
     }
@@ -297,6 +297,29 @@ static softsim_status list_jobs(report *r, softsim_error *error)
         return SOFTSIM_ERROR_ARGUMENT;
     }
     return status;
+}
+
+/* Files of others are read for the pictures, when the runs are over: their faults are told before.
+ */
+static void check_compared(const options *o, softsim_error *error)
+{
+    ss_accuracy_rows rows = {.row = NULL};
+    for (int32_t k = 0; k < o->compare.count; ++k) {
+        ss_accuracy_rows_compare(&rows, o->compare.value[k], error);
+    }
+    ss_accuracy_rows_fini(&rows);
+}
+
+/* All that can be wrong with what the command names, before anything is written or run. */
+static softsim_status prepare(report *r, softsim_error *error)
+{
+    softsim_status status = load_cases(r, error);
+    status = status == SOFTSIM_OK ? list_jobs(r, error) : status;
+    if (status == SOFTSIM_OK) {
+        ss_accuracy_check_bodies(&r->plan, &r->dynamic, error);
+    }
+    check_compared(&r->o, error);
+    return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
 
 /* What a job's result depends on beside the program. */
@@ -669,12 +692,18 @@ int ss_bench_accuracy(int argc, char **argv)
         ss_process_catch_stop();
     }
     int exit_status = parsed == SS_ARGS_DONE ? EXIT_SUCCESS : EXIT_BAD_INPUT;
-    if (parsed == SS_ARGS_RUN && error.fault_count == 0 && load_cases(r, &error) == SOFTSIM_OK &&
-        list_jobs(r, &error) == SOFTSIM_OK) {
+    if (parsed == SS_ARGS_RUN && error.fault_count == 0 && prepare(r, &error) == SOFTSIM_OK) {
         exit_status = make_report(r, &error) == SOFTSIM_OK ? EXIT_SUCCESS : EXIT_FAILURE;
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);
+    }
+    if (exit_status == EXIT_BAD_INPUT && error.status != SOFTSIM_ERROR_ARGUMENT) {
+        softsim_error advice = {.status = SOFTSIM_OK};
+        softsim_error_add(&advice, error.status,
+                          "nothing was run: mend what is named, or leave it out of --case, --mesh "
+                          "or --compare");
+        ss_args_print_error(argv[0], &advice);
     }
     fini(r);
     return exit_status;

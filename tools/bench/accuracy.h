@@ -48,6 +48,10 @@ softsim_status ss_accuracy_run_job(const void *plan, int32_t index, FILE *out,
 /* The same for dynamic cases, whose jobs have material -1: one line of dynamics.csv. */
 softsim_status ss_accuracy_run_dynamic(const void *plan, int32_t index, FILE *out,
                                        softsim_error *error);
+/* Reads every file that the jobs of both plans will read, each body once: a damaged one is a fault
+ * here, before any run has begun. */
+softsim_status ss_accuracy_check_bodies(const ss_accuracy_plan *plan,
+                                        const ss_accuracy_plan *dynamic, softsim_error *error);
 /* The rows of a job that was lost: all its levels, with the reason. */
 void ss_accuracy_lose_job(const ss_accuracy_plan *plan, int32_t index, const char *reason,
                           FILE *out);

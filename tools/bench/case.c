@@ -306,14 +306,20 @@ static void read_curve(ss_case *c, const char *name, ss_case_step *step, softsim
                 step->u[i][k] = ss_table_number(&table, i, column[k], error);
             }
             if (i > 0 && !(step->time[i] > step->time[i - 1])) {
-                softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: row %d: times must increase",
-                                  path, i + 1);
+                softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%d: times must increase", path,
+                                  table.line[i]);
                 break;
             }
             step->count = i + 1;
         }
         if (step->count < 8) {
             softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: fewer than 8 rows", path);
+        } else if (step->time[step->count - 1] < step->until * (1.0 - 1e-9)) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                              "%s:%d: the last time is %g s, compare_until_s is %g: rows are "
+                              "missing at the end",
+                              path, table.line[step->count - 1], step->time[step->count - 1],
+                              step->until);
         }
     }
     ss_table_fini(&table);
@@ -389,6 +395,19 @@ static void read_dynamic(reader *r, ss_scene_node *root, dynamic_files *files)
 
 /* ---- forces ------------------------------------------------------------------------------- */
 
+/* A push whose table lacks a level is half a reference. */
+static void check_forces(const ss_case *c, const char *path, softsim_error *error)
+{
+    for (int32_t i = 0; i < c->level_count; ++i) {
+        const ss_case_level *level = &c->level[i];
+        if (isnan(level->force)) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                              "%s: no row for %s at %.9g m, the level '%s' of case.yaml", path,
+                              c->material[level->material], level->value, level->tag);
+        }
+    }
+}
+
 static void take_force(ss_case *c, const char *material, double value, double force)
 {
     const int32_t m = find_material(c, material);
@@ -405,6 +424,7 @@ static void read_forces(ss_case *c, const char *name, softsim_error *error)
     static const char *const axis[] = {"Fx_N", "Fy_N", "Fz_N"};
     char path[2 * SS_CASE_PATH];
     ss_table table;
+    const int32_t faults = error->fault_count;
     snprintf(path, sizeof path, "%s/%s", c->folder, name);
     if (ss_table_load(path, &table, error) == SOFTSIM_OK) {
         const int32_t material = ss_table_find(&table, "material", error);
@@ -413,13 +433,16 @@ static void read_forces(ss_case *c, const char *name, softsim_error *error)
         for (int k = 0; k < 3; ++k) {
             column[k] = ss_table_find(&table, axis[k], error);
         }
-        for (int32_t i = 0; i < table.row_count && error->fault_count == 0; ++i) {
+        for (int32_t i = 0; i < table.row_count && error->fault_count == faults; ++i) {
             double force[3];
             for (int k = 0; k < 3; ++k) {
                 force[k] = ss_table_number(&table, i, column[k], error);
             }
             take_force(c, ss_table_cell(&table, i, material),
                        ss_table_number(&table, i, depth, error), ss_dot3(force, c->direction));
+        }
+        if (error->fault_count == faults) {
+            check_forces(c, path, error);
         }
     }
     ss_table_fini(&table);

@@ -12,11 +12,13 @@
 #include <string.h>
 
 #include "case.h"
+#include "rt/vec.h"
 #include "scene/report.h"
 #include "scene/tree.h"
 #include "table.h"
 
 enum { LONG_PATH = 2 * SS_CASE_PATH };
+#define PLACE_SHARE 1e-3 /* of the body's diagonal: further off a node is another one */
 
 typedef struct numbered {
     int32_t number, node;
@@ -126,6 +128,7 @@ static bool load_volume(loader *l)
         softsim_error_add(l->error, SOFTSIM_ERROR_MESH, "%s: holds no tetrahedra", path);
         is_good = false;
     }
+    is_good = is_good && ss_mesh_accept(l->body->mesh, path, l->error) == SOFTSIM_OK;
     if (is_good) {
         l->body->number = calloc((size_t)l->body->mesh->node_count, sizeof *l->body->number);
         if (l->body->number == NULL) {
@@ -281,7 +284,8 @@ static bool load_surface(loader *l)
         softsim_error_add(l->error, SOFTSIM_ERROR_MESH, "%s: holds no faces", path);
         is_good = false;
     }
-    is_good = is_good && build_surface(l, &s) && sort_numbers(l, path);
+    is_good = is_good && build_surface(l, &s) && sort_numbers(l, path) &&
+              ss_mesh_accept(l->body->mesh, path, l->error) == SOFTSIM_OK;
     free(s.position);
     free(s.number);
     free(s.new_node);
@@ -402,6 +406,25 @@ static void read_sets(loader *l, bool on_surface)
 
 /* ---- the reference ------------------------------------------------------------------------ */
 
+/* Errors are fractions of the reference: it must have a size. */
+static bool has_measure(loader *l, const ss_table *table, int32_t level)
+{
+    const ss_case_body *b = l->body;
+    double square = 0.0;
+    for (int32_t i = 0; i < b->mesh->node_count; ++i) {
+        square += b->weight[i] * ss_dot3(b->reference[level][i], b->reference[level][i]);
+    }
+    if (!(square > 0.0) || !isfinite(square)) {
+        softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT,
+                          "%s: the displacements of level '%s' have %s: there is nothing to "
+                          "measure an error by",
+                          table->path, l->c->level[level].tag,
+                          square > 0.0 ? "no finite size" : "no size, or no weight");
+        return false;
+    }
+    return true;
+}
+
 static bool read_level(loader *l, const ss_table *table, const int32_t *node, int32_t level)
 {
     static const char axes[] = "xyz";
@@ -428,30 +451,92 @@ static bool read_level(loader *l, const ss_table *table, const int32_t *node, in
             return false;
         }
     }
+    return has_measure(l, table, level);
+}
+
+/* The node of row i, into node[i]; -1 for those that the surface does not have. */
+static bool match_row(loader *l, const ss_table *table, int32_t column, int32_t i, uint8_t *mark,
+                      int32_t *node)
+{
+    const double number = ss_table_number(table, i, column, l->error);
+    node[i] = find_node(l, number);
+    if (isnan(number)) {
+        return false;
+    }
+    if (node[i] < 0 && l->body->mesh->tetrahedron_count > 0) {
+        softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT,
+                          "%s:%d: the mesh has no node %.9g: this is no table of %s", table->path,
+                          table->line[i], number, l->mesh->volume);
+        return false;
+    }
+    if (node[i] >= 0 && mark[node[i]]++ != 0) {
+        softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT, "%s:%d: a second row for node %.9g",
+                          table->path, table->line[i], number);
+        return false;
+    }
     return true;
 }
 
-/* The node of each row; -1 for those that the surface does not have. Every node needs a row. */
+/* Every node needs a row, and one only; a volume's table has no others. */
 static bool match_rows(loader *l, const ss_table *table, int32_t *node)
 {
     const int32_t column = ss_table_find(table, "node", l->error);
     const int32_t count = l->body->mesh->node_count;
     uint8_t *mark = calloc((size_t)count + 1, 1);
     int32_t found = 0;
-    for (int32_t i = 0; i < table->row_count && column >= 0 && mark != NULL; ++i) {
-        node[i] = find_node(l, ss_table_number(table, i, column, l->error));
-        found += node[i] >= 0 && mark[node[i]] == 0;
-        if (node[i] >= 0) {
-            mark[node[i]] = 1;
-        }
+    bool is_good = column >= 0 && mark != NULL;
+    if (mark == NULL) {
+        no_memory(l);
+    }
+    for (int32_t i = 0; i < table->row_count && is_good; ++i) {
+        is_good = match_row(l, table, column, i, mark, node);
+        found += node[i] >= 0;
     }
     free(mark);
-    if (column >= 0 && found < count) {
-        softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT,
-                          "%s: only %d of the mesh's %d nodes have a row", table->path, found,
-                          count);
+    if (is_good && found < count) {
+        softsim_error_add(
+            l->error, SOFTSIM_ERROR_FORMAT,
+            "%s: only %d of the mesh's %d nodes have a row: the file is cut short, or "
+            "of another mesh",
+            table->path, found, count);
+        is_good = false;
     }
-    return found == count;
+    return is_good;
+}
+
+/* Where a table has positions they are the mesh's: node numbers alone fit many meshes. */
+static bool check_positions(loader *l, const ss_table *table, const int32_t *node)
+{
+    static const char *const axes[] = {"x", "y", "z"};
+    const ss_mesh *mesh = l->body->mesh;
+    double low[3] = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
+    double high[3] = {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, size[3];
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            low[k] = fmin(low[k], mesh->position[i][k]);
+            high[k] = fmax(high[k], mesh->position[i][k]);
+        }
+    }
+    ss_sub3(size, high, low);
+    const double far = PLACE_SHARE * ss_norm3(size);
+    for (int k = 0; k < 3; ++k) {
+        const int32_t column = ss_table_find(table, axes[k], NULL);
+        for (int32_t i = 0; i < table->row_count && column >= 0; ++i) {
+            const double x = node[i] >= 0 ? ss_table_number(table, i, column, l->error) : 0.0;
+            if (isnan(x)) {
+                return false;
+            }
+            if (node[i] >= 0 && fabs(x - mesh->position[node[i]][k]) > far) {
+                softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT,
+                                  "%s:%d: %s is %.9g, in the mesh it is %.9g: the table is of "
+                                  "another mesh",
+                                  table->path, table->line[i], axes[k], x,
+                                  mesh->position[node[i]][k]);
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 static bool read_weights(loader *l, const ss_table *table, const int32_t *node)
@@ -466,9 +551,12 @@ static bool read_weights(loader *l, const ss_table *table, const int32_t *node)
     for (int32_t i = 0; i < table->row_count && column >= 0; ++i) {
         if (node[i] >= 0) {
             b->weight[node[i]] = ss_table_number(table, i, column, l->error);
-            if (!(b->weight[node[i]] >= 0.0)) {
-                softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT, "%s: row %d: a weight below 0",
-                                  table->path, i + 1);
+            if (isnan(b->weight[node[i]])) {
+                return false;
+            }
+            if (b->weight[node[i]] < 0.0) {
+                softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT, "%s:%d: a weight below 0",
+                                  table->path, table->line[i]);
                 return false;
             }
         }
@@ -490,7 +578,11 @@ static void read_reference(loader *l, int32_t material)
     join(l, name, path);
     bool is_good = ss_table_load(path, &table, l->error) == SOFTSIM_OK;
     int32_t *node = calloc((size_t)table.row_count + 1, sizeof *node);
+    if (node == NULL) {
+        no_memory(l);
+    }
     is_good = is_good && node != NULL && match_rows(l, &table, node) &&
+              check_positions(l, &table, node) &&
               (l->body->weight != NULL || read_weights(l, &table, node));
     for (int32_t i = 0; i < l->c->level_count && is_good; ++i) {
         is_good = l->c->level[i].material != material || read_level(l, &table, node, i);

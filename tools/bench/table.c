@@ -125,11 +125,12 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
     const size_t columns = (size_t)table->column_count;
     const int32_t lines = cursor != NULL ? count_of(cursor, '\n') + 1 : 0;
     table->cell = calloc((size_t)lines * columns + 1, sizeof *table->cell);
-    if (table->cell == NULL) {
+    table->line = calloc((size_t)lines + 1, sizeof *table->line);
+    if (table->cell == NULL || table->line == NULL) {
         no_memory(error, table->path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    for (int64_t number = 2; cursor != NULL; ++number) {
+    for (int32_t number = 2; cursor != NULL; ++number) {
         char *line = cut_text(&cursor);
         if (*line == '\0') {
             continue;
@@ -138,15 +139,14 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
         char *const empty = line + strlen(line);
         const int32_t count = cut_line(line, row, table->column_count);
         if (count > table->column_count) {
-            softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
-                              "%s:%lld: %d cells, the head line has %d", table->path,
-                              (long long)number, count, table->column_count);
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%d: %d cells, the head line has %d",
+                              table->path, number, count, table->column_count);
             return SOFTSIM_ERROR_FORMAT;
         }
         for (int32_t k = count; k < table->column_count; ++k) {
             row[k] = empty;
         }
-        ++table->row_count;
+        table->line[table->row_count++] = number;
     }
     return SOFTSIM_OK;
 }
@@ -183,6 +183,7 @@ void ss_table_fini(ss_table *table)
     free(table->path);
     free(table->text);
     free(table->cell);
+    free(table->line);
     free(table->head);
     *table = (ss_table){.path = NULL};
 }
@@ -213,8 +214,8 @@ double ss_table_number(const ss_table *table, int32_t row, int32_t column, softs
     const double value = strtod(text, &end);
     if (end == text || *end != '\0' || !isfinite(value)) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
-                          "%s: row %d, column '%s': '%.40s' is no number", table->path, row + 1,
-                          table->head[column], text);
+                          "%s:%d: column '%s': '%.40s' is no number; give a finite one",
+                          table->path, table->line[row], table->head[column], text);
         return (double)NAN;
     }
     return value;

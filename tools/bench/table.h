@@ -20,6 +20,7 @@ typedef struct ss_table {
     char *path, *text;
     char **cell; /* row by row; the head is not among them */
     char **head;
+    int32_t *line; /* of the file, from 1, that each row stands on */
     int32_t column_count, row_count;
 } ss_table;
 
@@ -31,5 +32,5 @@ void ss_table_fini(ss_table *table);
 /* Number of the column called `name`; -1 with a fault, or without one where `error` is NULL. */
 int32_t ss_table_find(const ss_table *table, const char *name, softsim_error *error);
 const char *ss_table_cell(const ss_table *table, int32_t row, int32_t column);
-/* A finite number; anything else is a fault, with NaN. */
+/* A finite number; anything else is a fault, by its line and column, with NaN. */
 double ss_table_number(const ss_table *table, int32_t row, int32_t column, softsim_error *error);

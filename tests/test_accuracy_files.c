@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-bench accuracy with a damaged case among whole ones: whatever is wrong, with whichever
+ * file, the call names it, runs nothing, leaves no report and ends with 2.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "bench.h"
+#include "models/model.h"
+#include "table.h"
+
+enum { PATH_SIZE = 512 };
+static char folder[] = "/tmp/test_accuracy_files_XXXXXX";
+
+static void place(const char *name, char out[PATH_SIZE])
+{
+    snprintf(out, PATH_SIZE, "%s/%s", folder, name);
+}
+
+static void write_file(const char *name, const char *text)
+{
+    char path[PATH_SIZE];
+    place(name, path);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static const char statement[] =
+    "material: {youngs_modulus_pa: 1e4, poisson_ratio: 0.3}\nfixed: fixed\n"
+    "prescribed: {set: patch, direction: [0, 0, -1]}\nlevels: {linear: {a: 0.001}}\n"
+    "meshes: {m: {volume: m.msh, sets: s.json, reference: {linear: r.csv}}}\nforce: f.csv\n";
+static const char good_mesh[] =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n7 0 0 0\n3 1 0 0\n9 0 1 0\n2 0 0 1\n"
+    "$EndNodes\n$Elements\n1\n1 4 2 1 1 7 3 9 2\n$EndElements\n";
+static const char good_sets[] = "{\"fixed\":[7,3,9],\"patch\":[2]}";
+static const char good_reference[] =
+    "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,0,0\n7,0,0,0,.1,0,0,0\n"
+    "9,0,1,0,.1,0,0,0\n";
+
+/* A case `name` of one tetrahedron in `part` of the folder. */
+static void write_tiny(const char *part, const char *name)
+{
+    char path[PATH_SIZE], text[1024];
+    snprintf(text, sizeof text, "case: %s\n%s", name, statement);
+    place(part, path);
+    assert_true(mkdir(path, 0777) == 0 || errno == EEXIST);
+    const struct {
+        const char *name, *text;
+    } file[] = {{"case.yaml", text},
+                {"m.msh", good_mesh},
+                {"s.json", good_sets},
+                {"r.csv", good_reference},
+                {"f.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.001,0,0,-1\n"}};
+    for (size_t k = 0; k < sizeof file / sizeof *file; ++k) {
+        char relative[64];
+        snprintf(relative, sizeof relative, "%s/%s", part, file[k].name);
+        write_file(relative, file[k].text);
+    }
+}
+
+/* What a run says on stderr; to be freed. */
+static char *run_heard(const char *const *option, int *out_result)
+{
+    char path[PATH_SIZE], *argv[16] = {"softsim-bench accuracy"};
+    int argc = 1;
+    size_t size = 0;
+    softsim_error error = {.status = SOFTSIM_OK};
+    for (; option[argc - 1] != NULL; ++argc) {
+        argv[argc] = (char *)(uintptr_t)option[argc - 1];
+    }
+    place("heard.txt", path);
+    fflush(stderr);
+    const int keep = dup(STDERR_FILENO), heard = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(heard, STDERR_FILENO);
+    *out_result = ss_bench_accuracy(argc, argv);
+    fflush(stderr);
+    dup2(keep, STDERR_FILENO);
+    close(keep);
+    close(heard);
+    return ss_table_read_file(path, &size, &error);
+}
+
+/* Whatever is wrong with the last case of a call, none is run, and the file is named. */
+static void a_damaged_case_stops_the_call_before_any_run(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *text; /* NULL: not there */
+        const char *says;
+    } bad[] = {
+        {"case.yaml", NULL, "damaged/case.yaml: No such file"},
+        {"case.yaml", "case: [", "damaged/case.yaml:1:"},
+        {"m.msh", NULL, "damaged/m.msh: No such file"},
+        {"m.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n7 0 0 0\n", "damaged/m.msh:"},
+        {"s.json", NULL, "damaged/s.json: No such file"},
+        {"r.csv", NULL, "damaged/r.csv: No such file"},
+        {"r.csv",
+         "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,inf\n3,1,0,0,.1,0,0,0\n7,0,0,0,.1,0,0,0\n9,0,"
+         "1,0,.1,0,0,0\n",
+         "damaged/r.csv:2: column"},
+        {"r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,1e-3\n", "damaged/r.csv: only 1 of"},
+        {"f.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.001,0,0\n", "damaged/f.csv:2: column"},
+        {"f.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\n", "damaged/f.csv: no row for linear"},
+    };
+    char whole[PATH_SIZE], damaged[PATH_SIZE], out[PATH_SIZE], none[PATH_SIZE];
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    write_tiny("whole", "whole");
+    place("whole", whole);
+    place("damaged", damaged);
+    place("no-report", out);
+    place("none.csv", none);
+    for (size_t i = 0; i <= sizeof bad / sizeof *bad; ++i) {
+        const bool is_compared = i == sizeof bad / sizeof *bad;
+        const char *says = is_compared ? "none.csv: No such file" : bad[i].says;
+        int result = 0;
+        write_tiny("damaged", "damaged");
+        if (!is_compared) {
+            char relative[64], file[PATH_SIZE];
+            snprintf(relative, sizeof relative, "damaged/%s", bad[i].name);
+            place(relative, file);
+            write_file(relative, bad[i].text != NULL ? bad[i].text : "");
+            assert_true(bad[i].text != NULL || unlink(file) == 0);
+        }
+        char *text = run_heard((const char *const[]){"--case", whole, "--case", damaged, "--model",
+                                                     "fem", "--out", out,
+                                                     is_compared ? "--compare" : NULL, none, NULL},
+                               &result);
+        assert_int_equal(result, 2);
+        assert_non_null(text);
+        if (strstr(text, says) == NULL || strstr(text, "nothing was run") == NULL) {
+            fail_msg("damage %d: no '%s' in: %s", (int)i, says, text);
+        }
+        free(text);
+        assert_int_not_equal(access(out, F_OK), 0);
+    }
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) != NULL ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[PATH_SIZE];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
