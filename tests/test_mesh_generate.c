@@ -206,6 +206,29 @@ static void surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes(void **
     ss_mesh_destroy(&m);
 }
 
+/* Made without what is within: the very surface of the whole box, and room for a million nodes. */
+static void the_surface_of_a_box_needs_no_inside(void **state)
+{
+    (void)state;
+    char out[2048];
+    ss_mesh *whole = generate("block --tetrahedra --points 1331", "whole.msh", 1.0);
+    ss_mesh *alone = generate("block --points 602", "alone.msh", 1.0);
+    assert_int_equal(whole->node_count, 1331);
+    assert_int_equal(alone->node_count, 602);
+    assert_int_equal(alone->triangle_count, whole->triangle_count);
+    for (int32_t t = 0; t < alone->triangle_count; ++t) {
+        for (int v = 0; v < 3; ++v) {
+            assert_memory_equal(alone->position[alone->triangle[t][v]],
+                                whole->position[whole->triangle[t][v]], sizeof *alone->position);
+        }
+    }
+    assert_int_equal(find_group(alone, "top")->node_count, find_group(whole, "top")->node_count);
+    ss_mesh_destroy(&whole);
+    ss_mesh_destroy(&alone);
+    assert_int_equal(run(TOOL "generate block --points 1000000 --out m.msh", out, sizeof out), 0);
+    assert_non_null(strstr(out, "998786 nodes"));
+}
+
 static void the_same_bytes_come_out_every_time(void **state)
 {
     (void)state;
@@ -258,6 +281,7 @@ int main(void)
         cmocka_unit_test(finer_meshes_are_nearer_to_the_volume),
         cmocka_unit_test(groups_are_where_they_say),
         cmocka_unit_test(surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes),
+        cmocka_unit_test(the_surface_of_a_box_needs_no_inside),
         cmocka_unit_test(the_same_bytes_come_out_every_time),
         cmocka_unit_test(what_makes_no_body_is_refused),
     };

@@ -142,7 +142,7 @@ static softsim_status make_body(const request *q, ss_mesh **out, softsim_error *
     }
     const volume_plan plan = plan_volume(q);
     const softsim_status status = volume_create(&plan, out, error);
-    if (status != SOFTSIM_OK || q->has_tetrahedra) {
+    if (status != SOFTSIM_OK || q->has_tetrahedra || (*out)->tetrahedron_count == 0) {
         return status;
     }
     ss_mesh *volume = *out;

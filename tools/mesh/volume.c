@@ -231,6 +231,19 @@ static void place_shell(const void *body, int32_t ring, int32_t layer, double an
 /* ---- boxes -------------------------------------------------------------------------------------
  */
 
+/* A cube's corners by bits x, y, z; the last of the five is the regular one. Odd cubes are
+ * mirrored. */
+static const int8_t five[5][4] = {
+    {0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}, {1, 2, 4, 7}};
+
+static void place_in_box(const maker *m, int32_t i, int32_t j, int32_t k, double out[3])
+{
+    const int32_t at[3] = {i, j, k};
+    for (int axis = 0; axis < 3; ++axis) {
+        out[axis] = m->plan->size[axis] * ((double)at[axis] / m->cells[axis] - 0.5);
+    }
+}
+
 static bool make_box(maker *m)
 {
     const int32_t *n = m->cells;
@@ -239,16 +252,12 @@ static bool make_box(maker *m)
     for (int32_t i = 0; i <= n[0]; ++i) {
         for (int32_t j = 0; j <= n[1]; ++j) {
             for (int32_t k = 0; k <= n[2] && is_good; ++k) {
-                const double x[3] = {m->plan->size[0] * ((double)i / n[0] - 0.5),
-                                     m->plan->size[1] * ((double)j / n[1] - 0.5),
-                                     m->plan->size[2] * ((double)k / n[2] - 0.5)};
+                double x[3];
+                place_in_box(m, i, j, k, x);
                 is_good = solid_add_node(&m->solid, x, &node);
             }
         }
     }
-    /* Corners by bits x, y, z; the last of the five is the regular one. Odd cubes are mirrored. */
-    static const int8_t five[5][4] = {
-        {0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}, {1, 2, 4, 7}};
     const int32_t stride[3] = {(n[1] + 1) * (n[2] + 1), n[2] + 1, 1};
     for (int32_t c = 0; c < n[0] * n[1] * n[2] && is_good; ++c) {
         const int32_t i = c / (n[1] * n[2]);
@@ -266,6 +275,127 @@ static bool make_box(maker *m)
         }
     }
     return is_good;
+}
+
+/* The surface of a box alone, with the nodes and triangles that the whole box's would have, in
+ * their order: a box whose surface has a million nodes has seventy million within. */
+
+/* Along the last axis, the next cube or node that is outside in a row of `count`; all of them are
+ * where the row itself is. */
+static int32_t next_outside(int32_t at, int32_t count, bool is_row_outside)
+{
+    return is_row_outside || at + 1 >= count ? at + 1 : count - 1;
+}
+
+static bool is_end(int32_t at, int32_t last)
+{
+    return at == 0 || at == last;
+}
+
+/* The number of node (i, j, k) of the surface: slabs of i, whole at both ends and rims between. */
+static int32_t box_number(const int32_t n[3], int32_t i, int32_t j, int32_t k)
+{
+    const int32_t strip = n[2] + 1, slab = (n[1] + 1) * strip, rim = 2 * (strip + n[1] - 1);
+    if (is_end(i, n[0])) {
+        return (i > 0 ? slab + (n[0] - 1) * rim : 0) + j * strip + k;
+    }
+    const int32_t before = slab + (i - 1) * rim;
+    return is_end(j, n[1]) ? before + (j > 0 ? strip + 2 * (n[1] - 1) : 0) + k
+                           : before + strip + 2 * (j - 1) + (k > 0);
+}
+
+/* The cube from 0 to 1: its triangles are those of all cubes, by corners. */
+static ss_mesh *make_cube(int mirror)
+{
+    solid cube = {.node_count = 0};
+    ss_mesh *mesh = NULL;
+    bool is_good = true;
+    int32_t node = 0;
+    for (int bits = 0; bits < 8 && is_good; ++bits) {
+        const double x[3] = {bits & 1, bits >> 1 & 1, bits >> 2};
+        is_good = solid_add_node(&cube, x, &node);
+    }
+    for (int t = 0; t < 5 && is_good; ++t) {
+        is_good = solid_add_tetrahedron(&cube, five[t][0] ^ mirror, five[t][1] ^ mirror,
+                                        five[t][2] ^ mirror, five[t][3] ^ mirror);
+    }
+    if (is_good) {
+        ss_mesh_create(cube.node_count, (const double(*)[3])cube.position, 0, NULL,
+                       cube.tetrahedron_count, (const int32_t(*)[4])cube.tetrahedron, &mesh, NULL);
+    }
+    solid_fini(&cube);
+    return mesh;
+}
+
+/* Does the triangle of the cube at `at` lie on a side of the box? */
+static bool is_on_side(const int32_t n[3], const int32_t at[3], const int32_t corner[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const int bit = corner[0] >> axis & 1;
+        if ((corner[1] >> axis & 1) == bit && (corner[2] >> axis & 1) == bit &&
+            at[axis] == (bit != 0 ? n[axis] - 1 : 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Adds those of a cube; returns how many triangles there are then. */
+static int32_t add_sides(const int32_t n[3], const int32_t at[3], const ss_mesh *cube,
+                         int32_t count, int32_t (*triangle)[3])
+{
+    for (int32_t t = 0; t < cube->triangle_count; ++t) {
+        const int32_t *corner = cube->triangle[t];
+        if (is_on_side(n, at, corner)) {
+            for (int v = 0; v < 3; ++v) {
+                triangle[count][v] =
+                    box_number(n, at[0] + (corner[v] & 1), at[1] + (corner[v] >> 1 & 1),
+                               at[2] + (corner[v] >> 2));
+            }
+            ++count;
+        }
+    }
+    return count;
+}
+
+static softsim_status create_box_surface(const maker *m, ss_mesh **out, softsim_error *error)
+{
+    const int32_t *n = m->cells;
+    const int32_t nodes = box_number(n, n[0], n[1], n[2]) + 1;
+    const int32_t triangles = 4 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
+    ss_mesh *cube[2] = {make_cube(0), make_cube(1)};
+    double(*x)[3] = ss_memory_get((size_t)nodes, sizeof *x);
+    int32_t(*triangle)[3] = ss_memory_get((size_t)triangles, sizeof *triangle);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (x != NULL && triangle != NULL && cube[0] != NULL && cube[1] != NULL) {
+        int32_t count = 0, node = 0;
+        for (int32_t i = 0; i <= n[0]; ++i) {
+            for (int32_t j = 0; j <= n[1]; ++j) {
+                const bool is_outside = is_end(i, n[0]) || is_end(j, n[1]);
+                for (int32_t k = 0; k <= n[2]; k = next_outside(k, n[2] + 1, is_outside)) {
+                    place_in_box(m, i, j, k, x[node++]);
+                }
+            }
+        }
+        for (int32_t i = 0; i < n[0]; ++i) {
+            for (int32_t j = 0; j < n[1]; ++j) {
+                const bool is_outside = is_end(i, n[0] - 1) || is_end(j, n[1] - 1);
+                for (int32_t k = 0; k < n[2]; k = next_outside(k, n[2], is_outside)) {
+                    const int32_t at[3] = {i, j, k};
+                    count = add_sides(n, at, cube[(i + j + k) % 2], count, triangle);
+                }
+            }
+        }
+        status = ss_mesh_create(node, (const double(*)[3])x, count, (const int32_t(*)[3])triangle,
+                                0, NULL, out, error);
+    } else {
+        softsim_error_add(error, status, "out of memory for %d points", m->plan->points);
+    }
+    ss_mesh_destroy(&cube[0]);
+    ss_mesh_destroy(&cube[1]);
+    ss_memory_free(x);
+    ss_memory_free(triangle);
+    return status;
 }
 
 /* ---- groups ------------------------------------------------------------------------------------
@@ -479,7 +609,10 @@ softsim_status volume_create(const volume_plan *plan, ss_mesh **out, softsim_err
             const double half[3] = {0.5 * plan->size[0], 0.5 * plan->size[1], 0.5 * plan->size[2]};
             organ_init(&m->organ, organs[plan->kind], half);
         }
-        if (make(m)) {
+        if (is_box(plan->kind) && plan->is_surface) {
+            (void)plan_nodes(m, find_edge(m));
+            status = create_box_surface(m, out, error);
+        } else if (make(m)) {
             status = ss_mesh_create(m->solid.node_count, (const double(*)[3])m->solid.position, 0,
                                     NULL, m->solid.tetrahedron_count,
                                     (const int32_t(*)[4])m->solid.tetrahedron, out, error);

@@ -34,7 +34,7 @@ typedef struct volume_plan {
     double inner[3]; /* m, extents of the inner ellipsoid */
     double base;     /* m, ventricle: height of the base above the centre */
     int32_t points;  /* about that many nodes; of the surface where is_surface */
-    bool is_surface; /* only its surface is wanted (not of level sets) */
+    bool is_surface; /* only its surface is wanted (not of level sets): boxes come without inside */
 } volume_plan;
 
 enum { VOLUME_MIN_POINTS = 64, VOLUME_MAX_POINTS = 2000000 };
