@@ -185,9 +185,15 @@ static void explain_network(const ss_model *model, const printer *out)
         say(out, "left out: columns (no tool)");
     }
     const ss_cnn_factor *factor = network->factor;
-    say(out, "network: %s; a factor %s %.3g entries and %.2g multiplications",
-        factor->is_given_up ? "conjugate gradients" : "factored",
-        factor->is_given_up ? "would have" : "has", factor->fill, factor->work);
+    if (factor->is_given_up) {
+        say(out,
+            "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
+            "multiplications, above the limit",
+            factor->fill, factor->work);
+    } else {
+        say(out, "solver: a factor of %.3g entries, which took %.2g multiplications", factor->fill,
+            factor->work);
+    }
     if (model->window) {
         say(out,
             "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "

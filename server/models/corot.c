@@ -254,6 +254,7 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
         "step: implicit Euler, stable at any length; at most %d Newton iterations and %d products, "
         "to %.3g of the residual",
         model->max_newton, model->max_products, model->tolerance);
+    say(&out, "solver: conjugate gradients; no factor at any size");
     say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
     if (model->material.largest_poisson > POISSON_WARNING) {
         say(&out,

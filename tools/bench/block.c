@@ -16,6 +16,7 @@
 #include "rt/memory.h"
 #include "samples.h"
 #include "softsim/softsim.h"
+#include "world.h"
 
 enum { PATH_SIZE = 4352, MOST_TICKS = 200, LEAST_TICKS = 3 };
 static const double stiffness_pa = 1e4, size_m = 0.1, load_share = 0.02;
@@ -93,8 +94,15 @@ static softsim_status write_scene(const char *path, const char *mesh, int32_t su
             -0.499 * size_m);
     ss_assay_subject_write(&assay, file);
     fputs("simulation: {rate_hz: 1000}\npublish: {mesh_rate_hz: 0}\n", file);
-    fprintf(file, "loads:\n  - {nodes: [%d], force_n: [0, 0, %.9g], from_s: 0, ramp_s: 0.02}\n",
-            node, -load_share * stiffness_pa * spacing * spacing);
+    if (ss_assay_is_plastic(subject)) {
+        fprintf(file,
+                "prescribed:\n  - {nodes: [%d], displacement_m: [0, 0, %.9g], from_s: 0, ramp_s: "
+                "%.9g}\n",
+                node, -spacing, 1e-3 * MOST_TICKS);
+    } else {
+        fprintf(file, "loads:\n  - {nodes: [%d], force_n: [0, 0, %.9g], from_s: 0, ramp_s: 0.02}\n",
+                node, -load_share * stiffness_pa * spacing * spacing);
+    }
     if (fclose(file) != 0) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be written", path);
         return SOFTSIM_ERROR_FILE;
@@ -139,6 +147,16 @@ static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)
              state.worst_reason[0] != '\0' ? ": " : "", state.worst_reason);
 }
 
+/* The line of the world's plan that tells the solver. */
+static void take_solver(void *sink, const char *text)
+{
+    static const char key[] = "solver: ";
+    ss_block_run *out = sink;
+    if (strncmp(text, key, strlen(key)) == 0) {
+        snprintf(out->solver, sizeof out->solver, "%s", text + strlen(key));
+    }
+}
+
 static softsim_status run(const char *scene, ss_block_run *out, softsim_error *error)
 {
     const softsim_config config = softsim_default_config();
@@ -159,6 +177,7 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
         softsim_read(world, &state);
         out->nodes = state.node_count;
         out->memory_mb = 1e-6 * (double)ss_memory_in_use();
+        ss_world_explain((const ss_world *)world, take_solver, out); /* it is one: lockstep.c */
         play(world, out, &tick_us);
         softsim_destroy(&world);
     }

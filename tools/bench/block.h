@@ -4,7 +4,8 @@
 /*
  * The block of the scaling report: a cube of 100 mm held below, for every model and material of
  * the stability report at 10 kPa, with one node of the top pushed by 0.02 E h^2, h the mean
- * spacing of nodes; a surface where the model lives on one. One run is a process of its own, so
+ * spacing of nodes, or moved by h in the course of the run where a model keeps its shape and knows
+ * no force; a surface where the model lives on one. One run is a process of its own, so
  * that its peak memory is its own. Thread: main.
  */
 #include <stdbool.h>
@@ -20,6 +21,7 @@ typedef struct ss_block_run {
     double p50_us, p99_us; /* thread CPU of a tick of 1 ms */
     double substeps;       /* mean */
     double ledger;         /* as ss_body_run */
+    char solver[160]; /* of the model's linear equations, by its own account; "": it has none */
     char verdict[192];
 } ss_block_run;
 

@@ -71,6 +71,7 @@ typedef struct row {
     double p50_us, p99_us, step_us, paper_ms, prototype_us, jump, mean_force, ledger;
     double create_s, memory_mb, peak_mb; /* of blocks */
     double apart; /* from the same poke with all nodes active, over the largest displacement */
+    char solver[160];
     char verdict[192];
 } row;
 
@@ -299,9 +300,9 @@ static softsim_status block_run(const void *context, int32_t index, FILE *out, s
     const softsim_status status = ss_block_measure(r->folder, block_subject(context, index),
                                                    block_size(context, index), &run, error);
     if (status == SOFTSIM_OK) {
-        fprintf(out, "%d %d %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n%s\n", run.nodes, run.active_nodes,
-                run.create_s, run.memory_mb, run.peak_mb, run.p50_us, run.p99_us, run.substeps,
-                run.ledger, run.verdict);
+        fprintf(out, "%d %d %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n%s\n%s\n", run.nodes,
+                run.active_nodes, run.create_s, run.memory_mb, run.peak_mb, run.p50_us, run.p99_us,
+                run.substeps, run.ledger, run.solver, run.verdict);
     }
     return status;
 }
@@ -329,7 +330,10 @@ static void add_block(report *r, const ss_sweep_run *run, int32_t index)
     if (!run->is_lost && sscanf(run->text, "%d %d %lf %lf %lf %lf %lf %lf %lf%n", &to->nodes,
                                 &to->active_nodes, &to->create_s, &to->memory_mb, &to->peak_mb,
                                 &to->p50_us, &to->p99_us, &to->substeps, &to->ledger, &used) == 9) {
-        const char *verdict = run->text + used + 1;
+        const char *solver = run->text + used + 1;
+        const char *verdict = solver + strcspn(solver, "\n");
+        verdict += *verdict == '\n';
+        snprintf(to->solver, sizeof to->solver, "%.*s", (int)strcspn(solver, "\n"), solver);
         snprintf(to->verdict, sizeof to->verdict, "%.*s", (int)strcspn(verdict, "\n"), verdict);
     } else {
         snprintf(to->verdict, sizeof to->verdict, "lost: %.*s", (int)sizeof to->verdict - 8,
@@ -379,7 +383,7 @@ static softsim_status write_csv(const report *r, softsim_error *error)
         &output, r->options->out, "scaling",
         "points,nodes,case,step_us_p50,step_us_p99,substeps,substep_us,paper_ms,jump_percent,"
         "ledger_fraction,active_nodes,field_error,prototype_us,verdict,model,create_s,memory_mb,"
-        "peak_mb",
+        "peak_mb,solver",
         error);
     if (status != SOFTSIM_OK) {
         return status;
@@ -403,6 +407,8 @@ static softsim_status write_csv(const report *r, softsim_error *error)
         put_number(output.file, at->create_s);
         put_number(output.file, at->memory_mb);
         put_number(output.file, at->peak_mb);
+        fputc(',', output.file);
+        ss_csv_text(output.file, at->solver);
         fputc('\n', output.file);
     }
     return ss_output_commit(&output, error);
@@ -422,7 +428,44 @@ static bool is_block(const row *at)
     return strcmp(at->name, "block") == 0;
 }
 
-static void print_rows(const report *r)
+static bool has_solver(const row *at, int32_t subject, const char *solver)
+{
+    return is_block(at) && strcmp(at->model, ss_assay_subject_name(subject)) == 0 &&
+           strncmp(at->solver, solver, strlen(solver)) == 0;
+}
+
+/* Where the factor of a subject gives way, as a sentence; false: it solves no linear equations. */
+static bool tell_solver(const report *r, int32_t subject, char *out, size_t size)
+{
+    const row *factored = NULL, *iterated = NULL; /* the largest, and the smallest */
+    for (const row *at = r->row; at < r->row + r->row_count; ++at) {
+        factored = has_solver(at, subject, "a factor") ? at : factored;
+        iterated = iterated == NULL && has_solver(at, subject, "conjugate") ? at : iterated;
+    }
+    const char *name = ss_assay_subject_name(subject);
+    if (factored != NULL && iterated != NULL) {
+        snprintf(out, size, "%s: factored up to %d nodes, from %d on %s.", name, factored->nodes,
+                 iterated->nodes, iterated->solver);
+    } else if (factored != NULL) {
+        snprintf(out, size, "%s: factored at every size; at %d nodes %s.", name, factored->nodes,
+                 factored->solver);
+    } else if (iterated != NULL) {
+        snprintf(out, size, "%s: %s.", name, iterated->solver);
+    }
+    return factored != NULL || iterated != NULL;
+}
+
+static void print_solvers(const report *r)
+{
+    char text[512];
+    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+        if (tell_solver(r, s, text, sizeof text)) {
+            printf("%s\n", text);
+        }
+    }
+}
+
+static void print_ellipsoids(const report *r)
 {
     printf("%6s %8s %7s %10s %10s %9s %9s %9s %9s %7s %10s %9s  %s\n", "points", "case", "active",
            "p50 us", "p99 us", "sub-steps", "us each", "prototype", "paper ms", "jump %", "ledger",
@@ -445,8 +488,16 @@ static void print_rows(const report *r)
         }
         printf("  %s\n", at->verdict);
     }
-    printf("\n%-24s %8s %9s %10s %10s %10s %12s %9s  %s\n", "block", "nodes", "create s",
-           "memory MB", "peak MB", "p50 us", "ns a node", "sub-steps", "verdict");
+    printf("\n");
+}
+
+static void print_rows(const report *r)
+{
+    if (r->options->size_count > 0) {
+        print_ellipsoids(r);
+    }
+    printf("%-24s %8s %9s %10s %10s %10s %12s %9s  %s\n", "block", "nodes", "create s", "memory MB",
+           "peak MB", "p50 us", "ns a node", "sub-steps", "verdict");
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *at = &r->row[i];
         if (is_block(at)) {
@@ -460,6 +511,7 @@ static void print_rows(const report *r)
             printf("  %s\n", at->verdict);
         }
     }
+    print_solvers(r);
 }
 
 /* A data block of one case, or of the paper with NULL. */
@@ -611,25 +663,19 @@ static void put_table(ss_page *page, const report *r)
     ss_page_table_end(page);
 }
 
-static softsim_status write_page(const report *r, softsim_error *error)
+static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_error *error)
 {
-    ss_page page;
-    softsim_status status =
-        ss_page_open(&page, r->options->out, "scaling", "softsim: scaling", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
     ss_page_text(
-        &page,
+        page,
         "An ellipsoid of 100 x 60 x 60 mm, held below, cnn-energy, one thread, steps "
         "of 1 ms (sub-steps inside where stability needs them). load: 0.2 N on one "
         "node, no tool, all nodes active. slide: a sphere of 5 mm pressed 6 mm deep, moved 30 "
         "mm at 50 mm/s, released. poke: the same ellipsoid, larger, so that its edges are 4 "
         "mm long at every size, pretension 0.05 J; 0.1 N on the nodes within 10 mm of the "
         "top; with all nodes active (poke all), and with the active window.");
-    status = plot_times(r, &page, error);
-    put_table(&page, r);
-    ss_page_text(&page,
+    const softsim_status status = plot_times(r, page, error);
+    put_table(page, r);
+    ss_page_text(page,
                  "p50, p99: thread CPU time of whole ticks (model step, contact and haptic "
                  "tick) while loaded or sliding; beside it the median of the model's step "
                  "with its contact over the whole run. Jump: largest change between two "
@@ -639,17 +685,38 @@ static softsim_status write_page(const report *r, softsim_error *error)
                  "loaded. Apart: largest distance between the fields of poke and poke all at the "
                  "end over the largest displacement. Prototype: a Runge-Kutta step of the first "
                  "program that tried this model, one core of another machine, all nodes.");
+    return status;
+}
+
+static softsim_status write_page(const report *r, softsim_error *error)
+{
+    ss_page page;
+    char text[512];
+    softsim_status status =
+        ss_page_open(&page, r->options->out, "scaling", "softsim: scaling", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    if (r->options->size_count > 0) {
+        status = put_ellipsoids(&page, r, error);
+    }
     ss_page_heading(&page, "Every model");
-    ss_page_text(&page,
-                 "A cube of 100 mm of 10 kPa in tetrahedra (its surface for a model that lives "
-                 "there), held below, one node of the top pushed; ticks of 1 ms, at most %d of "
-                 "them. A process each: peak memory is the whole of it, with reading the mesh and "
-                 "the factors; create is the CPU time of all that comes before the first tick. "
-                 "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
-                 "or have more entries than an int counts, conjugate gradients find the columns "
-                 "(softsimd --explain says which); tools, which need all columns, are refused "
-                 "by name long before.",
-                 200, SS_CNN_MAX_WORK);
+    ss_page_text(
+        &page,
+        "A cube of 100 mm of 10 kPa in tetrahedra (its surface for a model that lives "
+        "there), held below, one node of the top pushed (chainmail, which keeps its shape: "
+        "moved by an edge in the course of the run); ticks of 1 ms, at most %d of "
+        "them. A process each: peak memory is the whole of it, with reading the mesh and "
+        "the factors; create is the CPU time of all that comes before the first tick. "
+        "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
+        "or have more entries than an int counts, conjugate gradients find the columns "
+        "(below: where); tools, which need all columns, are refused by name long before.",
+        200, SS_CNN_MAX_WORK);
+    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+        if (tell_solver(r, s, text, sizeof text)) {
+            ss_page_text(&page, "%s", text);
+        }
+    }
     put_blocks(&page, r);
     if (status == SOFTSIM_OK) {
         status = plot_blocks(r, false, &page, error);
