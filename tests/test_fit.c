@@ -395,11 +395,30 @@ static void the_press_is_where_and_as_it_is_said_to_be(void **state)
     assert_near(press.normal[2], 1.0, 1e-12);
     assert_near(press.touch, 0.012, 0.01); /* a sphere on a plane, but for the samples between */
     ss_press_fini(&press);
-    const double at[3] = {0.021, 0.009, 5.0};
+    const double at[3] = {0.021, 0.009, 0.003};
     assert_int_equal(ss_press_plan(&scene, at, 0.01, 0.2, &press, &error), SOFTSIM_OK);
     assert_near(press.point[0], 0.02, 1e-9);
     assert_near(press.point[1], 0.01, 1e-9);
     ss_press_fini(&press);
+    static const struct {
+        double at[3];
+        const char *says;
+    } bad[] = {
+        {{0.021, 0.009, 0.012}, "is 0.012 m off the surface"},
+        {{21.0, 9.0, 0.0}, "more than a mean edge"}, /* mm taken for m */
+        {{0.038, 0.0, 0.0}, "the surface is fixed"},
+    };
+    const char *half[] = {tool, "object.fixed=[{box_m: [[0, -1, -1], [1, 1, 1]]}]"};
+    const ss_press_scene held = {path_of("plate.yaml"), half, 2};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+        error = (softsim_error){0};
+        assert_int_equal(ss_press_plan(&held, bad[k].at, 0.01, 0.2, &press, &error),
+                         SOFTSIM_ERROR_ARGUMENT);
+        if (strstr(error.text, bad[k].says) == NULL) {
+            fail_msg("place %zu: '%s'", k, error.text);
+        }
+    }
+    error = (softsim_error){0};
     assert_int_not_equal(ss_press_plan(&scene, NULL, 10.0, 0.2, &press, &error), SOFTSIM_OK);
     assert_non_null(strstr(error.text, "cannot be reached"));
 }
@@ -555,10 +574,12 @@ static void the_program_refuses_what_is_wrong(void **state)
     const char *no_scene[] = {"--scene", deep, "--curve", deep, "--out", out, NULL};
     const char *bad_place[] = {"--scene", scene,  "--curve", deep, "--out",
                                out,       "--at", "1,2",     NULL};
-    const char *const *wrong[] = {nothing, no_points, too_deep, no_scene, bad_place};
-    static const char *const fault[] = {"is missing", "no points", "cannot be reached", "softsim",
-                                        "is not a point"};
-    for (int k = 0; k < 5; ++k) {
+    const char *far_place[] = {"--scene", scene,  "--curve", deep, "--out",
+                               out,       "--at", "1,2,3",   NULL};
+    const char *const *wrong[] = {nothing, no_points, too_deep, no_scene, bad_place, far_place};
+    static const char *const fault[] = {"is missing", "no points",      "cannot be reached",
+                                        "softsim",    "is not a point", "off the surface"};
+    for (int k = 0; k < 6; ++k) {
         assert_int_equal(run_program(wrong[k]), 2);
         read_file("err.txt", told, sizeof told);
         if (strstr(told, fault[k]) == NULL) {

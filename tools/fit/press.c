@@ -154,6 +154,75 @@ static double mean_edge(const ss_mesh *mesh)
     return sum / (3.0 * mesh->triangle_count);
 }
 
+/* ---- how far off -------------------------------------------------------------------------------
+ */
+
+/* Distance of x from the triangle a b c: from its plane where the foot is inside, else from the
+ * nearest of its sides. */
+static double triangle_distance(const double x[3], const double *corner[3])
+{
+    double least = INFINITY, normal[3], e[2][3], out[3];
+    bool is_inside = true;
+    ss_sub3(e[0], corner[1], corner[0]);
+    ss_sub3(e[1], corner[2], corner[0]);
+    ss_cross3(normal, e[0], e[1]);
+    for (int k = 0; k < 3; ++k) {
+        double side[3], way[3], across[3];
+        ss_sub3(side, corner[(k + 1) % 3], corner[k]);
+        ss_sub3(way, x, corner[k]);
+        ss_cross3(across, normal, side);
+        is_inside = is_inside && ss_dot3(across, way) >= 0.0;
+        const double share = fmin(fmax(ss_dot3(way, side) / ss_dot3(side, side), 0.0), 1.0);
+        ss_madd3(out, way, -share, side);
+        least = fmin(least, ss_norm3(out));
+    }
+    ss_sub3(out, x, corner[0]);
+    return is_inside ? fabs(ss_dot3(out, normal)) / ss_norm3(normal) : least;
+}
+
+/* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
+ * another body, would else press somewhere and fit to it. A mean edge of freedom. */
+static softsim_status check_place(const ss_world *world, const double at[3], int32_t node,
+                                  softsim_error *error)
+{
+    const ss_mesh *mesh = world->scene->mesh;
+    const double edge = mean_edge(mesh);
+    double off = INFINITY, reach = edge, way[3];
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const double *corner[3];
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = mesh->position[mesh->triangle[t][k]];
+        }
+        const double distance = triangle_distance(at, corner);
+        if (distance < off) {
+            off = distance;
+            reach = edge;
+            for (int k = 0; k < 3; ++k) { /* a large triangle's corners are far from its middle */
+                ss_sub3(way, corner[(k + 1) % 3], corner[k]);
+                reach = fmax(reach, ss_norm3(way));
+            }
+        }
+    }
+    ss_sub3(way, mesh->position[node], at);
+    if (off > edge) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--at: %.6g,%.6g,%.6g is %.4g m off the surface, more than a mean edge "
+                          "(%.4g m); give a place on it, in metres and where the scene puts the "
+                          "body: the nearest free node is at %.6g,%.6g,%.6g",
+                          at[0], at[1], at[2], off, edge, mesh->position[node][0],
+                          mesh->position[node][1], mesh->position[node][2]);
+    } else if (ss_norm3(way) > off + reach) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--at: at %.6g,%.6g,%.6g the surface is fixed; the nearest free node is "
+                          "%.4g m away, at %.6g,%.6g,%.6g",
+                          at[0], at[1], at[2], ss_norm3(way), mesh->position[node][0],
+                          mesh->position[node][1], mesh->position[node][2]);
+    } else {
+        return SOFTSIM_OK;
+    }
+    return SOFTSIM_ERROR_ARGUMENT;
+}
+
 /* ---- tool -------------------------------------------------------------------------------------
  */
 
@@ -285,6 +354,9 @@ static softsim_status plan_in(ss_world *world, const ss_press_scene *scene, cons
     const int32_t node = choose_node(world, area, vector, at);
     if (node < 0) {
         return refuse(error, scene, "every surface node is fixed; there is nothing to press on");
+    }
+    if (at && check_place(world, at, node, error) != SOFTSIM_OK) {
+        return SOFTSIM_ERROR_ARGUMENT;
     }
     double inward[3];
     ss_copy3(out->point, world->scene->mesh->position[node]);

@@ -5,14 +5,15 @@
  * The experiment behind a curve, on a scene's own model: press at constant speed along the inward
  * normal, then hold.
  *
- * The place is the surface node nearest to a given point; else one that is far from all fixed
- * nodes, central, and not on an edge; the direction is into the tissue along that node's normal. A
- * scene with a tool is pressed by it (its lowest probe), its +z pointing into the tissue, its
- * origin on the normal through the node; depth 0 is where it just touches the model's surface at
- * rest. A scene without tools is pressed by a patch, all free surface nodes within two mean edges
- * of the node, which moves as one. Depth is the travel of the tool or patch, force its reaction
- * along the normal, positive out of the tissue. The press takes `press_s` seconds to `depth`; time
- * counts from its end.
+ * The place is the free surface node nearest to a given point, which is on the surface to within a
+ * mean edge (one further off, or among fixed nodes, is refused); else one that is far from all
+ * fixed nodes, central, and not on an edge; the direction is into the tissue along that node's
+ * normal. A scene with a tool is pressed by it (its lowest probe), its +z pointing into the tissue,
+ * its origin on the normal through the node; depth 0 is where it just touches the model's surface
+ * at rest. A scene without tools is pressed by a patch, all free surface nodes within two mean
+ * edges of the node, which moves as one. Depth is the travel of the tool or patch, force its
+ * reaction along the normal, positive out of the tissue. The press takes `press_s` seconds to
+ * `depth`; time counts from its end.
  *
  * The model is stepped as the world would step it, but the tool is placed and not felt: no
  * coupling, no force limit, no lag stands between depth and force. Going through poses was rejected
