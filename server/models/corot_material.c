@@ -12,10 +12,8 @@
 const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
     {.name = "material",
      .kind = SS_PARAM_CHOICE,
-     .max = SS_TISSUE_KIND_COUNT - 1,
-     .fallback = SS_TISSUE_LINEAR,
-     .choices = SS_TISSUE_CHOICES,
-     .help = "linear alone: small strain in each element, turned with it"},
+     .choices = "linear",
+     .help = "small strain in each element, turned with it; for other laws use the model fem"},
     {.name = "youngs_modulus_pa",
      .kind = SS_PARAM_FIELD,
      .takes_elements = true,
@@ -187,12 +185,6 @@ softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_mate
     softsim_status status = fill(plan, out_material, error);
     if (status == SOFTSIM_OK && is_viscous) {
         fill_viscosity(plan, out_material);
-    }
-    if (plan->param[SS_COROT_MATERIAL].number != SS_TISSUE_LINEAR) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "corotational: takes material: linear alone; for stvk-guarded, stvk, "
-                          "neo-hookean and stable-neo-hookean use the model fem");
-        status = SOFTSIM_ERROR_SCENE;
     }
     return status;
 }

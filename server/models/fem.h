@@ -33,12 +33,13 @@ enum {
     SS_FEM_ROW_COUNT
 };
 
-/* Elasticity and density: the first rows of every table of parameters of tetrahedra. */
-#define SS_FEM_SOLID_ROWS(usual)                                                                   \
+/* Elasticity and density: the first rows of every table of parameters of tetrahedra; `laws` are the
+ * choices, the last of them number `last`. */
+#define SS_FEM_SOLID_ROWS(laws, last, usual)                                                       \
     [SS_FEM_MATERIAL] = {.name = "material",                                                       \
                          .kind = SS_PARAM_CHOICE,                                                  \
-                         .max = SS_TISSUE_KIND_COUNT - 1,                                          \
-                         .choices = SS_TISSUE_CHOICES,                                             \
+                         .max = (last),                                                            \
+                         .choices = (laws),                                                        \
                          .fallback = (usual),                                                      \
                          .help = "law of the tissue: all agree at small strain"},                  \
     [SS_FEM_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",                                        \
@@ -113,7 +114,9 @@ enum {
                                      "a node; auto: where Poisson's ratio is above 0.45"}
 
 /* The first rows of a table with all of them. */
-#define SS_FEM_ROWS SS_FEM_SOLID_ROWS(SS_TISSUE_STVK_GUARDED), SS_FEM_FORCE_ROWS
+#define SS_FEM_ROWS                                                                                \
+    SS_FEM_SOLID_ROWS(SS_TISSUE_CHOICES, SS_TISSUE_KIND_COUNT - 1, SS_TISSUE_STVK_GUARDED),        \
+        SS_FEM_FORCE_ROWS
 
 /* What the body is made of; one value an element. */
 typedef struct ss_fem_material {

@@ -37,8 +37,12 @@
 /* The rows of elasticity and density, then these. */
 enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEP, ROW_COUNT };
 
+/* Constraints of |F| and J are these laws and no others, numbered from the first. */
+enum { FIRST_LAW = SS_TISSUE_NEO_HOOKEAN, LAST_LAW = SS_TISSUE_STABLE_NEO_HOOKEAN };
+_Static_assert(LAST_LAW == FIRST_LAW + 1, "both laws, and nothing between them");
+
 static const ss_param_row rows[ROW_COUNT] = {
-    SS_FEM_SOLID_ROWS(SS_TISSUE_STABLE_NEO_HOOKEAN),
+    SS_FEM_SOLID_ROWS("neo-hookean|stable-neo-hookean", LAST_LAW - FIRST_LAW, LAST_LAW - FIRST_LAW),
     [ROW_MASS_DAMPING] = {.name = "mass_damping_per_s",
                           .kind = SS_PARAM_NUMBER,
                           .max = 1e9,
@@ -164,20 +168,6 @@ static void destroy(ss_model *model)
     ss_memory_free(model);
 }
 
-static softsim_status check_rows(const ss_model_plan *plan, softsim_error *error)
-{
-    const int32_t kind = (int32_t)plan->param[SS_FEM_MATERIAL].number;
-    softsim_status status = SOFTSIM_OK;
-    if (kind != SS_TISSUE_NEO_HOOKEAN && kind != SS_TISSUE_STABLE_NEO_HOOKEAN) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "xpbd: material: constraints of |F| and J are stable-neo-hookean or "
-                          "neo-hookean: take one of them, or the models fem (all materials) or "
-                          "corotational (linear)");
-        status = SOFTSIM_ERROR_SCENE;
-    }
-    return status;
-}
-
 /* What ss_fem reads beyond the rows of this model: nothing but elasticity. */
 static softsim_status read_material(ss_model *model, const ss_model_plan *plan,
                                     softsim_error *error)
@@ -185,6 +175,7 @@ static softsim_status read_material(ss_model *model, const ss_model_plan *plan,
     ss_param_value value[SS_FEM_ROW_COUNT] = {{0}};
     ss_model_plan own = *plan;
     memcpy(value, plan->param, (SS_FEM_DENSITY + 1) * sizeof *value);
+    value[SS_FEM_MATERIAL].number += FIRST_LAW;
     value[SS_FEM_LOCKING_CURE].number = 1.0; /* none */
     own.param = value;
     return ss_fem_material_create(&own, "xpbd", &model->material, error);
@@ -228,9 +219,7 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
 static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
     const ss_mesh *mesh = plan->mesh;
-    const softsim_status checked = check_rows(plan, error);
     softsim_status status = read_material(model, plan, error);
-    status = status == SOFTSIM_OK ? checked : status;
     if (status != SOFTSIM_OK) {
         return status;
     }
