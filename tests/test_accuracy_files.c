@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-bench accuracy with a damaged case among whole ones: whatever is wrong, with whichever
- * file, the call names it, runs nothing, leaves no report and ends with 2.
+ * file, the call names it, runs nothing, leaves no report and ends with 2. And with whole ones: a
+ * field that has little to do with the reference is told in words.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -153,6 +154,38 @@ static void a_damaged_case_stops_the_call_before_any_run(void **state)
     }
 }
 
+/* The node that is pushed is right; in the other reference a held one has gone as far. */
+static void a_poor_field_is_said_in_the_verdict(void **state)
+{
+    (void)state;
+    static const char *const reference[] = {
+        good_reference, "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,.001,0\n"
+                        "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n"};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    for (int k = 0; k < 2; ++k) {
+        char path[PATH_SIZE], out[PATH_SIZE];
+        int result = 0;
+        size_t size = 0;
+        softsim_error error = {.status = SOFTSIM_OK};
+        write_tiny("judged", "judged");
+        write_file("judged/r.csv", reference[k]);
+        place("judged", path);
+        place(k == 0 ? "right" : "wrong", out);
+        free(run_heard(
+            (const char *const[]){"--case", path, "--model", "fem", "--quick", "--out", out, NULL},
+            &result));
+        assert_int_equal(result, 0);
+        place(k == 0 ? "right/accuracy.csv" : "wrong/accuracy.csv", path);
+        char *text = ss_table_read_file(path, &size, &error);
+        assert_non_null(text);
+        assert_true((strstr(text, "poor field: half of it or more is wrong") != NULL) == (k == 1));
+        assert_non_null(strstr(text, "good"));
+        free(text);
+    }
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -171,6 +204,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
+        cmocka_unit_test(a_poor_field_is_said_in_the_verdict),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

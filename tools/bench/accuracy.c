@@ -565,13 +565,15 @@ static softsim_status write_page(report *r, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_page_text(&page,
-                 "Every model on problems with trusted solutions, through the scene loader and the "
-                 "world of the server, without LCM, in steps of 1 ms on one thread. Errors are "
-                 "fractions: of the field sqrt(sum w |u - u_ref|^2 / sum w |u_ref|^2), of the "
-                 "force |F - F_ref| / |F_ref| along the push; times are thread CPU time. Loads "
-                 "come over a ramp, and the body is damped until it has settled. Tables hold means "
-                 "over a material's levels.");
+    ss_page_text(
+        &page,
+        "Every model on problems with trusted solutions, through the scene loader and the "
+        "world of the server, without LCM, in steps of 1 ms on one thread. Errors are "
+        "fractions: of the field sqrt(sum w |u - u_ref|^2 / sum w |u_ref|^2), of the "
+        "force |F - F_ref| / |F_ref| along the push; times are thread CPU time. Loads "
+        "come over a ramp, and the body is damped until it has settled. Tables hold means "
+        "over a material's levels. A verdict is the program's own, on how a run went: 'good' "
+        "is stable, not near; where half of the field or more is wrong it says so.");
     ss_page_text(&page, "Calibrated: what a model leaves free was fitted on the first level of "
                         "each material and mesh, the field first, then the force; its other levels "
                         "are predictions, its first is not.");

@@ -32,6 +32,7 @@ static const int32_t fit_most = 30, fit_quick = 12;
 static const double fit_share = 0.04; /* of a level's time for each of them */
 static const double fit_step = 1.5;   /* the search's first, in a logarithm */
 static const double fit_end = 2e-4;   /* of the error: corners that differ by less are the last */
+static const double poor_share = 0.5; /* of the field: that much wrong is said in words */
 static const double pi = 3.14159265358979;
 
 typedef struct work {
@@ -353,6 +354,16 @@ static void fill_row(const work *w, int32_t level, const ss_static_run *run, ss_
     } else if (w->body.pushed_count > 0) {
         add_note(row->verdict, sizeof row->verdict, "; the model has no force of its own%s%s", "",
                  "");
+    }
+    if (norms.field > poor_share) {
+        char size[32];
+        snprintf(size, sizeof size, "%.3g",
+                 ss_norms_amplitude(w->body.mesh->node_count, w->body.weight,
+                                    reference_of(w, level), (const double(*)[3])run->u));
+        add_note(
+            row->verdict, sizeof row->verdict,
+            "; poor field: half of it or more is wrong, its size is %s times the reference's%s",
+            size, "");
     }
     if (w->model->note != NULL) {
         add_note(row->verdict, sizeof row->verdict, "; %s%s", w->model->note, "");

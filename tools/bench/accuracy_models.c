@@ -148,8 +148,10 @@ static const ss_accuracy_model table[] = {
      .write = write_physical},
     {.name = "mass-spring",
      .colour = "#8c6d1f",
-     .about = "springs along edges: one elastic constant, Poisson's ratio near 1/4 whatever is "
-              "asked for, and a stiffness that depends on how the mesh was cut",
+     .about =
+         "springs along edges: one elastic constant, Poisson's ratio near 1/4 whatever is "
+         "asked for, and a stiffness that depends on how the mesh was cut: a wall of one or two "
+         "irregular elements can be half as stiff as asked",
      .has_force = true,
      .write = write_physical},
     {.name = "cnn-energy",
