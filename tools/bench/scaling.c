@@ -423,6 +423,15 @@ static void print_cell(int width, int digits, double value)
     }
 }
 
+static void print_small(int width, int digits, double value)
+{
+    if (isnan(value)) {
+        printf(" %*s", width, "");
+    } else {
+        printf(" %*.*e", width, digits, value);
+    }
+}
+
 static bool is_block(const row *at)
 {
     return strcmp(at->name, "block") == 0;
@@ -475,17 +484,16 @@ static void print_ellipsoids(const report *r)
         if (is_block(at)) {
             continue;
         }
-        printf("%6d %8s %7d %10.1f %10.1f %9.2f %9.1f", at->points, at->name, at->active_nodes,
-               at->p50_us, at->p99_us, at->substeps, at->p50_us / at->substeps);
+        printf("%6d %8s %7d", at->points, at->name, at->active_nodes);
+        print_cell(10, 1, at->p50_us);
+        print_cell(10, 1, at->p99_us);
+        print_cell(9, 2, at->substeps);
+        print_cell(9, 1, at->p50_us / at->substeps);
         print_cell(9, 0, at->prototype_us);
         print_cell(9, 1, at->paper_ms);
         print_cell(7, 2, 100.0 * at->jump);
-        printf(" %10.2e", at->ledger);
-        if (isnan(at->apart)) {
-            printf(" %9s", "");
-        } else {
-            printf(" %9.1e", at->apart);
-        }
+        print_small(10, 2, at->ledger);
+        print_small(9, 1, at->apart);
         printf("  %s\n", at->verdict);
     }
     printf("\n");
