@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "bench.h"
 #include "child.h"
 #include "csv.h"
 #include "fem_speed.h"
@@ -29,6 +31,7 @@
 #include "samples.h"
 #include "scratch.h"
 #include "session.h"
+#include "table.h"
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
 
@@ -360,6 +363,36 @@ static void make_inner(const char *in, const char *name, bool is_folder)
     assert_int_equal(is_folder ? mkdir(path, 0700) : fclose(file), 0);
 }
 
+/* No softsim-mesh is beside this test, so that every run is lost at once: its row is there. */
+static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
+{
+    (void)state;
+    char path[160], out[128];
+    char *argv[] = {"softsim-bench ablation", "--out", out, NULL};
+    ss_table table;
+    softsim_error error = {.status = SOFTSIM_OK};
+    snprintf(out, sizeof out, "%s/ablation", folder);
+    fflush(stdout);
+    const int keep = dup(STDOUT_FILENO), null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(null, STDOUT_FILENO);
+    assert_int_equal(ss_bench_ablation(3, argv), 0);
+    fflush(stdout);
+    dup2(keep, STDOUT_FILENO);
+    close(keep);
+    close(null);
+    snprintf(path, sizeof path, "%s/ablation.csv", out);
+    if (ss_table_load(path, &table, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_true(table.row_count > 0);
+    const int32_t note = ss_table_find(&table, "note", &error);
+    for (int32_t i = 0; i < table.row_count; ++i) {
+        assert_non_null(strstr(ss_table_cell(&table, i, note), "softsim-mesh"));
+    }
+    ss_table_fini(&table);
+    ss_scratch_remove(out);
+}
+
 static void temporary_folders_go_with_what_is_in_them(void **state)
 {
     (void)state;
@@ -507,6 +540,7 @@ int main(void)
         cmocka_unit_test(bridge_arguments_are_read_without_a_shell),
         cmocka_unit_test(a_page_is_escaped_and_complete_or_not_there),
         cmocka_unit_test(a_csv_field_is_quoted_where_it_must_be),
+        cmocka_unit_test(a_row_of_the_ablation_has_the_columns_of_its_head),
         cmocka_unit_test(temporary_folders_go_with_what_is_in_them),
         cmocka_unit_test(temporary_folders_are_made_where_it_is_said_if_that_can_be),
         cmocka_unit_test(children_are_reaped_with_their_status),

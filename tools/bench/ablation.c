@@ -299,11 +299,11 @@ static softsim_status write_csv(const report *r, const ss_sweep_result *result,
         return status;
     }
     for (int32_t i = 0; i < r->count; ++i) {
-        char name[SS_SWEEP_NAME_SIZE];
+        const omission *o = &omissions[r->index[i]];
         figures f;
         read_figures(&result->run[i], &f);
-        label(r, i, name);
-        fprintf(output.file, "%s,%d", name, omissions[r->index[i]].points);
+        ss_csv_text(output.file, o->name); /* some have a comma */
+        fprintf(output.file, ",%s,%d", o->model, o->points);
         const double value[] = {f.tick_us[0],   f.tick_us[1],   f.bytes[0], f.bytes[1],
                                 f.create_ms[0], f.create_ms[1], f.apart};
         for (size_t k = 0; k < sizeof value / sizeof *value; ++k) {
