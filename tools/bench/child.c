@@ -27,10 +27,25 @@ static void redirect(int fd, const char *path)
     }
 }
 
+/* In the child: our handlers are not its own. What was sent since the fork ends it now. */
+static void forget_handlers(const sigset_t *mask)
+{
+    static const int numbers[] = {SIGINT, SIGTERM};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        struct sigaction action;
+        if (sigaction(numbers[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN) {
+            signal(numbers[i], SIG_DFL);
+        }
+    }
+    sigprocmask(SIG_SETMASK, mask, NULL);
+}
+
 /* In the child, between fork and exec: system calls only. */
-_Noreturn static void become(const ss_child_plan *plan, const int pipe_fd[2], pid_t parent)
+_Noreturn static void become(const ss_child_plan *plan, const int pipe_fd[2], pid_t parent,
+                             const sigset_t *mask)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
+    forget_handlers(mask);
     if (getppid() != parent) {
         _exit(126);
     }
@@ -64,10 +79,16 @@ softsim_status ss_child_start(ss_child *child, const ss_child_plan *plan, softsi
         return SOFTSIM_ERROR_SYSTEM;
     }
     const pid_t parent = getpid();
+    sigset_t stops, mask;
+    sigemptyset(&stops);
+    sigaddset(&stops, SIGINT);
+    sigaddset(&stops, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &stops, &mask); /* until the child has no handler of ours */
     child->pid = fork();
     if (child->pid == 0) {
-        become(plan, pipe_fd, parent);
+        become(plan, pipe_fd, parent, &mask);
     }
+    pthread_sigmask(SIG_SETMASK, &mask, NULL);
     if (pipe_fd[1] >= 0) {
         close(pipe_fd[1]);
     }
