@@ -129,6 +129,13 @@ typedef struct runner {
     double (*u)[3], (*v)[3], (*old)[3];
 } runner;
 
+/* What must be stable is not refused; but chains have no forces, and refuse them. */
+static bool may_be_refused(const runner *r)
+{
+    return r->trial->kind != SS_ASSAY_CONTROL ||
+           (r->plan.drive == SS_ASSAY_LOADS && ss_assay_is_plastic(r->trial->subject));
+}
+
 /* Creates the world; NULL world: refused, and the result says why. */
 static softsim_status begin(runner *r, softsim_error *error)
 {
@@ -148,6 +155,7 @@ static softsim_status begin(runner *r, softsim_error *error)
     }
     if (r->world == NULL) {
         r->out->outcome = SS_ASSAY_REFUSED;
+        r->out->is_agreed = may_be_refused(r);
         keep_reason(&r->folder, refusal.text, r->out->acted, sizeof r->out->acted);
     }
     return SOFTSIM_OK;

@@ -354,7 +354,8 @@ static void put_words(const ss_stability *list, ss_page *page)
         "A verdict of good or guarded promises a result to be trusted; with one finding against "
         "it the run is a failure (but guards may take energy out, and leave a body in another "
         "shape). Degraded and fault own up; then only what is not finite is a failure. Control "
-        "runs must have no finding, and be good or guarded.",
+        "runs must have no finding, and be good or guarded; none is refused but loads by a model "
+        "without forces.",
         list->count);
     ss_page_text(
         page, "A start cannot be set in a scene. Tangled: random forces on half of the surface's "
