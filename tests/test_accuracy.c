@@ -616,6 +616,39 @@ static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
     free(text);
 }
 
+/* What was run before a case was mended is not taken for a result of the mended one. */
+static void a_mended_case_is_not_resumed(void **state)
+{
+    (void)state;
+    char out[PATH_SIZE], block[PATH_SIZE];
+    ss_accuracy_rows rows;
+    if (ss_model_find("mass-spring") == NULL) {
+        skip();
+    }
+    place("mended", out);
+    place("mended/accuracy.csv", block); /* a folder in its place: the report cannot be written */
+    const char *const command[] = {"--case", folder, "--model", "mass-spring", "--out", out, NULL};
+    write_file("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
+    write_file("m.msh", good_mesh);
+    write_file("s.json", good_sets);
+    write_file("r.csv", good_reference);
+    assert_int_equal(mkdir(out, 0777), 0);
+    assert_int_equal(mkdir(block, 0777), 0);
+    assert_int_equal(run_bench(command), 1);
+    assert_int_equal(count_parts("mended"), 1);
+    assert_int_equal(rmdir(block), 0);
+    write_file("r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.002\n3,1,0,0,.1,0,0,0\n"
+                        "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n");
+    assert_int_equal(run_bench(command), 1);
+    assert_int_not_equal(access(block, F_OK), 0);
+    write_file("r.csv", good_reference); /* as it was: the run goes on */
+    assert_int_equal(run_bench(command), 0);
+    read_rows("mended/accuracy.csv", &rows);
+    assert_int_equal(rows.count, 1);
+    assert_near(rows.row[0].error_l2, 0.0, 1e-6);
+    ss_accuracy_rows_fini(&rows);
+}
+
 /* What linear tetrahedra reach, by the table of the case; NaN: no such row. */
 static void find_floor(const ss_table *floor, const ss_accuracy_row *row, double *out_field,
                        double *out_force)
@@ -846,6 +879,7 @@ int main(void)
         cmocka_unit_test(the_choice_is_the_most_accurate_that_fits),
         cmocka_unit_test(a_run_leaves_its_rows_pushed_or_pulled),
         cmocka_unit_test(a_second_run_has_nothing_to_resume_and_agrees),
+        cmocka_unit_test(a_mended_case_is_not_resumed),
         cmocka_unit_test(fem_reaches_the_floor_of_linear_tetrahedra),
         cmocka_unit_test(refinement_keeps_the_body),
         cmocka_unit_test(a_scene_makes_its_own_reference),

@@ -7,6 +7,7 @@
  * come to rest. What is not: loads or materials that a model refuses; those rows say so.
  */
 #include <dirent.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,7 @@
 #include "rt/args.h"
 #include "scratch.h"
 #include "sweep.h"
+#include "world.h"
 
 enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
@@ -182,6 +184,55 @@ static softsim_status make_scene_case(report *r, softsim_error *error)
                : status;
 }
 
+/* A file as it is read; of one that cannot be read its job will say so. */
+static uint64_t add_file(uint64_t hash, const char *folder, const char *name)
+{
+    char path[2 * SS_CASE_PATH];
+    size_t size = 0;
+    softsim_error ignored = {.status = SOFTSIM_OK};
+    if (name[0] == '\0') {
+        return hash;
+    }
+    snprintf(path, sizeof path, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+    char *text = ss_table_read_file(path, &size, &ignored);
+    hash = ss_world_fnv(hash, &size, sizeof size);
+    hash = ss_world_fnv(hash, text, size);
+    free(text);
+    return hash;
+}
+
+static uint64_t add_meshes(uint64_t hash, const ss_case *c, bool on_surface, bool has_solution)
+{
+    int32_t count = 0;
+    const ss_case_mesh *mesh = ss_case_meshes(c, on_surface, &count);
+    for (int32_t i = 0; i < count; ++i) {
+        hash = add_file(hash, c->mesh_folder, on_surface ? mesh[i].surface : mesh[i].volume);
+        hash = add_file(hash, c->mesh_folder, mesh[i].sets);
+        for (int32_t m = 0; m < c->material_count && has_solution; ++m) {
+            hash = add_file(hash, c->mesh_folder, mesh[i].reference[m]);
+        }
+    }
+    return hash;
+}
+
+/* Of all that a case says. `has_solution` false: but for what follows from the rest. */
+static uint64_t digest_of(const ss_case *c, bool has_solution)
+{
+    uint64_t hash = add_file(0, c->folder, "case.yaml");
+    hash = add_file(hash, c->mesh_folder, "case.yaml");
+    hash = add_meshes(add_meshes(hash, c, false, has_solution), c, true, has_solution);
+    for (int32_t i = 0; i < c->level_count && has_solution; ++i) {
+        hash = ss_world_fnv(hash, &c->level[i].force, sizeof c->level[i].force);
+    }
+    hash = ss_world_fnv(hash, &c->first_frequency, sizeof c->first_frequency);
+    for (int32_t i = 0; i < c->step_count; ++i) {
+        const ss_case_step *step = &c->step[i];
+        hash = ss_world_fnv(hash, step->time, (size_t)step->count * sizeof *step->time);
+        hash = ss_world_fnv(hash, step->u, (size_t)step->count * sizeof *step->u);
+    }
+    return hash;
+}
+
 static softsim_status load_cases(report *r, softsim_error *error)
 {
     if (r->o.scene != NULL) {
@@ -213,6 +264,9 @@ static softsim_status load_cases(report *r, softsim_error *error)
                                   r->plan.c[i].folder, c->folder, c->name);
             }
         }
+        /* What a scene's case has for a solution is made anew by every start, and may be rounded
+         * otherwise by another machine. */
+        r->plan.digest[k] = error->fault_count == 0 ? digest_of(c, r->o.scene == NULL) : 0;
     }
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
@@ -328,8 +382,8 @@ static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZ
     const ss_accuracy_plan *plan = context;
     char id[256];
     ss_accuracy_job_id(plan, index, id);
-    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s%s of %.60s", id, plan->is_quick ? " quick" : "",
-             plan->c[plan->job[index].case_index].folder);
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%.200s%s %016" PRIx64, id, plan->is_quick ? " quick" : "",
+             plan->digest[plan->job[index].case_index]);
 }
 
 /* Texts of all runs one after the other, to be freed; `lose` (may be NULL) writes for a lost one.

@@ -31,6 +31,7 @@ typedef struct ss_accuracy_plan {
     const char *folder;
     ss_case *c;
     int32_t case_count;
+    uint64_t digest[SS_ACCURACY_MAX_CASES]; /* of each case's files */
     ss_accuracy_job *job;
     int32_t job_count;
     bool is_quick;        /* of a material the first and the last level */

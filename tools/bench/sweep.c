@@ -235,8 +235,8 @@ static softsim_status read_part(sweeper *s, part *from, char *text, softsim_erro
         const int head = read_head(s, file);
         if (head == 0) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                              "%s: begun with other options or by another build of this program: "
-                              "remove it, or give another --out",
+                              "%s: begun with other options or files, or by another build of "
+                              "this program: remove it, or give another --out",
                               path);
             status = SOFTSIM_ERROR_ARGUMENT;
         }
