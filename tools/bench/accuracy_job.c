@@ -13,6 +13,7 @@
  */
 #include <math.h>
 #include <nlopt.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -34,6 +35,8 @@ static const double fit_step = 1.5;   /* the search's first, in a logarithm */
 static const double fit_end = 2e-4;   /* of the error: corners that differ by less are the last */
 static const double poor_share = 0.5; /* of the field: that much wrong is said in words */
 static const double pi = 3.14159265358979;
+/* Of a swing of four periods: eight a period, and not longer than 100 s. */
+enum { LEAST_SAMPLES = 32, MOST_SAMPLES = 100000 };
 
 typedef struct work {
     const ss_accuracy_plan *plan;
@@ -537,31 +540,65 @@ static double wave_residual(const double *y, int32_t count, double omega)
     return square;
 }
 
-/* Hz; the frequency of the wave that leaves the least of y. */
+/* Hz; the frequency of the wave that leaves the least of y, of a fifth to five times the expected
+ * one; NaN: of none of these. */
 static double find_frequency(const double *y, int32_t count, double expected_hz)
 {
-    double best = expected_hz, least = (double)INFINITY, width = 0.6 * expected_hz;
-    for (int pass = 0; pass < 5; ++pass) {
+    const double first = 0.2 * expected_hz, stride = 0.015 * expected_hz;
+    const double last = fmin(5.0 * expected_hz, 0.4 / step_s);
+    double best = (double)NAN, least = (double)INFINITY;
+    for (double hz = first; hz <= last; hz += stride) {
+        const double left = wave_residual(y, count, 2.0 * pi * hz);
+        if (left < least) {
+            least = left;
+            best = hz;
+        }
+    }
+    if (!(best > first && best + stride <= last)) {
+        return (double)NAN;
+    }
+    for (double width = 2.0 * stride; width > 1e-6 * expected_hz; width /= 20.0) {
         const double middle = best;
         for (int k = -40; k <= 40; ++k) {
             const double hz = middle + width * k / 40.0;
-            const double left =
-                hz > 0.05 * expected_hz ? wave_residual(y, count, 2.0 * pi * hz) : (double)INFINITY;
+            const double left = wave_residual(y, count, 2.0 * pi * hz);
             if (left < least) {
                 least = left;
                 best = hz;
             }
         }
-        width /= 20.0;
     }
     return best;
 }
 
 typedef struct swing {
     double f1_error, minimum_error, rms;
-    char verdict[400];
+    char verdict[320], notes[480]; /* the program's worst, and what each step came to */
 } swing;
 
+__attribute__((format(printf, 2, 3))) static void add_swing_note(swing *s, const char *format, ...)
+{
+    const size_t used = strlen(s->notes);
+    va_list list;
+    va_start(list, format);
+    vsnprintf(s->notes + used, sizeof s->notes - used, format, list);
+    va_end(list);
+}
+
+enum { FAULT = 3 };
+
+/* How bad a verdict is. */
+static int severity(const char *verdict)
+{
+    static const char *const names[] = {"good", "guarded", "degraded", "fault", "refused"};
+    int k = FAULT + 1;
+    while (k > 0 && strncmp(verdict, names[k], strlen(names[k])) != 0) {
+        --k;
+    }
+    return k;
+}
+
+/* SOFTSIM_ERROR_UNSUPPORTED: there is no motion to judge; the verdict says why. */
 static softsim_status swing_run(work *w, const double gravity[3], int32_t count, double (*u)[3],
                                 swing *out)
 {
@@ -576,10 +613,12 @@ static softsim_status swing_run(work *w, const double gravity[3], int32_t count,
     const softsim_status status =
         ss_static_swing(&plan, gravity, probe_node(w), count, u, &done, verdict, w->error);
     free(text);
-    if (out->verdict[0] == '\0' || strncmp(out->verdict, "good", 4) == 0) {
+    if (out->verdict[0] == '\0' || severity(verdict) > severity(out->verdict)) {
         snprintf(out->verdict, sizeof out->verdict, "%s", verdict);
     }
-    return status == SOFTSIM_OK && done < count ? SOFTSIM_ERROR_UNSUPPORTED : status;
+    return status == SOFTSIM_OK && (done < count || severity(verdict) >= FAULT)
+               ? SOFTSIM_ERROR_UNSUPPORTED
+               : status;
 }
 
 /* Largest way along `direction`, by the parabola through the largest sample and its neighbours. */
@@ -596,6 +635,12 @@ static double largest_way(const double (*u)[3], int32_t count, const double dire
     const double y0 = ss_dot3(u[at - 1], direction), y2 = ss_dot3(u[at + 1], direction);
     const double bend = y0 - 2.0 * y1 + y2;
     return bend < 0.0 ? y1 - 0.125 * (y2 - y0) * (y2 - y0) / bend : y1;
+}
+
+/* What has no value is worse than what has. */
+static double worse(double a, double b)
+{
+    return isnan(a) || isnan(b) ? (double)NAN : fmax(a, b);
 }
 
 static void compare_step(const ss_case_step *step, int32_t count, const double (*u)[3], swing *out)
@@ -621,20 +666,22 @@ static void compare_step(const ss_case_step *step, int32_t count, const double (
     const double expected = largest_way((const double(*)[3])step->u, compared, direction);
     const double way = largest_way(u, count, direction);
     const double minimum = fabs(way - expected) / fabs(expected), rms = sqrt(error2 / size2);
-    const size_t used = strlen(out->verdict);
-    snprintf(out->verdict + used, sizeof out->verdict - used,
-             "; at %.3g m/s^2: first minimum %.3g, rms %.3g", ss_norm3(step->gravity), minimum,
-             rms);
-    out->minimum_error = fmax(out->minimum_error, minimum);
-    out->rms = fmax(out->rms, rms);
+    add_swing_note(out, "; at %.3g m/s^2: first minimum %.3g, rms %.3g", ss_norm3(step->gravity),
+                   minimum, rms);
+    out->minimum_error = worse(out->minimum_error, minimum);
+    out->rms = worse(out->rms, rms);
 }
 
 /* Small vibrations: a tenth of the first step, four periods. */
 static softsim_status find_first(work *w, swing *out)
 {
     double gravity[3];
-    const double hz = w->c->first_frequency;
-    const int32_t count = (int32_t)fmin(4.0 / (hz * step_s), 1e5);
+    const double hz = w->c->first_frequency, samples = 4.0 / (hz * step_s);
+    if (!(samples >= LEAST_SAMPLES && samples <= MOST_SAMPLES)) {
+        add_swing_note(out, "; a first frequency of %.3g Hz is none that steps of 1 ms show", hz);
+        return SOFTSIM_OK;
+    }
+    const int32_t count = (int32_t)samples;
     double(*u)[3] = calloc((size_t)count, sizeof *u);
     double *y = calloc((size_t)count, sizeof *y);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
@@ -649,6 +696,9 @@ static softsim_status find_first(work *w, swing *out)
             y[i] = ss_dot3(u[i], gravity);
         }
         out->f1_error = fabs(find_frequency(y, count, hz) - hz) / hz;
+        if (isnan(out->f1_error)) {
+            add_swing_note(out, "; its first frequency is nowhere near %.3g Hz", hz);
+        }
     }
     free(u);
     free(y);
@@ -660,6 +710,9 @@ static softsim_status run_steps(work *w, swing *out)
     softsim_status status = SOFTSIM_OK;
     if (w->c->step_count > 0 && !isnan(w->c->first_frequency)) {
         status = find_first(w, out);
+    }
+    if (w->c->step_count > 0 && status == SOFTSIM_OK) {
+        out->minimum_error = out->rms = 0.0;
     }
     for (int32_t k = 0; k < w->c->step_count && status == SOFTSIM_OK; ++k) {
         const ss_case_step *step = &w->c->step[k];
@@ -675,7 +728,11 @@ static softsim_status run_steps(work *w, swing *out)
         }
         free(u);
     }
-    return status == SOFTSIM_ERROR_UNSUPPORTED ? SOFTSIM_OK : status;
+    if (status == SOFTSIM_ERROR_UNSUPPORTED) {
+        out->minimum_error = out->rms = (double)NAN; /* the worst of all steps is not known */
+        return SOFTSIM_OK;
+    }
+    return status;
 }
 
 softsim_status ss_accuracy_run_dynamic(const void *plan, int32_t index, FILE *out,
@@ -702,8 +759,10 @@ softsim_status ss_accuracy_run_dynamic(const void *plan, int32_t index, FILE *ou
         for (int k = 0; k < 3; ++k) {
             ss_accuracy_put(out, value[k]);
         }
+        char text[sizeof s.verdict + sizeof s.notes];
+        snprintf(text, sizeof text, "%s%s", s.verdict, s.notes);
         fputc(',', out);
-        ss_csv_text(out, s.verdict);
+        ss_csv_text(out, text);
         fputc('\n', out);
     }
     return status;
