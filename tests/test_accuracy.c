@@ -294,6 +294,9 @@ static void hostile_statements_are_refused_with_their_place(void **state)
         {GOOD_HEAD GOOD_PUSH "meshes: {m: {volume: m.msh, sets: s.json}}\n", "'levels' is missing"},
         {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 0}}\nmeshes: {m: {volume: v, sets: s}}\n",
          "level of nothing"},
+        {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1}, nh: {}}\nmeshes: {m: {volume: v, sets: "
+                             "s}}\n",
+         "case.yaml:5:30: error: no level"},
         {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1e-3}}\nmeshes: {m: {sets: s.json}}\n",
          "neither a volume nor a surface"},
         {GOOD_HEAD GOOD_PUSH "levels: {linear: {a: 1e-3}}\n", "'meshes' is missing"},

@@ -222,6 +222,9 @@ static void read_levels(reader *r, ss_scene_node *root)
         }
         snprintf(c->material[m], sizeof c->material[m], "%s", node->key);
         ++c->material_count;
+        if (node->first == NULL) {
+            ss_scene_node_fault(r->report, node, "no level is given");
+        }
         for (ss_scene_node *level = node->first; level != NULL; level = level->next) {
             read_level(r, level, m);
         }
