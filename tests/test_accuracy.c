@@ -371,6 +371,17 @@ static void numbers_lead_to_nodes(void **state)
     assert_near(body.reference[0][3][2], -0.001, 0.0);
     assert_int_equal(body.fixed[2], 2);
     ss_case_body_fini(&body);
+    /* As version 4.1 has them, and other systems end lines. */
+    write_file("m.msh", "$MeshFormat\r\n4.1 0 8\r\n$EndMeshFormat\r\n$Nodes\r\n1 4 2 9\r\n"
+                        "3 1 0 4\r\n7\r\n3\r\n9\r\n2\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n0 0 1\r\n"
+                        "$EndNodes\r\n$Elements\r\n1 1 1 1\r\n3 1 4 1\r\n1 7 3 9 2\r\n"
+                        "$EndElements\r\n");
+    if (load_tiny(&body, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_int_equal(body.number[0], 7);
+    assert_int_equal(body.number[3], 2);
+    ss_case_body_fini(&body);
 }
 
 static void hostile_bodies_are_refused(void **state)

@@ -92,8 +92,9 @@ static const char *next_line(const char *at)
  * The mesh was read already, so the section is sound. */
 static void read_numbers(const char *text, int32_t count, int32_t *out)
 {
-    const char *format = strstr(text, "$MeshFormat\n");
-    const bool is_blocked = format != NULL && strtod(format + strlen("$MeshFormat\n"), NULL) >= 4.0;
+    const char *format = strstr(text, "$MeshFormat");
+    format = format != NULL ? next_line(format) : NULL; /* lines may end as on other systems */
+    const bool is_blocked = format != NULL && strtod(format, NULL) >= 4.0;
     const char *at = strstr(text, "$Nodes");
     at = at != NULL ? next_line(at) : NULL;
     at = at != NULL ? next_line(at) : NULL;
