@@ -856,6 +856,32 @@ static void a_scene_makes_its_own_reference(void **state)
     ss_case_fini(&trusted);
 }
 
+/* A node that is pushed by itself goes in without a force as the mesh is refined: the reference is
+ * worth little, and it is not said that all is well. */
+static void a_scene_without_a_limit_is_called_one(void **state)
+{
+    (void)state;
+    char scene[PATH_SIZE], made[PATH_SIZE];
+    ss_accuracy_worth worth;
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    write_file("scene.yaml",
+               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+               "fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.0099]]}]}\nmodel: {name: fem, material: "
+               "linear, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+               "prescribed: [{nodes: [82], displacement_m: [0, 0, -0.0005]}]\n");
+    place("scene.yaml", scene);
+    place("made", made);
+    if (ss_accuracy_scene(scene, made, true, &worth, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_near(worth.ratio, 1.5, 0.0); /* the least that is taken */
+    assert_non_null(strstr(worth.text, "no limit that these meshes reach"));
+    assert_null(strstr(worth.text, "it falls as it should"));
+}
+
 static void scenes_that_are_no_case_are_refused(void **state)
 {
     (void)state;
@@ -955,6 +981,7 @@ int main(void)
         cmocka_unit_test(fem_reaches_the_floor_of_linear_tetrahedra),
         cmocka_unit_test(refinement_keeps_the_body),
         cmocka_unit_test(a_scene_makes_its_own_reference),
+        cmocka_unit_test(a_scene_without_a_limit_is_called_one),
         cmocka_unit_test(scenes_that_are_no_case_are_refused),
         cmocka_unit_test(bad_commands_end_with_2),
     };

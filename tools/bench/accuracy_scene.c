@@ -344,6 +344,7 @@ static void judge(maker *m)
     w->nodes = m->body[last].mesh->node_count;
     const bool is_measured = last == 2;
     const double seen = is_measured ? w->change[0] / w->change[1] : assumed_ratio;
+    const bool is_falling = seen >= least_ratio;
     w->ratio = fmin(fmax(seen, least_ratio), most_ratio);
     w->left = w->change[last - 1] / (w->ratio - 1.0);
     const size_t size = sizeof w->text;
@@ -358,8 +359,11 @@ static void judge(maker *m)
     snprintf(w->text + used, size - (size_t)used,
              " of itself; %s, and the correction is %.2g of the field: errors below that mean "
              "nothing.%s",
-             is_measured ? "it falls as it should" : "how it falls is assumed", w->left,
-             is_measured && seen < least_ratio
+             !is_measured ? "how it falls is assumed"
+             : is_falling ? "it falls as it should"
+                          : "it does not fall as it should",
+             w->left,
+             is_measured && !is_falling
                  ? " The changes hardly fall: this problem has no limit that these meshes reach."
                  : "");
 }
