@@ -519,11 +519,12 @@ static void put_budget(report *r, ss_page *page, const char *case_name, const ch
         }
         snprintf(
             text, sizeof text,
-            "%s, %s, %g us: %s on mesh %s (%d nodes): field error %.3g%s, %.4g us a step, %.3g "
+            "%s, %s, %g us: %s on mesh %s (%d nodes): field error %.3g%s%s, %.4g us a step, %.3g "
             "times real time%s",
             case_name, material, r->o.budget_us, best->first->model, best->first->mesh,
-            best->first->nodes, best->error_l2, force, best->p50_us, best->realtime,
-            best->realtime < 1.0 ? " (slower: not for the hand)" : "");
+            best->first->nodes, best->error_l2, force,
+            best->is_calibrated ? " (fitted on the first of these levels)" : "", best->p50_us,
+            best->realtime, best->realtime < 1.0 ? " (slower: not for the hand)" : "");
     }
     char *snippet = best != NULL ? read_snippet(r, best) : NULL;
     printf("%s\n%s", text, snippet != NULL ? snippet : "");
