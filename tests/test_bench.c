@@ -319,13 +319,22 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     const char *const cell[] = {"12.5%", "<i>"};
     ss_page_table_begin(&page, 2, cell);
     ss_page_table_row(&page, 2, cell);
+    char verdict[401];
+    ss_row row = {.count = 0};
+    memset(verdict, 'v', 400);
+    verdict[400] = '\0';
+    ss_row_add(&row, "%s", verdict); /* as long as an accuracy's may be */
+    ss_page_table_row(&page, row.count, row.cell);
     ss_page_table_end(&page);
+    ss_page_yardstick(&page, &(ss_yardstick){.cores = 2, .load = 0.5});
     assert_int_not_equal(access(path, F_OK), 0);
     assert_int_equal(ss_page_close(&page, &error), SOFTSIM_OK);
     read_back(path, text, sizeof text);
     assert_non_null(strstr(text, "<title>&lt;title&gt;</title>"));
     assert_non_null(strstr(text, "<p>a &lt; b &amp; &quot;c&quot;</p>"));
     assert_non_null(strstr(text, "<td class=\"n\">12.5%</td><td>&lt;i&gt;</td>"));
+    assert_non_null(strstr(text, verdict));
+    assert_non_null(strstr(text, "load 0.50 in the minute before this was measured"));
     assert_non_null(strstr(text, "</html>"));
     unlink(path);
 

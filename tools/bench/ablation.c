@@ -381,7 +381,7 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
         for (size_t k = 0; k < sizeof value / sizeof *value; ++k) {
             ss_row_add_number(&cells, value[k]);
         }
-        ss_row_add(&cells, "%.150s", f.note);
+        ss_row_add(&cells, "%s", f.note);
         ss_page_table_row(&page, cells.count, cells.cell);
     }
     ss_page_table_end(&page);

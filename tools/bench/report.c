@@ -164,8 +164,9 @@ void ss_page_yardstick(ss_page *page, const ss_yardstick *y)
 {
     ss_page_heading(page, "Machine");
     ss_page_text(page,
-                 "%s, %d cores online, %s, load %.2f before the run. One core, measured in this "
-                 "run: %.1f GFLOP/s in fused multiply-adds (float), %.1f GB/s of memory (triad).",
+                 "%s, %d cores online, %s, load %.2f in the minute before this was measured. One "
+                 "core, measured in this run: %.1f GFLOP/s in fused multiply-adds (float), %.1f "
+                 "GB/s of memory (triad).",
                  y->processor[0] != '\0' ? y->processor : "unknown processor", y->cores, y->system,
                  y->load, y->fma_gflops, y->bandwidth_gb_s);
 }

@@ -43,7 +43,7 @@ void ss_page_yardstick(ss_page *page, const ss_yardstick *yardstick);
 /* A row of a table in the making, printf form a cell. */
 typedef struct ss_row {
     int32_t count;
-    char text[SS_PAGE_MAX_CELLS][160];
+    char text[SS_PAGE_MAX_CELLS][512];
     const char *cell[SS_PAGE_MAX_CELLS];
 } ss_row;
 /* Adds a cell; beyond the last one does nothing. */

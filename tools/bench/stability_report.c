@@ -330,7 +330,7 @@ static void put_failures(const ss_stability *list, const ss_sweep_result *result
             ss_row cells = {.count = 0};
             describe(list, &row, i, text, sizeof text);
             ss_row_add(&cells, "%d", i);
-            ss_row_add(&cells, "%.159s", text);
+            ss_row_add(&cells, "%s", text);
             ss_page_table_row(page, cells.count, cells.cell);
             ++shown;
         }

@@ -12,7 +12,7 @@ typedef struct ss_yardstick {
     char processor[96];
     char system[96];
     int32_t cores;
-    double load;           /* of the last minute, before the run */
+    double load;           /* of the last minute; after a run it is the run's own too */
     double fma_gflops;     /* one core, float, 2 operations an FMA; thread CPU time */
     double bandwidth_gb_s; /* triad a = b + s c, one core, 24 bytes an element; thread CPU time */
 } ss_yardstick;
