@@ -638,96 +638,6 @@ static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
     assert_true(has_text("pushed/accuracy.html", "theirs"));
 }
 
-/* The coarsest bundled beam, dropped twice, with a first frequency of `hz` for a reference. */
-static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
-{
-    char text[2048], out[PATH_SIZE], path[PATH_SIZE];
-    ss_table table;
-    softsim_error error = {.status = SOFTSIM_OK};
-    snprintf(text, sizeof text,
-             "case: beam\nkind: dynamic\nmaterial: {youngs_modulus_pa: 50000, poisson_ratio: 0.3, "
-             "density_kg_m3: 1000}\nfixed: fixed\nprobe_point_m: [0.1, 0, 0]\nmodes: {file: "
-             "modes.csv, model: x, column: f}\nmeshes: {\"99\": {volume: " REFERENCE
-             "/b_cantilever/mesh_99.msh, sets: " REFERENCE "/b_cantilever/nodesets_99.json}}\n"
-             "steps:\n"
-             "  - {gravity_m_s2: [0, 0, -0.2], reference: drop.csv, compare_until_s: 0.007}\n"
-             "  - {gravity_m_s2: [0, 0, -0.4], reference: drop.csv, compare_until_s: 0.007}\n");
-    write_file("case.yaml", text);
-    snprintf(text, sizeof text, "model,f\nx,%g\n", hz);
-    write_file("modes.csv", text);
-    size_t used = (size_t)snprintf(text, sizeof text, "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n");
-    for (int i = 0; i < 8; ++i) {
-        used += (size_t)snprintf(text + used, sizeof text - used, "%g,0,0,%g\n", 1e-3 * i,
-                                 -1e-7 * i * i);
-    }
-    write_file("drop.csv", text);
-    place("swing", out);
-    assert_int_equal(
-        run_bench((const char *const[]){"--case", folder, "--model", "fem", "--out", out, NULL}),
-        0);
-    place("swing/dynamics.csv", path);
-    assert_int_equal(ss_table_load(path, &table, &error), SOFTSIM_OK);
-    assert_int_equal(table.row_count, 1);
-    const int32_t verdict = ss_table_find(&table, "verdict", &error);
-    const int32_t f1 = ss_table_find(&table, "f1_error", &error);
-    snprintf(out_verdict, 512, "%s", ss_table_cell(&table, 0, verdict));
-    *out_f1_error = *ss_table_cell(&table, 0, f1) != '\0' ? ss_table_number(&table, 0, f1, &error)
-                                                          : (double)NAN;
-    ss_table_fini(&table);
-}
-
-static void a_swing_is_judged_by_all_its_steps(void **state)
-{
-    (void)state;
-    char verdict[512];
-    double error;
-    if (ss_model_find("fem") == NULL) {
-        skip();
-    }
-    /* Linear tetrahedra of this mesh: modes.csv of g_dynamics. */
-    swing_beam(1.0, verdict, &error);
-    assert_near(error, 1.82577, 0.01);
-    assert_non_null(strstr(verdict, "at 0.2 m/s^2"));
-    assert_non_null(strstr(verdict, "at 0.4 m/s^2"));
-    /* Nothing can be said of what is faster than the steps. */
-    swing_beam(5000.0, verdict, &error);
-    assert_true(isnan(error));
-    assert_non_null(strstr(verdict, "5e+03 Hz"));
-}
-
-/* What was run before a case was mended is not taken for a result of the mended one. */
-static void a_mended_case_is_not_resumed(void **state)
-{
-    (void)state;
-    char out[PATH_SIZE], block[PATH_SIZE];
-    ss_accuracy_rows rows;
-    if (ss_model_find("mass-spring") == NULL) {
-        skip();
-    }
-    place("mended", out);
-    place("mended/accuracy.csv", block); /* a folder in its place: the report cannot be written */
-    const char *const command[] = {"--case", folder, "--model", "mass-spring", "--out", out, NULL};
-    write_file("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
-    write_file("m.msh", good_mesh);
-    write_file("s.json", good_sets);
-    write_file("r.csv", good_reference);
-    assert_int_equal(mkdir(out, 0777), 0);
-    assert_int_equal(mkdir(block, 0777), 0);
-    assert_int_equal(run_bench(command), 1);
-    assert_int_equal(count_parts("mended"), 1);
-    assert_int_equal(rmdir(block), 0);
-    write_file("r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.002\n3,1,0,0,.1,0,0,0\n"
-                        "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n");
-    assert_int_equal(run_bench(command), 1);
-    assert_int_not_equal(access(block, F_OK), 0);
-    write_file("r.csv", good_reference); /* as it was: the run goes on */
-    assert_int_equal(run_bench(command), 0);
-    read_rows("mended/accuracy.csv", &rows);
-    assert_int_equal(rows.count, 1);
-    assert_near(rows.row[0].error_l2, 0.0, 1e-6);
-    ss_accuracy_rows_fini(&rows);
-}
-
 /* What linear tetrahedra reach, by the table of the case; NaN: no such row. */
 static void find_floor(const ss_table *floor, const ss_accuracy_row *row, double *out_field,
                        double *out_force)
@@ -984,8 +894,6 @@ int main(void)
         cmocka_unit_test(the_choice_is_the_most_accurate_that_fits),
         cmocka_unit_test(a_run_leaves_its_rows_pushed_or_pulled),
         cmocka_unit_test(a_second_run_has_nothing_to_resume_and_agrees),
-        cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
-        cmocka_unit_test(a_mended_case_is_not_resumed),
         cmocka_unit_test(fem_reaches_the_floor_of_linear_tetrahedra),
         cmocka_unit_test(refinement_keeps_the_body),
         cmocka_unit_test(a_scene_makes_its_own_reference),

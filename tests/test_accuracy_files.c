@@ -3,7 +3,8 @@
 /*
  * softsim-bench accuracy with a damaged case among whole ones: whatever is wrong, with whichever
  * file, the call names it, runs nothing, leaves no report and ends with 2. And with whole ones: a
- * field that has little to do with the reference is told in words.
+ * field that has little to do with the reference is told in words, a swing is judged by all its
+ * steps, and what was run before a case was mended is not resumed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +15,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +25,8 @@
 #include "bench.h"
 #include "models/model.h"
 #include "table.h"
+
+#define REFERENCE SOURCE_DIR "/tests/reference"
 
 enum { PATH_SIZE = 512 };
 static char folder[] = "/tmp/test_accuracy_files_XXXXXX";
@@ -95,6 +99,13 @@ static char *run_heard(const char *const *option, int *out_result)
     close(keep);
     close(heard);
     return ss_table_read_file(path, &size, &error);
+}
+
+static int run(const char *const *option)
+{
+    int result = 0;
+    free(run_heard(option, &result));
+    return result;
 }
 
 /* Whatever is wrong with the last case of a call, none is run, and the file is named. */
@@ -186,6 +197,91 @@ static void a_poor_field_is_said_in_the_verdict(void **state)
     }
 }
 
+/* The coarsest bundled beam, dropped twice, with a first frequency of `hz` for a reference. */
+static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
+{
+    char text[2048], out[PATH_SIZE], path[PATH_SIZE];
+    ss_table table;
+    softsim_error error = {.status = SOFTSIM_OK};
+    snprintf(text, sizeof text,
+             "case: beam\nkind: dynamic\nmaterial: {youngs_modulus_pa: 50000, poisson_ratio: 0.3, "
+             "density_kg_m3: 1000}\nfixed: fixed\nprobe_point_m: [0.1, 0, 0]\nmodes: {file: "
+             "modes.csv, model: x, column: f}\nmeshes: {\"99\": {volume: " REFERENCE
+             "/b_cantilever/mesh_99.msh, sets: " REFERENCE "/b_cantilever/nodesets_99.json}}\n"
+             "steps:\n"
+             "  - {gravity_m_s2: [0, 0, -0.2], reference: drop.csv, compare_until_s: 0.007}\n"
+             "  - {gravity_m_s2: [0, 0, -0.4], reference: drop.csv, compare_until_s: 0.007}\n");
+    write_file("case.yaml", text);
+    snprintf(text, sizeof text, "model,f\nx,%g\n", hz);
+    write_file("modes.csv", text);
+    size_t used = (size_t)snprintf(text, sizeof text, "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n");
+    for (int i = 0; i < 8; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used, "%g,0,0,%g\n", 1e-3 * i,
+                                 -1e-7 * i * i);
+    }
+    write_file("drop.csv", text);
+    place("swing", out);
+    assert_int_equal(
+        run((const char *const[]){"--case", folder, "--model", "fem", "--out", out, NULL}), 0);
+    place("swing/dynamics.csv", path);
+    assert_int_equal(ss_table_load(path, &table, &error), SOFTSIM_OK);
+    assert_int_equal(table.row_count, 1);
+    const int32_t verdict = ss_table_find(&table, "verdict", &error);
+    const int32_t f1 = ss_table_find(&table, "f1_error", &error);
+    snprintf(out_verdict, 512, "%s", ss_table_cell(&table, 0, verdict));
+    *out_f1_error = *ss_table_cell(&table, 0, f1) != '\0' ? ss_table_number(&table, 0, f1, &error)
+                                                          : (double)NAN;
+    ss_table_fini(&table);
+}
+
+static void a_swing_is_judged_by_all_its_steps(void **state)
+{
+    (void)state;
+    char verdict[512];
+    double error;
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    /* Linear tetrahedra of this mesh: modes.csv of g_dynamics. */
+    swing_beam(1.0, verdict, &error);
+    assert_true(fabs(error - 1.82577) < 0.01);
+    assert_non_null(strstr(verdict, "at 0.2 m/s^2"));
+    assert_non_null(strstr(verdict, "at 0.4 m/s^2"));
+    /* Nothing can be said of what is faster than the steps. */
+    swing_beam(5000.0, verdict, &error);
+    assert_true(isnan(error));
+    assert_non_null(strstr(verdict, "5e+03 Hz"));
+}
+
+/* What was run before a case was mended is not taken for a result of the mended one. */
+static void a_mended_case_is_not_resumed(void **state)
+{
+    (void)state;
+    char out[PATH_SIZE], csv[PATH_SIZE], part[PATH_SIZE], tiny[PATH_SIZE];
+    if (ss_model_find("mass-spring") == NULL) {
+        skip();
+    }
+    place("mended", out);
+    place("mended/accuracy.csv", csv);
+    place("mended/accuracy.0.part", part);
+    place("tiny", tiny);
+    const char *const command[] = {"--case", tiny, "--model", "mass-spring", "--out", out, NULL};
+    write_tiny("tiny", "tiny");
+    assert_int_equal(mkdir(out, 0777), 0);
+    assert_int_equal(mkdir(csv, 0777), 0); /* in the report's way, which is not written */
+    assert_int_equal(run(command), 1);
+    assert_int_equal(access(part, F_OK), 0);
+    assert_int_equal(rmdir(csv), 0);
+    write_file("tiny/r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.002\n3,1,0,0,.1,0,0,0\n"
+                             "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n");
+    assert_int_equal(run(command), 1);
+    assert_int_not_equal(access(csv, F_OK), 0);
+    write_tiny("tiny", "tiny"); /* as it was: the run goes on */
+    assert_int_equal(run(command), 0);
+    assert_int_equal(access(csv, F_OK), 0);
+    assert_int_not_equal(access(part, F_OK), 0);
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -205,6 +301,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
         cmocka_unit_test(a_poor_field_is_said_in_the_verdict),
+        cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
+        cmocka_unit_test(a_mended_case_is_not_resumed),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
