@@ -424,7 +424,13 @@ static void temporary_folders_go_with_what_is_in_them(void **state)
     assert_int_not_equal(access(one, F_OK), 0);
     assert_int_equal(access(outside, F_OK), 0);
     make_inner(other, "scene.yaml", false);
+    snprintf(link, sizeof link, "%s/a-1-abcdef", folder); /* another's, in a folder of everyone's */
+    make_inner(kept, "scene.yaml", false);
+    assert_int_equal(symlink(kept, link), 0);
     ss_scratch_remove_all("a-1");
+    assert_int_not_equal(access(link, F_OK), 0);
+    snprintf(link, sizeof link, "%s/scene.yaml", kept);
+    assert_int_equal(access(link, F_OK), 0);
     ss_scratch_remove_all("a");
     assert_int_not_equal(access(other, F_OK), 0);
     assert_int_equal(access(kept, F_OK), 0);

@@ -4,6 +4,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,8 +37,12 @@ softsim_status ss_scratch_make(const char *name, char out[SS_SCRATCH_PATH], soft
 
 static void clear(const char *path, int levels)
 {
-    DIR *folder = opendir(path);
+    const int fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
     if (folder == NULL) {
+        if (fd >= 0) {
+            close(fd);
+        }
         return;
     }
     for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
@@ -54,7 +59,7 @@ static void clear(const char *path, int levels)
 
 void ss_scratch_remove(const char *folder)
 {
-    if (folder[0] != '\0') {
+    if (folder[0] != '\0' && unlink(folder) != 0) { /* a link to what is not ours goes alone */
         clear(folder, 1);
     }
 }
