@@ -845,10 +845,11 @@ static void bad_commands_end_with_2(void **state)
     place("none", out);
     place("other.csv", bad);
     write_slab(1.0);
-    const char *const commands[][8] = {
+    const char *const commands[][9] = {
         {"--case", "/nowhere", "--out", out, NULL},
         {"--case", folder, "--model", "clay", "--out", out, NULL},
         {"--case", folder, "--mesh", "none", "--out", out, NULL},
+        {"--case", folder, "--mesh", "300,3000", "--quick", "--out", out, NULL},
         {"--case", folder, "--case", folder, "--out", out, NULL},
         {"--budget-us", "-1", NULL},
     };

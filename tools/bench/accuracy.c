@@ -329,6 +329,36 @@ static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_e
     return status;
 }
 
+static bool has_mesh(const report *r, const char *name)
+{
+    for (int32_t k = 0; k < r->plan.case_count; ++k) {
+        for (int on_surface = 0; on_surface < 2; ++on_surface) {
+            int32_t count = 0;
+            const ss_case_mesh *mesh = ss_case_meshes(&r->plan.c[k], on_surface == 1, &count);
+            for (int32_t i = 0; i < count; ++i) {
+                if (strcmp(mesh[i].name, name) == 0) {
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+static void check_meshes(const report *r, softsim_error *error)
+{
+    for (const char *at = r->o.mesh; at != NULL;) {
+        char name[64];
+        const size_t length = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (!has_mesh(r, name)) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--mesh: no case has a mesh '%s'",
+                              name);
+        }
+        at = at[length] == ',' ? at + length + 1 : NULL;
+    }
+}
+
 static softsim_status list_jobs(report *r, softsim_error *error)
 {
     int32_t count = 0;
@@ -368,7 +398,10 @@ static void check_compared(const options *o, softsim_error *error)
 static softsim_status prepare(report *r, softsim_error *error)
 {
     softsim_status status = load_cases(r, error);
-    status = status == SOFTSIM_OK ? list_jobs(r, error) : status;
+    if (status == SOFTSIM_OK) {
+        check_meshes(r, error);
+        status = error->fault_count == 0 ? list_jobs(r, error) : error->status;
+    }
     if (status == SOFTSIM_OK) {
         ss_accuracy_check_bodies(&r->plan, &r->dynamic, error);
     }
