@@ -90,6 +90,7 @@ struct ss_body {
     double settled_lag;         /* s of the lag of v whose dissipation is booked already */
     double law_step;            /* s, of the elastic law alone */
     double bound;               /* s, with contact */
+    double longest;             /* s: what a sub-step may take */
     double contact_rate2;       /* 1/s^2 */
     /* scratch */
     ss_real *old_u;        /* at the start of the outer step */
@@ -98,6 +99,8 @@ struct ss_body {
     ss_real *skin_u;       /* the model's own surface; else NULL and nodes.u is meant */
     ss_real *skin_force;   /* of nodes of the contact surface, clear between calls */
     double *skin_stiff;    /* likewise */
+    uint8_t *is_stiff;     /* likewise: is the node in stiff_node? */
+    int32_t *stiff_node;   /* of the contact surface */
     double *contact_stiff; /* of nodes, clear between calls */
     ss_body_solver solver;
     /* report */
@@ -187,7 +190,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
 double ss_body_contact_energy(const ss_body *body);
 /* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
 double ss_body_tool_work(const ss_body *body);
-/* max_i k_i / m_i of the contact, 1/s^2, at the last evaluation. */
+/* An upper bound of omega^2 of the contact alone, 1/s^2, at the last evaluation. */
 double ss_body_contact_rate2(ss_body *body);
 /* Fills tool->rest_felt. Thread: set-up only. */
 softsim_status ss_body_set_rest_felt(ss_body *body);

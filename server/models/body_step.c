@@ -18,7 +18,9 @@
  * have no lag.
  *
  * The step: omega^2 <= (limit / law's stable step)^2 + contact's (body_contact.c), sub-steps take
- * `step_share` of limit / omega in equal parts; a tool moves at most R/4 in one. Where the budget
+ * `step_share` of limit / omega in equal parts, where the contact's part may have a share of its
+ * own: h^2 (law's / step_share^2 + contact's / contact_share^2) <= limit^2, stable since no share
+ * is above 1. A tool moves at most R/4 in a sub-step. Where the budget
  * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
  * stable, while tools and driven axes reach their places. A node moves at most a fifth of an edge
  * in an explicit sub-step: no element can be turned inside out by the motion of a single one, and
@@ -103,8 +105,12 @@ static void set_bound(ss_body *body)
 {
     const double limit =
         body->is_explicit && body->own.integrator == SS_BODY_RK4 ? RK4_LIMIT : EULER_LIMIT;
-    const double law = 1.0 / body->law_step;
-    body->bound = 1.0 / sqrt(law * law + body->contact_rate2 / (limit * limit));
+    const double law2 = 1.0 / (body->law_step * body->law_step);
+    const double contact2 = body->contact_rate2 / (limit * limit);
+    const double share = body->own.step_share;
+    const double contact_share = body->own.contact_share > 0.0 ? body->own.contact_share : share;
+    body->bound = 1.0 / sqrt(law2 + contact2);
+    body->longest = 1.0 / sqrt(law2 / (share * share) + contact2 / (contact_share * contact_share));
 }
 
 static double ledger_sum(const ss_body *body)
@@ -305,7 +311,7 @@ typedef struct progress {
 static void plan_substep(const ss_body *body, const progress *p, double *out_h,
                          double *out_fraction)
 {
-    const double stable = body->own.step_share * body->bound;
+    const double stable = body->longest;
     const double by_time = ceil(p->left / stable - 1e-9);
     const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
     const double needed = fmax(fmax(by_time, by_way), 1.0);

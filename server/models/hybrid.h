@@ -108,6 +108,8 @@ typedef struct ss_hybrid {
     int32_t turn;                  /* which sleeping skin nodes are laid next */
     ss_real *laid;                 /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
+    double *load;                  /* by node of the body: scratch of a bound, 0 between calls */
+    double *swing;                 /* by mesh node: likewise, anything between calls */
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -181,6 +183,8 @@ void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_r
                      ss_real *force);
 void ss_hybrid_carry_diagonal(void *owner, int32_t count, const int32_t *node, const double *skin,
                               double *diagonal);
+double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, const double *skin,
+                             const ss_real *mobility);
 /* Every node of the mesh, skin included, now. */
 void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out);
 /* Particle p woke (+1) or fell asleep (-1) or changed its node (0). */
