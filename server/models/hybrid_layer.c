@@ -298,10 +298,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     points.out = hybrid->stress;
     points.wants_energy = out->is_wanted;
     hybrid->law->force(&points);
-    hybrid->kernels->push(&pass);
-    if (hybrid->cohesion > 0.0) {
-        out->elastic += hybrid->kernels->cohere(&pass, out->is_wanted);
-    }
+    out->elastic += hybrid->kernels->push(&pass, hybrid->cohesion > 0.0, out->is_wanted);
     hybrid->kernels->give(&pass);
     out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
@@ -369,7 +366,7 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
         }
     }
     pass.gradient += 4;
-    hybrid->kernels->push(&pass);
+    (void)hybrid->kernels->push(&pass, false, false);
     if (hybrid->cohesion > 0.0) {
         add_cohesion_tangent(hybrid);
     }

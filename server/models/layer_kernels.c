@@ -22,8 +22,10 @@
  *
  *   f_ij = 3 e/(2 r0^2) g/s x_ij,  g = s^-2 - s^-4 = q/(1 + q)^2
  *
- * of which each end gives the half. Below s = 0.7 g goes on as a line, above root 2 it stays. As
- * printed, without rest distances and with the well at root 3, the layer bursts.
+ * of which each end gives the half, b w x_ij = b (w X_ij + w u_ij) with b = 3 e/(4 w r0^2) g/s: a
+ * share more of w X and of w u in the sum above, so that a pair is walked through once. Eight b are
+ * worked out at a time. Below s = 0.7 g goes on as a line, above root 2 it stays. As printed,
+ * without rest distances and with the well at root 3, the layer bursts.
  *
  * Displacements and velocities of a particle lie side by side: where a pair is one register, the
  * velocity gradient comes with the other at no cost. Rejected: eight particles in eight lanes with
@@ -112,33 +114,149 @@ static void strain(const ss_layer_pass *pass)
     }
 }
 
-static void push(const ss_layer_pass *pass)
+/* ---- cohesion --------------------------------------------------------------------------------
+ */
+
+/* g/s of eight pairs from their q. */
+static inline ss_pair cohesion(ss_pair q)
+{
+    const ss_real core = (ss_real)SS_LAYER_CORE;
+    const ss_real slope = (ss_real)(-2.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE) +
+                                    4.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE *
+                                           SS_LAYER_CORE * SS_LAYER_CORE));
+    const ss_pair one = ss_pair_all(1);
+    const ss_pair inner = ss_pair_least(ss_pair_most(q, ss_pair_all(core * core - 1)), one);
+    const ss_pair fourth = ss_pair_mul(ss_pair_add(one, inner), ss_pair_add(one, inner));
+    const ss_pair s = ss_pair_root(ss_pair_most(ss_pair_add(one, q), ss_pair_all((ss_real)1e-6)));
+    const ss_pair below = ss_pair_least(ss_pair_sub(s, ss_pair_all(core)), ss_pair_all(0));
+    const ss_pair bent = ss_pair_mul(ss_pair_mul(ss_pair_all(slope), below), fourth);
+    return ss_pair_div(ss_pair_add(inner, bent), ss_pair_mul(fourth, s));
+}
+
+/* phi(s) - phi(1) = (s - 1)^2 (2 s + 1)/(2 s^3), which is exact near rest; beyond the ends along
+ * the tangent, and below with its curvature. */
+static inline ss_pair well(ss_pair q)
+{
+    const ss_real core = (ss_real)SS_LAYER_CORE;
+    const ss_real tail = (ss_real)SS_LAYER_TAIL;
+    const ss_real at = 1 / core;
+    const ss_real bend = -3 * at * at * at + 6 * at * at * at * at * at;
+    const ss_real slope = (ss_real)1.5 * (at * at - at * at * at * at);
+    const ss_pair none = ss_pair_all(0);
+    const ss_pair s = ss_pair_root(ss_pair_most(ss_pair_add(ss_pair_all(1), q), none));
+    const ss_pair inner = ss_pair_least(ss_pair_most(s, ss_pair_all(core)), ss_pair_all(tail));
+    const ss_pair from_rest = ss_pair_sub(inner, ss_pair_all(1));
+    const ss_pair below = ss_pair_least(ss_pair_sub(s, ss_pair_all(core)), none);
+    const ss_pair above = ss_pair_most(ss_pair_sub(s, ss_pair_all(tail)), none);
+    ss_pair sum = ss_pair_mul(ss_pair_mul(from_rest, from_rest),
+                              ss_pair_fma(ss_pair_all(2), inner, ss_pair_all(1)));
+    sum = ss_pair_div(ss_pair_mul(ss_pair_all((ss_real)0.5), sum),
+                      ss_pair_mul(ss_pair_mul(inner, inner), inner));
+    sum = ss_pair_fma(ss_pair_all((ss_real)0.375), above, sum);
+    return ss_pair_fma(ss_pair_fma(ss_pair_all(bend / 2), below, ss_pair_all(slope)), below, sum);
+}
+
+/* What a point's pairs take of w X and of u, see above: b, and w (kappa + b). */
+typedef struct pair_shares {
+    _Alignas(32) ss_real along[SS_LAYER_MAX_PAIRS + 8];
+    _Alignas(32) ss_real apart[SS_LAYER_MAX_PAIRS + 8];
+} pair_shares;
+
+/* Fills the shares of point k, eight pairs at a time, the last one again where there are fewer;
+ * returns the sum of the wells where wanted. */
+static double cohere(const ss_layer_pass *pass, int32_t k, bool wants_energy, pair_shares *out)
 {
     const ss_layer *layer = pass->layer;
+    const ptrdiff_t p = pass->point[k];
+    const ptrdiff_t first = layer->pair_first[p];
+    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
+    const ss_pair own = ss_pair_join(pass->state + 8 * p, pass->state + 8 * p);
+    const ss_pair kappa = ss_pair_all(pass->coefficient[2 * k]);
+    const ss_pair e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
+    ss_pair depth = ss_pair_all(0);
+    for (int32_t t = 0; t < count; t += 8) {
+        ss_pair u[4];
+        ss_pair row[4];
+        for (int l = 0; l < 4; ++l) {
+            const ptrdiff_t a = first + (t + l < count ? t + l : count - 1);
+            const ptrdiff_t b = first + (t + l + 4 < count ? t + l + 4 : count - 1);
+            row[l] = ss_pair_join(layer->pair + 4 * a, layer->pair + 4 * b);
+            u[l] = ss_pair_sub(ss_pair_join(pass->state + 8 * (ptrdiff_t)layer->neighbour[a],
+                                            pass->state + 8 * (ptrdiff_t)layer->neighbour[b]),
+                               own);
+        }
+        ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
+        ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
+        const ss_pair w = row[3];
+        ss_pair rest2 = ss_pair_all(0); /* w^2 r0^2 */
+        ss_pair q = ss_pair_all(0);
+        for (int c = 0; c < 3; ++c) {
+            rest2 = ss_pair_fma(row[c], row[c], rest2);
+            q = ss_pair_fma(u[c], ss_pair_fma(w, u[c], ss_pair_add(row[c], row[c])), q);
+        }
+        const ss_pair inverse = ss_pair_div(w, rest2);
+        q = ss_pair_mul(q, inverse);
+        const ss_pair along = ss_pair_mul(ss_pair_mul(e, cohesion(q)), inverse);
+        ss_pair_store(out->along + t, along);
+        ss_pair_store(out->apart + t, ss_pair_mul(w, ss_pair_add(kappa, along)));
+        if (wants_energy) {
+            _Alignas(32) ss_real share[8];
+            for (int l = 0; l < 8; ++l) {
+                share[l] = t + l < count ? 1 : 0;
+            }
+            depth = ss_pair_fma(ss_pair_load(share), well(q), depth);
+        }
+    }
+    return wants_energy ? ss_pair_sum(depth) : 0.0;
+}
+
+/* ---- forces of the points --------------------------------------------------------------------
+ */
+
+/* M of point k by columns. */
+static inline void fill_columns(const ss_layer_pass *pass, ptrdiff_t k, ss_quad m[3])
+{
+    static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const ss_real *a = pass->layer->moment + 8 * (ptrdiff_t)pass->point[k];
+    const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
+    const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
+    const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
+    for (int c = 0; c < 3; ++c) {
+        m[c] = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
+        for (int d = 0; d < 3; ++d) {
+            m[c] = ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m[c]);
+        }
+    }
+}
+
+static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
+{
+    const ss_layer *layer = pass->layer;
+    double energy = 0.0;
+    pair_shares share;
     for (int32_t k = 0; k < pass->point_count; ++k) {
         const ptrdiff_t p = pass->point[k];
-        const ss_real *a = layer->moment + 8 * p;
-        const ss_real *stress = pass->stress + 8 * (ptrdiff_t)(1 + 3 * k);
-        const ss_real *gradient = pass->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-        const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
+        const ptrdiff_t first = layer->pair_first[p];
+        const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
         const ss_quad own = ss_quad_load(pass->state + 8 * p);
-        static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-        ss_quad m[3];
-        for (int c = 0; c < 3; ++c) {
-            m[c] = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
-            for (int d = 0; d < 3; ++d) {
-                m[c] =
-                    ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m[c]);
-            }
-        }
+        const ss_real kappa = pass->coefficient[2 * k];
         ss_quad sum = ss_quad_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-            const ptrdiff_t q = layer->neighbour[t];
-            const ss_real *row = layer->pair + 4 * t;
+        ss_quad m[3];
+        fill_columns(pass, k, m);
+        if (is_cohesive) {
+            energy +=
+                0.5 * (double)pass->coefficient[2 * k + 1] * cohere(pass, k, wants_energy, &share);
+        }
+        for (int32_t t = 0; t < count; ++t) {
+            const ptrdiff_t q = layer->neighbour[first + t];
+            const ss_real *row = layer->pair + 4 * (first + t);
             const ss_quad d = ss_quad_sub(ss_quad_load(pass->state + 8 * q), own);
-            ss_quad f = ss_quad_mul(ss_quad_mul(kappa, ss_quad_all(row[3])), d);
+            ss_quad f = ss_quad_mul(ss_quad_all(is_cohesive ? share.apart[t] : kappa * row[3]), d);
             for (int c = 0; c < 3; ++c) {
                 f = ss_quad_fma(ss_quad_all(row[c]), m[c], f);
+            }
+            if (is_cohesive) {
+                f = ss_quad_fma(ss_quad_all(share.along[t]), ss_quad_xyz(ss_quad_load(row)), f);
             }
             ss_real *at = pass->particle_force + 4 * q;
             ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
@@ -147,7 +265,11 @@ static void push(const ss_layer_pass *pass)
         ss_real *at = pass->particle_force + 4 * p;
         ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
     }
+    return energy;
 }
+
+/* ---- cells ----------------------------------------------------------------------------------
+ */
 
 static void strain_cells(const ss_layer_cells *cells, const ss_real *u, const ss_real *v)
 {
@@ -194,110 +316,6 @@ static void push_cells(const ss_layer_cells *cells, ss_real *force)
     }
 }
 
-/* x is at most, or at least, the number. */
-static inline ss_quad no_more(ss_quad x, ss_real most)
-{
-    const ss_quad none = ss_quad_all(0);
-    return ss_quad_sub(none, ss_quad_most(ss_quad_sub(none, x), ss_quad_all(-most)));
-}
-
-/* g/s of four pairs from their q. */
-static inline ss_quad cohesion(ss_quad q)
-{
-    const ss_real core = (ss_real)SS_LAYER_CORE;
-    const ss_real slope = (ss_real)(-2.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE) +
-                                    4.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE *
-                                           SS_LAYER_CORE * SS_LAYER_CORE));
-    const ss_quad one = ss_quad_all(1);
-    const ss_quad inner = no_more(ss_quad_most(q, ss_quad_all(core * core - 1)), 1);
-    const ss_quad square = ss_quad_add(one, inner);
-    const ss_quad s = ss_quad_root(ss_quad_most(ss_quad_add(one, q), ss_quad_all((ss_real)1e-6)));
-    const ss_quad below = no_more(ss_quad_sub(s, ss_quad_all(core)), 0);
-    const ss_quad g =
-        ss_quad_fma(ss_quad_all(slope), below, ss_quad_div(inner, ss_quad_mul(square, square)));
-    return ss_quad_div(g, s);
-}
-
-/* phi(s) - phi(1) = (s - 1)^2 (2 s + 1)/(2 s^3), which is exact near rest; beyond the ends along
- * the tangent, and below with its curvature. */
-static inline ss_quad well(ss_quad q)
-{
-    const ss_real core = (ss_real)SS_LAYER_CORE;
-    const ss_real tail = (ss_real)SS_LAYER_TAIL;
-    const ss_real at = 1 / core;
-    const ss_real bend = -3 * at * at * at + 6 * at * at * at * at * at;
-    const ss_real slope = (ss_real)1.5 * (at * at - at * at * at * at);
-    const ss_quad none = ss_quad_all(0);
-    const ss_quad s = ss_quad_root(ss_quad_most(ss_quad_add(ss_quad_all(1), q), none));
-    const ss_quad inner = no_more(ss_quad_most(s, ss_quad_all(core)), tail);
-    const ss_quad from_rest = ss_quad_sub(inner, ss_quad_all(1));
-    const ss_quad below = no_more(ss_quad_sub(s, ss_quad_all(core)), 0);
-    const ss_quad above = ss_quad_most(ss_quad_sub(s, ss_quad_all(tail)), none);
-    ss_quad sum = ss_quad_mul(ss_quad_mul(from_rest, from_rest),
-                              ss_quad_fma(ss_quad_all(2), inner, ss_quad_all(1)));
-    sum = ss_quad_div(ss_quad_mul(ss_quad_all((ss_real)0.5), sum),
-                      ss_quad_mul(ss_quad_mul(inner, inner), inner));
-    sum = ss_quad_fma(ss_quad_all((ss_real)0.375), above, sum);
-    return ss_quad_fma(ss_quad_fma(ss_quad_all(bend / 2), below, ss_quad_all(slope)), below, sum);
-}
-
-static double cohere(const ss_layer_pass *pass, bool wants_energy)
-{
-    const ss_layer *layer = pass->layer;
-    double energy = 0.0;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const ptrdiff_t end = layer->pair_first[p + 1];
-        const ss_quad own = ss_quad_load(pass->state + 8 * p);
-        const ss_quad e = ss_quad_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
-        ss_quad sum = ss_quad_all(0);
-        ss_quad depth = ss_quad_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < end; t += 4) {
-            /* Four pairs, the last one again where there are fewer: it is then left out. */
-            ss_quad u[4];
-            ss_quad row[4];
-            _Alignas(32) ss_real factor[4];
-            for (int l = 0; l < 4; ++l) {
-                const ptrdiff_t at = t + l < end ? t + l : end - 1;
-                row[l] = ss_quad_load(layer->pair + 4 * at);
-                u[l] = ss_quad_sub(ss_quad_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[at]),
-                                   own);
-            }
-            ss_quad_transpose(&row[0], &row[1], &row[2], &row[3]);
-            ss_quad_transpose(&u[0], &u[1], &u[2], &u[3]);
-            ss_quad rest2 = ss_quad_all(0);
-            ss_quad q = ss_quad_all(0);
-            for (int c = 0; c < 3; ++c) {
-                row[c] = ss_quad_div(row[c], row[3]);
-                rest2 = ss_quad_fma(row[c], row[c], rest2);
-                q = ss_quad_fma(u[c], ss_quad_add(u[c], ss_quad_add(row[c], row[c])), q);
-                u[c] = ss_quad_add(u[c], row[c]);
-            }
-            q = ss_quad_div(q, rest2);
-            ss_quad_store(factor, ss_quad_div(ss_quad_mul(e, cohesion(q)), rest2));
-            if (wants_energy) {
-                _Alignas(32) ss_real share[4];
-                for (int l = 0; l < 4; ++l) {
-                    share[l] = t + l < end ? 1 : 0;
-                }
-                depth = ss_quad_fma(ss_quad_load(share), well(q), depth);
-            }
-            u[3] = ss_quad_all(0);
-            ss_quad_transpose(&u[0], &u[1], &u[2], &u[3]);
-            for (int l = 0; l < 4 && t + l < end; ++l) {
-                ss_real *at = pass->particle_force + 4 * (ptrdiff_t)layer->neighbour[t + l];
-                const ss_quad f = ss_quad_mul(ss_quad_all(factor[l]), u[l]);
-                ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
-                sum = ss_quad_add(sum, f);
-            }
-        }
-        ss_real *at = pass->particle_force + 4 * p;
-        ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
-        energy += 0.5 * (double)pass->coefficient[2 * k + 1] * ss_quad_sum(depth);
-    }
-    return energy;
-}
-
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_layer_kernels_avx2
 #define PATH_NAME "avx2+fma"
@@ -317,5 +335,4 @@ const ss_layer_kernels PATH = {.name = PATH_NAME,
                                .place = place,
                                .strain = strain,
                                .push = push,
-                               .cohere = cohere,
                                .give = give};

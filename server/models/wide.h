@@ -75,7 +75,7 @@ SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
     return _mm_sub_ps(c, _mm_mul_ps(a, b));
 #endif
 }
-/* The larger of each lane; b's where a is not a number. */
+/* The larger, the smaller of each lane; b's where a is not a number. */
 SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 {
     return _mm_max_ps(a, b);
@@ -87,6 +87,15 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm_sqrt_ps(a);
+}
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    return _mm_min_ps(a, b);
+}
+/* The fourth lane 0. */
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    return _mm_and_ps(a, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)));
 }
 /* Is a > b in any lane? */
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
@@ -151,6 +160,14 @@ SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm256_sqrt_pd(a);
+}
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    return _mm256_min_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    return _mm256_blend_pd(a, _mm256_setzero_pd(), 8);
 }
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
@@ -229,6 +246,14 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
                                                  : (ss_real)sqrt((double)a.lane[k]));
+}
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] < b.lane[k] ? a.lane[k] : b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    SS_QUAD_MAP(k < 3 ? a.lane[k] : 0);
 }
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
@@ -314,6 +339,10 @@ SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
 SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
 {
     return _mm256_max_ps(a, b);
+}
+SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
+{
+    return _mm256_min_ps(a, b);
 }
 SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 {
@@ -417,6 +446,10 @@ SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
 SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
 {
     return (ss_pair){ss_quad_most(a.first, b.first), ss_quad_most(a.second, b.second)};
+}
+SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_least(a.first, b.first), ss_quad_least(a.second, b.second)};
 }
 SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 {
