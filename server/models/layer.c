@@ -367,8 +367,8 @@ static bool join_neighbours(builder *b)
         layer->pair_first[p + 1] = layer->pair_first[p] + find_neighbours(b, p, neighbour, square);
     }
     const size_t pairs = (size_t)layer->pair_first[layer->count];
-    layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);
-    layer->pair = ss_memory_get(4 * pairs, sizeof *layer->pair);
+    layer->neighbour = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->neighbour);
+    layer->pair = ss_memory_get(4 * (pairs + SS_LAYER_SPARE_PAIRS), sizeof *layer->pair);
     if (layer->neighbour == NULL || layer->pair == NULL) {
         return false;
     }

@@ -162,28 +162,28 @@ typedef struct pair_shares {
     _Alignas(32) ss_real apart[SS_LAYER_MAX_PAIRS + 8];
 } pair_shares;
 
-/* Fills the shares of point k, eight pairs at a time, the last one again where there are fewer;
- * returns the sum of the wells where wanted. */
-static double cohere(const ss_layer_pass *pass, int32_t k, bool wants_energy, pair_shares *out)
+/* Fills the shares of point k, eight pairs at a time: beyond its last one those of the next point,
+ * which nobody reads. Returns the sum of the wells where wanted. */
+static inline double cohere(const ss_layer_pass *pass, int32_t k, bool wants_energy,
+                            pair_shares *out)
 {
     const ss_layer *layer = pass->layer;
     const ptrdiff_t p = pass->point[k];
-    const ptrdiff_t first = layer->pair_first[p];
+    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
+    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
     const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
     const ss_pair own = ss_pair_join(pass->state + 8 * p, pass->state + 8 * p);
     const ss_pair kappa = ss_pair_all(pass->coefficient[2 * k]);
     const ss_pair e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
-    ss_pair depth = ss_pair_all(0);
+    double depth = 0.0;
     for (int32_t t = 0; t < count; t += 8) {
         ss_pair u[4];
         ss_pair row[4];
         for (int l = 0; l < 4; ++l) {
-            const ptrdiff_t a = first + (t + l < count ? t + l : count - 1);
-            const ptrdiff_t b = first + (t + l + 4 < count ? t + l + 4 : count - 1);
-            row[l] = ss_pair_join(layer->pair + 4 * a, layer->pair + 4 * b);
-            u[l] = ss_pair_sub(ss_pair_join(pass->state + 8 * (ptrdiff_t)layer->neighbour[a],
-                                            pass->state + 8 * (ptrdiff_t)layer->neighbour[b]),
-                               own);
+            row[l] = ss_pair_join(pair + 4 * (t + l), pair + 4 * (t + l + 4));
+            u[l] = ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t + l],
+                                pass->state + 8 * (ptrdiff_t)neighbour[t + l + 4]);
+            u[l] = ss_pair_sub(u[l], own);
         }
         ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
         ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
@@ -200,14 +200,14 @@ static double cohere(const ss_layer_pass *pass, int32_t k, bool wants_energy, pa
         ss_pair_store(out->along + t, along);
         ss_pair_store(out->apart + t, ss_pair_mul(w, ss_pair_add(kappa, along)));
         if (wants_energy) {
-            _Alignas(32) ss_real share[8];
-            for (int l = 0; l < 8; ++l) {
-                share[l] = t + l < count ? 1 : 0;
+            _Alignas(32) ss_real well_of[8];
+            ss_pair_store(well_of, well(q));
+            for (int l = 0; l < 8 && t + l < count; ++l) {
+                depth += (double)well_of[l];
             }
-            depth = ss_pair_fma(ss_pair_load(share), well(q), depth);
         }
     }
-    return wants_energy ? ss_pair_sum(depth) : 0.0;
+    return depth;
 }
 
 /* ---- forces of the points --------------------------------------------------------------------
@@ -229,14 +229,15 @@ static inline void fill_columns(const ss_layer_pass *pass, ptrdiff_t k, ss_quad 
     }
 }
 
-static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
+SS_INLINE double push_points(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
 {
     const ss_layer *layer = pass->layer;
     double energy = 0.0;
     pair_shares share;
     for (int32_t k = 0; k < pass->point_count; ++k) {
         const ptrdiff_t p = pass->point[k];
-        const ptrdiff_t first = layer->pair_first[p];
+        const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
+        const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
         const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
         const ss_quad own = ss_quad_load(pass->state + 8 * p);
         const ss_real kappa = pass->coefficient[2 * k];
@@ -248,8 +249,8 @@ static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energ
                 0.5 * (double)pass->coefficient[2 * k + 1] * cohere(pass, k, wants_energy, &share);
         }
         for (int32_t t = 0; t < count; ++t) {
-            const ptrdiff_t q = layer->neighbour[first + t];
-            const ss_real *row = layer->pair + 4 * (first + t);
+            const ptrdiff_t q = neighbour[t];
+            const ss_real *row = pair + 4 * t;
             const ss_quad d = ss_quad_sub(ss_quad_load(pass->state + 8 * q), own);
             ss_quad f = ss_quad_mul(ss_quad_all(is_cohesive ? share.apart[t] : kappa * row[3]), d);
             for (int c = 0; c < 3; ++c) {
@@ -266,6 +267,13 @@ static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energ
         ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
     }
     return energy;
+}
+
+static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
+{
+    return !is_cohesive   ? push_points(pass, false, false)
+           : wants_energy ? push_points(pass, true, true)
+                          : push_points(pass, true, false);
 }
 
 /* ---- cells ----------------------------------------------------------------------------------
