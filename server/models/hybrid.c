@@ -294,6 +294,9 @@ static bool create_skin(ss_hybrid *hybrid)
     hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
     hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
     hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
+    hybrid->close = ss_memory_get(skin, sizeof *hybrid->close);
+    hybrid->around = ss_memory_get(skin, sizeof *hybrid->around);
+    hybrid->core_node = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
     hybrid->load = ss_memory_get(nodes, sizeof *hybrid->load);
     hybrid->swing = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->swing);
     hybrid->mode = ss_memory_get(4 * nodes, sizeof *hybrid->mode);
@@ -301,9 +304,15 @@ static bool create_skin(ss_hybrid *hybrid)
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
         hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
+        hybrid->close == NULL || hybrid->around == NULL || hybrid->core_node == NULL ||
         hybrid->load == NULL || hybrid->swing == NULL || hybrid->mode == NULL ||
         hybrid->product == NULL) {
         return false;
+    }
+    for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
+        if (layer->skin_of[i] < 0) {
+            hybrid->core_node[hybrid->core_count++] = i;
+        }
     }
     memset(hybrid->riding_at, 0xff, skin * sizeof *hybrid->riding_at);
     memset(hybrid->mark, 0xff, nodes * sizeof *hybrid->mark);
@@ -498,7 +507,8 @@ static void destroy(ss_model *model)
         hybrid->riding,         hybrid->riding_at,   hybrid->mark,     hybrid->shown,
         hybrid->shown_v,        hybrid->laid,        hybrid->distance, hybrid->found,
         hybrid->mode,           hybrid->product,     hybrid->fixed,    hybrid->mass_asleep,
-        hybrid->load,           hybrid->swing};
+        hybrid->load,           hybrid->swing,       hybrid->close,    hybrid->around,
+        hybrid->core_node};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -524,8 +534,9 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (hybrid->shape[k].is_used) {
-            hybrid->close_reach[k] =
-                ss_shape_bounding_radius(&hybrid->shape[k].shape) + 3.0 * hybrid->skin_edge;
+            const double radius = ss_shape_bounding_radius(&hybrid->shape[k].shape);
+            hybrid->close_reach[k] = radius + 3.5 * hybrid->skin_edge;
+            hybrid->around_reach[k] = radius + hybrid->sleep_reach + 1.5 * hybrid->skin_edge;
         }
     }
     *out_model = (ss_model *)hybrid;
@@ -543,6 +554,7 @@ static void step(ss_model *model, double time, double dt,
         hybrid->tool[k] = tool != NULL ? tool[k] : (ss_model_tool){0};
         hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k].is_used;
     }
+    ss_hybrid_list_skin(hybrid);
     if (ss_hybrid_wake(hybrid)) {
         ss_body_renew(hybrid->body);
     }

@@ -105,17 +105,26 @@ typedef struct ss_hybrid {
     int32_t *riding, riding_count; /* skin nodes with a row */
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
-    int32_t turn;                  /* which sleeping skin nodes are laid next */
-    ss_real *laid;                 /* quads of mesh nodes: as laid last */
-    ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
-    double *load;                  /* by node of the body: scratch of a bound, 0 between calls */
-    double *swing;                 /* by mesh node: likewise, anything between calls */
+    int32_t *close, close_count;   /* skin nodes that a tool may reach before the next list */
+    int32_t *around, around_count; /* and that say where it would be at rest */
+    double listed[SOFTSIM_MAX_PROBES][3]; /* m: tools at the last list */
+    bool was_listed[SOFTSIM_MAX_PROBES];
+    int32_t list_age;               /* outer steps */
+    int32_t *core_node, core_count; /* mesh nodes that are no skin */
+    int32_t turn;                   /* which sleeping skin nodes are laid next */
+    bool is_turn_due;               /* they were not in this outer step */
+    bool is_skin_old;               /* the body's copy is not `laid` but for what is laid next */
+    ss_real *laid;                  /* quads of mesh nodes: as laid last */
+    ss_real *shown, *shown_v;       /* quads of mesh nodes: what displacement() returns */
+    double *load;                   /* by node of the body: scratch of a bound, 0 between calls */
+    double *swing;                  /* by mesh node: likewise, anything between calls */
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     ss_tool_plan shape[SOFTSIM_MAX_PROBES];
-    double close_reach[SOFTSIM_MAX_PROBES]; /* m: skin nearer to a tool's origin is always laid */
-    double scanned[SOFTSIM_MAX_PROBES][3];  /* m: middle of the tool at rest at the last scan */
+    double close_reach[SOFTSIM_MAX_PROBES];  /* m: skin nearer to a tool's origin is always laid */
+    double around_reach[SOFTSIM_MAX_PROBES]; /* m: and nearer than this says how it has moved */
+    double scanned[SOFTSIM_MAX_PROBES][3];   /* m: middle of the tool at rest at the last scan */
     bool was_scanned[SOFTSIM_MAX_PROBES];
     ss_point_grid grid;              /* of own particles */
     double *distance;                /* by own particle: to the tools at the last scan, m */
@@ -177,6 +186,8 @@ void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s);
 /* ---- hybrid_skin.c ----------------------------------------------------------------------------
  */
 
+/* Before every outer step: which of the skin is near the tools. */
+void ss_hybrid_list_skin(ss_hybrid *hybrid);
 /* As ss_body_skin asks for them. */
 void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u);
 void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_real *skin_force,

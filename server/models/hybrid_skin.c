@@ -11,8 +11,9 @@
  * and momentum is kept, and without a jump. Contact with the particles themselves was rejected:
  * the tool would feel the lattice.
  *
- * Sleeping skin far from every tool is laid in turns, an eighth of it at a time: nothing but the
- * contact's search tree reads it between two looks of the display, and that search is generous.
+ * Sleeping skin far from every tool is laid in turns, an eighth of it an outer step: nothing but
+ * the contact's search tree reads it between two looks of the display, and that search is generous.
+ * What is near a tool is listed as seldom, or when a tool has moved by half an edge.
  */
 #include <math.h>
 #include <string.h>
@@ -56,23 +57,74 @@ void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out)
     }
 }
 
-/* Is the skin node, where it was laid last, within reach of a tool? */
-static bool is_close(const ss_hybrid *hybrid, int32_t node, const ss_real *at)
+/* Has no tool come, left or moved by half an edge since the last list? */
+static bool is_list_good(const ss_hybrid *hybrid)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (hybrid->tool[k].is_present) {
-            double d[3];
-            for (int a = 0; a < 3; ++a) {
-                d[a] = hybrid->mesh->position[node][a] + (double)at[a] -
-                       hybrid->tool[k].to.position[a];
-            }
-            const double reach = hybrid->close_reach[k];
-            if (ss_dot3(d, d) < reach * reach) {
-                return true;
+        const ss_model_tool *tool = &hybrid->tool[k];
+        if (tool->is_present != hybrid->was_listed[k]) {
+            return false;
+        }
+        if (tool->is_present) {
+            double moved[3];
+            ss_sub3(moved, tool->to.position, hybrid->listed[k]);
+            if (!(ss_norm3(moved) <= 0.5 * hybrid->skin_edge)) {
+                return false;
             }
         }
     }
-    return false;
+    return true;
+}
+
+void ss_hybrid_list_skin(ss_hybrid *hybrid)
+{
+    const ss_layer *layer = hybrid->layer;
+    hybrid->is_turn_due = true;
+    if (++hybrid->list_age < TURNS && is_list_good(hybrid)) {
+        return;
+    }
+    hybrid->list_age = hybrid->close_count = hybrid->around_count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        hybrid->was_listed[k] = hybrid->tool[k].is_present;
+        ss_copy3(hybrid->listed[k], hybrid->tool[k].to.position);
+    }
+    for (int32_t s = 0; s < layer->skin_count; ++s) {
+        const int32_t node = layer->skin_node[s];
+        const ss_real *u = hybrid->laid + 4 * (ptrdiff_t)node;
+        bool is_close = false;
+        bool is_around = false;
+        for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+            if (hybrid->tool[k].is_present) {
+                double d[3];
+                for (int a = 0; a < 3; ++a) {
+                    d[a] = hybrid->mesh->position[node][a] + (double)u[a] - hybrid->listed[k][a];
+                }
+                const double square = ss_dot3(d, d);
+                const double close = hybrid->close_reach[k];
+                const double around = hybrid->around_reach[k];
+                is_close = is_close || square < close * close;
+                is_around = is_around || square < around * around;
+            }
+        }
+        if (is_close) {
+            hybrid->close[hybrid->close_count++] = s;
+        }
+        if (is_around) {
+            hybrid->around[hybrid->around_count++] = s;
+        }
+    }
+}
+
+/* Skin node s into the body's array, and into `laid` unless that is NULL. */
+static void lay_node(const ss_hybrid *hybrid, int32_t s, const ss_real *u, ss_real *skin_u,
+                     ss_real *laid)
+{
+    const ptrdiff_t at = 4 * (ptrdiff_t)hybrid->layer->skin_node[s];
+    const ss_quad place = place_of(hybrid, s, u);
+    ss_quad_store(skin_u + at, place);
+    if (laid != NULL) {
+        ss_quad_store(laid + at, place);
+    }
 }
 
 /* The body lays displacements, and motions that its solver tries, in the same array: what is known
@@ -80,22 +132,30 @@ static bool is_close(const ss_hybrid *hybrid, int32_t node, const ss_real *at)
 void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
 {
     ss_hybrid *hybrid = owner;
-    const ss_layer *layer = hybrid->layer;
     const bool is_motion = u != hybrid->u;
-    ss_real *out = is_motion ? skin_u : hybrid->laid;
-    hybrid->turn = is_motion ? hybrid->turn : (hybrid->turn + 1) % TURNS;
-    for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
-        const int32_t s = layer->skin_of[i];
-        const ptrdiff_t at = 4 * (ptrdiff_t)i;
-        if (s < 0) {
-            ss_quad_store(out + at, ss_quad_load(u + at));
-        } else if (hybrid->ride[s].count > 0 || (!is_motion && s % TURNS == hybrid->turn) ||
-                   is_close(hybrid, i, hybrid->laid + at)) {
-            ss_quad_store(out + at, place_of(hybrid, s, u));
+    ss_real *laid = is_motion ? NULL : hybrid->laid;
+    if (!is_motion && hybrid->is_skin_old) {
+        memcpy(skin_u, laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
+    }
+    hybrid->is_skin_old = is_motion;
+    for (int32_t k = 0; k < hybrid->core_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)hybrid->core_node[k];
+        ss_quad_store(skin_u + at, ss_quad_load(u + at));
+    }
+    for (int32_t k = 0; k < hybrid->riding_count; ++k) {
+        lay_node(hybrid, hybrid->riding[k], u, skin_u, laid);
+    }
+    for (int32_t k = 0; k < hybrid->close_count; ++k) {
+        if (hybrid->riding_at[hybrid->close[k]] < 0) {
+            lay_node(hybrid, hybrid->close[k], u, skin_u, laid);
         }
     }
-    if (!is_motion) {
-        memcpy(skin_u, hybrid->laid, 4 * (size_t)hybrid->mesh->node_count * sizeof *skin_u);
+    if (!is_motion && hybrid->is_turn_due) {
+        hybrid->is_turn_due = false;
+        hybrid->turn = (hybrid->turn + 1) % TURNS;
+        for (int32_t s = hybrid->turn; s < hybrid->layer->skin_count; s += TURNS) {
+            lay_node(hybrid, s, u, skin_u, laid);
+        }
     }
 }
 
@@ -115,7 +175,11 @@ void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_r
     const ss_layer *layer = hybrid->layer;
     for (int32_t i = 0; i < count; ++i) {
         const int32_t s = layer->skin_of[node[i]];
-        const ss_quad f = ss_quad_load(skin_force + 4 * (ptrdiff_t)node[i]);
+        const ss_real *push = skin_force + 4 * (ptrdiff_t)node[i];
+        if (push[0] == 0 && push[1] == 0 && push[2] == 0) {
+            continue;
+        }
+        const ss_quad f = ss_quad_load(push);
         if (s < 0) {
             ss_real *at = force + 4 * (ptrdiff_t)node[i];
             ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));

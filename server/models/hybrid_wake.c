@@ -275,13 +275,12 @@ static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
 {
     const ss_layer *layer = hybrid->layer;
     const double *x = hybrid->tool[probe].to.position;
-    const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
-                         hybrid->sleep_reach + hybrid->skin_edge;
+    const double reach = hybrid->around_reach[probe] - 0.5 * hybrid->skin_edge;
     const ss_real *shown = hybrid->laid;
     double total = 0.0;
     ss_set3(out, 0.0, 0.0, 0.0);
-    for (int32_t s = 0; s < layer->skin_count; ++s) {
-        const int32_t i = layer->skin_node[s];
+    for (int32_t k = 0; k < hybrid->around_count; ++k) {
+        const int32_t i = layer->skin_node[hybrid->around[k]];
         const double u[3] = {(double)shown[4 * (ptrdiff_t)i], (double)shown[4 * (ptrdiff_t)i + 1],
                              (double)shown[4 * (ptrdiff_t)i + 2]};
         const double d[3] = {hybrid->mesh->position[i][0] + u[0] - x[0],
@@ -495,6 +494,9 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
     hybrid->turn = 0;
+    hybrid->is_skin_old = true;
+    hybrid->close_count = hybrid->around_count = 0;
+    memset(hybrid->was_listed, 0, sizeof hybrid->was_listed);
 }
 
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)
