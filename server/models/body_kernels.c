@@ -28,7 +28,7 @@ static ss_real lane_most(ss_pair a)
     return most;
 }
 
-/* What a kick did to v. */
+/* What a kick did to v: v := keep v + gain mobility force. */
 typedef struct kick {
     double keep, gain;
     const ss_real *mobility, *force;
@@ -58,23 +58,34 @@ static void slow_down(int32_t first, int32_t end, double limit, const kick *by, 
     }
 }
 
-ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
+ss_body_speed ss_body_kick_drift(int32_t count, const ss_body_kick *how, double h, double limit,
                                  const ss_real *mobility, const ss_real *force, const double *mass,
-                                 ss_real *v, ss_real *u)
+                                 const ss_real *heavy, ss_real *v, ss_real *u)
 {
-    const ss_pair kept = ss_pair_all((ss_real)keep), gained = ss_pair_all((ss_real)gain);
+    const double left = 1.0 - how->ahead * how->damping;
+    const double share = 1.0 / (1.0 + how->lag * how->damping);
+    const ss_pair behind = ss_pair_all((ss_real)how->lag), ahead = ss_pair_all((ss_real)how->ahead);
+    const ss_pair shared = ss_pair_all((ss_real)share), kept = ss_pair_all((ss_real)left);
     const ss_pair step = ss_pair_all((ss_real)h);
     const double near = limit * limit / 3.0; /* below: no component can make it too fast */
-    const kick by = {.keep = keep, .gain = gain, .mobility = mobility, .force = force};
+    const kick by = {.keep = left * share,
+                     .gain = left * share * how->lag + how->ahead,
+                     .mobility = mobility,
+                     .force = force};
     ss_body_speed speed = {0};
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
         const int32_t end = block_end(first, count);
-        ss_pair square = ss_pair_all(0), most = ss_pair_all(0);
-        for (ptrdiff_t at = 4 * (ptrdiff_t)first; at < 4 * (ptrdiff_t)end; at += 8) {
-            const ss_pair push = ss_pair_mul(ss_pair_load(mobility + at), ss_pair_load(force + at));
-            const ss_pair w = ss_pair_fma(gained, push, ss_pair_mul(kept, ss_pair_load(v + at)));
-            most = ss_pair_most(ss_pair_mul(w, w), most);
-            ss_pair_store(v + at, w);
+        ss_pair square = ss_pair_all(0), most = ss_pair_all(0), moving = ss_pair_all(0);
+        for (int32_t i = first; i < end; i += 2) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            const ss_pair light = ss_pair_load(mobility + at), m = ss_pair_each(heavy + i);
+            const ss_pair push = ss_pair_mul(light, ss_pair_load(force + at));
+            const ss_pair w = ss_pair_mul(shared, ss_pair_fma(behind, push, ss_pair_load(v + at)));
+            const ss_pair next = ss_pair_fma(ahead, push, ss_pair_mul(kept, w));
+            /* m on axes that may move, 0 elsewhere */
+            moving = ss_pair_fma(ss_pair_mul(ss_pair_mul(light, m), m), ss_pair_mul(w, w), moving);
+            most = ss_pair_most(ss_pair_mul(next, next), most);
+            ss_pair_store(v + at, next);
         }
         if ((double)lane_most(most) > near) {
             slow_down(first, end, limit, &by, mass, v, &speed);
@@ -85,6 +96,7 @@ ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double
             ss_pair_store(u + at, ss_pair_fma(step, w, ss_pair_load(u + at)));
         }
         speed.square += ss_pair_sum(square);
+        speed.moving += ss_pair_sum(moving);
     }
     return speed;
 }

@@ -84,6 +84,7 @@ struct ss_body {
     /* derived; valid while is_ready */
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */
+    double moving;              /* J: sum m |w|^2 of the last set_motion */
     double shadow;              /* J: what the ledger takes off kinetic, see body_step.c */
     bool is_above;              /* as ss_body_energy has it */
     double power;               /* W, of viscosity */
@@ -124,18 +125,25 @@ static inline const ss_real *ss_body_skin_u(const ss_body *body, const ss_real *
 
 /* ---- body_kernels.c: passes over all nodes -------------------------------------------------- */
 
+/* Seconds by which v is behind its place, by which it is to be ahead, and 1/s. */
+typedef struct ss_body_kick {
+    double lag, ahead, damping;
+} ss_body_kick;
+
 /* What a kick left. */
 typedef struct ss_body_speed {
+    double moving; /* sum m |w|^2 over the axes that may move */
     double square; /* sum |v|^2, not finite when a v is not */
     double taken;  /* J, by the limit */
     bool is_slowed;
 } ss_body_speed;
 
-/* v := keep v + gain mobility force on axes that may move, slowed to `limit` (m/s) where faster;
- * u += h v. `mass`: a value a node. */
-ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
+/* With w = (v + lag mobility force)/(1 + lag damping): v := (1 - ahead damping) w + ahead mobility
+ * force on axes that may move, slowed to `limit` (m/s) where faster; u += h v. `mass`: a value a
+ * node; `heavy` the same. */
+ss_body_speed ss_body_kick_drift(int32_t count, const ss_body_kick *kick, double h, double limit,
                                  const ss_real *mobility, const ss_real *force, const double *mass,
-                                 ss_real *v, ss_real *u);
+                                 const ss_real *heavy, ss_real *v, ss_real *u);
 /* out_rate = mobility force - damping v on axes that may move, else 0. */
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,
                    const ss_real *v, ss_real *out_rate);

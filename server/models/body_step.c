@@ -60,10 +60,10 @@ static void set_motion(ss_body *body)
 {
     const ss_body_nodes *nodes = &body->nodes;
     const double lag = body->is_slowed ? 0.0 : nodes->kick_lag;
-    double square, rate;
+    double rate;
     ss_body_motion(nodes->padded_count, lag, body->own.mass_damping, nodes->mobility, body->mass,
-                   nodes->force, nodes->v, &square, &rate);
-    body->kinetic = 0.5 * square + ss_body_driven_kinetic(body);
+                   nodes->force, nodes->v, &body->moving, &rate);
+    body->kinetic = 0.5 * body->moving + ss_body_driven_kinetic(body);
     body->shadow = 0.5 * lag * lag * rate;
 }
 
@@ -131,30 +131,31 @@ static void tell_slow(ss_body *body, const ss_body_speed *speed)
     }
 }
 
-/* Dissipation of viscosity and mass damping at the present state over `span` seconds. */
+/* Dissipation of viscosity and mass damping at the end of an outer step, over `span` seconds. */
 static void book_losses(ss_body *body, double span)
 {
     const ss_body_nodes *nodes = &body->nodes;
-    double square = 0.0, rate;
-    if (body->own.mass_damping > 0.0) {
+    double moving = body->moving, rate;
+    if (body->is_slowed && body->own.mass_damping > 0.0) {
         ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping,
-                       nodes->mobility, body->mass, nodes->force, nodes->v, &square, &rate);
+                       nodes->mobility, body->mass, nodes->force, nodes->v, &moving, &rate);
     }
-    body->dissipated += span * (body->power + body->own.mass_damping * square);
+    body->dissipated += span * (body->power + body->own.mass_damping * moving);
 }
 
 static bool symplectic_euler(ss_body *body, double h)
 {
     ss_body_nodes *nodes = &body->nodes;
-    const double alpha = body->own.mass_damping, b = nodes->kick_lag, a = 0.5 * h;
-    const double keep = (1.0 - a * alpha) / (1.0 + b * alpha);
+    const ss_body_kick kick = {
+        .lag = nodes->kick_lag, .ahead = 0.5 * h, .damping = body->own.mass_damping};
     const double limit = MAX_EDGES * body->own.edge / h;
-    book_losses(body, b + a - body->settled_lag);
-    body->settled_lag = 0.0;
+    const double span = kick.lag + kick.ahead - body->settled_lag;
     const ss_body_speed speed =
-        ss_body_kick_drift(nodes->padded_count, keep, keep * b + a, h, limit, nodes->mobility,
-                           nodes->force, nodes->mass, nodes->v, nodes->u);
-    nodes->kick_lag = a;
+        ss_body_kick_drift(nodes->padded_count, &kick, h, limit, nodes->mobility, nodes->force,
+                           nodes->mass, body->mass, nodes->v, nodes->u);
+    body->dissipated += span * (body->power + kick.damping * speed.moving);
+    body->settled_lag = 0.0;
+    nodes->kick_lag = kick.ahead;
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
@@ -199,10 +200,12 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     /* The same limit as with the other method, on the way and on the velocity. */
     ss_body_blend(n, end, -1.0, nodes->u, us);
     const double limit = MAX_EDGES * body->own.edge;
-    (void)ss_body_kick_drift(n, 1.0, 0.0, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
-                             us, nodes->u);
-    const ss_body_speed speed = ss_body_kick_drift(n, 1.0, 0.0, 0.0, limit / h, nodes->mobility,
-                                                   nodes->force, nodes->mass, nodes->v, us);
+    const ss_body_kick none = {0.0, 0.0, 0.0};
+    (void)ss_body_kick_drift(n, &none, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
+                             body->mass, us, nodes->u);
+    const ss_body_speed speed =
+        ss_body_kick_drift(n, &none, 0.0, limit / h, nodes->mobility, nodes->force, nodes->mass,
+                           body->mass, nodes->v, us);
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
