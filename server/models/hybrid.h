@@ -38,7 +38,7 @@ typedef struct ss_hybrid_particle {
     int32_t near;     /* its place among the near particles, -1 */
     int32_t wanted;   /* its place among the wanted ones, -1 */
     int32_t need;     /* points that it is or is a neighbour of */
-    int32_t patience; /* outer steps until it sleeps wherever it is, once let go */
+    int32_t patience; /* changes until it sleeps wherever it is, once let go */
     ss_real share;    /* of its stiffness that is the layer's, 0..1 */
     ss_real target;   /* what share goes to */
 } ss_hybrid_particle;
@@ -98,6 +98,7 @@ typedef struct ss_hybrid {
     ss_real *state, *particle_force;
     int32_t awake_count;
     bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
+    uint32_t beat;                  /* outer steps since all slept */
 
     /* skin */
     int32_t *rider_first, *rider;  /* by particle: places in the layer's skin rows that name it */

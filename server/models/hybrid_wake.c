@@ -11,10 +11,11 @@
  * largest that fits), so that the nearest wake and the awake region keeps up with the tool. Only a
  * tool that has moved by a quarter of a spacing since is looked at again.
  *
- * How. Wanted: it and its neighbours become points, whose shares rise by STEP an outer step. Half
+ * How. Every other outer step, since a change costs an evaluation of all forces, as much as half a
+ * step. Wanted: it and its neighbours become points, whose shares rise by STEP each time. Half
  * way up a wanted particle gets a node: u = T u, v = T v, and its mass, taken from the four nodes
  * of its host. Let go: the node is given back when the particle is within a tenth of a spacing of
- * its tie, or PATIENCE outer steps later at the latest, and its share falls from then on; what is
+ * its tie, or PATIENCE times later at the latest, and its share falls from then on; what is
  * left of the way is kept as an offset that drifts to nothing. Nothing jumps: neither place nor
  * velocity nor, since stiffness and skin rows only fade, force.
  *
@@ -30,12 +31,14 @@
 
 #include "rt/vec.h"
 
-#define STEP      0.125 /* of a share, an outer step */
-#define DRIFT     0.8   /* of an offset is left after an outer step */
-#define NEAR_TIE  0.1   /* spacings */
-#define LOOK_MOVE 0.25  /* spacings */
-#define FULL      0.85  /* of max_awake; the rest is for those that may sleep but do not yet */
-enum { BINS = 64, PATIENCE = 64 };
+#define STEP      0.25 /* of a share, a change */
+#define DRIFT     0.64 /* of an offset is left after a change */
+#define NEAR_TIE  0.1  /* spacings */
+#define LOOK_MOVE 0.25 /* spacings */
+#define FULL      0.85 /* of max_awake; the rest is for those that may sleep but do not yet */
+/* Outer steps from change to change: forces are evaluated anew after each. */
+enum { EVERY = 2 };
+enum { BINS = 64, PATIENCE = 32 };
 
 /* ---- mass and momentum -----------------------------------------------------------------------
  */
@@ -416,7 +419,7 @@ static void look(ss_hybrid *hybrid)
 
 bool ss_hybrid_wake(ss_hybrid *hybrid)
 {
-    if (hybrid->is_all_awake) {
+    if (hybrid->is_all_awake || hybrid->beat++ % EVERY != 0) {
         return false;
     }
     look(hybrid);
@@ -494,6 +497,7 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
     hybrid->turn = 0;
+    hybrid->beat = 0;
     hybrid->is_skin_old = true;
     hybrid->close_count = hybrid->around_count = 0;
     memset(hybrid->was_listed, 0, sizeof hybrid->was_listed);
