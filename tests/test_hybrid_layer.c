@@ -95,6 +95,13 @@ static void neighbours_are_mutual(void **state)
             }
         }
     }
+    /* Two shells: 6 at a spacing, 12 at root 2. */
+    int32_t most = 0;
+    for (int32_t p = 0; p < layer->count; ++p) {
+        const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
+        most = pairs > most ? pairs : most;
+    }
+    assert_int_equal(most, 18);
     ss_layer_destroy(&layer);
     ss_mesh_destroy(&mesh);
 }

@@ -4,7 +4,7 @@
 /*
  * Rows of the particle layer, all by moving least squares on rest positions X:
  *
- *   weight     w(r) = (1 - (r/h)^2)^3, h = 1.95 (d_i + d_j)/2 for spacings d
+ *   weight     w(r) = (1 - (r/h)^2)^3, h = 1.95 (d_i + d_j)/2 for spacings d; neighbours to 0.8 h
  *   moment     A_i = sum_j w X_ij X_ij^T;  F_i = I + (sum_j u_ij (w X_ij)^T) A_i^-1
  *   tie        x_p = sum_i T_pi x_i over core nodes, sum T = 1, sum T X = X_p
  *   skin       x_s = sum_p S_sp x_p over particles, likewise
@@ -26,7 +26,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define MIN_NEIGHBOURS 10
+#define MIN_NEIGHBOURS 6
 /* Largest sum of a row's absolute weights: how far it may extrapolate. */
 #define TIE_LIMIT   8.0
 #define SKIN_LIMIT  3.0
@@ -266,7 +266,7 @@ static int32_t find_neighbours(const builder *b, int32_t p, int32_t out[SS_LAYER
     int32_t count = 0;
     for (int32_t k = 0; k < found; ++k) {
         const double reach = reach_of(layer->spacing[p], layer->spacing[out[k]]);
-        if (out[k] != p && square[k] < reach * reach) {
+        if (out[k] != p && square[k] < SS_LAYER_CUT * SS_LAYER_CUT * reach * reach) {
             out[count] = out[k];
             square[count++] = square[k];
         }

@@ -156,115 +156,141 @@ static inline ss_pair well(ss_pair q)
     return ss_pair_fma(ss_pair_fma(ss_pair_all(bend / 2), below, ss_pair_all(slope)), below, sum);
 }
 
-/* What a point's pairs take of w X and of u, see above: b, and w (kappa + b). */
-typedef struct pair_shares {
-    _Alignas(32) ss_real along[SS_LAYER_MAX_PAIRS + 8];
-    _Alignas(32) ss_real apart[SS_LAYER_MAX_PAIRS + 8];
-} pair_shares;
+/* ---- forces of the points --------------------------------------------------------------------
+ *
+ * A point's pairs go in eights, in a register two each: first and second, third and fourth, and so
+ * on, so that what is worked out eight at a time lies where those two find it by their lanes.
+ */
 
-/* Fills the shares of point k, eight pairs at a time: beyond its last one those of the next point,
- * which nobody reads. Returns the sum of the wells where wanted. */
-static inline double cohere(const ss_layer_pass *pass, int32_t k, bool wants_energy,
-                            pair_shares *out)
+/* What the pairs of a point have in common; quads twice. */
+typedef struct point_of {
+    ss_pair own, kappa, e, m[3];
+} point_of;
+
+static inline point_of point_at(const ss_layer_pass *pass, ptrdiff_t k)
+{
+    static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const ptrdiff_t p = pass->point[k];
+    const ss_real *a = pass->layer->moment + 8 * p;
+    const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
+    const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
+    const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
+    point_of point = {.own = ss_pair_twice(ss_quad_load(pass->state + 8 * p)),
+                      .kappa = ss_pair_twice(kappa),
+                      .e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1])};
+    for (int c = 0; c < 3; ++c) {
+        ss_quad m = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
+        for (int d = 0; d < 3; ++d) {
+            m = ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m);
+        }
+        point.m[c] = ss_pair_twice(m);
+    }
+    return point;
+}
+
+/* q and 1/(w r0^2) of eight pairs from w X, w and u. */
+static inline ss_pair stretch(const ss_pair pair[4], const ss_pair d[4], ss_pair *out_inverse)
+{
+    ss_pair row[4] = {pair[0], pair[1], pair[2], pair[3]};
+    ss_pair u[4] = {d[0], d[1], d[2], d[3]};
+    ss_pair rest2 = ss_pair_all(0); /* w^2 r0^2 */
+    ss_pair q = ss_pair_all(0);
+    ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
+    ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
+    for (int c = 0; c < 3; ++c) {
+        rest2 = ss_pair_fma(row[c], row[c], rest2);
+        q = ss_pair_fma(u[c], ss_pair_fma(row[3], u[c], ss_pair_add(row[c], row[c])), q);
+    }
+    *out_inverse = ss_pair_div(row[3], rest2);
+    return ss_pair_mul(q, *out_inverse);
+}
+
+static inline void take(ss_real *at, ss_quad f)
+{
+    ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
+}
+
+/* The pairs 2 j and 2 j + 1 of eight, as far as there are `left` from the first on: their force on
+ * the point, w (M X + kappa u) + b (w X + w u), which the neighbours lose. */
+SS_INLINE void push_two(const ss_layer_pass *pass, const point_of *point, const int32_t *neighbour,
+                        ss_pair row, ss_pair d, ss_pair b, int j, bool is_cohesive, int32_t left,
+                        ss_pair *sum)
+{
+    if (left <= 2 * j) {
+        return;
+    }
+    const ss_pair along = is_cohesive ? ss_pair_lane(b, j) : ss_pair_all(0);
+    const ss_pair apart = is_cohesive ? ss_pair_add(point->kappa, along) : point->kappa;
+    ss_pair f = ss_pair_mul(ss_pair_mul(ss_pair_last(row), apart), d);
+    for (int c = 0; c < 3; ++c) {
+        f = ss_pair_fma(ss_pair_lane(row, c), point->m[c], f);
+    }
+    if (is_cohesive) {
+        f = ss_pair_fma(along, ss_pair_xyz(row), f);
+    }
+    take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j], ss_pair_first(f));
+    if (left > 2 * j + 1) {
+        take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j + 1], ss_pair_second(f));
+        *sum = ss_pair_add(*sum, f);
+    } else {
+        const ss_quad none = ss_quad_all(0);
+        _Alignas(32) ss_real alone[8];
+        ss_quad_store(alone, ss_pair_first(f));
+        ss_quad_store(alone + 4, none);
+        *sum = ss_pair_add(*sum, ss_pair_load(alone));
+    }
+}
+
+/* Beyond a point's last pair those of the next one are read, and come to nothing. */
+SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohesive,
+                            bool wants_energy)
 {
     const ss_layer *layer = pass->layer;
     const ptrdiff_t p = pass->point[k];
     const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
     const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
     const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
-    const ss_pair own = ss_pair_join(pass->state + 8 * p, pass->state + 8 * p);
-    const ss_pair kappa = ss_pair_all(pass->coefficient[2 * k]);
-    const ss_pair e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
+    const point_of point = point_at(pass, k);
     double depth = 0.0;
+    ss_pair sum = ss_pair_all(0);
     for (int32_t t = 0; t < count; t += 8) {
-        ss_pair u[4];
+        ss_pair b = ss_pair_all(0);
         ss_pair row[4];
-        for (int l = 0; l < 4; ++l) {
-            row[l] = ss_pair_join(pair + 4 * (t + l), pair + 4 * (t + l + 4));
-            u[l] = ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t + l],
-                                pass->state + 8 * (ptrdiff_t)neighbour[t + l + 4]);
-            u[l] = ss_pair_sub(u[l], own);
+        ss_pair d[4];
+        for (int j = 0; j < 4; ++j) {
+            row[j] = ss_pair_load_quads(pair + 4 * (t + 2 * j));
+            d[j] = ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j],
+                                pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j + 1]);
+            d[j] = ss_pair_sub(d[j], point.own);
         }
-        ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
-        ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
-        const ss_pair w = row[3];
-        ss_pair rest2 = ss_pair_all(0); /* w^2 r0^2 */
-        ss_pair q = ss_pair_all(0);
-        for (int c = 0; c < 3; ++c) {
-            rest2 = ss_pair_fma(row[c], row[c], rest2);
-            q = ss_pair_fma(u[c], ss_pair_fma(w, u[c], ss_pair_add(row[c], row[c])), q);
-        }
-        const ss_pair inverse = ss_pair_div(w, rest2);
-        q = ss_pair_mul(q, inverse);
-        const ss_pair along = ss_pair_mul(ss_pair_mul(e, cohesion(q)), inverse);
-        ss_pair_store(out->along + t, along);
-        ss_pair_store(out->apart + t, ss_pair_mul(w, ss_pair_add(kappa, along)));
-        if (wants_energy) {
-            _Alignas(32) ss_real well_of[8];
-            ss_pair_store(well_of, well(q));
-            for (int l = 0; l < 8 && t + l < count; ++l) {
-                depth += (double)well_of[l];
+        if (is_cohesive) {
+            ss_pair inverse;
+            const ss_pair q = stretch(row, d, &inverse);
+            b = ss_pair_mul(ss_pair_mul(point.e, cohesion(q)), inverse);
+            if (wants_energy) {
+                _Alignas(32) ss_real well_of[8];
+                ss_pair_store(well_of, well(q));
+                for (int l = 0; l < 8 && t + l < count; ++l) {
+                    depth += (double)well_of[l / 2 + 4 * (l % 2)];
+                }
             }
         }
+        const int32_t *to = neighbour + t;
+        push_two(pass, &point, to, row[0], d[0], b, 0, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[1], d[1], b, 1, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[2], d[2], b, 2, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[3], d[3], b, 3, is_cohesive, count - t, &sum);
     }
-    return depth;
-}
-
-/* ---- forces of the points --------------------------------------------------------------------
- */
-
-/* M of point k by columns. */
-static inline void fill_columns(const ss_layer_pass *pass, ptrdiff_t k, ss_quad m[3])
-{
-    static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    const ss_real *a = pass->layer->moment + 8 * (ptrdiff_t)pass->point[k];
-    const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
-    const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
-    const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
-    for (int c = 0; c < 3; ++c) {
-        m[c] = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
-        for (int d = 0; d < 3; ++d) {
-            m[c] = ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m[c]);
-        }
-    }
+    ss_real *at = pass->particle_force + 4 * p;
+    ss_quad_store(at, ss_quad_add(ss_quad_load(at), ss_pair_both(sum)));
+    return 0.5 * (double)pass->coefficient[2 * k + 1] * depth;
 }
 
 SS_INLINE double push_points(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
 {
-    const ss_layer *layer = pass->layer;
     double energy = 0.0;
-    pair_shares share;
     for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
-        const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
-        const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
-        const ss_quad own = ss_quad_load(pass->state + 8 * p);
-        const ss_real kappa = pass->coefficient[2 * k];
-        ss_quad sum = ss_quad_all(0);
-        ss_quad m[3];
-        fill_columns(pass, k, m);
-        if (is_cohesive) {
-            energy +=
-                0.5 * (double)pass->coefficient[2 * k + 1] * cohere(pass, k, wants_energy, &share);
-        }
-        for (int32_t t = 0; t < count; ++t) {
-            const ptrdiff_t q = neighbour[t];
-            const ss_real *row = pair + 4 * t;
-            const ss_quad d = ss_quad_sub(ss_quad_load(pass->state + 8 * q), own);
-            ss_quad f = ss_quad_mul(ss_quad_all(is_cohesive ? share.apart[t] : kappa * row[3]), d);
-            for (int c = 0; c < 3; ++c) {
-                f = ss_quad_fma(ss_quad_all(row[c]), m[c], f);
-            }
-            if (is_cohesive) {
-                f = ss_quad_fma(ss_quad_all(share.along[t]), ss_quad_xyz(ss_quad_load(row)), f);
-            }
-            ss_real *at = pass->particle_force + 4 * q;
-            ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
-            sum = ss_quad_add(sum, f);
-        }
-        ss_real *at = pass->particle_force + 4 * p;
-        ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
+        energy += push_point(pass, k, is_cohesive, wants_energy);
     }
     return energy;
 }
