@@ -36,50 +36,69 @@
 
 #include "models/wide.h"
 
-static void place(const ss_layer_pass *pass)
+/* State of particle p from its node, or from its tie. */
+SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v)
 {
     const ss_layer *layer = pass->layer;
-    const ss_quad none = ss_quad_all(0);
-    for (int32_t k = 0; k < pass->near_count; ++k) {
-        const ptrdiff_t p = pass->near[k];
-        const ptrdiff_t node = pass->node_of[p];
-        ss_quad u = none;
-        ss_quad v = none;
-        if (node >= 0) {
-            u = ss_quad_load(pass->u + 4 * node);
-            v = pass->v != NULL ? ss_quad_load(pass->v + 4 * node) : none;
-        } else {
-            u = ss_quad_load(pass->offset + 4 * p);
-            for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
-                const ptrdiff_t n = 4 * (ptrdiff_t)layer->tie_node[t];
-                const ss_quad share = ss_quad_all(layer->tie[t]);
-                u = ss_quad_fma(share, ss_quad_load(pass->u + n), u);
-                if (pass->v != NULL) {
-                    v = ss_quad_fma(share, ss_quad_load(pass->v + n), v);
-                }
-            }
+    const ss_real *all_u = pass->u;
+    const ss_real *all_v = pass->v;
+    const ptrdiff_t node = pass->node_of[p];
+    ss_quad u;
+    ss_quad v = ss_quad_all(0);
+    if (node >= 0) {
+        u = ss_quad_load(all_u + 4 * node);
+        v = has_v ? ss_quad_load(all_v + 4 * node) : v;
+    } else {
+        const int32_t first = layer->tie_first[p];
+        const int32_t count = layer->tie_first[p + 1] - first;
+        const int32_t *tie_node = layer->tie_node + first;
+        const ss_real *tie = layer->tie + first;
+        u = ss_quad_load(pass->offset + 4 * p);
+        for (int32_t t = 0; t < count; ++t) {
+            const ptrdiff_t n = 4 * (ptrdiff_t)tie_node[t];
+            const ss_quad share = ss_quad_all(tie[t]);
+            u = ss_quad_fma(share, ss_quad_load(all_u + n), u);
+            v = has_v ? ss_quad_fma(share, ss_quad_load(all_v + n), v) : v;
         }
-        ss_quad_store(pass->state + 8 * p, u);
-        ss_quad_store(pass->state + 8 * p + 4, v);
-        ss_quad_store(pass->particle_force + 4 * p, none);
+    }
+    ss_quad_store(pass->state + 8 * p, u);
+    ss_quad_store(pass->state + 8 * p + 4, v);
+    ss_quad_store(pass->particle_force + 4 * p, ss_quad_all(0));
+}
+
+static void place(const ss_layer_pass *pass)
+{
+    if (pass->v != NULL) {
+        for (int32_t k = 0; k < pass->near_count; ++k) {
+            place_particle(pass, pass->near[k], true);
+        }
+    } else {
+        for (int32_t k = 0; k < pass->near_count; ++k) {
+            place_particle(pass, pass->near[k], false);
+        }
     }
 }
 
 static void give(const ss_layer_pass *pass)
 {
     const ss_layer *layer = pass->layer;
+    ss_real *force = pass->force;
     for (int32_t k = 0; k < pass->near_count; ++k) {
         const ptrdiff_t p = pass->near[k];
         const ptrdiff_t node = pass->node_of[p];
         const ss_quad f = ss_quad_load(pass->particle_force + 4 * p);
         if (node >= 0) {
-            ss_real *at = pass->force + 4 * node;
+            ss_real *at = force + 4 * node;
             ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));
             continue;
         }
-        for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
-            ss_real *at = pass->force + 4 * (ptrdiff_t)layer->tie_node[t];
-            ss_quad_store(at, ss_quad_fma(ss_quad_all(layer->tie[t]), f, ss_quad_load(at)));
+        const int32_t first = layer->tie_first[p];
+        const int32_t count = layer->tie_first[p + 1] - first;
+        const int32_t *tie_node = layer->tie_node + first;
+        const ss_real *tie = layer->tie + first;
+        for (int32_t t = 0; t < count; ++t) {
+            ss_real *at = force + 4 * (ptrdiff_t)tie_node[t];
+            ss_quad_store(at, ss_quad_fma(ss_quad_all(tie[t]), f, ss_quad_load(at)));
         }
     }
 }
