@@ -10,7 +10,7 @@
 
 #include "models/wide.h"
 
-enum { BLOCK = 64 }; /* nodes */
+enum { BLOCK = SS_BODY_BLOCK };
 
 static int32_t block_end(int32_t first, int32_t count)
 {
@@ -58,9 +58,10 @@ static void slow_down(int32_t first, int32_t end, double limit, const kick *by, 
     }
 }
 
-ss_body_speed ss_body_kick_drift(int32_t count, const ss_body_kick *how, double h, double limit,
-                                 const ss_real *mobility, const ss_real *force, const double *mass,
-                                 const ss_real *heavy, ss_real *v, ss_real *u)
+ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *how,
+                                 double h, double limit, const ss_real *mobility,
+                                 const ss_real *force, const double *mass, const ss_real *heavy,
+                                 ss_real *v, ss_real *u)
 {
     const double left = 1.0 - how->ahead * how->damping;
     const double share = 1.0 / (1.0 + how->lag * how->damping);
@@ -74,6 +75,9 @@ ss_body_speed ss_body_kick_drift(int32_t count, const ss_body_kick *how, double 
                      .force = force};
     ss_body_speed speed = {0};
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
+        if (is_idle[first / BLOCK]) {
+            continue;
+        }
         const int32_t end = block_end(first, count);
         ss_pair square = ss_pair_all(0), most = ss_pair_all(0), moving = ss_pair_all(0);
         for (int32_t i = first; i < end; i += 2) {
@@ -145,14 +149,17 @@ double ss_body_square(int32_t count, const ss_real *v)
     return ss_body_dot(count, v, v);
 }
 
-void ss_body_motion(int32_t count, double lag, double damping, const ss_real *mobility,
-                    const ss_real *mass, const ss_real *force, const ss_real *v, double *out_square,
-                    double *out_rate)
+void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
+                    const ss_real *v, double *out_square, double *out_rate)
 {
     const ss_pair share = ss_pair_all((ss_real)(1.0 / (1.0 + lag * damping)));
     const ss_pair behind = ss_pair_all((ss_real)lag), loss = ss_pair_all((ss_real)damping);
     *out_square = *out_rate = 0.0;
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
+        if (is_idle[first / BLOCK]) {
+            continue;
+        }
         const int32_t end = block_end(first, count);
         ss_pair square = ss_pair_all(0), rate = ss_pair_all(0);
         for (int32_t i = first; i < end; i += 2) {

@@ -67,6 +67,7 @@ struct ss_body {
     double total_mass;
     uint8_t *axes;      /* of every node: bits of the axes that are fixed or driven */
     ss_real *mass;      /* nodes.mass, for the kernels */
+    uint8_t *is_idle;   /* by block of nodes: none has a mass */
     uint8_t *is_source; /* nodes that a grasp may take hold of */
     ss_body_tool tool[SOFTSIM_MAX_PROBES];
     ss_body_load *load;
@@ -125,6 +126,8 @@ static inline const ss_real *ss_body_skin_u(const ss_body *body, const ss_real *
 
 /* ---- body_kernels.c: passes over all nodes -------------------------------------------------- */
 
+enum { SS_BODY_BLOCK = 64 }; /* nodes that are summed up together */
+
 /* Seconds by which v is behind its place, by which it is to be ahead, and 1/s. */
 typedef struct ss_body_kick {
     double lag, ahead, damping;
@@ -141,9 +144,10 @@ typedef struct ss_body_speed {
 /* With w = (v + lag mobility force)/(1 + lag damping): v := (1 - ahead damping) w + ahead mobility
  * force on axes that may move, slowed to `limit` (m/s) where faster; u += h v. `mass`: a value a
  * node; `heavy` the same. */
-ss_body_speed ss_body_kick_drift(int32_t count, const ss_body_kick *kick, double h, double limit,
-                                 const ss_real *mobility, const ss_real *force, const double *mass,
-                                 const ss_real *heavy, ss_real *v, ss_real *u);
+ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *kick,
+                                 double h, double limit, const ss_real *mobility,
+                                 const ss_real *force, const double *mass, const ss_real *heavy,
+                                 ss_real *v, ss_real *u);
 /* out_rate = mobility force - damping v on axes that may move, else 0. */
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,
                    const ss_real *v, ss_real *out_rate);
@@ -157,9 +161,9 @@ double ss_body_square(int32_t count, const ss_real *v);
 /* What a time step sees of the motion: with w = (v + lag mobility force)/(1 + lag damping) on axes
  * that may move and v elsewhere, and a = mobility force - damping w: sum m |w|^2 and sum m |a|^2
  * over the axes that may move. */
-void ss_body_motion(int32_t count, double lag, double damping, const ss_real *mobility,
-                    const ss_real *mass, const ss_real *force, const ss_real *v, double *out_square,
-                    double *out_rate);
+void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
+                    const ss_real *v, double *out_square, double *out_rate);
 /* Largest |u|^2 of a node (NaN-free input). */
 double ss_body_largest(int32_t count, const ss_real *u);
 
@@ -169,6 +173,8 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error);
 void ss_body_loads_fini(ss_body *body);
 /* Loads at `time` into load_force (the last ones into old_load); true when they changed. */
 bool ss_body_loads_update(ss_body *body, double time);
+/* Is the block of that node without mass? */
+void ss_body_set_idle(ss_body *body, int32_t node);
 /* What the loads did since old_u, J. */
 double ss_body_loads_work(const ss_body *body);
 /* Velocities change by what a changed load does in the lag of v, see body_step.c, J. */

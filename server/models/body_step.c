@@ -61,8 +61,8 @@ static void set_motion(ss_body *body)
     const ss_body_nodes *nodes = &body->nodes;
     const double lag = body->is_slowed ? 0.0 : nodes->kick_lag;
     double rate;
-    ss_body_motion(nodes->padded_count, lag, body->own.mass_damping, nodes->mobility, body->mass,
-                   nodes->force, nodes->v, &body->moving, &rate);
+    ss_body_motion(nodes->padded_count, body->is_idle, lag, body->own.mass_damping, nodes->mobility,
+                   body->mass, nodes->force, nodes->v, &body->moving, &rate);
     body->kinetic = 0.5 * body->moving + ss_body_driven_kinetic(body);
     body->shadow = 0.5 * lag * lag * rate;
 }
@@ -137,7 +137,7 @@ static void book_losses(ss_body *body, double span)
     const ss_body_nodes *nodes = &body->nodes;
     double moving = body->moving, rate;
     if (body->is_slowed && body->own.mass_damping > 0.0) {
-        ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping,
+        ss_body_motion(nodes->padded_count, body->is_idle, nodes->kick_lag, body->own.mass_damping,
                        nodes->mobility, body->mass, nodes->force, nodes->v, &moving, &rate);
     }
     body->dissipated += span * (body->power + body->own.mass_damping * moving);
@@ -151,8 +151,8 @@ static bool symplectic_euler(ss_body *body, double h)
     const double limit = MAX_EDGES * body->own.edge / h;
     const double span = kick.lag + kick.ahead - body->settled_lag;
     const ss_body_speed speed =
-        ss_body_kick_drift(nodes->padded_count, &kick, h, limit, nodes->mobility, nodes->force,
-                           nodes->mass, body->mass, nodes->v, nodes->u);
+        ss_body_kick_drift(nodes->padded_count, body->is_idle, &kick, h, limit, nodes->mobility,
+                           nodes->force, nodes->mass, body->mass, nodes->v, nodes->u);
     body->dissipated += span * (body->power + kick.damping * speed.moving);
     body->settled_lag = 0.0;
     nodes->kick_lag = kick.ahead;
@@ -187,8 +187,8 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
         ss_body_rates(n, body->own.mass_damping, nodes->mobility, nodes->force, vs, rate);
         ss_body_axpy(n, share[s], rate, sum);
         double square, unused;
-        ss_body_motion(n, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs, &square,
-                       &unused);
+        ss_body_motion(n, body->is_idle, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs,
+                       &square, &unused);
         body->dissipated += h * share[s] * (energy.power + body->own.mass_damping * square);
         if (s == 0) {
             ss_body_blend(n, nodes->u, share[0] * h, vs, end);
@@ -201,11 +201,11 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     ss_body_blend(n, end, -1.0, nodes->u, us);
     const double limit = MAX_EDGES * body->own.edge;
     const ss_body_kick none = {0.0, 0.0, 0.0};
-    (void)ss_body_kick_drift(n, &none, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
-                             body->mass, us, nodes->u);
+    (void)ss_body_kick_drift(n, body->is_idle, &none, 1.0, limit, nodes->mobility, nodes->force,
+                             nodes->mass, body->mass, us, nodes->u);
     const ss_body_speed speed =
-        ss_body_kick_drift(n, &none, 0.0, limit / h, nodes->mobility, nodes->force, nodes->mass,
-                           body->mass, nodes->v, us);
+        ss_body_kick_drift(n, body->is_idle, &none, 0.0, limit / h, nodes->mobility, nodes->force,
+                           nodes->mass, body->mass, nodes->v, us);
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
