@@ -28,8 +28,10 @@
  * without rest distances and with the well at root 3, the layer bursts.
  *
  * Displacements and velocities of a particle lie side by side: where a pair is one register, the
- * velocity gradient comes with the other at no cost. Rejected: eight particles in eight lanes with
- * gathers and transposes, which takes as long per pair and needs its own scatter.
+ * velocity gradient comes with the other at no cost; without viscosity two neighbours lie there.
+ * Rejected: eight particles in eight lanes with gathers and transposes, which takes as long per
+ * pair and needs its own scatter; 1/s by a polynomial and Newton's method, which has more
+ * operations than a root and a division take time.
  */
 #include <math.h>
 #include <stddef.h>
@@ -103,33 +105,89 @@ static void give(const ss_layer_pass *pass)
     }
 }
 
-static void strain(const ss_layer_pass *pass)
+static const int moment_at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/* Columns of H and Hdot of point k, of displacements and velocities side by side. */
+static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
 {
     const ss_layer *layer = pass->layer;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const ss_pair own = ss_pair_load(pass->state + 8 * p);
-        ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
-        ss_pair spread = ss_pair_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-            const ss_real *row = layer->pair + 4 * t;
-            const ss_pair d =
-                ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
-            for (int c = 0; c < 3; ++c) {
-                b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
-            }
-            spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
-        }
-        static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-        const ss_real *a = layer->moment + 8 * p;
+    const ptrdiff_t p = pass->point[k];
+    const ss_pair own = ss_pair_load(pass->state + 8 * p);
+    ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
+    ss_pair spread = ss_pair_all(0);
+    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
+        const ss_real *row = layer->pair + 4 * t;
+        const ss_pair d =
+            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
         for (int c = 0; c < 3; ++c) {
-            ss_pair h = ss_pair_mul(ss_pair_all(a[moment[0][c]]), b[0]);
-            h = ss_pair_fma(ss_pair_all(a[moment[1][c]]), b[1], h);
-            h = ss_pair_fma(ss_pair_all(a[moment[2][c]]), b[2], h);
-            ss_pair_store(pass->gradient + 8 * (ptrdiff_t)(1 + 3 * k + c), h);
-            spread = ss_pair_fnma(h, b[c], spread);
+            b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
         }
-        ss_pair_store(pass->spread + 8 * (ptrdiff_t)k, spread);
+        spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
+    }
+    const ss_real *a = layer->moment + 8 * p;
+    for (int c = 0; c < 3; ++c) {
+        ss_pair h = ss_pair_mul(ss_pair_all(a[moment_at[0][c]]), b[0]);
+        h = ss_pair_fma(ss_pair_all(a[moment_at[1][c]]), b[1], h);
+        h = ss_pair_fma(ss_pair_all(a[moment_at[2][c]]), b[2], h);
+        ss_pair_store(pass->gradient + 8 * (1 + 3 * k + c), h);
+        spread = ss_pair_fnma(h, b[c], spread);
+    }
+    ss_pair_store(pass->spread + 8 * k, spread);
+}
+
+/* Of displacements alone, two neighbours at a time. */
+static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
+{
+    const ss_layer *layer = pass->layer;
+    const ptrdiff_t p = pass->point[k];
+    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
+    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
+    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
+    const ss_quad own = ss_quad_load(pass->state + 8 * p);
+    const ss_pair twice = ss_pair_twice(own);
+    ss_pair two[4] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
+    for (int32_t t = 0; t + 1 < count; t += 2) {
+        const ss_pair row = ss_pair_load_quads(pair + 4 * t);
+        const ss_pair d = ss_pair_sub(ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t],
+                                                   pass->state + 8 * (ptrdiff_t)neighbour[t + 1]),
+                                      twice);
+        for (int c = 0; c < 3; ++c) {
+            two[c] = ss_pair_fma(ss_pair_lane(row, c), d, two[c]);
+        }
+        two[3] = ss_pair_fma(ss_pair_mul(ss_pair_last(row), d), d, two[3]);
+    }
+    ss_quad b[4];
+    for (int c = 0; c < 4; ++c) {
+        b[c] = ss_pair_both(two[c]);
+    }
+    if (count % 2 != 0) {
+        const ss_real *row = pair + 4 * (count - 1);
+        const ss_quad d =
+            ss_quad_sub(ss_quad_load(pass->state + 8 * (ptrdiff_t)neighbour[count - 1]), own);
+        for (int c = 0; c < 3; ++c) {
+            b[c] = ss_quad_fma(ss_quad_all(row[c]), d, b[c]);
+        }
+        b[3] = ss_quad_fma(ss_quad_mul(ss_quad_all(row[3]), d), d, b[3]);
+    }
+    const ss_real *a = layer->moment + 8 * p;
+    for (int c = 0; c < 3; ++c) {
+        ss_quad h = ss_quad_mul(ss_quad_all(a[moment_at[0][c]]), b[0]);
+        h = ss_quad_fma(ss_quad_all(a[moment_at[1][c]]), b[1], h);
+        h = ss_quad_fma(ss_quad_all(a[moment_at[2][c]]), b[2], h);
+        ss_quad_store(pass->gradient + 8 * (1 + 3 * k + c), h);
+        b[3] = ss_quad_fnma(h, b[c], b[3]);
+    }
+    ss_quad_store(pass->spread + 8 * k, b[3]);
+}
+
+static void strain(const ss_layer_pass *pass)
+{
+    for (ptrdiff_t k = 0; k < pass->point_count; ++k) {
+        if (pass->v != NULL) {
+            strain_both(pass, k);
+        } else {
+            strain_one(pass, k);
+        }
     }
 }
 
@@ -188,7 +246,6 @@ typedef struct point_of {
 
 static inline point_of point_at(const ss_layer_pass *pass, ptrdiff_t k)
 {
-    static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     const ptrdiff_t p = pass->point[k];
     const ss_real *a = pass->layer->moment + 8 * p;
     const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
@@ -200,7 +257,7 @@ static inline point_of point_at(const ss_layer_pass *pass, ptrdiff_t k)
     for (int c = 0; c < 3; ++c) {
         ss_quad m = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
         for (int d = 0; d < 3; ++d) {
-            m = ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m);
+            m = ss_quad_fnma(ss_quad_all(a[moment_at[d][c]]), ss_quad_load(stress + 8 * d), m);
         }
         point.m[c] = ss_pair_twice(m);
     }
