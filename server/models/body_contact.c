@@ -196,12 +196,12 @@ static int32_t gather(ss_body *body, const ss_real *u, double path)
         if (!tool->is_present) {
             continue;
         }
-        if (!is_refitted) {
+        ss_tool_pose from;
+        pose_at(tool, path, &from);
+        if (!is_refitted && !ss_touch_is_gathered(tool->touch, u, &from, &tool->to)) {
             ss_surface_refit(body->surface, u);
             is_refitted = true;
         }
-        ss_tool_pose from;
-        pose_at(tool, path, &from);
         count += ss_touch_gather(tool->touch, u, &from, &tool->to);
     }
     return count;

@@ -8,10 +8,11 @@
  * all asleep, and with as many awake as may be around a few places of the skin, since the layer's
  * small particles, tied neighbours and the lighter nodes under an awake region each may have the
  * stiffest motion. The quotient x.Kx/x.Mx is below the eigenvalue; its residual is added. While
- * running, every LOOK steps, or when the largest strain has changed, one more turn at the present
- * state; between the two the strain's growth rule of fem_step.c is followed: omega^2 grows at most
- * by 1 + 1.87 |2E|. Half of the step that results is taken. (The paper's eq. (14) is no bound: it
- * is 1.3 to 2.1 times the stable step on three of four meshes.)
+ * running, every LOOK steps, or when the largest strain has changed by what the growth below makes
+ * a tenth of omega^2, one more turn at the present state; between the two the strain's growth rule
+ * of fem_step.c is followed: omega^2 grows at most by 1 + 1.87 |2E|. Half of the step that results
+ * is taken. (The paper's eq. (14) is no bound: it is 1.3 to 2.1 times the stable step on three of
+ * four meshes.)
  */
 #include <math.h>
 #include <string.h>
@@ -139,7 +140,8 @@ double ss_hybrid_stable_step(void *owner, const ss_body *body)
     (void)body;
     hybrid->strain = 0.0;
     ++hybrid->age;
-    if (hybrid->age >= LOOK || fabs(strain - hybrid->seen_strain) > STRAIN_CHANGE) {
+    const double worth = STRAIN_CHANGE * (1.0 + STRAIN_GROWTH * hybrid->seen_strain);
+    if (hybrid->age >= LOOK || fabs(strain - hybrid->seen_strain) > worth) {
         double residual;
         const double rate2 = turn(hybrid, &residual);
         const double share = fmax(0.0, 1.0 - residual); /* what is known of a mode still turning */
