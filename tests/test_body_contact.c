@@ -185,6 +185,17 @@ static void carry_same_diagonal(void *owner, int32_t count, const int32_t *node,
     }
 }
 
+static double carry_same_rate2(void *owner, int32_t count, const int32_t *node, const double *skin,
+                               const ss_real *mobility)
+{
+    double largest = 0.0;
+    (void)owner;
+    for (int32_t i = 0; i < count; ++i) {
+        largest = fmax(largest, skin[node[i]] * (double)mobility[4 * node[i]]);
+    }
+    return largest;
+}
+
 static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
 {
     (void)state;
@@ -217,7 +228,8 @@ static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
                                        .sigma = 1.0,
                                        .lay = lay_half,
                                        .carry = carry_same,
-                                       .carry_diagonal = carry_same_diagonal};
+                                       .carry_diagonal = carry_same_diagonal,
+                                       .rate2 = carry_same_rate2};
         }
         assert_int_equal(ss_body_create(&plan, &b.body, &b.s.error), SOFTSIM_OK);
         free(mass);

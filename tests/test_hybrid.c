@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "hybrid_fixture.h"
+#include "models/body_state.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
@@ -343,6 +344,61 @@ static void switching_is_not_felt(void **state)
     }
 }
 
+/* omega^2 of the contact by power iteration, 1/s^2: its nodes' masses and exact tangent. */
+static double contact_rate2(ss_body *body)
+{
+    const ss_body_nodes *nodes = &body->nodes;
+    const size_t count = 4 * (size_t)nodes->padded_count;
+    ss_real *x = aligned_alloc(64, count * sizeof *x);
+    ss_real *y = aligned_alloc(64, count * sizeof *y);
+    double rate2 = 0.0;
+    for (size_t k = 0; k < count; ++k) {
+        x[k] = nodes->mobility[k] > 0 ? (ss_real)(1 + k % 7) : 0;
+    }
+    for (int turn = 0; turn < 60; ++turn) {
+        double square = 0.0;
+        double quotient = 0.0;
+        memset(y, 0, count * sizeof *y);
+        ss_body_contact_tangent(body, x, y);
+        for (size_t k = 0; k < count; ++k) {
+            const double light = (double)nodes->mobility[k];
+            square += light > 0.0 ? (double)x[k] * (double)x[k] / light : 0.0;
+            quotient += (double)x[k] * (double)y[k];
+        }
+        rate2 = quotient / square;
+        for (size_t k = 0; k < count; ++k) {
+            x[k] = (ss_real)((double)y[k] * (double)nodes->mobility[k] / rate2);
+        }
+    }
+    free(x);
+    free(y);
+    return rate2;
+}
+
+/* What sub-steps are taken by holds for the contact at every depth and costs little more; and they
+ * are as long as the two shares let them be. */
+static void contact_bounds_the_substeps(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    init_block(&s, 150);
+    ss_body *body = start_hybrid(&s)->body;
+    start_tool(tool, 0.5);
+    for (int k = 1; k <= 6; ++k) {
+        move(&s, tool, 0.5, 0.025 * k, 20);
+        move(&s, tool, 0.5, 0.025 * k, 10);
+        const double exact = contact_rate2(body);
+        assert_true(exact > 0.0 && body->contact_rate2 >= 0.999 * exact);
+        assert_true(body->contact_rate2 < 2.5 * exact);
+        const double law2 = 4.0 / (body->law_step * body->law_step);
+        const double shared2 = law2 / 0.25 + body->contact_rate2 / 0.81;
+        assert_near(body->longest * sqrt(shared2), 2.0, 1e-6);
+        assert_near(body->bound * sqrt(law2 + body->contact_rate2), 2.0, 1e-6);
+    }
+    setup_fini(&s);
+}
+
 static uint64_t press_and_hash(setup *s)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -407,6 +463,7 @@ int main(void)
         cmocka_unit_test(waking_keeps_mass_and_momentum),
         cmocka_unit_test(tool_wakes_what_it_touches),
         cmocka_unit_test(switching_is_not_felt),
+        cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(reset_begins_anew),
         cmocka_unit_test(hard_blow_is_survived),
     };

@@ -72,6 +72,27 @@ static void rows_reproduce_places(void **state)
     ss_mesh_destroy(&mesh);
 }
 
+/* Numbered by place, nodes of tetrahedra come first: no pass over the core goes past the skin. */
+static void skin_is_numbered_last(void **state)
+{
+    (void)state;
+    ss_mesh *mesh = make_block(origin);
+    assert_true(ss_mesh_renumber(mesh));
+    int32_t last = 0;
+    uint8_t *is_core = calloc((size_t)mesh->node_count, 1);
+    int32_t count = 0;
+    for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {
+        const int32_t i = mesh->tetrahedron[c / 4][c % 4];
+        last = i > last ? i : last;
+        count += !is_core[i];
+        is_core[i] = 1;
+    }
+    free(is_core);
+    assert_true(count < mesh->node_count);
+    assert_int_equal(last, count - 1);
+    ss_mesh_destroy(&mesh);
+}
+
 /* Pairs are mutual and hold w X with X from one to the other. */
 static void neighbours_are_mutual(void **state)
 {
@@ -95,6 +116,13 @@ static void neighbours_are_mutual(void **state)
             }
         }
     }
+    /* Two shells: 6 at a spacing, 12 at root 2. */
+    int32_t most = 0;
+    for (int32_t p = 0; p < layer->count; ++p) {
+        const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
+        most = pairs > most ? pairs : most;
+    }
+    assert_int_equal(most, 18);
     ss_layer_destroy(&layer);
     ss_mesh_destroy(&mesh);
 }
@@ -464,6 +492,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_reproduce_places),
+        cmocka_unit_test(skin_is_numbered_last),
         cmocka_unit_test(neighbours_are_mutual),
         cmocka_unit_test(spacing_may_differ),
         cmocka_unit_test(affine_maps_are_exact),

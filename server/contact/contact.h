@@ -135,6 +135,10 @@ void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
  * finite. Returns their number. RT-safe. */
 int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
                         const ss_tool_pose *to);
+/* Will a gather on that path keep the earlier one? Then the hierarchy need not be refitted for it.
+ * RT-safe. */
+bool ss_touch_is_gathered(const ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
+                          const ss_tool_pose *to);
 
 /* Source weights at `pose`: touched nodes with w_i > 0 in increasing node order (deterministic).
  * *out_node, *out_weight stay valid until the next weigh; out_total = W. `is_source[i]` false

@@ -187,6 +187,13 @@ static void forget(ss_touch *touch)
     touch->reach_count = 0;
 }
 
+bool ss_touch_is_gathered(const ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
+                          const ss_tool_pose *to)
+{
+    return touch->is_gathered && is_covered(touch, from) && is_covered(touch, to) &&
+           (double)ss_touch_moved(touch, u) <= 0.5 * touch->slack;
+}
+
 int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
                         const ss_tool_pose *to)
 {
@@ -199,8 +206,7 @@ int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *f
         forget(touch);
         return 0;
     }
-    if (!touch->is_gathered || !is_covered(touch, from) || !is_covered(touch, to) ||
-        !((double)ss_touch_moved(touch, u) <= 0.5 * touch->slack)) {
+    if (!ss_touch_is_gathered(touch, u, from, to)) {
         ss_sub3(touch->sweep.start, from->position, touch->surface->centre);
         ss_sub3(touch->sweep.along, to->position, from->position);
         touch->sweep.square = ss_dot3(touch->sweep.along, touch->sweep.along);

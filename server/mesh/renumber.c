@@ -3,10 +3,11 @@
 /*
  * Numbers by place: neighbours in space are near in memory, whatever order a file has.
  *
- * Nodes are sorted along a Hilbert curve through the box, elements by their lowest nodes. Measured
- * by the nodes outside a block of 64 consecutive ones that are joined to it (what a block's kernels
- * read from elsewhere), on average over the blocks, beside the order of the file, a Morton curve
- * and reverse Cuthill-McKee:
+ * Nodes are sorted along a Hilbert curve through the box, elements by their lowest nodes; nodes
+ * of a skin, that is of no tetrahedron, come after all others, so that nobody who works on the
+ * volume reads past them. Measured by the nodes outside a block of 64 consecutive ones that are
+ * joined to it (what a block's kernels read from elsewhere), on average over the blocks, beside the
+ * order of the file, a Morton curve and reverse Cuthill-McKee:
  *
  *   mesh                                 file  Hilbert  Morton   RCM
  *   cylinder, 360 nodes, grid              41       32      32    50
@@ -95,9 +96,14 @@ static void place_nodes(const ss_mesh *mesh, place *out)
         }
     }
     const double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    const uint64_t apart = mesh->tetrahedron_count > 0 ? UINT64_C(1) << 63 : 0;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         out[i] = (place){.number = i};
         out[i].key[0] = size > 0.0 ? ss_mesh_curve_place(mesh->position[i], low, size) : 0;
+        out[i].key[0] |= apart; /* above the curve's 63 bits */
+    }
+    for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {
+        out[mesh->tetrahedron[c / 4][c % 4]].key[0] &= ~apart;
     }
     qsort(out, (size_t)mesh->node_count, sizeof *out, compare_places);
 }

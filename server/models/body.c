@@ -135,7 +135,9 @@ static softsim_status allocate(ss_body *body)
     body->mass = ss_memory_get(n, sizeof *body->mass);
     body->axes = ss_memory_get(n, sizeof *body->axes);
     body->is_source = ss_memory_get(n, sizeof *body->is_source);
-    is_good = is_good && nodes->rest && nodes->mass && body->mass && body->axes && body->is_source;
+    body->is_idle = ss_memory_get(n / SS_BODY_BLOCK + 1, sizeof *body->is_idle);
+    is_good = is_good && nodes->rest && nodes->mass && body->mass && body->axes &&
+              body->is_source && body->is_idle;
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
@@ -200,6 +202,9 @@ static void set_nodes(ss_body *body)
             const bool is_free = mass > 0.0 && (fixed & (1 << k)) == 0;
             nodes->mobility[4 * (ptrdiff_t)i + k] = is_free ? (ss_real)(1.0 / mass) : 0;
         }
+    }
+    for (int32_t first = 0; first < nodes->count; first += SS_BODY_BLOCK) {
+        ss_body_set_idle(body, first);
     }
     body->small_energy =
         1e-3 * body->own.edge * (body->plan.working_force > 0.0 ? body->plan.working_force : 1.0);
@@ -288,9 +293,9 @@ void ss_body_destroy(ss_body **body)
     ss_body_loads_fini(gone);
     void *const owned[] = {
         gone->nodes.rest, gone->nodes.u,  gone->nodes.v,   gone->nodes.force, gone->nodes.mobility,
-        gone->nodes.mass, gone->axes,     gone->is_source, gone->load_force,  gone->old_load,
-        gone->old_u,      gone->stage[0], gone->stage[1],  gone->stage[2],    gone->stage[3],
-        gone->stage[4],   gone->mass};
+        gone->nodes.mass, gone->axes,     gone->is_source, gone->is_idle,     gone->load_force,
+        gone->old_load,   gone->old_u,    gone->stage[0],  gone->stage[1],    gone->stage[2],
+        gone->stage[3],   gone->stage[4], gone->mass};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

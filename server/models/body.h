@@ -79,6 +79,10 @@ typedef struct ss_body_skin {
     /* Adds an upper bound of S^T diag(skin) S's row sums to `diagonal` (N/m). */
     void (*carry_diagonal)(void *owner, int32_t count, const int32_t *node, const double *skin,
                            double *diagonal);
+    /* An upper bound of the largest eigenvalue of M^-1 S^T diag(skin) S, 1/s^2; `skin` is 0 but at
+     * node[0..count), each once, and `mobility` is ss_body_nodes'. */
+    double (*rate2)(void *owner, int32_t count, const int32_t *node, const double *skin,
+                    const ss_real *mobility);
 } ss_body_skin;
 
 typedef enum ss_body_integrator { SS_BODY_SYMPLECTIC_EULER, SS_BODY_RK4 } ss_body_integrator;
@@ -94,6 +98,7 @@ typedef struct ss_body_plan {
                                   by it. 0: what the stable step at rest asks for (usual);
                                   INFINITY: the model takes contact implicitly */
     double step_share;         /* of the stable step that sub-steps take, e.g. 0.5 */
+    double contact_share;      /* the same of the contact's part of it; 0: step_share */
     ss_body_integrator integrator; /* of models without `advance` */
     ss_body_elastic elastic;
     ss_body_skin skin;

@@ -12,7 +12,7 @@
  * now, and omega_e the law's, omega^2 <= omega_e^2 + omega_c^2 bounds every mode (largest
  * eigenvalues of sums), so that sub-steps shorten by what the contact takes and no more.
  * The contact's surface is the mesh's, or one of the model's own that rides on the nodes: x_s =
- * S x; forces return by S^T, stiffness by an upper bound of the row sums of S^T k S.
+ * S x; forces return by S^T, omega_c^2 is what the model says of M^-1 S^T k S.
  * Rejected: contact as constraints (a force that ripples as samples come and go, and no energy to
  * balance the hand against).
  */
@@ -88,9 +88,12 @@ static softsim_status allocate(ss_body *body)
     body->contact_stiff = ss_memory_get(n, sizeof *body->contact_stiff);
     body->skin_force = ss_memory_get(skin * 4, sizeof *body->skin_force);
     body->skin_stiff = ss_memory_get(skin, sizeof *body->skin_stiff);
+    body->is_stiff = ss_memory_get(skin, 1);
+    body->stiff_node = ss_memory_get(skin, sizeof *body->stiff_node);
     body->skin_u = body->has_skin ? ss_memory_get(skin * 4, sizeof *body->skin_u) : NULL;
     is_good = is_good && solver->stiff && body->contact_stiff && body->skin_force &&
-              body->skin_stiff && (!body->has_skin || body->skin_u);
+              body->skin_stiff && body->is_stiff && body->stiff_node &&
+              (!body->has_skin || body->skin_u);
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
@@ -143,9 +146,10 @@ void ss_body_tools_fini(ss_body *body)
     }
     ss_surface_destroy(&body->surface);
     const ss_body_solver *solver = &body->solver;
-    void *const owned[] = {solver->inverse,  solver->push,    solver->residual,   solver->search,
-                           solver->scaled,   solver->product, solver->stiff,      body->skin_force,
-                           body->skin_stiff, body->skin_u,    body->contact_stiff};
+    void *const owned[] = {solver->inverse,  solver->push,    solver->residual,    solver->search,
+                           solver->scaled,   solver->product, solver->stiff,       body->skin_force,
+                           body->skin_stiff, body->skin_u,    body->contact_stiff, body->is_stiff,
+                           body->stiff_node};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }
@@ -192,12 +196,12 @@ static int32_t gather(ss_body *body, const ss_real *u, double path)
         if (!tool->is_present) {
             continue;
         }
-        if (!is_refitted) {
+        ss_tool_pose from;
+        pose_at(tool, path, &from);
+        if (!is_refitted && !ss_touch_is_gathered(tool->touch, u, &from, &tool->to)) {
             ss_surface_refit(body->surface, u);
             is_refitted = true;
         }
-        ss_tool_pose from;
-        pose_at(tool, path, &from);
         count += ss_touch_gather(tool->touch, u, &from, &tool->to);
     }
     return count;
@@ -388,27 +392,61 @@ void ss_body_contact_diagonal(ss_body *body, double *diagonal)
     }
 }
 
-double ss_body_contact_rate2(ss_body *body)
+/* Stiffness of all tools and grasps onto skin_stiff, the nodes that have any into stiff_node. */
+static int32_t list_stiff(ss_body *body)
 {
-    double largest = 0.0;
-    if (!ss_body_has_contact(body) || ss_body_contact_energy(body) == 0.0) {
-        bool is_held = false;
-        for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-            is_held = is_held || body->tool[k].grasp.count > 0;
+    int32_t count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k];
+        if (tool->is_present) {
+            ss_touch_diagonal(tool->touch, body->skin_stiff);
         }
-        if (!is_held) {
-            return 0.0;
+        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
+            body->skin_stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
         }
     }
-    memset(body->contact_stiff, 0, (size_t)body->nodes.padded_count * sizeof *body->contact_stiff);
-    ss_body_contact_diagonal(body, body->contact_stiff);
-    for (int32_t i = 0; i < body->nodes.count; ++i) {
-        if (body->contact_stiff[i] > 0.0) {
-            const ss_real *mobility = body->nodes.mobility + 4 * (ptrdiff_t)i;
-            const double most =
-                fmax(fmax((double)mobility[0], (double)mobility[1]), (double)mobility[2]);
-            largest = fmax(largest, most * body->contact_stiff[i]);
+    for (int k = 0; k < 2 * SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k / 2];
+        const int32_t *node = tool->grasp.node;
+        const int32_t length = !tool->is_present ? 0
+                               : k % 2 == 0      ? ss_touch_reach(tool->touch, &node)
+                                                 : tool->grasp.count;
+        for (int32_t i = 0; i < length; ++i) {
+            if (body->skin_stiff[node[i]] > 0.0 && !body->is_stiff[node[i]]) {
+                body->is_stiff[node[i]] = 1;
+                body->stiff_node[count++] = node[i];
+            }
         }
+    }
+    return count;
+}
+
+double ss_body_contact_rate2(ss_body *body)
+{
+    const ss_body_skin *skin = &body->own.skin;
+    const ss_real *mobility = body->nodes.mobility;
+    bool is_held = false;
+    double largest = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_held = is_held || body->tool[k].grasp.count > 0;
+    }
+    if (!is_held && (!ss_body_has_contact(body) || ss_body_contact_energy(body) == 0.0)) {
+        return 0.0;
+    }
+    const int32_t count = list_stiff(body);
+    if (body->has_skin) {
+        largest = skin->rate2(body->own.elastic.owner, count, body->stiff_node, body->skin_stiff,
+                              mobility);
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t node = body->stiff_node[i];
+        if (!body->has_skin) {
+            const ss_real *light = mobility + 4 * (ptrdiff_t)node;
+            const double most = fmax(fmax((double)light[0], (double)light[1]), (double)light[2]);
+            largest = fmax(largest, most * body->skin_stiff[node]);
+        }
+        body->skin_stiff[node] = 0.0;
+        body->is_stiff[node] = 0;
     }
     return largest;
 }

@@ -10,7 +10,7 @@
 
 #include "models/wide.h"
 
-enum { BLOCK = 64 }; /* nodes */
+enum { BLOCK = SS_BODY_BLOCK };
 
 static int32_t block_end(int32_t first, int32_t count)
 {
@@ -28,7 +28,7 @@ static ss_real lane_most(ss_pair a)
     return most;
 }
 
-/* What a kick did to v. */
+/* What a kick did to v: v := keep v + gain mobility force. */
 typedef struct kick {
     double keep, gain;
     const ss_real *mobility, *force;
@@ -58,23 +58,38 @@ static void slow_down(int32_t first, int32_t end, double limit, const kick *by, 
     }
 }
 
-ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
-                                 const ss_real *mobility, const ss_real *force, const double *mass,
+ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *how,
+                                 double h, double limit, const ss_real *mobility,
+                                 const ss_real *force, const double *mass, const ss_real *heavy,
                                  ss_real *v, ss_real *u)
 {
-    const ss_pair kept = ss_pair_all((ss_real)keep), gained = ss_pair_all((ss_real)gain);
+    const double left = 1.0 - how->ahead * how->damping;
+    const double share = 1.0 / (1.0 + how->lag * how->damping);
+    const ss_pair behind = ss_pair_all((ss_real)how->lag), ahead = ss_pair_all((ss_real)how->ahead);
+    const ss_pair shared = ss_pair_all((ss_real)share), kept = ss_pair_all((ss_real)left);
     const ss_pair step = ss_pair_all((ss_real)h);
     const double near = limit * limit / 3.0; /* below: no component can make it too fast */
-    const kick by = {.keep = keep, .gain = gain, .mobility = mobility, .force = force};
+    const kick by = {.keep = left * share,
+                     .gain = left * share * how->lag + how->ahead,
+                     .mobility = mobility,
+                     .force = force};
     ss_body_speed speed = {0};
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
+        if (is_idle[first / BLOCK]) {
+            continue;
+        }
         const int32_t end = block_end(first, count);
-        ss_pair square = ss_pair_all(0), most = ss_pair_all(0);
-        for (ptrdiff_t at = 4 * (ptrdiff_t)first; at < 4 * (ptrdiff_t)end; at += 8) {
-            const ss_pair push = ss_pair_mul(ss_pair_load(mobility + at), ss_pair_load(force + at));
-            const ss_pair w = ss_pair_fma(gained, push, ss_pair_mul(kept, ss_pair_load(v + at)));
-            most = ss_pair_most(ss_pair_mul(w, w), most);
-            ss_pair_store(v + at, w);
+        ss_pair square = ss_pair_all(0), most = ss_pair_all(0), moving = ss_pair_all(0);
+        for (int32_t i = first; i < end; i += 2) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)i;
+            const ss_pair light = ss_pair_load(mobility + at), m = ss_pair_each(heavy + i);
+            const ss_pair push = ss_pair_mul(light, ss_pair_load(force + at));
+            const ss_pair w = ss_pair_mul(shared, ss_pair_fma(behind, push, ss_pair_load(v + at)));
+            const ss_pair next = ss_pair_fma(ahead, push, ss_pair_mul(kept, w));
+            /* m on axes that may move, 0 elsewhere */
+            moving = ss_pair_fma(ss_pair_mul(ss_pair_mul(light, m), m), ss_pair_mul(w, w), moving);
+            most = ss_pair_most(ss_pair_mul(next, next), most);
+            ss_pair_store(v + at, next);
         }
         if ((double)lane_most(most) > near) {
             slow_down(first, end, limit, &by, mass, v, &speed);
@@ -85,6 +100,7 @@ ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double
             ss_pair_store(u + at, ss_pair_fma(step, w, ss_pair_load(u + at)));
         }
         speed.square += ss_pair_sum(square);
+        speed.moving += ss_pair_sum(moving);
     }
     return speed;
 }
@@ -133,14 +149,17 @@ double ss_body_square(int32_t count, const ss_real *v)
     return ss_body_dot(count, v, v);
 }
 
-void ss_body_motion(int32_t count, double lag, double damping, const ss_real *mobility,
-                    const ss_real *mass, const ss_real *force, const ss_real *v, double *out_square,
-                    double *out_rate)
+void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
+                    const ss_real *v, double *out_square, double *out_rate)
 {
     const ss_pair share = ss_pair_all((ss_real)(1.0 / (1.0 + lag * damping)));
     const ss_pair behind = ss_pair_all((ss_real)lag), loss = ss_pair_all((ss_real)damping);
     *out_square = *out_rate = 0.0;
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
+        if (is_idle[first / BLOCK]) {
+            continue;
+        }
         const int32_t end = block_end(first, count);
         ss_pair square = ss_pair_all(0), rate = ss_pair_all(0);
         for (int32_t i = first; i < end; i += 2) {

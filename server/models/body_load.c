@@ -163,6 +163,16 @@ void ss_body_loads_reset(ss_body *body)
     body->has_visible_loads = body->has_gravity;
 }
 
+void ss_body_set_idle(ss_body *body, int32_t node)
+{
+    const int32_t first = node / SS_BODY_BLOCK * SS_BODY_BLOCK;
+    bool is_idle = true;
+    for (int32_t i = first; i < first + SS_BODY_BLOCK && i < body->nodes.count; ++i) {
+        is_idle = is_idle && body->nodes.mass[i] == 0.0;
+    }
+    body->is_idle[node / SS_BODY_BLOCK] = is_idle;
+}
+
 void ss_body_set_mass(ss_body *body, int32_t node, double mass)
 {
     ss_real *mobility = body->nodes.mobility + 4 * (ptrdiff_t)node;
@@ -176,6 +186,9 @@ void ss_body_set_mass(ss_body *body, int32_t node, double mass)
     }
     body->nodes.mass[node] = mass;
     body->mass[node] = (ss_real)mass;
+    if (mass == 0.0 || body->is_idle[node / SS_BODY_BLOCK]) {
+        ss_body_set_idle(body, node);
+    }
 }
 
 /* ---- work --------------------------------------------------------------------------------- */

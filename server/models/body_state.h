@@ -67,6 +67,7 @@ struct ss_body {
     double total_mass;
     uint8_t *axes;      /* of every node: bits of the axes that are fixed or driven */
     ss_real *mass;      /* nodes.mass, for the kernels */
+    uint8_t *is_idle;   /* by block of nodes: none has a mass */
     uint8_t *is_source; /* nodes that a grasp may take hold of */
     ss_body_tool tool[SOFTSIM_MAX_PROBES];
     ss_body_load *load;
@@ -84,12 +85,14 @@ struct ss_body {
     /* derived; valid while is_ready */
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */
+    double moving;              /* J: sum m |w|^2 of the last set_motion */
     double shadow;              /* J: what the ledger takes off kinetic, see body_step.c */
     bool is_above;              /* as ss_body_energy has it */
     double power;               /* W, of viscosity */
     double settled_lag;         /* s of the lag of v whose dissipation is booked already */
     double law_step;            /* s, of the elastic law alone */
     double bound;               /* s, with contact */
+    double longest;             /* s: what a sub-step may take */
     double contact_rate2;       /* 1/s^2 */
     /* scratch */
     ss_real *old_u;        /* at the start of the outer step */
@@ -98,6 +101,8 @@ struct ss_body {
     ss_real *skin_u;       /* the model's own surface; else NULL and nodes.u is meant */
     ss_real *skin_force;   /* of nodes of the contact surface, clear between calls */
     double *skin_stiff;    /* likewise */
+    uint8_t *is_stiff;     /* likewise: is the node in stiff_node? */
+    int32_t *stiff_node;   /* of the contact surface */
     double *contact_stiff; /* of nodes, clear between calls */
     ss_body_solver solver;
     /* report */
@@ -121,17 +126,27 @@ static inline const ss_real *ss_body_skin_u(const ss_body *body, const ss_real *
 
 /* ---- body_kernels.c: passes over all nodes -------------------------------------------------- */
 
+enum { SS_BODY_BLOCK = 64 }; /* nodes that are summed up together */
+
+/* Seconds by which v is behind its place, by which it is to be ahead, and 1/s. */
+typedef struct ss_body_kick {
+    double lag, ahead, damping;
+} ss_body_kick;
+
 /* What a kick left. */
 typedef struct ss_body_speed {
+    double moving; /* sum m |w|^2 over the axes that may move */
     double square; /* sum |v|^2, not finite when a v is not */
     double taken;  /* J, by the limit */
     bool is_slowed;
 } ss_body_speed;
 
-/* v := keep v + gain mobility force on axes that may move, slowed to `limit` (m/s) where faster;
- * u += h v. `mass`: a value a node. */
-ss_body_speed ss_body_kick_drift(int32_t count, double keep, double gain, double h, double limit,
-                                 const ss_real *mobility, const ss_real *force, const double *mass,
+/* With w = (v + lag mobility force)/(1 + lag damping): v := (1 - ahead damping) w + ahead mobility
+ * force on axes that may move, slowed to `limit` (m/s) where faster; u += h v. `mass`: a value a
+ * node; `heavy` the same. */
+ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *kick,
+                                 double h, double limit, const ss_real *mobility,
+                                 const ss_real *force, const double *mass, const ss_real *heavy,
                                  ss_real *v, ss_real *u);
 /* out_rate = mobility force - damping v on axes that may move, else 0. */
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,
@@ -146,9 +161,9 @@ double ss_body_square(int32_t count, const ss_real *v);
 /* What a time step sees of the motion: with w = (v + lag mobility force)/(1 + lag damping) on axes
  * that may move and v elsewhere, and a = mobility force - damping w: sum m |w|^2 and sum m |a|^2
  * over the axes that may move. */
-void ss_body_motion(int32_t count, double lag, double damping, const ss_real *mobility,
-                    const ss_real *mass, const ss_real *force, const ss_real *v, double *out_square,
-                    double *out_rate);
+void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
+                    const ss_real *v, double *out_square, double *out_rate);
 /* Largest |u|^2 of a node (NaN-free input). */
 double ss_body_largest(int32_t count, const ss_real *u);
 
@@ -158,6 +173,8 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error);
 void ss_body_loads_fini(ss_body *body);
 /* Loads at `time` into load_force (the last ones into old_load); true when they changed. */
 bool ss_body_loads_update(ss_body *body, double time);
+/* Is the block of that node without mass? */
+void ss_body_set_idle(ss_body *body, int32_t node);
 /* What the loads did since old_u, J. */
 double ss_body_loads_work(const ss_body *body);
 /* Velocities change by what a changed load does in the lag of v, see body_step.c, J. */
@@ -187,7 +204,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
 double ss_body_contact_energy(const ss_body *body);
 /* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
 double ss_body_tool_work(const ss_body *body);
-/* max_i k_i / m_i of the contact, 1/s^2, at the last evaluation. */
+/* An upper bound of omega^2 of the contact alone, 1/s^2, at the last evaluation. */
 double ss_body_contact_rate2(ss_body *body);
 /* Fills tool->rest_felt. Thread: set-up only. */
 softsim_status ss_body_set_rest_felt(ss_body *body);

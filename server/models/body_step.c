@@ -18,7 +18,9 @@
  * have no lag.
  *
  * The step: omega^2 <= (limit / law's stable step)^2 + contact's (body_contact.c), sub-steps take
- * `step_share` of limit / omega in equal parts; a tool moves at most R/4 in one. Where the budget
+ * `step_share` of limit / omega in equal parts, where the contact's part may have a share of its
+ * own: h^2 (law's / step_share^2 + contact's / contact_share^2) <= limit^2, stable since no share
+ * is above 1. A tool moves at most R/4 in a sub-step. Where the budget
  * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
  * stable, while tools and driven axes reach their places. A node moves at most a fifth of an edge
  * in an explicit sub-step: no element can be turned inside out by the motion of a single one, and
@@ -58,10 +60,10 @@ static void set_motion(ss_body *body)
 {
     const ss_body_nodes *nodes = &body->nodes;
     const double lag = body->is_slowed ? 0.0 : nodes->kick_lag;
-    double square, rate;
-    ss_body_motion(nodes->padded_count, lag, body->own.mass_damping, nodes->mobility, body->mass,
-                   nodes->force, nodes->v, &square, &rate);
-    body->kinetic = 0.5 * square + ss_body_driven_kinetic(body);
+    double rate;
+    ss_body_motion(nodes->padded_count, body->is_idle, lag, body->own.mass_damping, nodes->mobility,
+                   body->mass, nodes->force, nodes->v, &body->moving, &rate);
+    body->kinetic = 0.5 * body->moving + ss_body_driven_kinetic(body);
     body->shadow = 0.5 * lag * lag * rate;
 }
 
@@ -103,8 +105,12 @@ static void set_bound(ss_body *body)
 {
     const double limit =
         body->is_explicit && body->own.integrator == SS_BODY_RK4 ? RK4_LIMIT : EULER_LIMIT;
-    const double law = 1.0 / body->law_step;
-    body->bound = 1.0 / sqrt(law * law + body->contact_rate2 / (limit * limit));
+    const double law2 = 1.0 / (body->law_step * body->law_step);
+    const double contact2 = body->contact_rate2 / (limit * limit);
+    const double share = body->own.step_share;
+    const double contact_share = body->own.contact_share > 0.0 ? body->own.contact_share : share;
+    body->bound = 1.0 / sqrt(law2 + contact2);
+    body->longest = 1.0 / sqrt(law2 / (share * share) + contact2 / (contact_share * contact_share));
 }
 
 static double ledger_sum(const ss_body *body)
@@ -125,30 +131,31 @@ static void tell_slow(ss_body *body, const ss_body_speed *speed)
     }
 }
 
-/* Dissipation of viscosity and mass damping at the present state over `span` seconds. */
+/* Dissipation of viscosity and mass damping at the end of an outer step, over `span` seconds. */
 static void book_losses(ss_body *body, double span)
 {
     const ss_body_nodes *nodes = &body->nodes;
-    double square = 0.0, rate;
-    if (body->own.mass_damping > 0.0) {
-        ss_body_motion(nodes->padded_count, nodes->kick_lag, body->own.mass_damping,
-                       nodes->mobility, body->mass, nodes->force, nodes->v, &square, &rate);
+    double moving = body->moving, rate;
+    if (body->is_slowed && body->own.mass_damping > 0.0) {
+        ss_body_motion(nodes->padded_count, body->is_idle, nodes->kick_lag, body->own.mass_damping,
+                       nodes->mobility, body->mass, nodes->force, nodes->v, &moving, &rate);
     }
-    body->dissipated += span * (body->power + body->own.mass_damping * square);
+    body->dissipated += span * (body->power + body->own.mass_damping * moving);
 }
 
 static bool symplectic_euler(ss_body *body, double h)
 {
     ss_body_nodes *nodes = &body->nodes;
-    const double alpha = body->own.mass_damping, b = nodes->kick_lag, a = 0.5 * h;
-    const double keep = (1.0 - a * alpha) / (1.0 + b * alpha);
+    const ss_body_kick kick = {
+        .lag = nodes->kick_lag, .ahead = 0.5 * h, .damping = body->own.mass_damping};
     const double limit = MAX_EDGES * body->own.edge / h;
-    book_losses(body, b + a - body->settled_lag);
-    body->settled_lag = 0.0;
+    const double span = kick.lag + kick.ahead - body->settled_lag;
     const ss_body_speed speed =
-        ss_body_kick_drift(nodes->padded_count, keep, keep * b + a, h, limit, nodes->mobility,
-                           nodes->force, nodes->mass, nodes->v, nodes->u);
-    nodes->kick_lag = a;
+        ss_body_kick_drift(nodes->padded_count, body->is_idle, &kick, h, limit, nodes->mobility,
+                           nodes->force, nodes->mass, body->mass, nodes->v, nodes->u);
+    body->dissipated += span * (body->power + kick.damping * speed.moving);
+    body->settled_lag = 0.0;
+    nodes->kick_lag = kick.ahead;
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
@@ -180,8 +187,8 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
         ss_body_rates(n, body->own.mass_damping, nodes->mobility, nodes->force, vs, rate);
         ss_body_axpy(n, share[s], rate, sum);
         double square, unused;
-        ss_body_motion(n, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs, &square,
-                       &unused);
+        ss_body_motion(n, body->is_idle, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs,
+                       &square, &unused);
         body->dissipated += h * share[s] * (energy.power + body->own.mass_damping * square);
         if (s == 0) {
             ss_body_blend(n, nodes->u, share[0] * h, vs, end);
@@ -193,10 +200,12 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     /* The same limit as with the other method, on the way and on the velocity. */
     ss_body_blend(n, end, -1.0, nodes->u, us);
     const double limit = MAX_EDGES * body->own.edge;
-    (void)ss_body_kick_drift(n, 1.0, 0.0, 1.0, limit, nodes->mobility, nodes->force, nodes->mass,
-                             us, nodes->u);
-    const ss_body_speed speed = ss_body_kick_drift(n, 1.0, 0.0, 0.0, limit / h, nodes->mobility,
-                                                   nodes->force, nodes->mass, nodes->v, us);
+    const ss_body_kick none = {0.0, 0.0, 0.0};
+    (void)ss_body_kick_drift(n, body->is_idle, &none, 1.0, limit, nodes->mobility, nodes->force,
+                             nodes->mass, body->mass, us, nodes->u);
+    const ss_body_speed speed =
+        ss_body_kick_drift(n, body->is_idle, &none, 0.0, limit / h, nodes->mobility, nodes->force,
+                           nodes->mass, body->mass, nodes->v, us);
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
@@ -305,7 +314,7 @@ typedef struct progress {
 static void plan_substep(const ss_body *body, const progress *p, double *out_h,
                          double *out_fraction)
 {
-    const double stable = body->own.step_share * body->bound;
+    const double stable = body->longest;
     const double by_time = ceil(p->left / stable - 1e-9);
     const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
     const double needed = fmax(fmax(by_time, by_way), 1.0);

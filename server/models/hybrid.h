@@ -38,7 +38,7 @@ typedef struct ss_hybrid_particle {
     int32_t near;     /* its place among the near particles, -1 */
     int32_t wanted;   /* its place among the wanted ones, -1 */
     int32_t need;     /* points that it is or is a neighbour of */
-    int32_t patience; /* outer steps until it sleeps wherever it is, once let go */
+    int32_t patience; /* changes until it sleeps wherever it is, once let go */
     ss_real share;    /* of its stiffness that is the layer's, 0..1 */
     ss_real target;   /* what share goes to */
 } ss_hybrid_particle;
@@ -98,6 +98,7 @@ typedef struct ss_hybrid {
     ss_real *state, *particle_force;
     int32_t awake_count;
     bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
+    uint32_t beat;                  /* outer steps since all slept */
 
     /* skin */
     int32_t *rider_first, *rider;  /* by particle: places in the layer's skin rows that name it */
@@ -105,15 +106,26 @@ typedef struct ss_hybrid {
     int32_t *riding, riding_count; /* skin nodes with a row */
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
-    int32_t turn;                  /* which sleeping skin nodes are laid next */
-    ss_real *laid;                 /* quads of mesh nodes: as laid last */
-    ss_real *shown, *shown_v;      /* quads of mesh nodes: what displacement() returns */
+    int32_t *close, close_count;   /* skin nodes that a tool may reach before the next list */
+    int32_t *around, around_count; /* and that say where it would be at rest */
+    double listed[SOFTSIM_MAX_PROBES][3]; /* m: tools at the last list */
+    bool was_listed[SOFTSIM_MAX_PROBES];
+    int32_t list_age;               /* outer steps */
+    int32_t *core_node, core_count; /* mesh nodes that are no skin */
+    int32_t turn;                   /* which sleeping skin nodes are laid next */
+    bool is_turn_due;               /* they were not in this outer step */
+    bool is_skin_old;               /* the body's copy is not `laid` but for what is laid next */
+    ss_real *laid;                  /* quads of mesh nodes: as laid last */
+    ss_real *shown, *shown_v;       /* quads of mesh nodes: what displacement() returns */
+    double *load;                   /* by node of the body: scratch of a bound, 0 between calls */
+    double *swing;                  /* by mesh node: likewise, anything between calls */
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     ss_tool_plan shape[SOFTSIM_MAX_PROBES];
-    double close_reach[SOFTSIM_MAX_PROBES]; /* m: skin nearer to a tool's origin is always laid */
-    double scanned[SOFTSIM_MAX_PROBES][3];  /* m: middle of the tool at rest at the last scan */
+    double close_reach[SOFTSIM_MAX_PROBES];  /* m: skin nearer to a tool's origin is always laid */
+    double around_reach[SOFTSIM_MAX_PROBES]; /* m: and nearer than this says how it has moved */
+    double scanned[SOFTSIM_MAX_PROBES][3];   /* m: middle of the tool at rest at the last scan */
     bool was_scanned[SOFTSIM_MAX_PROBES];
     ss_point_grid grid;              /* of own particles */
     double *distance;                /* by own particle: to the tools at the last scan, m */
@@ -175,12 +187,16 @@ void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s);
 /* ---- hybrid_skin.c ----------------------------------------------------------------------------
  */
 
+/* Before every outer step: which of the skin is near the tools. */
+void ss_hybrid_list_skin(ss_hybrid *hybrid);
 /* As ss_body_skin asks for them. */
 void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u);
 void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_real *skin_force,
                      ss_real *force);
 void ss_hybrid_carry_diagonal(void *owner, int32_t count, const int32_t *node, const double *skin,
                               double *diagonal);
+double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, const double *skin,
+                             const ss_real *mobility);
 /* Every node of the mesh, skin included, now. */
 void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out);
 /* Particle p woke (+1) or fell asleep (-1) or changed its node (0). */

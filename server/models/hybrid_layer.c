@@ -6,7 +6,7 @@
  *
  * Every particle p stands for a volume V_p, of which the share a_p is integrated by the particle.
  * At most that is all of it in the layer, and the collar's share c_p of a ghost, which falls from 1
- * beside the layer to 0 a cell's diagonal further in. What particles do not integrate now, cells
+ * beside the layer to 0 a face's diagonal further in. What particles do not integrate now, cells
  * do, coarse points each with the mean gradient of some tetrahedra (hybrid_cells.c):
  *
  *   E = sum_e V_e W(F_e) + sum_c V_c W(F_c) + sum_p a_p V_p [W(F_p) + residual + cohesion]
@@ -20,8 +20,9 @@
  * of the tetrahedron that reaches out to it best.
  *
  * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance
- * of a cell's diagonal: what lies next to the awake region is integrated on both sides, as inside a
- * whole layer. Shares move in small steps: forces have no jumps.
+ * of a face's diagonal: what lies next to the awake region is integrated on both sides, as inside a
+ * whole layer. Out to a cell's diagonal there are a quarter more points to integrate, and forces
+ * are no nearer to those of a whole layer. Shares move in small steps: forces have no jumps.
  *
  * The law is the tetrahedra's own: a point is an element on three unit edges whose corners move by
  * the columns of H = F - I (layer_kernels.h).
@@ -100,15 +101,15 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
     hybrid->coefficient[2 * k + 1] = (ss_real)(10.0 * hybrid->cohesion * mu / pairs);
 }
 
-/* Roots of the weights at distances of a spacing and of root 3 spacings; least share worth a point.
+/* Roots of the weights at distances of a spacing and of root 2 spacings; least share worth a point.
  */
-#define ROOT_AT_EDGE     0.6326
-#define ROOT_AT_DIAGONAL 0.0969
-#define SHARE_FLOOR      0.02
+#define ROOT_AT_EDGE 0.6326
+#define ROOT_AT_FACE 0.3264
+#define SHARE_FLOOR  0.02
 
 double ss_hybrid_share_beside(double weight)
 {
-    const double share = (sqrt(weight) - ROOT_AT_DIAGONAL) / (ROOT_AT_EDGE - ROOT_AT_DIAGONAL);
+    const double share = (sqrt(weight) - ROOT_AT_FACE) / (ROOT_AT_EDGE - ROOT_AT_FACE);
     return share > SHARE_FLOOR ? fmin(share, 1.0) : 0.0;
 }
 
@@ -298,10 +299,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     points.out = hybrid->stress;
     points.wants_energy = out->is_wanted;
     hybrid->law->force(&points);
-    hybrid->kernels->push(&pass);
-    if (hybrid->cohesion > 0.0) {
-        out->elastic += hybrid->kernels->cohere(&pass, out->is_wanted);
-    }
+    out->elastic += hybrid->kernels->push(&pass, hybrid->cohesion > 0.0, out->is_wanted);
     hybrid->kernels->give(&pass);
     out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
@@ -369,7 +367,7 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
         }
     }
     pass.gradient += 4;
-    hybrid->kernels->push(&pass);
+    (void)hybrid->kernels->push(&pass, false, false);
     if (hybrid->cohesion > 0.0) {
         add_cohesion_tangent(hybrid);
     }

@@ -11,10 +11,11 @@
  * largest that fits), so that the nearest wake and the awake region keeps up with the tool. Only a
  * tool that has moved by a quarter of a spacing since is looked at again.
  *
- * How. Wanted: it and its neighbours become points, whose shares rise by STEP an outer step. Half
+ * How. Every other outer step, since a change costs an evaluation of all forces, as much as half a
+ * step. Wanted: it and its neighbours become points, whose shares rise by STEP each time. Half
  * way up a wanted particle gets a node: u = T u, v = T v, and its mass, taken from the four nodes
  * of its host. Let go: the node is given back when the particle is within a tenth of a spacing of
- * its tie, or PATIENCE outer steps later at the latest, and its share falls from then on; what is
+ * its tie, or PATIENCE times later at the latest, and its share falls from then on; what is
  * left of the way is kept as an offset that drifts to nothing. Nothing jumps: neither place nor
  * velocity nor, since stiffness and skin rows only fade, force.
  *
@@ -30,12 +31,14 @@
 
 #include "rt/vec.h"
 
-#define STEP      0.125 /* of a share, an outer step */
-#define DRIFT     0.8   /* of an offset is left after an outer step */
-#define NEAR_TIE  0.1   /* spacings */
-#define LOOK_MOVE 0.25  /* spacings */
-#define FULL      0.85  /* of max_awake; the rest is for those that may sleep but do not yet */
-enum { BINS = 64, PATIENCE = 64 };
+#define STEP      0.25 /* of a share, a change */
+#define DRIFT     0.64 /* of an offset is left after a change */
+#define NEAR_TIE  0.1  /* spacings */
+#define LOOK_MOVE 0.25 /* spacings */
+#define FULL      0.85 /* of max_awake; the rest is for those that may sleep but do not yet */
+/* Outer steps from change to change: forces are evaluated anew after each. */
+enum { EVERY = 2 };
+enum { BINS = 64, PATIENCE = 32 };
 
 /* ---- mass and momentum -----------------------------------------------------------------------
  */
@@ -275,13 +278,12 @@ static bool find_shift(const ss_hybrid *hybrid, int probe, double out[3])
 {
     const ss_layer *layer = hybrid->layer;
     const double *x = hybrid->tool[probe].to.position;
-    const double reach = ss_shape_bounding_radius(&hybrid->shape[probe].shape) +
-                         hybrid->sleep_reach + hybrid->skin_edge;
+    const double reach = hybrid->around_reach[probe] - 0.5 * hybrid->skin_edge;
     const ss_real *shown = hybrid->laid;
     double total = 0.0;
     ss_set3(out, 0.0, 0.0, 0.0);
-    for (int32_t s = 0; s < layer->skin_count; ++s) {
-        const int32_t i = layer->skin_node[s];
+    for (int32_t k = 0; k < hybrid->around_count; ++k) {
+        const int32_t i = layer->skin_node[hybrid->around[k]];
         const double u[3] = {(double)shown[4 * (ptrdiff_t)i], (double)shown[4 * (ptrdiff_t)i + 1],
                              (double)shown[4 * (ptrdiff_t)i + 2]};
         const double d[3] = {hybrid->mesh->position[i][0] + u[0] - x[0],
@@ -417,7 +419,7 @@ static void look(ss_hybrid *hybrid)
 
 bool ss_hybrid_wake(ss_hybrid *hybrid)
 {
-    if (hybrid->is_all_awake) {
+    if (hybrid->is_all_awake || hybrid->beat++ % EVERY != 0) {
         return false;
     }
     look(hybrid);
@@ -495,6 +497,10 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
     hybrid->turn = 0;
+    hybrid->beat = 0;
+    hybrid->is_skin_old = true;
+    hybrid->close_count = hybrid->around_count = 0;
+    memset(hybrid->was_listed, 0, sizeof hybrid->was_listed);
 }
 
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)

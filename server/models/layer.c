@@ -4,7 +4,7 @@
 /*
  * Rows of the particle layer, all by moving least squares on rest positions X:
  *
- *   weight     w(r) = (1 - (r/h)^2)^3, h = 1.95 (d_i + d_j)/2 for spacings d
+ *   weight     w(r) = (1 - (r/h)^2)^3, h = 1.95 (d_i + d_j)/2 for spacings d; neighbours to 0.8 h
  *   moment     A_i = sum_j w X_ij X_ij^T;  F_i = I + (sum_j u_ij (w X_ij)^T) A_i^-1
  *   tie        x_p = sum_i T_pi x_i over core nodes, sum T = 1, sum T X = X_p
  *   skin       x_s = sum_p S_sp x_p over particles, likewise
@@ -26,7 +26,9 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define MIN_NEIGHBOURS 10
+/* Neighbours that a gradient needs, and places within the whole support that a particle needs. */
+#define MIN_NEIGHBOURS 6
+#define MIN_PLACES     10
 /* Largest sum of a row's absolute weights: how far it may extrapolate. */
 #define TIE_LIMIT   8.0
 #define SKIN_LIMIT  3.0
@@ -255,9 +257,9 @@ static double finest_reach(const ss_layer *layer)
     return reach_of(finest, finest);
 }
 
-/* Neighbours of particle p, nearest first; how many. */
-static int32_t find_neighbours(const builder *b, int32_t p, int32_t out[SS_LAYER_MAX_PAIRS],
-                               double square[SS_LAYER_MAX_PAIRS])
+/* Particles within `share` of the support of particle p, nearest first; how many. */
+static int32_t find_neighbours(const builder *b, int32_t p, double share,
+                               int32_t out[SS_LAYER_MAX_PAIRS], double square[SS_LAYER_MAX_PAIRS])
 {
     const ss_layer *layer = b->layer;
     const double widest = reach_of(layer->spacing[p], b->plan->spacing);
@@ -265,7 +267,7 @@ static int32_t find_neighbours(const builder *b, int32_t p, int32_t out[SS_LAYER
         ss_point_grid_nearest(&b->grid, layer->rest[p], SS_LAYER_MAX_PAIRS, widest, out, square);
     int32_t count = 0;
     for (int32_t k = 0; k < found; ++k) {
-        const double reach = reach_of(layer->spacing[p], layer->spacing[out[k]]);
+        const double reach = share * reach_of(layer->spacing[p], layer->spacing[out[k]]);
         if (out[k] != p && square[k] < reach * reach) {
             out[count] = out[k];
             square[count++] = square[k];
@@ -335,9 +337,9 @@ static bool drop_lonely(builder *b)
         const int32_t own = layer->own_count;
         for (int32_t p = 0; p < own; ++p) {
             ss_real moment[8];
-            const int32_t count = find_neighbours(b, p, neighbour, square);
+            const int32_t count = find_neighbours(b, p, 1.0, neighbour, square);
             /* Marked in the volume: the grid still points to the places of all. */
-            if (!fill_moment(layer, p, count, neighbour, square, moment)) {
+            if (count < MIN_PLACES || !fill_moment(layer, p, count, neighbour, square, moment)) {
                 layer->volume[p] = 0.0;
                 is_done = false;
             }
@@ -364,16 +366,17 @@ static bool join_neighbours(builder *b)
     int32_t neighbour[SS_LAYER_MAX_PAIRS];
     double square[SS_LAYER_MAX_PAIRS];
     for (int32_t p = 0; p < layer->count; ++p) {
-        layer->pair_first[p + 1] = layer->pair_first[p] + find_neighbours(b, p, neighbour, square);
+        layer->pair_first[p + 1] =
+            layer->pair_first[p] + find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
     }
     const size_t pairs = (size_t)layer->pair_first[layer->count];
-    layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);
-    layer->pair = ss_memory_get(4 * pairs, sizeof *layer->pair);
+    layer->neighbour = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->neighbour);
+    layer->pair = ss_memory_get(4 * (pairs + SS_LAYER_SPARE_PAIRS), sizeof *layer->pair);
     if (layer->neighbour == NULL || layer->pair == NULL) {
         return false;
     }
     for (int32_t p = 0; p < layer->count; ++p) {
-        const int32_t count = find_neighbours(b, p, neighbour, square);
+        const int32_t count = find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
         fill_moment(layer, p, count, neighbour, square, layer->moment + 8 * (int64_t)p);
         for (int32_t k = 0; k < count; ++k) {
             const int64_t at = layer->pair_first[p] + k;

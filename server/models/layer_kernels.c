@@ -22,132 +22,364 @@
  *
  *   f_ij = 3 e/(2 r0^2) g/s x_ij,  g = s^-2 - s^-4 = q/(1 + q)^2
  *
- * of which each end gives the half. Below s = 0.7 g goes on as a line, above root 2 it stays. As
- * printed, without rest distances and with the well at root 3, the layer bursts.
+ * of which each end gives the half, b w x_ij = b (w X_ij + w u_ij) with b = 3 e/(4 w r0^2) g/s: a
+ * share more of w X and of w u in the sum above, so that a pair is walked through once. Eight b are
+ * worked out at a time. Below s = 0.7 g goes on as a line, above root 2 it stays. As printed,
+ * without rest distances and with the well at root 3, the layer bursts.
  *
  * Displacements and velocities of a particle lie side by side: where a pair is one register, the
- * velocity gradient comes with the other at no cost. Rejected: eight particles in eight lanes with
- * gathers and transposes, which takes as long per pair and needs its own scatter.
+ * velocity gradient comes with the other at no cost; without viscosity two neighbours lie there.
+ * Rejected: eight particles in eight lanes with gathers and transposes, which takes as long per
+ * pair and needs its own scatter; 1/s by a polynomial and Newton's method, which has more
+ * operations than a root and a division take time.
  */
 #include <math.h>
 #include <stddef.h>
 
 #include "models/wide.h"
 
-static void place(const ss_layer_pass *pass)
+/* State of particle p from its node, or from its tie. */
+SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v)
 {
     const ss_layer *layer = pass->layer;
-    const ss_quad none = ss_quad_all(0);
-    for (int32_t k = 0; k < pass->near_count; ++k) {
-        const ptrdiff_t p = pass->near[k];
-        const ptrdiff_t node = pass->node_of[p];
-        ss_quad u = none;
-        ss_quad v = none;
-        if (node >= 0) {
-            u = ss_quad_load(pass->u + 4 * node);
-            v = pass->v != NULL ? ss_quad_load(pass->v + 4 * node) : none;
-        } else {
-            u = ss_quad_load(pass->offset + 4 * p);
-            for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
-                const ptrdiff_t n = 4 * (ptrdiff_t)layer->tie_node[t];
-                const ss_quad share = ss_quad_all(layer->tie[t]);
-                u = ss_quad_fma(share, ss_quad_load(pass->u + n), u);
-                if (pass->v != NULL) {
-                    v = ss_quad_fma(share, ss_quad_load(pass->v + n), v);
-                }
-            }
+    const ss_real *all_u = pass->u;
+    const ss_real *all_v = pass->v;
+    const ptrdiff_t node = pass->node_of[p];
+    ss_quad u;
+    ss_quad v = ss_quad_all(0);
+    if (node >= 0) {
+        u = ss_quad_load(all_u + 4 * node);
+        v = has_v ? ss_quad_load(all_v + 4 * node) : v;
+    } else {
+        const int32_t first = layer->tie_first[p];
+        const int32_t count = layer->tie_first[p + 1] - first;
+        const int32_t *tie_node = layer->tie_node + first;
+        const ss_real *tie = layer->tie + first;
+        u = ss_quad_load(pass->offset + 4 * p);
+        for (int32_t t = 0; t < count; ++t) {
+            const ptrdiff_t n = 4 * (ptrdiff_t)tie_node[t];
+            const ss_quad share = ss_quad_all(tie[t]);
+            u = ss_quad_fma(share, ss_quad_load(all_u + n), u);
+            v = has_v ? ss_quad_fma(share, ss_quad_load(all_v + n), v) : v;
         }
-        ss_quad_store(pass->state + 8 * p, u);
-        ss_quad_store(pass->state + 8 * p + 4, v);
-        ss_quad_store(pass->particle_force + 4 * p, none);
+    }
+    ss_quad_store(pass->state + 8 * p, u);
+    ss_quad_store(pass->state + 8 * p + 4, v);
+    ss_quad_store(pass->particle_force + 4 * p, ss_quad_all(0));
+}
+
+static void place(const ss_layer_pass *pass)
+{
+    if (pass->v != NULL) {
+        for (int32_t k = 0; k < pass->near_count; ++k) {
+            place_particle(pass, pass->near[k], true);
+        }
+    } else {
+        for (int32_t k = 0; k < pass->near_count; ++k) {
+            place_particle(pass, pass->near[k], false);
+        }
     }
 }
 
 static void give(const ss_layer_pass *pass)
 {
     const ss_layer *layer = pass->layer;
+    ss_real *force = pass->force;
     for (int32_t k = 0; k < pass->near_count; ++k) {
         const ptrdiff_t p = pass->near[k];
         const ptrdiff_t node = pass->node_of[p];
         const ss_quad f = ss_quad_load(pass->particle_force + 4 * p);
         if (node >= 0) {
-            ss_real *at = pass->force + 4 * node;
+            ss_real *at = force + 4 * node;
             ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));
             continue;
         }
-        for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
-            ss_real *at = pass->force + 4 * (ptrdiff_t)layer->tie_node[t];
-            ss_quad_store(at, ss_quad_fma(ss_quad_all(layer->tie[t]), f, ss_quad_load(at)));
+        const int32_t first = layer->tie_first[p];
+        const int32_t count = layer->tie_first[p + 1] - first;
+        const int32_t *tie_node = layer->tie_node + first;
+        const ss_real *tie = layer->tie + first;
+        for (int32_t t = 0; t < count; ++t) {
+            ss_real *at = force + 4 * (ptrdiff_t)tie_node[t];
+            ss_quad_store(at, ss_quad_fma(ss_quad_all(tie[t]), f, ss_quad_load(at)));
         }
     }
+}
+
+static const int moment_at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/* Columns of H and Hdot of point k, of displacements and velocities side by side. */
+static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
+{
+    const ss_layer *layer = pass->layer;
+    const ptrdiff_t p = pass->point[k];
+    const ss_pair own = ss_pair_load(pass->state + 8 * p);
+    ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
+    ss_pair spread = ss_pair_all(0);
+    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
+        const ss_real *row = layer->pair + 4 * t;
+        const ss_pair d =
+            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
+        for (int c = 0; c < 3; ++c) {
+            b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
+        }
+        spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
+    }
+    const ss_real *a = layer->moment + 8 * p;
+    for (int c = 0; c < 3; ++c) {
+        ss_pair h = ss_pair_mul(ss_pair_all(a[moment_at[0][c]]), b[0]);
+        h = ss_pair_fma(ss_pair_all(a[moment_at[1][c]]), b[1], h);
+        h = ss_pair_fma(ss_pair_all(a[moment_at[2][c]]), b[2], h);
+        ss_pair_store(pass->gradient + 8 * (1 + 3 * k + c), h);
+        spread = ss_pair_fnma(h, b[c], spread);
+    }
+    ss_pair_store(pass->spread + 8 * k, spread);
+}
+
+/* Of displacements alone, two neighbours at a time. */
+static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
+{
+    const ss_layer *layer = pass->layer;
+    const ptrdiff_t p = pass->point[k];
+    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
+    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
+    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
+    const ss_quad own = ss_quad_load(pass->state + 8 * p);
+    const ss_pair twice = ss_pair_twice(own);
+    ss_pair two[4] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
+    for (int32_t t = 0; t + 1 < count; t += 2) {
+        const ss_pair row = ss_pair_load_quads(pair + 4 * t);
+        const ss_pair d = ss_pair_sub(ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t],
+                                                   pass->state + 8 * (ptrdiff_t)neighbour[t + 1]),
+                                      twice);
+        for (int c = 0; c < 3; ++c) {
+            two[c] = ss_pair_fma(ss_pair_lane(row, c), d, two[c]);
+        }
+        two[3] = ss_pair_fma(ss_pair_mul(ss_pair_last(row), d), d, two[3]);
+    }
+    ss_quad b[4];
+    for (int c = 0; c < 4; ++c) {
+        b[c] = ss_pair_both(two[c]);
+    }
+    if (count % 2 != 0) {
+        const ss_real *row = pair + 4 * (count - 1);
+        const ss_quad d =
+            ss_quad_sub(ss_quad_load(pass->state + 8 * (ptrdiff_t)neighbour[count - 1]), own);
+        for (int c = 0; c < 3; ++c) {
+            b[c] = ss_quad_fma(ss_quad_all(row[c]), d, b[c]);
+        }
+        b[3] = ss_quad_fma(ss_quad_mul(ss_quad_all(row[3]), d), d, b[3]);
+    }
+    const ss_real *a = layer->moment + 8 * p;
+    for (int c = 0; c < 3; ++c) {
+        ss_quad h = ss_quad_mul(ss_quad_all(a[moment_at[0][c]]), b[0]);
+        h = ss_quad_fma(ss_quad_all(a[moment_at[1][c]]), b[1], h);
+        h = ss_quad_fma(ss_quad_all(a[moment_at[2][c]]), b[2], h);
+        ss_quad_store(pass->gradient + 8 * (1 + 3 * k + c), h);
+        b[3] = ss_quad_fnma(h, b[c], b[3]);
+    }
+    ss_quad_store(pass->spread + 8 * k, b[3]);
 }
 
 static void strain(const ss_layer_pass *pass)
 {
-    const ss_layer *layer = pass->layer;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const ss_pair own = ss_pair_load(pass->state + 8 * p);
-        ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
-        ss_pair spread = ss_pair_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-            const ss_real *row = layer->pair + 4 * t;
-            const ss_pair d =
-                ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
-            for (int c = 0; c < 3; ++c) {
-                b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
-            }
-            spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
+    for (ptrdiff_t k = 0; k < pass->point_count; ++k) {
+        if (pass->v != NULL) {
+            strain_both(pass, k);
+        } else {
+            strain_one(pass, k);
         }
-        static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-        const ss_real *a = layer->moment + 8 * p;
-        for (int c = 0; c < 3; ++c) {
-            ss_pair h = ss_pair_mul(ss_pair_all(a[moment[0][c]]), b[0]);
-            h = ss_pair_fma(ss_pair_all(a[moment[1][c]]), b[1], h);
-            h = ss_pair_fma(ss_pair_all(a[moment[2][c]]), b[2], h);
-            ss_pair_store(pass->gradient + 8 * (ptrdiff_t)(1 + 3 * k + c), h);
-            spread = ss_pair_fnma(h, b[c], spread);
-        }
-        ss_pair_store(pass->spread + 8 * (ptrdiff_t)k, spread);
     }
 }
 
-static void push(const ss_layer_pass *pass)
+/* ---- cohesion --------------------------------------------------------------------------------
+ */
+
+/* g/s of eight pairs from their q. */
+static inline ss_pair cohesion(ss_pair q)
 {
-    const ss_layer *layer = pass->layer;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const ss_real *a = layer->moment + 8 * p;
-        const ss_real *stress = pass->stress + 8 * (ptrdiff_t)(1 + 3 * k);
-        const ss_real *gradient = pass->gradient + 8 * (ptrdiff_t)(1 + 3 * k);
-        const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
-        const ss_quad own = ss_quad_load(pass->state + 8 * p);
-        static const int moment[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-        ss_quad m[3];
-        for (int c = 0; c < 3; ++c) {
-            m[c] = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
-            for (int d = 0; d < 3; ++d) {
-                m[c] =
-                    ss_quad_fnma(ss_quad_all(a[moment[d][c]]), ss_quad_load(stress + 8 * d), m[c]);
-            }
+    const ss_real core = (ss_real)SS_LAYER_CORE;
+    const ss_real slope = (ss_real)(-2.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE) +
+                                    4.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE *
+                                           SS_LAYER_CORE * SS_LAYER_CORE));
+    const ss_pair one = ss_pair_all(1);
+    const ss_pair inner = ss_pair_least(ss_pair_most(q, ss_pair_all(core * core - 1)), one);
+    const ss_pair fourth = ss_pair_mul(ss_pair_add(one, inner), ss_pair_add(one, inner));
+    const ss_pair s = ss_pair_root(ss_pair_most(ss_pair_add(one, q), ss_pair_all((ss_real)1e-6)));
+    const ss_pair below = ss_pair_least(ss_pair_sub(s, ss_pair_all(core)), ss_pair_all(0));
+    const ss_pair bent = ss_pair_mul(ss_pair_mul(ss_pair_all(slope), below), fourth);
+    return ss_pair_div(ss_pair_add(inner, bent), ss_pair_mul(fourth, s));
+}
+
+/* phi(s) - phi(1) = (s - 1)^2 (2 s + 1)/(2 s^3), which is exact near rest; beyond the ends along
+ * the tangent, and below with its curvature. */
+static inline ss_pair well(ss_pair q)
+{
+    const ss_real core = (ss_real)SS_LAYER_CORE;
+    const ss_real tail = (ss_real)SS_LAYER_TAIL;
+    const ss_real at = 1 / core;
+    const ss_real bend = -3 * at * at * at + 6 * at * at * at * at * at;
+    const ss_real slope = (ss_real)1.5 * (at * at - at * at * at * at);
+    const ss_pair none = ss_pair_all(0);
+    const ss_pair s = ss_pair_root(ss_pair_most(ss_pair_add(ss_pair_all(1), q), none));
+    const ss_pair inner = ss_pair_least(ss_pair_most(s, ss_pair_all(core)), ss_pair_all(tail));
+    const ss_pair from_rest = ss_pair_sub(inner, ss_pair_all(1));
+    const ss_pair below = ss_pair_least(ss_pair_sub(s, ss_pair_all(core)), none);
+    const ss_pair above = ss_pair_most(ss_pair_sub(s, ss_pair_all(tail)), none);
+    ss_pair sum = ss_pair_mul(ss_pair_mul(from_rest, from_rest),
+                              ss_pair_fma(ss_pair_all(2), inner, ss_pair_all(1)));
+    sum = ss_pair_div(ss_pair_mul(ss_pair_all((ss_real)0.5), sum),
+                      ss_pair_mul(ss_pair_mul(inner, inner), inner));
+    sum = ss_pair_fma(ss_pair_all((ss_real)0.375), above, sum);
+    return ss_pair_fma(ss_pair_fma(ss_pair_all(bend / 2), below, ss_pair_all(slope)), below, sum);
+}
+
+/* ---- forces of the points --------------------------------------------------------------------
+ *
+ * A point's pairs go in eights, in a register two each: first and second, third and fourth, and so
+ * on, so that what is worked out eight at a time lies where those two find it by their lanes.
+ */
+
+/* What the pairs of a point have in common; quads twice. */
+typedef struct point_of {
+    ss_pair own, kappa, e, m[3];
+} point_of;
+
+static inline point_of point_at(const ss_layer_pass *pass, ptrdiff_t k)
+{
+    const ptrdiff_t p = pass->point[k];
+    const ss_real *a = pass->layer->moment + 8 * p;
+    const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
+    const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
+    const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
+    point_of point = {.own = ss_pair_twice(ss_quad_load(pass->state + 8 * p)),
+                      .kappa = ss_pair_twice(kappa),
+                      .e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1])};
+    for (int c = 0; c < 3; ++c) {
+        ss_quad m = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
+        for (int d = 0; d < 3; ++d) {
+            m = ss_quad_fnma(ss_quad_all(a[moment_at[d][c]]), ss_quad_load(stress + 8 * d), m);
         }
-        ss_quad sum = ss_quad_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-            const ptrdiff_t q = layer->neighbour[t];
-            const ss_real *row = layer->pair + 4 * t;
-            const ss_quad d = ss_quad_sub(ss_quad_load(pass->state + 8 * q), own);
-            ss_quad f = ss_quad_mul(ss_quad_mul(kappa, ss_quad_all(row[3])), d);
-            for (int c = 0; c < 3; ++c) {
-                f = ss_quad_fma(ss_quad_all(row[c]), m[c], f);
-            }
-            ss_real *at = pass->particle_force + 4 * q;
-            ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
-            sum = ss_quad_add(sum, f);
-        }
-        ss_real *at = pass->particle_force + 4 * p;
-        ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
+        point.m[c] = ss_pair_twice(m);
+    }
+    return point;
+}
+
+/* q and 1/(w r0^2) of eight pairs from w X, w and u. */
+static inline ss_pair stretch(const ss_pair pair[4], const ss_pair d[4], ss_pair *out_inverse)
+{
+    ss_pair row[4] = {pair[0], pair[1], pair[2], pair[3]};
+    ss_pair u[4] = {d[0], d[1], d[2], d[3]};
+    ss_pair rest2 = ss_pair_all(0); /* w^2 r0^2 */
+    ss_pair q = ss_pair_all(0);
+    ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
+    ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
+    for (int c = 0; c < 3; ++c) {
+        rest2 = ss_pair_fma(row[c], row[c], rest2);
+        q = ss_pair_fma(u[c], ss_pair_fma(row[3], u[c], ss_pair_add(row[c], row[c])), q);
+    }
+    *out_inverse = ss_pair_div(row[3], rest2);
+    return ss_pair_mul(q, *out_inverse);
+}
+
+static inline void take(ss_real *at, ss_quad f)
+{
+    ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
+}
+
+/* The pairs 2 j and 2 j + 1 of eight, as far as there are `left` from the first on: their force on
+ * the point, w (M X + kappa u) + b (w X + w u), which the neighbours lose. */
+SS_INLINE void push_two(const ss_layer_pass *pass, const point_of *point, const int32_t *neighbour,
+                        ss_pair row, ss_pair d, ss_pair b, int j, bool is_cohesive, int32_t left,
+                        ss_pair *sum)
+{
+    if (left <= 2 * j) {
+        return;
+    }
+    const ss_pair along = is_cohesive ? ss_pair_lane(b, j) : ss_pair_all(0);
+    const ss_pair apart = is_cohesive ? ss_pair_add(point->kappa, along) : point->kappa;
+    ss_pair f = ss_pair_mul(ss_pair_mul(ss_pair_last(row), apart), d);
+    for (int c = 0; c < 3; ++c) {
+        f = ss_pair_fma(ss_pair_lane(row, c), point->m[c], f);
+    }
+    if (is_cohesive) {
+        f = ss_pair_fma(along, ss_pair_xyz(row), f);
+    }
+    take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j], ss_pair_first(f));
+    if (left > 2 * j + 1) {
+        take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j + 1], ss_pair_second(f));
+        *sum = ss_pair_add(*sum, f);
+    } else {
+        const ss_quad none = ss_quad_all(0);
+        _Alignas(32) ss_real alone[8];
+        ss_quad_store(alone, ss_pair_first(f));
+        ss_quad_store(alone + 4, none);
+        *sum = ss_pair_add(*sum, ss_pair_load(alone));
     }
 }
+
+/* Beyond a point's last pair those of the next one are read, and come to nothing. */
+SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohesive,
+                            bool wants_energy)
+{
+    const ss_layer *layer = pass->layer;
+    const ptrdiff_t p = pass->point[k];
+    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
+    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
+    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
+    const point_of point = point_at(pass, k);
+    double depth = 0.0;
+    ss_pair sum = ss_pair_all(0);
+    for (int32_t t = 0; t < count; t += 8) {
+        ss_pair b = ss_pair_all(0);
+        ss_pair row[4];
+        ss_pair d[4];
+        for (int j = 0; j < 4; ++j) {
+            row[j] = ss_pair_load_quads(pair + 4 * (t + 2 * j));
+            d[j] = ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j],
+                                pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j + 1]);
+            d[j] = ss_pair_sub(d[j], point.own);
+        }
+        if (is_cohesive) {
+            ss_pair inverse;
+            const ss_pair q = stretch(row, d, &inverse);
+            b = ss_pair_mul(ss_pair_mul(point.e, cohesion(q)), inverse);
+            if (wants_energy) {
+                _Alignas(32) ss_real well_of[8];
+                ss_pair_store(well_of, well(q));
+                for (int l = 0; l < 8 && t + l < count; ++l) {
+                    depth += (double)well_of[l / 2 + 4 * (l % 2)];
+                }
+            }
+        }
+        const int32_t *to = neighbour + t;
+        push_two(pass, &point, to, row[0], d[0], b, 0, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[1], d[1], b, 1, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[2], d[2], b, 2, is_cohesive, count - t, &sum);
+        push_two(pass, &point, to, row[3], d[3], b, 3, is_cohesive, count - t, &sum);
+    }
+    ss_real *at = pass->particle_force + 4 * p;
+    ss_quad_store(at, ss_quad_add(ss_quad_load(at), ss_pair_both(sum)));
+    return 0.5 * (double)pass->coefficient[2 * k + 1] * depth;
+}
+
+SS_INLINE double push_points(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
+{
+    double energy = 0.0;
+    for (int32_t k = 0; k < pass->point_count; ++k) {
+        energy += push_point(pass, k, is_cohesive, wants_energy);
+    }
+    return energy;
+}
+
+static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
+{
+    return !is_cohesive   ? push_points(pass, false, false)
+           : wants_energy ? push_points(pass, true, true)
+                          : push_points(pass, true, false);
+}
+
+/* ---- cells ----------------------------------------------------------------------------------
+ */
 
 static void strain_cells(const ss_layer_cells *cells, const ss_real *u, const ss_real *v)
 {
@@ -194,110 +426,6 @@ static void push_cells(const ss_layer_cells *cells, ss_real *force)
     }
 }
 
-/* x is at most, or at least, the number. */
-static inline ss_quad no_more(ss_quad x, ss_real most)
-{
-    const ss_quad none = ss_quad_all(0);
-    return ss_quad_sub(none, ss_quad_most(ss_quad_sub(none, x), ss_quad_all(-most)));
-}
-
-/* g/s of four pairs from their q. */
-static inline ss_quad cohesion(ss_quad q)
-{
-    const ss_real core = (ss_real)SS_LAYER_CORE;
-    const ss_real slope = (ss_real)(-2.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE) +
-                                    4.0 / (SS_LAYER_CORE * SS_LAYER_CORE * SS_LAYER_CORE *
-                                           SS_LAYER_CORE * SS_LAYER_CORE));
-    const ss_quad one = ss_quad_all(1);
-    const ss_quad inner = no_more(ss_quad_most(q, ss_quad_all(core * core - 1)), 1);
-    const ss_quad square = ss_quad_add(one, inner);
-    const ss_quad s = ss_quad_root(ss_quad_most(ss_quad_add(one, q), ss_quad_all((ss_real)1e-6)));
-    const ss_quad below = no_more(ss_quad_sub(s, ss_quad_all(core)), 0);
-    const ss_quad g =
-        ss_quad_fma(ss_quad_all(slope), below, ss_quad_div(inner, ss_quad_mul(square, square)));
-    return ss_quad_div(g, s);
-}
-
-/* phi(s) - phi(1) = (s - 1)^2 (2 s + 1)/(2 s^3), which is exact near rest; beyond the ends along
- * the tangent, and below with its curvature. */
-static inline ss_quad well(ss_quad q)
-{
-    const ss_real core = (ss_real)SS_LAYER_CORE;
-    const ss_real tail = (ss_real)SS_LAYER_TAIL;
-    const ss_real at = 1 / core;
-    const ss_real bend = -3 * at * at * at + 6 * at * at * at * at * at;
-    const ss_real slope = (ss_real)1.5 * (at * at - at * at * at * at);
-    const ss_quad none = ss_quad_all(0);
-    const ss_quad s = ss_quad_root(ss_quad_most(ss_quad_add(ss_quad_all(1), q), none));
-    const ss_quad inner = no_more(ss_quad_most(s, ss_quad_all(core)), tail);
-    const ss_quad from_rest = ss_quad_sub(inner, ss_quad_all(1));
-    const ss_quad below = no_more(ss_quad_sub(s, ss_quad_all(core)), 0);
-    const ss_quad above = ss_quad_most(ss_quad_sub(s, ss_quad_all(tail)), none);
-    ss_quad sum = ss_quad_mul(ss_quad_mul(from_rest, from_rest),
-                              ss_quad_fma(ss_quad_all(2), inner, ss_quad_all(1)));
-    sum = ss_quad_div(ss_quad_mul(ss_quad_all((ss_real)0.5), sum),
-                      ss_quad_mul(ss_quad_mul(inner, inner), inner));
-    sum = ss_quad_fma(ss_quad_all((ss_real)0.375), above, sum);
-    return ss_quad_fma(ss_quad_fma(ss_quad_all(bend / 2), below, ss_quad_all(slope)), below, sum);
-}
-
-static double cohere(const ss_layer_pass *pass, bool wants_energy)
-{
-    const ss_layer *layer = pass->layer;
-    double energy = 0.0;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
-        const ptrdiff_t p = pass->point[k];
-        const ptrdiff_t end = layer->pair_first[p + 1];
-        const ss_quad own = ss_quad_load(pass->state + 8 * p);
-        const ss_quad e = ss_quad_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
-        ss_quad sum = ss_quad_all(0);
-        ss_quad depth = ss_quad_all(0);
-        for (ptrdiff_t t = layer->pair_first[p]; t < end; t += 4) {
-            /* Four pairs, the last one again where there are fewer: it is then left out. */
-            ss_quad u[4];
-            ss_quad row[4];
-            _Alignas(32) ss_real factor[4];
-            for (int l = 0; l < 4; ++l) {
-                const ptrdiff_t at = t + l < end ? t + l : end - 1;
-                row[l] = ss_quad_load(layer->pair + 4 * at);
-                u[l] = ss_quad_sub(ss_quad_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[at]),
-                                   own);
-            }
-            ss_quad_transpose(&row[0], &row[1], &row[2], &row[3]);
-            ss_quad_transpose(&u[0], &u[1], &u[2], &u[3]);
-            ss_quad rest2 = ss_quad_all(0);
-            ss_quad q = ss_quad_all(0);
-            for (int c = 0; c < 3; ++c) {
-                row[c] = ss_quad_div(row[c], row[3]);
-                rest2 = ss_quad_fma(row[c], row[c], rest2);
-                q = ss_quad_fma(u[c], ss_quad_add(u[c], ss_quad_add(row[c], row[c])), q);
-                u[c] = ss_quad_add(u[c], row[c]);
-            }
-            q = ss_quad_div(q, rest2);
-            ss_quad_store(factor, ss_quad_div(ss_quad_mul(e, cohesion(q)), rest2));
-            if (wants_energy) {
-                _Alignas(32) ss_real share[4];
-                for (int l = 0; l < 4; ++l) {
-                    share[l] = t + l < end ? 1 : 0;
-                }
-                depth = ss_quad_fma(ss_quad_load(share), well(q), depth);
-            }
-            u[3] = ss_quad_all(0);
-            ss_quad_transpose(&u[0], &u[1], &u[2], &u[3]);
-            for (int l = 0; l < 4 && t + l < end; ++l) {
-                ss_real *at = pass->particle_force + 4 * (ptrdiff_t)layer->neighbour[t + l];
-                const ss_quad f = ss_quad_mul(ss_quad_all(factor[l]), u[l]);
-                ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
-                sum = ss_quad_add(sum, f);
-            }
-        }
-        ss_real *at = pass->particle_force + 4 * p;
-        ss_quad_store(at, ss_quad_add(ss_quad_load(at), sum));
-        energy += 0.5 * (double)pass->coefficient[2 * k + 1] * ss_quad_sum(depth);
-    }
-    return energy;
-}
-
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_layer_kernels_avx2
 #define PATH_NAME "avx2+fma"
@@ -317,5 +445,4 @@ const ss_layer_kernels PATH = {.name = PATH_NAME,
                                .place = place,
                                .strain = strain,
                                .push = push,
-                               .cohere = cohere,
                                .give = give};

@@ -54,10 +54,9 @@ typedef struct ss_layer_kernels {
     void (*place)(const ss_layer_pass *pass);
     /* gradient of every point. */
     void (*strain)(const ss_layer_pass *pass);
-    /* particle_force += stress and residual forces of every point. */
-    void (*push)(const ss_layer_pass *pass);
-    /* particle_force += cohesion of every point; returns its energy where wanted, J. */
-    double (*cohere)(const ss_layer_pass *pass, bool wants_energy);
+    /* particle_force += stress, residual and, where asked for, cohesion forces of every point;
+     * returns the energy of the cohesion where wanted, J. */
+    double (*push)(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy);
     /* force += what the near particles' forces are on the nodes. */
     void (*give)(const ss_layer_pass *pass);
 } ss_layer_kernels;

@@ -75,7 +75,7 @@ SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
     return _mm_sub_ps(c, _mm_mul_ps(a, b));
 #endif
 }
-/* The larger of each lane; b's where a is not a number. */
+/* The larger, the smaller of each lane; b's where a is not a number. */
 SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 {
     return _mm_max_ps(a, b);
@@ -88,15 +88,31 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm_sqrt_ps(a);
 }
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    return _mm_min_ps(a, b);
+}
+/* The fourth lane 0. */
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    return _mm_and_ps(a, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)));
+}
 /* Is a > b in any lane? */
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm_movemask_ps(_mm_cmpgt_ps(a, b));
 }
-/* The fourth lane in all four. */
+/* The fourth lane, lane 0..3 (a constant), in all four. */
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
     return _mm_shuffle_ps(a, a, 0xff);
+}
+SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
+{
+    return lane == 0   ? _mm_shuffle_ps(a, a, 0x00)
+           : lane == 1 ? _mm_shuffle_ps(a, a, 0x55)
+           : lane == 2 ? _mm_shuffle_ps(a, a, 0xaa)
+                       : _mm_shuffle_ps(a, a, 0xff);
 }
 /* Four rows become four columns. */
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
@@ -152,6 +168,14 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
     return _mm256_sqrt_pd(a);
 }
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    return _mm256_min_pd(a, b);
+}
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    return _mm256_blend_pd(a, _mm256_setzero_pd(), 8);
+}
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
@@ -159,6 +183,13 @@ SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
     return _mm256_permute4x64_pd(a, 0xff);
+}
+SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
+{
+    return lane == 0   ? _mm256_permute4x64_pd(a, 0x00)
+           : lane == 1 ? _mm256_permute4x64_pd(a, 0x55)
+           : lane == 2 ? _mm256_permute4x64_pd(a, 0xaa)
+                       : _mm256_permute4x64_pd(a, 0xff);
 }
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
@@ -230,6 +261,14 @@ SS_INLINE ss_quad ss_quad_root(ss_quad a)
     SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
                                                  : (ss_real)sqrt((double)a.lane[k]));
 }
+SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
+{
+    SS_QUAD_MAP(a.lane[k] < b.lane[k] ? a.lane[k] : b.lane[k]);
+}
+SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
+{
+    SS_QUAD_MAP(k < 3 ? a.lane[k] : 0);
+}
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
     int any = 0;
@@ -241,6 +280,10 @@ SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 SS_INLINE ss_quad ss_quad_last(ss_quad a)
 {
     SS_QUAD_MAP(a.lane[3]);
+}
+SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
+{
+    SS_QUAD_MAP(a.lane[lane]);
 }
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
@@ -315,6 +358,10 @@ SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
 {
     return _mm256_max_ps(a, b);
 }
+SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
+{
+    return _mm256_min_ps(a, b);
+}
 SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 {
     return _mm256_div_ps(a, b);
@@ -323,6 +370,27 @@ SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 SS_INLINE ss_pair ss_pair_last(ss_pair a)
 {
     return _mm256_permute_ps(a, 0xff);
+}
+/* Each node's lane 0..3 (a constant) in all four of it. */
+SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
+{
+    return lane == 0   ? _mm256_permute_ps(a, 0x00)
+           : lane == 1 ? _mm256_permute_ps(a, 0x55)
+           : lane == 2 ? _mm256_permute_ps(a, 0xaa)
+                       : _mm256_permute_ps(a, 0xff);
+}
+SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
+{
+    return _mm256_blend_ps(a, _mm256_setzero_ps(), 0x88);
+}
+/* Two nodes side by side, from where quads may be. */
+SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
+{
+    return _mm256_loadu_ps(p);
+}
+SS_INLINE ss_pair ss_pair_twice(ss_quad a)
+{
+    return _mm256_set_m128(a, a);
 }
 /* Two nodes that lie apart. */
 SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
@@ -418,6 +486,10 @@ SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
 {
     return (ss_pair){ss_quad_most(a.first, b.first), ss_quad_most(a.second, b.second)};
 }
+SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
+{
+    return (ss_pair){ss_quad_least(a.first, b.first), ss_quad_least(a.second, b.second)};
+}
 SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 {
     return (ss_pair){ss_quad_div(a.first, b.first), ss_quad_div(a.second, b.second)};
@@ -425,6 +497,22 @@ SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
 SS_INLINE ss_pair ss_pair_last(ss_pair a)
 {
     return (ss_pair){ss_quad_last(a.first), ss_quad_last(a.second)};
+}
+SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
+{
+    return (ss_pair){ss_quad_lane(a.first, lane), ss_quad_lane(a.second, lane)};
+}
+SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
+{
+    return (ss_pair){ss_quad_xyz(a.first), ss_quad_xyz(a.second)};
+}
+SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
+{
+    return ss_pair_load(p);
+}
+SS_INLINE ss_pair ss_pair_twice(ss_quad a)
+{
+    return (ss_pair){a, a};
 }
 SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
 {

@@ -312,7 +312,7 @@ softsim_status ss_heart_rates(ss_paper *paper, softsim_error *error)
     ss_page_text(&paper->page,
                  "A frame is a step of Table 1 with a ball of 0.2 pressed in, activation, contact "
                  "and what the hand needs included; it takes as many sub-steps as half of the "
-                 "stable step asks for, contact's stiffness counted.");
+                 "law's stable step and nine tenths of the contact's ask for.");
     ss_page_table_begin(&paper->page, 8, head);
     for (int k = 0; k < ACTIVE_COUNT && status == SOFTSIM_OK; ++k) {
         status = time_row(paper, &csv, SS_HEART_HM1, paper_active[k], error);
