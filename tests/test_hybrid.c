@@ -241,7 +241,21 @@ static void sum_up(const ss_hybrid *hybrid, double *out_mass, double out_momentu
     }
 }
 
-/* Waking and falling asleep of particles in motion keep mass, momentum and volume. */
+static double kinetic_of(const ss_hybrid *hybrid)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    double energy = 0.0;
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        for (int a = 0; a < 3; ++a) {
+            const double v = (double)nodes->v[4 * (ptrdiff_t)i + a];
+            energy += 0.5 * nodes->mass[i] * v * v;
+        }
+    }
+    return energy;
+}
+
+/* Waking and falling asleep of particles in motion keep mass, momentum and volume, and do not gain
+ * kinetic energy. */
 static void waking_keeps_mass_and_momentum(void **state)
 {
     (void)state;
@@ -261,10 +275,14 @@ static void waking_keeps_mass_and_momentum(void **state)
     double momentum[3][3];
     double volume[3];
     sum_up(hybrid, &mass[0], momentum[0], &volume[0]);
+    double kinetic = kinetic_of(hybrid);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
     assert_int_equal(hybrid->awake_count, 100);
+    assert_true(kinetic_of(hybrid) <= kinetic);
+    kinetic = kinetic_of(hybrid);
     sum_up(hybrid, &mass[1], momentum[1], &volume[1]);
     ss_hybrid_settle(hybrid);
+    assert_true(kinetic_of(hybrid) <= kinetic);
     assert_int_equal(hybrid->awake_count, 0);
     assert_int_equal(hybrid->point_count, 0);
     assert_int_equal(hybrid->near_count, 0);
@@ -276,6 +294,46 @@ static void waking_keeps_mass_and_momentum(void **state)
             assert_near(momentum[k][a] / mass[0], momentum[0][a] / mass[0], BY_TYPE(1e-6, 1e-13));
         }
     }
+    case_end(&c);
+}
+
+/* A tool that passes to and fro over a body that swings, undamped, and does not touch it, so that
+ * particles wake and sleep all the time, gives it no energy. */
+static void passing_tool_gives_no_energy(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    ss_model_info info;
+    double first = 0.0;
+    double largest = 0.0;
+    init_block(&c, 400);
+    case_set(&c, SS_HYBRID_ACTIVATE, 0.4);
+    case_set(&c, SS_FEM_MASS_DAMPING, 0.0);
+    c.plan.tool[0].shape.radius = 0.1;
+    ss_hybrid *hybrid = case_start(&c);
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+        const double *x = c.mesh->position[i];
+        const double v[3] = {sin(6.28 * x[2]), sin(6.28 * x[0]), cos(6.28 * x[0])};
+        for (int a = 0; a < 3 && nodes->mobility[4 * (ptrdiff_t)i] > 0; ++a) {
+            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)(0.1 * v[a]);
+        }
+    }
+    ss_body_renew(hybrid->body);
+    start_tool(tool, 0.5);
+    tool[0].to.position[2] = 1.0;
+    for (int k = 0; k < 1200; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[0] = 0.5 + 0.5 * sin(0.05 * k);
+        c.model_class->step(c.model, 0.0, 0.005, tool);
+        c.model_class->info(c.model, &info);
+        first = k == 0 ? info.kinetic + info.elastic : first;
+        largest = fmax(largest, info.kinetic + info.elastic);
+        assert_true(hybrid->body->tool[0].penalty == 0.0);
+    }
+    assert_true(hybrid->awake_count > 100);
+    assert_true(largest < 1.05 * first);
     case_end(&c);
 }
 
@@ -464,6 +522,7 @@ int main(void)
         cmocka_unit_test(reported_step_is_the_limit),
         cmocka_unit_test(motion_keeps_energy_and_momentum),
         cmocka_unit_test(waking_keeps_mass_and_momentum),
+        cmocka_unit_test(passing_tool_gives_no_energy),
         cmocka_unit_test(tool_wakes_what_it_touches),
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
