@@ -210,6 +210,26 @@ static void affine_maps_are_exact(void **state)
     }
 }
 
+static bool is_lowest(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 1;
+}
+
+/* All awake are all awake, also where each ghost of a thin core has a share. */
+static void all_of_a_layer_wake(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    case_init(&c, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_lowest), 0.1);
+    case_wake_all(&c);
+    const ss_hybrid *hybrid = case_start(&c);
+    assert_int_equal(hybrid->awake_count, hybrid->layer->own_count);
+    assert_int_equal(hybrid->point_count, hybrid->layer->count);
+    case_end(&c);
+}
+
 static void shake(const ss_hybrid *hybrid, double size)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
@@ -496,6 +516,7 @@ int main(void)
         cmocka_unit_test(neighbours_are_mutual),
         cmocka_unit_test(spacing_may_differ),
         cmocka_unit_test(affine_maps_are_exact),
+        cmocka_unit_test(all_of_a_layer_wake),
         cmocka_unit_test(force_is_the_slope_of_energy),
         cmocka_unit_test(tangent_is_the_change_of_force),
         cmocka_unit_test(rigid_motion_is_free),

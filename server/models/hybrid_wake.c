@@ -195,8 +195,10 @@ static void want(ss_hybrid *hybrid, int32_t p)
     const ss_layer *layer = hybrid->layer;
     ss_hybrid_particle *particle = &hybrid->particle[p];
     const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
-    if (hybrid->is_held[p] || hybrid->wanted_count == hybrid->max_awake ||
-        hybrid->point_count + pairs + 1 > hybrid->max_points) {
+    /* No particle is a point twice: as many places as particles are always enough. */
+    const bool has_room =
+        hybrid->max_points == layer->count || hybrid->point_count + pairs + 1 <= hybrid->max_points;
+    if (hybrid->is_held[p] || hybrid->wanted_count == hybrid->max_awake || !has_room) {
         return;
     }
     particle->wanted = hybrid->wanted_count;
