@@ -93,14 +93,10 @@ static void skin_is_numbered_last(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* Pairs are mutual and hold w X with X from one to the other. */
-static void neighbours_are_mutual(void **state)
+/* Pairs are mutual and hold w X with X from one to the other; the most of a particle. */
+static int32_t check_pairs(const ss_layer *layer)
 {
-    (void)state;
-    ss_mesh *mesh = make_block(origin);
-    ss_layer *layer = NULL;
-    const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.1};
-    assert_int_equal(ss_layer_create(&plan, &layer, NULL), SOFTSIM_OK);
+    int32_t most = 0;
     for (int32_t p = 0; p < layer->count; ++p) {
         for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
             const int32_t q = layer->neighbour[t];
@@ -115,16 +111,51 @@ static void neighbours_are_mutual(void **state)
                             BY_TYPE(1e-6, 1e-13));
             }
         }
-    }
-    /* Two shells: 6 at a spacing, 12 at root 2. */
-    int32_t most = 0;
-    for (int32_t p = 0; p < layer->count; ++p) {
         const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
         most = pairs > most ? pairs : most;
     }
-    assert_int_equal(most, 18);
+    return most;
+}
+
+static void neighbours_are_mutual(void **state)
+{
+    (void)state;
+    ss_mesh *mesh = make_block(origin);
+    ss_layer *layer = NULL;
+    const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.1};
+    assert_int_equal(ss_layer_create(&plan, &layer, NULL), SOFTSIM_OK);
+    /* Two shells: 6 at a spacing, 12 at root 2. */
+    assert_int_equal(check_pairs(layer), 18);
     ss_layer_destroy(&layer);
     ss_mesh_destroy(&mesh);
+}
+
+/* Also where spacings differ so much that lists of the nearest end early: what is not mutual leaves
+ * points behind when all sleeps. */
+static void far_spacings_have_mutual_neighbours(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    case_init(&c, make_block(origin), 0.16);
+    double *spacing = calloc((size_t)c.mesh->node_count, sizeof *spacing);
+    for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+        spacing[i] = c.mesh->position[i][0] < 0.5 ? 0.04 : 0.16;
+    }
+    c.param[SS_HYBRID_SPACING].per_node = spacing;
+    case_set(&c, SS_HYBRID_MAX_ACTIVE, 400);
+    ss_hybrid *hybrid = case_start(&c);
+    const ss_layer *layer = hybrid->layer;
+    assert_true(check_pairs(layer) < SS_LAYER_MAX_PAIRS);
+    for (int32_t p = 0; p < layer->own_count; ++p) {
+        assert_true(layer->moment[8 * (ptrdiff_t)p + 6] > 0);
+    }
+    for (int32_t s = 0; s < layer->skin_count; s += 5) {
+        ss_hybrid_wake_around(hybrid, s);
+        ss_hybrid_settle(hybrid);
+        assert_int_equal(hybrid->point_count, 0);
+    }
+    free(spacing);
+    case_end(&c);
 }
 
 /* A finer region has particles of half the spacing, the same volume, and exact gradients. */
@@ -514,6 +545,7 @@ int main(void)
         cmocka_unit_test(rows_reproduce_places),
         cmocka_unit_test(skin_is_numbered_last),
         cmocka_unit_test(neighbours_are_mutual),
+        cmocka_unit_test(far_spacings_have_mutual_neighbours),
         cmocka_unit_test(spacing_may_differ),
         cmocka_unit_test(affine_maps_are_exact),
         cmocka_unit_test(all_of_a_layer_wake),
