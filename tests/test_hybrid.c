@@ -494,6 +494,38 @@ static void reset_begins_anew(void **state)
     assert_true(first == again);
 }
 
+/* A number that is not finite is a fault until reset, with either integrator, and none after. */
+static void fault_ends_with_reset(void **state)
+{
+    (void)state;
+    for (int integrator = 0; integrator < 2; ++integrator) {
+        hybrid_case c;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES];
+        ss_model_info info;
+        init_block(&c, 100);
+        case_set(&c, SS_FEM_INTEGRATOR, integrator);
+        ss_hybrid *hybrid = case_start(&c);
+        const uint64_t first = press_and_hash(&c);
+        c.model_class->reset(c.model);
+        start_tool(tool, 0.5);
+        move(&c, tool, 0.5, 0.1, 30);
+        assert_true(hybrid->point_count > 100);
+        for (int32_t i = 0; i < 10; ++i) { /* of particles, so that points see it */
+            ss_body_get_nodes(hybrid->body)->v[4 * (ptrdiff_t)(c.mesh->node_count + i)] =
+                (ss_real)INFINITY;
+        }
+        move(&c, tool, 0.5, 0.1, 1);
+        c.model_class->info(c.model, &info);
+        assert_int_equal(info.verdict, SOFTSIM_VERDICT_FAULT);
+        c.model_class->reset(c.model);
+        const uint64_t again = press_and_hash(&c);
+        c.model_class->info(c.model, &info);
+        assert_true(info.verdict < SOFTSIM_VERDICT_FAULT);
+        assert_true(first == again);
+        case_end(&c);
+    }
+}
+
 /* A blow far too hard: finite, told, and back to rest. */
 static void hard_blow_is_survived(void **state)
 {
@@ -527,6 +559,7 @@ int main(void)
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(reset_begins_anew),
+        cmocka_unit_test(fault_ends_with_reset),
         cmocka_unit_test(hard_blow_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -191,6 +191,9 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
         write_point(hybrid, k);
     }
     put_lane(&hybrid->points, last, &nothing);
+    /* A spare lane is looked at all the same: for the largest strain, and 0 times what is no number
+     * is no energy. */
+    memset(hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * last), 0, 24 * sizeof *hybrid->gradient);
     hybrid->points.count = (hybrid->point_count + SS_FEM_LANES - 1) / SS_FEM_LANES;
     release(hybrid, p);
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
