@@ -534,6 +534,25 @@ static void wrong_layers_are_refused(void **state)
     c.plan.prescribed = &set;
     c.plan.prescribed_count = 1;
     refuse(&c, "drives nothing");
+    /* Nor would a load. */
+    for (int is_pressure = 0; is_pressure < 2; ++is_pressure) {
+        case_init(&c, make_block(origin), 0.1);
+        int32_t *lid = calloc((size_t)c.mesh->node_count, sizeof *lid);
+        ss_load load = {.node = lid,
+                        .force = {0.0, 0.0, -0.1},
+                        .is_pressure = is_pressure == 1,
+                        .pressure = 0.5,
+                        .to = (double)INFINITY};
+        for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+            if (c.mesh->position[i][2] > 0.79) {
+                lid[load.node_count++] = i;
+            }
+        }
+        c.plan.load = &load;
+        c.plan.load_count = 1;
+        refuse(&c, "ride on");
+        free(lid);
+    }
     case_init(&c, make_block(origin), 0.1);
     case_set(&c, SS_FEM_LOCKING_CURE, 2.0);
     refuse(&c, "locking_cure");

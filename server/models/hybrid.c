@@ -198,6 +198,41 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
     return SOFTSIM_OK;
 }
 
+/* Skin has no mass: pressure on it would push nothing, and nobody would be told. */
+static softsim_status check_pressures(const ss_hybrid *hybrid, const ss_model_plan *plan,
+                                      softsim_error *error)
+{
+    const ss_mesh *mesh = plan->mesh;
+    uint8_t *mark = ss_memory_get((size_t)mesh->node_count, 1);
+    softsim_status status = mark != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    for (int32_t l = 0; mark != NULL && l < plan->load_count; ++l) {
+        const ss_load *load = &plan->load[l];
+        int32_t lost = 0;
+        memset(mark, 0, (size_t)mesh->node_count);
+        for (int32_t k = 0; load->is_pressure && k < load->node_count; ++k) {
+            if (load->node[k] >= 0 && load->node[k] < mesh->node_count) {
+                mark[load->node[k]] = 1;
+            }
+        }
+        for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+            const int32_t *c = mesh->triangle[t];
+            const int32_t *of = hybrid->layer->skin_of;
+            lost += mark[c[0]] && mark[c[1]] && mark[c[2]] &&
+                    (of[c[0]] >= 0 || of[c[1]] >= 0 || of[c[2]] >= 0);
+        }
+        if (lost > 0) {
+            status = SOFTSIM_ERROR_SCENE;
+            softsim_error_add(error, status,
+                              "hybrid: load %d is a pressure on %d triangles of the outer surface, "
+                              "whose nodes ride on the layer; press on the core's own faces, or "
+                              "with a tool",
+                              l, lost);
+        }
+    }
+    ss_memory_free(mark);
+    return status;
+}
+
 static bool create_core(ss_hybrid *hybrid)
 {
     const ss_mesh *mesh = hybrid->mesh;
@@ -463,6 +498,9 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     }
     if (status == SOFTSIM_OK) {
         status = read_parameters(hybrid, plan, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = check_pressures(hybrid, plan, error);
     }
     if (status != SOFTSIM_OK) {
         return status;
