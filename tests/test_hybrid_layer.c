@@ -225,6 +225,17 @@ static void affine_maps_are_exact(void **state)
         free(forces_of(hybrid, &energy));
         const double exact = 0.8 * ss_tissue_energy(&law, flat);
         assert_near(energy / exact, 1.0, BY_TYPE(1e-4, 1e-9));
+        /* What the step's bound follows: |2E|, the same everywhere. */
+        double square = 0.0;
+        for (int a = 0; a < 9; ++a) {
+            const double *g[2] = {gradient[a / 3], gradient[a % 3]};
+            double twice = g[0][a % 3] + g[1][a / 3];
+            for (int k = 0; k < 3; ++k) {
+                twice += gradient[k][a / 3] * gradient[k][a % 3];
+            }
+            square += twice * twice;
+        }
+        assert_near(hybrid->strain / sqrt(square), 1.0, BY_TYPE(1e-4, 1e-9));
         for (int32_t k = 0; k < hybrid->point_count; ++k) {
             for (int a = 0; a < 9; ++a) {
                 assert_near((double)hybrid->gradient[8 * (1 + 3 * k + a % 3) + a / 3],

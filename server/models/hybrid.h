@@ -134,9 +134,9 @@ typedef struct ss_hybrid {
 
     /* step bound */
     ss_real *mode, *product;
-    double rest_rate2; /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
-    double rate2;      /* omega^2 of the stiffest motion, from above, 1/s^2 */
-    double strain, seen_strain;
+    double rest_rate2;          /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
+    double rate2;               /* omega^2 of the stiffest motion, from above, 1/s^2 */
+    double strain, seen_strain; /* largest |2E| since the last bound, and at the last look */
     int32_t age;
 } ss_hybrid;
 

@@ -288,7 +288,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     out->elastic += core.energy;
     out->power += core.power;
     hybrid->u = u;
-    hybrid->strain = fmax(hybrid->strain, core.strain);
+    hybrid->strain = fmax(hybrid->strain, sqrt(core.strain));
     add_cells(hybrid, u, is_viscous ? v : NULL, force, out);
     if (hybrid->point_count == 0) {
         return;
@@ -306,7 +306,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     hybrid->kernels->give(&pass);
     out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
-    hybrid->strain = fmax(hybrid->strain, points.strain);
+    hybrid->strain = fmax(hybrid->strain, sqrt(points.strain));
 }
 
 /* Cohesion's stiffness at rest, 3 e/r0^2 along each pair, of which a point has half. */
