@@ -494,6 +494,36 @@ static void reset_begins_anew(void **state)
     assert_true(first == again);
 }
 
+/* A node far too fast goes a fifth of the finest edge in a sub-step, be it the core's or the finest
+ * spacing of a layer that also has coarser ones. */
+static void fast_nodes_keep_within_an_edge(void **state)
+{
+    (void)state;
+    for (int is_fine_core = 0; is_fine_core < 2; ++is_fine_core) {
+        hybrid_case c;
+        ss_model_info info;
+        const double h = is_fine_core ? 0.05 : 0.2;
+        case_init(&c, make_bar((const int[3]){6, 6, 4}, h, origin, 0.0, is_below), 0.4 * h);
+        double *spacing = calloc((size_t)c.mesh->node_count, sizeof *spacing);
+        for (int32_t i = 0; i < c.mesh->node_count; ++i) {
+            spacing[i] = is_fine_core ? 0.09 : c.mesh->position[i][0] < 0.6 ? 0.035 : 0.14;
+        }
+        c.param[SS_HYBRID_SPACING].per_node = spacing;
+        const double finest = is_fine_core ? ss_body_mean_edge(c.mesh) : 0.035;
+        const int32_t fast = c.mesh->node_count / 8;
+        ss_hybrid *hybrid = case_start(&c);
+        const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+        nodes->v[4 * (ptrdiff_t)fast] = 1000;
+        c.model_class->step(c.model, 0.0, 1e-4, NULL);
+        c.model_class->info(c.model, &info);
+        assert_int_equal(info.substeps, 1);
+        assert_true(nodes->u[4 * (ptrdiff_t)fast] > 0);
+        assert_true((double)nodes->u[4 * (ptrdiff_t)fast] < 0.201 * finest);
+        free(spacing);
+        case_end(&c);
+    }
+}
+
 /* A number that is not finite is a fault until reset, with either integrator, and none after. */
 static void fault_ends_with_reset(void **state)
 {
@@ -559,6 +589,7 @@ int main(void)
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(reset_begins_anew),
+        cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),
         cmocka_unit_test(hard_blow_is_survived),
     };
