@@ -272,6 +272,17 @@ static void all_of_a_layer_wake(void **state)
     case_end(&c);
 }
 
+/* The least reach that a scene can give wakes nobody, and is no end of work to set up. */
+static void least_reach_is_none(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    case_init(&c, make_block(origin), 0.1);
+    case_set(&c, SS_HYBRID_ACTIVATE, 4.9e-324);
+    assert_int_equal(case_start(&c)->awake_count, 0);
+    case_end(&c);
+}
+
 static void shake(const ss_hybrid *hybrid, double size)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
@@ -579,6 +590,7 @@ int main(void)
         cmocka_unit_test(spacing_may_differ),
         cmocka_unit_test(affine_maps_are_exact),
         cmocka_unit_test(all_of_a_layer_wake),
+        cmocka_unit_test(least_reach_is_none),
         cmocka_unit_test(force_is_the_slope_of_energy),
         cmocka_unit_test(tangent_is_the_change_of_force),
         cmocka_unit_test(rigid_motion_is_free),
