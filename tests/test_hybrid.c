@@ -460,6 +460,38 @@ static void contact_bounds_the_substeps(void **state)
     case_end(&c);
 }
 
+static bool is_below_four(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 4;
+}
+
+/* However many nodes of a fine core the particles of a skin node are tied to, it rides as soon as
+ * one of them is awake, by a whole row. */
+static void rows_have_room(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    case_init(&c, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four), 0.15);
+    case_set(&c, SS_HYBRID_MAX_ACTIVE, 1);
+    ss_hybrid *hybrid = case_start(&c);
+    for (int32_t s = 0; s < hybrid->layer->skin_count; s += 3) {
+        ss_hybrid_wake_around(hybrid, s);
+        assert_true(hybrid->riding_count > 0);
+        for (int32_t k = 0; k < hybrid->riding_count; ++k) {
+            const ss_hybrid_ride *ride = &hybrid->ride[hybrid->riding[k]];
+            double sum = 0.0;
+            for (int32_t i = 0; i < ride->count; ++i) {
+                sum += (double)ride->weight[i];
+            }
+            assert_near(sum, 1.0, 1e-4);
+        }
+        ss_hybrid_settle(hybrid);
+    }
+    case_end(&c);
+}
+
 static uint64_t press_and_hash(hybrid_case *c)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -588,6 +620,7 @@ int main(void)
         cmocka_unit_test(tool_wakes_what_it_touches),
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
+        cmocka_unit_test(rows_have_room),
         cmocka_unit_test(reset_begins_anew),
         cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),

@@ -313,6 +313,50 @@ static bool create_particles(ss_hybrid *hybrid)
                               (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
 }
 
+/* Nodes that the particles of skin node s are tied to; `mark` (by node, -1) is left as it was. */
+static int32_t count_ties(const ss_hybrid *hybrid, int32_t s)
+{
+    const ss_layer *layer = hybrid->layer;
+    int32_t count = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
+            const int32_t p = layer->skin_particle[k];
+            for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
+                int32_t *mark = &hybrid->mark[layer->tie_node[t]];
+                count += pass == 0 && *mark < 0;
+                *mark = pass == 0 ? 0 : -1;
+            }
+        }
+    }
+    return count;
+}
+
+/* Room for the row of every skin node, whichever of its particles are awake. */
+static bool create_rides(ss_hybrid *hybrid)
+{
+    const ss_layer *layer = hybrid->layer;
+    size_t entries = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        entries = 0;
+        for (int32_t s = 0; s < layer->skin_count; ++s) {
+            if (pass == 1) {
+                hybrid->ride[s].node = hybrid->ride_node + entries;
+                hybrid->ride[s].weight = hybrid->ride_weight + entries;
+            }
+            const int32_t particles = layer->skin_first[s + 1] - layer->skin_first[s];
+            entries += (size_t)(particles + count_ties(hybrid, s));
+        }
+        if (pass == 0) {
+            hybrid->ride_node = ss_memory_get(entries, sizeof *hybrid->ride_node);
+            hybrid->ride_weight = ss_memory_get(entries, sizeof *hybrid->ride_weight);
+            if (hybrid->ride_node == NULL || hybrid->ride_weight == NULL) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 /* Which skin nodes ride on a particle; and the arrays of the skin. */
 static bool create_skin(ss_hybrid *hybrid)
 {
@@ -362,7 +406,7 @@ static bool create_skin(ss_hybrid *hybrid)
             hybrid->rider[hybrid->rider_first[layer->skin_particle[k] + 1]++] = s;
         }
     }
-    return true;
+    return create_rides(hybrid);
 }
 
 /* Masses while all sleeps: a quarter of its own and of its guests' to each corner of an element. */
@@ -537,16 +581,16 @@ static void destroy(ss_model *model)
     ss_point_grid_fini(&hybrid->grid);
     ss_hybrid_destroy_cells(hybrid);
     void *const owned[] = {
-        hybrid->lane,           hybrid->volume,      hybrid->particle, hybrid->node_of,
-        hybrid->is_held,        hybrid->offset,      hybrid->point,    hybrid->coefficient,
-        hybrid->gradient,       hybrid->spread,      hybrid->stress,   hybrid->near,
-        hybrid->wanted,         hybrid->idle,        hybrid->drifting, hybrid->state,
-        hybrid->particle_force, hybrid->rider_first, hybrid->rider,    hybrid->ride,
-        hybrid->riding,         hybrid->riding_at,   hybrid->mark,     hybrid->shown,
-        hybrid->shown_v,        hybrid->laid,        hybrid->distance, hybrid->found,
-        hybrid->mode,           hybrid->product,     hybrid->fixed,    hybrid->mass_asleep,
-        hybrid->load,           hybrid->swing,       hybrid->close,    hybrid->around,
-        hybrid->core_node};
+        hybrid->lane,           hybrid->volume,      hybrid->particle,   hybrid->node_of,
+        hybrid->is_held,        hybrid->offset,      hybrid->point,      hybrid->coefficient,
+        hybrid->gradient,       hybrid->spread,      hybrid->stress,     hybrid->near,
+        hybrid->wanted,         hybrid->idle,        hybrid->drifting,   hybrid->state,
+        hybrid->particle_force, hybrid->rider_first, hybrid->rider,      hybrid->ride,
+        hybrid->riding,         hybrid->riding_at,   hybrid->mark,       hybrid->shown,
+        hybrid->shown_v,        hybrid->laid,        hybrid->distance,   hybrid->found,
+        hybrid->mode,           hybrid->product,     hybrid->fixed,      hybrid->mass_asleep,
+        hybrid->load,           hybrid->swing,       hybrid->close,      hybrid->around,
+        hybrid->core_node,      hybrid->ride_node,   hybrid->ride_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

@@ -29,10 +29,6 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
-/* Entries of an awake skin node's row over nodes: 16 particles, tied ones through 16 nodes each,
- * most of them shared. Where it takes more the node stays asleep. */
-enum { SS_HYBRID_RIDE = 112 };
-
 typedef struct ss_hybrid_particle {
     int32_t point;    /* its place among the points; -1: its stiffness is all the core's */
     int32_t near;     /* its place among the near particles, -1 */
@@ -48,8 +44,8 @@ typedef struct ss_hybrid_ride {
     ss_real theta;
     int32_t wanted; /* particles of its row that are wanted */
     int32_t count;  /* of its row over nodes; 0: asleep */
-    int32_t node[SS_HYBRID_RIDE];
-    ss_real weight[SS_HYBRID_RIDE];
+    int32_t *node;  /* room for its particles and all nodes that they are tied to */
+    ss_real *weight;
 } ss_hybrid_ride;
 
 typedef struct ss_hybrid {
@@ -101,8 +97,10 @@ typedef struct ss_hybrid {
     uint32_t beat;                  /* outer steps since all slept */
 
     /* skin */
-    int32_t *rider_first, *rider;  /* by particle: places in the layer's skin rows that name it */
-    ss_hybrid_ride *ride;          /* by skin node */
+    int32_t *rider_first, *rider; /* by particle: places in the layer's skin rows that name it */
+    ss_hybrid_ride *ride;         /* by skin node */
+    int32_t *ride_node;           /* of all rides */
+    ss_real *ride_weight;
     int32_t *riding, riding_count; /* skin nodes with a row */
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
