@@ -492,6 +492,46 @@ static void rows_have_room(void **state)
     case_end(&c);
 }
 
+/* Nodes that take contact are where they are shown, also far from the tool, at the corners of
+ * triangles that are much longer than most, and asleep. */
+static void touched_skin_is_laid(void **state)
+{
+    (void)state;
+    hybrid_case c;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    ss_mesh *mesh = make_bar((const int[3]){30, 4, 4}, 0.2, origin, 0.0, is_below);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        double *x = mesh->position[i];
+        x[0] = x[0] > 5.7 ? 5.6 + 10.0 * (x[0] - 5.6) : x[0];
+    }
+    case_init(&c, mesh, 0.08);
+    case_set(&c, SS_HYBRID_MAX_ACTIVE, 1);
+    c.plan.tool[0].is_used = true;
+    c.plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.25};
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        c.fixed[i] = mesh->position[i][2] == 0.0 ? 7 : 0;
+    }
+    ss_hybrid *hybrid = case_start(&c);
+    ss_body *body = hybrid->body;
+    start_tool(tool, 8.6);
+    for (int k = 0; k < 40; ++k) {
+        move(&c, tool, 8.6, 0.02 * fmin(k / 10.0, 3.0), 1);
+        const int32_t *node;
+        const int32_t count = ss_touch_reach(body->tool[0].touch, &node);
+        const ss_real *shown = c.model_class->displacement(c.model);
+        ss_touch_diagonal(body->tool[0].touch, body->skin_stiff);
+        for (int32_t i = 0; i < count; ++i) {
+            for (int a = 0; a < 3 && body->skin_stiff[node[i]] > 0.0; ++a) {
+                const ptrdiff_t at = 4 * (ptrdiff_t)node[i] + a;
+                assert_near((double)body->skin_u[at], (double)shown[at], 1e-7);
+            }
+            body->skin_stiff[node[i]] = 0.0;
+        }
+    }
+    assert_true(body->tool[0].penalty > 0.0);
+    case_end(&c);
+}
+
 static uint64_t press_and_hash(hybrid_case *c)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -621,6 +661,7 @@ int main(void)
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(rows_have_room),
+        cmocka_unit_test(touched_skin_is_laid),
         cmocka_unit_test(reset_begins_anew),
         cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),

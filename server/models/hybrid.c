@@ -313,6 +313,35 @@ static bool create_particles(ss_hybrid *hybrid)
                               (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
 }
 
+/* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a
+ * skin node and of its neighbours. False when out of memory. */
+static bool fill_spans(ss_hybrid *hybrid)
+{
+    const ss_mesh *mesh = hybrid->mesh;
+    double *longest = ss_memory_get((size_t)mesh->node_count, sizeof *longest);
+    const bool is_good = longest != NULL;
+    for (int32_t c = 0; is_good && c < 3 * mesh->triangle_count; ++c) {
+        const int32_t i = mesh->triangle[c / 3][c % 3];
+        const int32_t j = mesh->triangle[c / 3][(c + 1) % 3];
+        double d[3];
+        ss_sub3(d, mesh->position[i], mesh->position[j]);
+        longest[i] = fmax(longest[i], ss_norm3(d));
+        longest[j] = fmax(longest[j], ss_norm3(d));
+    }
+    for (int32_t t = 0; is_good && t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        const double most = fmax(longest[c[0]], fmax(longest[c[1]], longest[c[2]]));
+        for (int k = 0; k < 3; ++k) {
+            const int32_t s = hybrid->layer->skin_of[c[k]];
+            if (s >= 0) {
+                hybrid->span[s] = fmax(hybrid->span[s], most);
+            }
+        }
+    }
+    ss_memory_free(longest);
+    return is_good;
+}
+
 /* Nodes that the particles of skin node s are tied to; `mark` (by node, -1) is left as it was. */
 static int32_t count_ties(const ss_hybrid *hybrid, int32_t s)
 {
@@ -373,6 +402,7 @@ static bool create_skin(ss_hybrid *hybrid)
     hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
     hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
     hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
+    hybrid->span = ss_memory_get(skin, sizeof *hybrid->span);
     hybrid->close = ss_memory_get(skin, sizeof *hybrid->close);
     hybrid->around = ss_memory_get(skin, sizeof *hybrid->around);
     hybrid->core_node = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
@@ -383,9 +413,9 @@ static bool create_skin(ss_hybrid *hybrid)
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
         hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
-        hybrid->close == NULL || hybrid->around == NULL || hybrid->core_node == NULL ||
-        hybrid->load == NULL || hybrid->swing == NULL || hybrid->mode == NULL ||
-        hybrid->product == NULL) {
+        hybrid->span == NULL || hybrid->close == NULL || hybrid->around == NULL ||
+        hybrid->core_node == NULL || hybrid->load == NULL || hybrid->swing == NULL ||
+        hybrid->mode == NULL || hybrid->product == NULL) {
         return false;
     }
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
@@ -406,7 +436,7 @@ static bool create_skin(ss_hybrid *hybrid)
             hybrid->rider[hybrid->rider_first[layer->skin_particle[k] + 1]++] = s;
         }
     }
-    return create_rides(hybrid);
+    return create_rides(hybrid) && fill_spans(hybrid);
 }
 
 /* Masses while all sleeps: a quarter of its own and of its guests' to each corner of an element. */
@@ -581,16 +611,16 @@ static void destroy(ss_model *model)
     ss_point_grid_fini(&hybrid->grid);
     ss_hybrid_destroy_cells(hybrid);
     void *const owned[] = {
-        hybrid->lane,           hybrid->volume,      hybrid->particle,   hybrid->node_of,
-        hybrid->is_held,        hybrid->offset,      hybrid->point,      hybrid->coefficient,
-        hybrid->gradient,       hybrid->spread,      hybrid->stress,     hybrid->near,
-        hybrid->wanted,         hybrid->idle,        hybrid->drifting,   hybrid->state,
-        hybrid->particle_force, hybrid->rider_first, hybrid->rider,      hybrid->ride,
-        hybrid->riding,         hybrid->riding_at,   hybrid->mark,       hybrid->shown,
-        hybrid->shown_v,        hybrid->laid,        hybrid->distance,   hybrid->found,
-        hybrid->mode,           hybrid->product,     hybrid->fixed,      hybrid->mass_asleep,
-        hybrid->load,           hybrid->swing,       hybrid->close,      hybrid->around,
-        hybrid->core_node,      hybrid->ride_node,   hybrid->ride_weight};
+        hybrid->lane,           hybrid->volume,      hybrid->particle,  hybrid->node_of,
+        hybrid->is_held,        hybrid->offset,      hybrid->point,     hybrid->coefficient,
+        hybrid->gradient,       hybrid->spread,      hybrid->stress,    hybrid->near,
+        hybrid->wanted,         hybrid->idle,        hybrid->drifting,  hybrid->state,
+        hybrid->particle_force, hybrid->rider_first, hybrid->rider,     hybrid->ride,
+        hybrid->riding,         hybrid->riding_at,   hybrid->mark,      hybrid->shown,
+        hybrid->shown_v,        hybrid->laid,        hybrid->distance,  hybrid->found,
+        hybrid->mode,           hybrid->product,     hybrid->fixed,     hybrid->mass_asleep,
+        hybrid->load,           hybrid->swing,       hybrid->close,     hybrid->around,
+        hybrid->core_node,      hybrid->span,        hybrid->ride_node, hybrid->ride_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

@@ -104,6 +104,7 @@ typedef struct ss_hybrid {
     int32_t *riding, riding_count; /* skin nodes with a row */
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
+    double *span;                  /* m, by skin node: the longest edge of it and its neighbours */
     int32_t *close, close_count;   /* skin nodes that a tool may reach before the next list */
     int32_t *around, around_count; /* and that say where it would be at rest */
     double listed[SOFTSIM_MAX_PROBES][3]; /* m: tools at the last list */

@@ -100,7 +100,9 @@ void ss_hybrid_list_skin(ss_hybrid *hybrid)
                     d[a] = hybrid->mesh->position[node][a] + (double)u[a] - hybrid->listed[k][a];
                 }
                 const double square = ss_dot3(d, d);
-                const double close = hybrid->close_reach[k];
+                /* Two long edges, where those are more than the three that are reckoned with. */
+                const double close = hybrid->close_reach[k] +
+                                     fmax(2.0 * hybrid->span[s] - 3.0 * hybrid->skin_edge, 0.0);
                 const double around = hybrid->around_reach[k];
                 is_close = is_close || square < close * close;
                 is_around = is_around || square < around * around;
