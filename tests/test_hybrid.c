@@ -239,7 +239,21 @@ static void sum_up(const ss_hybrid *hybrid, double *out_mass, double out_momentu
     }
 }
 
-/* Waking and falling asleep of particles in motion keep mass, momentum and volume. */
+static double kinetic_of(const ss_hybrid *hybrid)
+{
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    double energy = 0.0;
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        for (int a = 0; a < 3; ++a) {
+            const double v = (double)nodes->v[4 * (ptrdiff_t)i + a];
+            energy += 0.5 * nodes->mass[i] * v * v;
+        }
+    }
+    return energy;
+}
+
+/* Waking and falling asleep of particles in motion keep mass, momentum and volume, and do not gain
+ * kinetic energy. */
 static void waking_keeps_mass_and_momentum(void **state)
 {
     (void)state;
@@ -259,10 +273,14 @@ static void waking_keeps_mass_and_momentum(void **state)
     double momentum[3][3];
     double volume[3];
     sum_up(hybrid, &mass[0], momentum[0], &volume[0]);
+    double kinetic = kinetic_of(hybrid);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
     assert_int_equal(hybrid->awake_count, 100);
+    assert_true(kinetic_of(hybrid) <= kinetic);
+    kinetic = kinetic_of(hybrid);
     sum_up(hybrid, &mass[1], momentum[1], &volume[1]);
     ss_hybrid_settle(hybrid);
+    assert_true(kinetic_of(hybrid) <= kinetic);
     assert_int_equal(hybrid->awake_count, 0);
     assert_int_equal(hybrid->point_count, 0);
     assert_int_equal(hybrid->near_count, 0);
@@ -274,6 +292,46 @@ static void waking_keeps_mass_and_momentum(void **state)
             assert_near(momentum[k][a] / mass[0], momentum[0][a] / mass[0], BY_TYPE(1e-6, 1e-13));
         }
     }
+    setup_fini(&s);
+}
+
+/* A tool that passes to and fro over a body that swings, undamped, and does not touch it, so that
+ * particles wake and sleep all the time, gives it no energy. */
+static void passing_tool_gives_no_energy(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    ss_model_info info;
+    double first = 0.0;
+    double largest = 0.0;
+    init_block(&s, 400);
+    give_row(&s, SS_HYBRID_ACTIVATE, 0.4);
+    give_row(&s, SS_FEM_MASS_DAMPING, 0.0);
+    s.plan.tool[0].shape.radius = 0.1;
+    ss_hybrid *hybrid = start_hybrid(&s);
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        const double *x = s.mesh->position[i];
+        const double v[3] = {sin(6.28 * x[2]), sin(6.28 * x[0]), cos(6.28 * x[0])};
+        for (int a = 0; a < 3 && nodes->mobility[4 * (ptrdiff_t)i] > 0; ++a) {
+            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)(0.1 * v[a]);
+        }
+    }
+    ss_body_renew(hybrid->body);
+    start_tool(tool, 0.5);
+    tool[0].to.position[2] = 1.0;
+    for (int k = 0; k < 1200; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[0] = 0.5 + 0.5 * sin(0.05 * k);
+        s.class->step(s.model, 0.0, 0.005, tool);
+        s.class->info(s.model, &info);
+        first = k == 0 ? info.kinetic + info.elastic : first;
+        largest = fmax(largest, info.kinetic + info.elastic);
+        assert_true(hybrid->body->tool[0].penalty == 0.0);
+    }
+    assert_true(hybrid->awake_count > 100);
+    assert_true(largest < 1.05 * first);
     setup_fini(&s);
 }
 
@@ -399,6 +457,79 @@ static void contact_bounds_the_substeps(void **state)
     setup_fini(&s);
 }
 
+static bool is_below_four(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 4;
+}
+
+/* However many nodes of a fine core the particles of a skin node are tied to, it rides as soon as
+ * one of them is awake, by a whole row. */
+static void rows_have_room(void **state)
+{
+    (void)state;
+    setup s;
+    setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four),
+                 0.15);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 1);
+    ss_hybrid *hybrid = start_hybrid(&s);
+    for (int32_t skin = 0; skin < hybrid->layer->skin_count; skin += 3) {
+        ss_hybrid_wake_around(hybrid, skin);
+        assert_true(hybrid->riding_count > 0);
+        for (int32_t k = 0; k < hybrid->riding_count; ++k) {
+            const ss_hybrid_ride *ride = &hybrid->ride[hybrid->riding[k]];
+            double sum = 0.0;
+            for (int32_t i = 0; i < ride->count; ++i) {
+                sum += (double)ride->weight[i];
+            }
+            assert_near(sum, 1.0, 1e-4);
+        }
+        ss_hybrid_settle(hybrid);
+    }
+    setup_fini(&s);
+}
+
+/* Nodes that take contact are where they are shown, also far from the tool, at the corners of
+ * triangles that are much longer than most, and asleep. */
+static void touched_skin_is_laid(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    ss_mesh *mesh = make_bar((const int[3]){30, 4, 4}, 0.2, origin, 0.0, is_below);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        double *x = mesh->position[i];
+        x[0] = x[0] > 5.7 ? 5.6 + 10.0 * (x[0] - 5.6) : x[0];
+    }
+    setup_hybrid(&s, mesh, 0.08);
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 1);
+    s.plan.tool[0].is_used = true;
+    s.plan.tool[0].shape = (ss_shape){.kind = SS_SHAPE_SPHERE, .radius = 0.25};
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        s.fixed[i] = mesh->position[i][2] == 0.0 ? 7 : 0;
+    }
+    ss_hybrid *hybrid = start_hybrid(&s);
+    ss_body *body = hybrid->body;
+    start_tool(tool, 8.6);
+    for (int k = 0; k < 40; ++k) {
+        move(&s, tool, 8.6, 0.02 * fmin(k / 10.0, 3.0), 1);
+        const int32_t *node;
+        const int32_t count = ss_touch_reach(body->tool[0].touch, &node);
+        const ss_real *shown = s.class->displacement(s.model);
+        ss_touch_diagonal(body->tool[0].touch, body->skin_stiff);
+        for (int32_t i = 0; i < count; ++i) {
+            for (int a = 0; a < 3 && body->skin_stiff[node[i]] > 0.0; ++a) {
+                const ptrdiff_t at = 4 * (ptrdiff_t)node[i] + a;
+                assert_near((double)body->skin_u[at], (double)shown[at], 1e-7);
+            }
+            body->skin_stiff[node[i]] = 0.0;
+        }
+    }
+    assert_true(body->tool[0].penalty > 0.0);
+    setup_fini(&s);
+}
+
 static uint64_t press_and_hash(setup *s)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -433,6 +564,68 @@ static void reset_begins_anew(void **state)
     assert_true(first == again);
 }
 
+/* A node far too fast goes a fifth of the finest edge in a sub-step, be it the core's or the finest
+ * spacing of a layer that also has coarser ones. */
+static void fast_nodes_keep_within_an_edge(void **state)
+{
+    (void)state;
+    for (int is_fine_core = 0; is_fine_core < 2; ++is_fine_core) {
+        setup s;
+        ss_model_info info;
+        const double h = is_fine_core ? 0.05 : 0.2;
+        setup_hybrid(&s, make_bar((const int[3]){6, 6, 4}, h, origin, 0.0, is_below), 0.4 * h);
+        double *spacing = calloc((size_t)s.mesh->node_count, sizeof *spacing);
+        for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+            spacing[i] = is_fine_core ? 0.09 : s.mesh->position[i][0] < 0.6 ? 0.035 : 0.14;
+        }
+        s.param[SS_HYBRID_SPACING].per_node = spacing;
+        const double finest = is_fine_core ? ss_body_mean_edge(s.mesh) : 0.035;
+        const int32_t fast = s.mesh->node_count / 8;
+        ss_hybrid *hybrid = start_hybrid(&s);
+        const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+        nodes->v[4 * (ptrdiff_t)fast] = 1000;
+        s.class->step(s.model, 0.0, 1e-4, NULL);
+        s.class->info(s.model, &info);
+        assert_int_equal(info.substeps, 1);
+        assert_true(nodes->u[4 * (ptrdiff_t)fast] > 0);
+        assert_true((double)nodes->u[4 * (ptrdiff_t)fast] < 0.201 * finest);
+        free(spacing);
+        setup_fini(&s);
+    }
+}
+
+/* A number that is not finite is a fault until reset, with either integrator, and none after. */
+static void fault_ends_with_reset(void **state)
+{
+    (void)state;
+    for (int integrator = 0; integrator < 2; ++integrator) {
+        setup s;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES];
+        ss_model_info info;
+        init_block(&s, 100);
+        give_row(&s, SS_FEM_INTEGRATOR, integrator);
+        ss_hybrid *hybrid = start_hybrid(&s);
+        const uint64_t first = press_and_hash(&s);
+        s.class->reset(s.model);
+        start_tool(tool, 0.5);
+        move(&s, tool, 0.5, 0.1, 30);
+        assert_true(hybrid->point_count > 100);
+        for (int32_t i = 0; i < 10; ++i) { /* of particles, so that points see it */
+            ss_body_get_nodes(hybrid->body)->v[4 * (ptrdiff_t)(s.mesh->node_count + i)] =
+                (ss_real)INFINITY;
+        }
+        move(&s, tool, 0.5, 0.1, 1);
+        s.class->info(s.model, &info);
+        assert_int_equal(info.verdict, SOFTSIM_VERDICT_FAULT);
+        s.class->reset(s.model);
+        const uint64_t again = press_and_hash(&s);
+        s.class->info(s.model, &info);
+        assert_true(info.verdict < SOFTSIM_VERDICT_FAULT);
+        assert_true(first == again);
+        setup_fini(&s);
+    }
+}
+
 /* A blow far too hard: finite, told, and back to rest. */
 static void hard_blow_is_survived(void **state)
 {
@@ -461,10 +654,15 @@ int main(void)
         cmocka_unit_test(reported_step_is_the_limit),
         cmocka_unit_test(motion_keeps_energy_and_momentum),
         cmocka_unit_test(waking_keeps_mass_and_momentum),
+        cmocka_unit_test(passing_tool_gives_no_energy),
         cmocka_unit_test(tool_wakes_what_it_touches),
         cmocka_unit_test(switching_is_not_felt),
         cmocka_unit_test(contact_bounds_the_substeps),
+        cmocka_unit_test(rows_have_room),
+        cmocka_unit_test(touched_skin_is_laid),
         cmocka_unit_test(reset_begins_anew),
+        cmocka_unit_test(fast_nodes_keep_within_an_edge),
+        cmocka_unit_test(fault_ends_with_reset),
         cmocka_unit_test(hard_blow_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

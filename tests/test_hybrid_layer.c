@@ -93,14 +93,10 @@ static void skin_is_numbered_last(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* Pairs are mutual and hold w X with X from one to the other. */
-static void neighbours_are_mutual(void **state)
+/* Pairs are mutual and hold w X with X from one to the other; the most of a particle. */
+static int32_t check_pairs(const ss_layer *layer)
 {
-    (void)state;
-    ss_mesh *mesh = make_block(origin);
-    ss_layer *layer = NULL;
-    const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.1};
-    assert_int_equal(ss_layer_create(&plan, &layer, NULL), SOFTSIM_OK);
+    int32_t most = 0;
     for (int32_t p = 0; p < layer->count; ++p) {
         for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
             const int32_t q = layer->neighbour[t];
@@ -115,16 +111,51 @@ static void neighbours_are_mutual(void **state)
                             BY_TYPE(1e-6, 1e-13));
             }
         }
-    }
-    /* Two shells: 6 at a spacing, 12 at root 2. */
-    int32_t most = 0;
-    for (int32_t p = 0; p < layer->count; ++p) {
         const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
         most = pairs > most ? pairs : most;
     }
-    assert_int_equal(most, 18);
+    return most;
+}
+
+static void neighbours_are_mutual(void **state)
+{
+    (void)state;
+    ss_mesh *mesh = make_block(origin);
+    ss_layer *layer = NULL;
+    const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.1};
+    assert_int_equal(ss_layer_create(&plan, &layer, NULL), SOFTSIM_OK);
+    /* Two shells: 6 at a spacing, 12 at root 2. */
+    assert_int_equal(check_pairs(layer), 18);
     ss_layer_destroy(&layer);
     ss_mesh_destroy(&mesh);
+}
+
+/* Also where spacings differ so much that lists of the nearest end early: what is not mutual leaves
+ * points behind when all sleeps. */
+static void far_spacings_have_mutual_neighbours(void **state)
+{
+    (void)state;
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.16);
+    double *spacing = calloc((size_t)s.mesh->node_count, sizeof *spacing);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        spacing[i] = s.mesh->position[i][0] < 0.5 ? 0.04 : 0.16;
+    }
+    s.param[SS_HYBRID_SPACING].per_node = spacing;
+    give_row(&s, SS_HYBRID_MAX_ACTIVE, 400);
+    ss_hybrid *hybrid = start_hybrid(&s);
+    const ss_layer *layer = hybrid->layer;
+    assert_true(check_pairs(layer) < SS_LAYER_MAX_PAIRS);
+    for (int32_t p = 0; p < layer->own_count; ++p) {
+        assert_true(layer->moment[8 * (ptrdiff_t)p + 6] > 0);
+    }
+    for (int32_t skin = 0; skin < layer->skin_count; skin += 5) {
+        ss_hybrid_wake_around(hybrid, skin);
+        ss_hybrid_settle(hybrid);
+        assert_int_equal(hybrid->point_count, 0);
+    }
+    free(spacing);
+    setup_fini(&s);
 }
 
 /* A finer region has particles of half the spacing, the same volume, and exact gradients. */
@@ -194,6 +225,17 @@ static void affine_maps_are_exact(void **state)
         free(forces_of(hybrid, &energy));
         const double exact = 0.8 * ss_tissue_energy(&law, flat);
         assert_near(energy / exact, 1.0, BY_TYPE(1e-4, 1e-9));
+        /* What the step's bound follows: |2E|, the same everywhere. */
+        double square = 0.0;
+        for (int a = 0; a < 9; ++a) {
+            const double *g[2] = {gradient[a / 3], gradient[a % 3]};
+            double twice = g[0][a % 3] + g[1][a / 3];
+            for (int k = 0; k < 3; ++k) {
+                twice += gradient[k][a / 3] * gradient[k][a % 3];
+            }
+            square += twice * twice;
+        }
+        assert_near(hybrid->strain / sqrt(square), 1.0, BY_TYPE(1e-4, 1e-9));
         for (int32_t k = 0; k < hybrid->point_count; ++k) {
             for (int a = 0; a < 9; ++a) {
                 assert_near((double)hybrid->gradient[8 * (1 + 3 * k + a % 3) + a / 3],
@@ -208,6 +250,37 @@ static void affine_maps_are_exact(void **state)
         }
         setup_fini(&s);
     }
+}
+
+static bool is_lowest(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 1;
+}
+
+/* All awake are all awake, also where each ghost of a thin core has a share. */
+static void all_of_a_layer_wake(void **state)
+{
+    (void)state;
+    setup s;
+    setup_hybrid(&s, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_lowest), 0.1);
+    wake_all(&s);
+    const ss_hybrid *hybrid = start_hybrid(&s);
+    assert_int_equal(hybrid->awake_count, hybrid->layer->own_count);
+    assert_int_equal(hybrid->point_count, hybrid->layer->count);
+    setup_fini(&s);
+}
+
+/* The least reach that a scene can give wakes nobody, and is no end of work to set up. */
+static void least_reach_is_none(void **state)
+{
+    (void)state;
+    setup s;
+    setup_hybrid(&s, make_block(origin), 0.1);
+    give_row(&s, SS_HYBRID_ACTIVATE, 4.9e-324);
+    assert_int_equal(start_hybrid(&s)->awake_count, 0);
+    setup_fini(&s);
 }
 
 static void shake(const ss_hybrid *hybrid, double size)
@@ -483,6 +556,25 @@ static void wrong_layers_are_refused(void **state)
     s.plan.prescribed = &set;
     s.plan.prescribed_count = 1;
     refuse(&s, "drives nothing");
+    /* Nor would a load. */
+    for (int is_pressure = 0; is_pressure < 2; ++is_pressure) {
+        setup_hybrid(&s, make_block(origin), 0.1);
+        int32_t *lid = calloc((size_t)s.mesh->node_count, sizeof *lid);
+        ss_load load = {.node = lid,
+                        .force = {0.0, 0.0, -0.1},
+                        .is_pressure = is_pressure == 1,
+                        .pressure = 0.5,
+                        .to = (double)INFINITY};
+        for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+            if (s.mesh->position[i][2] > 0.79) {
+                lid[load.node_count++] = i;
+            }
+        }
+        s.plan.load = &load;
+        s.plan.load_count = 1;
+        refuse(&s, "ride on");
+        free(lid);
+    }
     setup_hybrid(&s, make_block(origin), 0.1);
     give_row(&s, SS_FEM_LOCKING_CURE, 2.0);
     refuse(&s, "locking_cure");
@@ -494,8 +586,11 @@ int main(void)
         cmocka_unit_test(rows_reproduce_places),
         cmocka_unit_test(skin_is_numbered_last),
         cmocka_unit_test(neighbours_are_mutual),
+        cmocka_unit_test(far_spacings_have_mutual_neighbours),
         cmocka_unit_test(spacing_may_differ),
         cmocka_unit_test(affine_maps_are_exact),
+        cmocka_unit_test(all_of_a_layer_wake),
+        cmocka_unit_test(least_reach_is_none),
         cmocka_unit_test(force_is_the_slope_of_energy),
         cmocka_unit_test(tangent_is_the_change_of_force),
         cmocka_unit_test(rigid_motion_is_free),

@@ -220,7 +220,9 @@ static softsim_status build(ss_body *body, softsim_error *error)
     }
     const softsim_status weighed = check_masses(&body->own, size, error);
     status = ss_plan_check(&body->plan, body->own.name, size,
-                           "that belong to no element: take them out", &body->is_held, error);
+                           body->has_skin ? "that ride on others: take them out"
+                                          : "that belong to no element: take them out",
+                           &body->is_held, error);
     ss_memory_free(size);
     if (status != SOFTSIM_OK || weighed != SOFTSIM_OK) {
         return status != SOFTSIM_OK ? status : weighed;

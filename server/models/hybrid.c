@@ -198,6 +198,41 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
     return SOFTSIM_OK;
 }
 
+/* Skin has no mass: pressure on it would push nothing, and nobody would be told. */
+static softsim_status check_pressures(const ss_hybrid *hybrid, const ss_model_plan *plan,
+                                      softsim_error *error)
+{
+    const ss_mesh *mesh = plan->mesh;
+    uint8_t *mark = ss_memory_get((size_t)mesh->node_count, 1);
+    softsim_status status = mark != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    for (int32_t l = 0; mark != NULL && l < plan->load_count; ++l) {
+        const ss_load *load = &plan->load[l];
+        int32_t lost = 0;
+        memset(mark, 0, (size_t)mesh->node_count);
+        for (int32_t k = 0; load->is_pressure && k < load->node_count; ++k) {
+            if (load->node[k] >= 0 && load->node[k] < mesh->node_count) {
+                mark[load->node[k]] = 1;
+            }
+        }
+        for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+            const int32_t *c = mesh->triangle[t];
+            const int32_t *of = hybrid->layer->skin_of;
+            lost += mark[c[0]] && mark[c[1]] && mark[c[2]] &&
+                    (of[c[0]] >= 0 || of[c[1]] >= 0 || of[c[2]] >= 0);
+        }
+        if (lost > 0) {
+            status = SOFTSIM_ERROR_SCENE;
+            softsim_error_add(error, status,
+                              "hybrid: load %d is a pressure on %d triangles of the outer surface, "
+                              "whose nodes ride on the layer; press on the core's own faces, or "
+                              "with a tool",
+                              l, lost);
+        }
+    }
+    ss_memory_free(mark);
+    return status;
+}
+
 static bool create_core(ss_hybrid *hybrid)
 {
     const ss_mesh *mesh = hybrid->mesh;
@@ -278,6 +313,79 @@ static bool create_particles(ss_hybrid *hybrid)
                               (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
 }
 
+/* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a
+ * skin node and of its neighbours. False when out of memory. */
+static bool fill_spans(ss_hybrid *hybrid)
+{
+    const ss_mesh *mesh = hybrid->mesh;
+    double *longest = ss_memory_get((size_t)mesh->node_count, sizeof *longest);
+    const bool is_good = longest != NULL;
+    for (int32_t c = 0; is_good && c < 3 * mesh->triangle_count; ++c) {
+        const int32_t i = mesh->triangle[c / 3][c % 3];
+        const int32_t j = mesh->triangle[c / 3][(c + 1) % 3];
+        double d[3];
+        ss_sub3(d, mesh->position[i], mesh->position[j]);
+        longest[i] = fmax(longest[i], ss_norm3(d));
+        longest[j] = fmax(longest[j], ss_norm3(d));
+    }
+    for (int32_t t = 0; is_good && t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        const double most = fmax(longest[c[0]], fmax(longest[c[1]], longest[c[2]]));
+        for (int k = 0; k < 3; ++k) {
+            const int32_t s = hybrid->layer->skin_of[c[k]];
+            if (s >= 0) {
+                hybrid->span[s] = fmax(hybrid->span[s], most);
+            }
+        }
+    }
+    ss_memory_free(longest);
+    return is_good;
+}
+
+/* Nodes that the particles of skin node s are tied to; `mark` (by node, -1) is left as it was. */
+static int32_t count_ties(const ss_hybrid *hybrid, int32_t s)
+{
+    const ss_layer *layer = hybrid->layer;
+    int32_t count = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
+            const int32_t p = layer->skin_particle[k];
+            for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
+                int32_t *mark = &hybrid->mark[layer->tie_node[t]];
+                count += pass == 0 && *mark < 0;
+                *mark = pass == 0 ? 0 : -1;
+            }
+        }
+    }
+    return count;
+}
+
+/* Room for the row of every skin node, whichever of its particles are awake. */
+static bool create_rides(ss_hybrid *hybrid)
+{
+    const ss_layer *layer = hybrid->layer;
+    size_t entries = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        entries = 0;
+        for (int32_t s = 0; s < layer->skin_count; ++s) {
+            if (pass == 1) {
+                hybrid->ride[s].node = hybrid->ride_node + entries;
+                hybrid->ride[s].weight = hybrid->ride_weight + entries;
+            }
+            const int32_t particles = layer->skin_first[s + 1] - layer->skin_first[s];
+            entries += (size_t)(particles + count_ties(hybrid, s));
+        }
+        if (pass == 0) {
+            hybrid->ride_node = ss_memory_get(entries, sizeof *hybrid->ride_node);
+            hybrid->ride_weight = ss_memory_get(entries, sizeof *hybrid->ride_weight);
+            if (hybrid->ride_node == NULL || hybrid->ride_weight == NULL) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 /* Which skin nodes ride on a particle; and the arrays of the skin. */
 static bool create_skin(ss_hybrid *hybrid)
 {
@@ -294,6 +402,7 @@ static bool create_skin(ss_hybrid *hybrid)
     hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
     hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
     hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
+    hybrid->span = ss_memory_get(skin, sizeof *hybrid->span);
     hybrid->close = ss_memory_get(skin, sizeof *hybrid->close);
     hybrid->around = ss_memory_get(skin, sizeof *hybrid->around);
     hybrid->core_node = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
@@ -304,9 +413,9 @@ static bool create_skin(ss_hybrid *hybrid)
     if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
         hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
         hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
-        hybrid->close == NULL || hybrid->around == NULL || hybrid->core_node == NULL ||
-        hybrid->load == NULL || hybrid->swing == NULL || hybrid->mode == NULL ||
-        hybrid->product == NULL) {
+        hybrid->span == NULL || hybrid->close == NULL || hybrid->around == NULL ||
+        hybrid->core_node == NULL || hybrid->load == NULL || hybrid->swing == NULL ||
+        hybrid->mode == NULL || hybrid->product == NULL) {
         return false;
     }
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
@@ -327,7 +436,7 @@ static bool create_skin(ss_hybrid *hybrid)
             hybrid->rider[hybrid->rider_first[layer->skin_particle[k] + 1]++] = s;
         }
     }
-    return true;
+    return create_rides(hybrid) && fill_spans(hybrid);
 }
 
 /* Masses while all sleeps: a quarter of its own and of its guests' to each corner of an element. */
@@ -402,7 +511,7 @@ static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, 
                                .node_count = plan->mesh->node_count + hybrid->max_awake,
                                .mass = mass,
                                .mass_damping = hybrid->material.mass_damping,
-                               .edge = hybrid->layer->spacing[0],
+                               .edge = fmin(hybrid->least_spacing, ss_body_mean_edge(plan->mesh)),
                                .planned_step = planned_step,
                                .step_share = STEP_SHARE,
                                .contact_share = CONTACT_STEP_SHARE,
@@ -464,6 +573,9 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     if (status == SOFTSIM_OK) {
         status = read_parameters(hybrid, plan, error);
     }
+    if (status == SOFTSIM_OK) {
+        status = check_pressures(hybrid, plan, error);
+    }
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -499,16 +611,16 @@ static void destroy(ss_model *model)
     ss_point_grid_fini(&hybrid->grid);
     ss_hybrid_destroy_cells(hybrid);
     void *const owned[] = {
-        hybrid->lane,           hybrid->volume,      hybrid->particle, hybrid->node_of,
-        hybrid->is_held,        hybrid->offset,      hybrid->point,    hybrid->coefficient,
-        hybrid->gradient,       hybrid->spread,      hybrid->stress,   hybrid->near,
-        hybrid->wanted,         hybrid->idle,        hybrid->drifting, hybrid->state,
-        hybrid->particle_force, hybrid->rider_first, hybrid->rider,    hybrid->ride,
-        hybrid->riding,         hybrid->riding_at,   hybrid->mark,     hybrid->shown,
-        hybrid->shown_v,        hybrid->laid,        hybrid->distance, hybrid->found,
-        hybrid->mode,           hybrid->product,     hybrid->fixed,    hybrid->mass_asleep,
-        hybrid->load,           hybrid->swing,       hybrid->close,    hybrid->around,
-        hybrid->core_node};
+        hybrid->lane,           hybrid->volume,      hybrid->particle,  hybrid->node_of,
+        hybrid->is_held,        hybrid->offset,      hybrid->point,     hybrid->coefficient,
+        hybrid->gradient,       hybrid->spread,      hybrid->stress,    hybrid->near,
+        hybrid->wanted,         hybrid->idle,        hybrid->drifting,  hybrid->state,
+        hybrid->particle_force, hybrid->rider_first, hybrid->rider,     hybrid->ride,
+        hybrid->riding,         hybrid->riding_at,   hybrid->mark,      hybrid->shown,
+        hybrid->shown_v,        hybrid->laid,        hybrid->distance,  hybrid->found,
+        hybrid->mode,           hybrid->product,     hybrid->fixed,     hybrid->mass_asleep,
+        hybrid->load,           hybrid->swing,       hybrid->close,     hybrid->around,
+        hybrid->core_node,      hybrid->span,        hybrid->ride_node, hybrid->ride_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

@@ -29,10 +29,6 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
-/* Entries of an awake skin node's row over nodes: 16 particles, tied ones through 16 nodes each,
- * most of them shared. Where it takes more the node stays asleep. */
-enum { SS_HYBRID_RIDE = 112 };
-
 typedef struct ss_hybrid_particle {
     int32_t point;    /* its place among the points; -1: its stiffness is all the core's */
     int32_t near;     /* its place among the near particles, -1 */
@@ -48,8 +44,8 @@ typedef struct ss_hybrid_ride {
     ss_real theta;
     int32_t wanted; /* particles of its row that are wanted */
     int32_t count;  /* of its row over nodes; 0: asleep */
-    int32_t node[SS_HYBRID_RIDE];
-    ss_real weight[SS_HYBRID_RIDE];
+    int32_t *node;  /* room for its particles and all nodes that they are tied to */
+    ss_real *weight;
 } ss_hybrid_ride;
 
 typedef struct ss_hybrid {
@@ -101,11 +97,14 @@ typedef struct ss_hybrid {
     uint32_t beat;                  /* outer steps since all slept */
 
     /* skin */
-    int32_t *rider_first, *rider;  /* by particle: places in the layer's skin rows that name it */
-    ss_hybrid_ride *ride;          /* by skin node */
+    int32_t *rider_first, *rider; /* by particle: places in the layer's skin rows that name it */
+    ss_hybrid_ride *ride;         /* by skin node */
+    int32_t *ride_node;           /* of all rides */
+    ss_real *ride_weight;
     int32_t *riding, riding_count; /* skin nodes with a row */
     int32_t *riding_at;            /* by skin node: its place among them, -1 */
     int32_t *mark;                 /* by node of the body: scratch of a row, -1 between calls */
+    double *span;                  /* m, by skin node: the longest edge of it and its neighbours */
     int32_t *close, close_count;   /* skin nodes that a tool may reach before the next list */
     int32_t *around, around_count; /* and that say where it would be at rest */
     double listed[SOFTSIM_MAX_PROBES][3]; /* m: tools at the last list */
@@ -134,9 +133,9 @@ typedef struct ss_hybrid {
 
     /* step bound */
     ss_real *mode, *product;
-    double rest_rate2; /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
-    double rate2;      /* omega^2 of the stiffest motion, from above, 1/s^2 */
-    double strain, seen_strain;
+    double rest_rate2;          /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
+    double rate2;               /* omega^2 of the stiffest motion, from above, 1/s^2 */
+    double strain, seen_strain; /* largest |2E| since the last bound, and at the last look */
     int32_t age;
 } ss_hybrid;
 

@@ -191,6 +191,9 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
         write_point(hybrid, k);
     }
     put_lane(&hybrid->points, last, &nothing);
+    /* A spare lane is looked at all the same: for the largest strain, and 0 times what is no number
+     * is no energy. */
+    memset(hybrid->gradient + 8 * (ptrdiff_t)(1 + 3 * last), 0, 24 * sizeof *hybrid->gradient);
     hybrid->points.count = (hybrid->point_count + SS_FEM_LANES - 1) / SS_FEM_LANES;
     release(hybrid, p);
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
@@ -285,7 +288,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     out->elastic += core.energy;
     out->power += core.power;
     hybrid->u = u;
-    hybrid->strain = fmax(hybrid->strain, core.strain);
+    hybrid->strain = fmax(hybrid->strain, sqrt(core.strain));
     add_cells(hybrid, u, is_viscous ? v : NULL, force, out);
     if (hybrid->point_count == 0) {
         return;
@@ -303,7 +306,7 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
     hybrid->kernels->give(&pass);
     out->elastic += points.energy + (out->is_wanted ? residual_energy(hybrid) : 0.0);
     out->power += points.power;
-    hybrid->strain = fmax(hybrid->strain, points.strain);
+    hybrid->strain = fmax(hybrid->strain, sqrt(points.strain));
 }
 
 /* Cohesion's stiffness at rest, 3 e/r0^2 along each pair, of which a point has half. */

@@ -100,7 +100,9 @@ void ss_hybrid_list_skin(ss_hybrid *hybrid)
                     d[a] = hybrid->mesh->position[node][a] + (double)u[a] - hybrid->listed[k][a];
                 }
                 const double square = ss_dot3(d, d);
-                const double close = hybrid->close_reach[k];
+                /* Two long edges, where those are more than the three that are reckoned with. */
+                const double close = hybrid->close_reach[k] +
+                                     fmax(2.0 * hybrid->span[s] - 3.0 * hybrid->skin_edge, 0.0);
                 const double around = hybrid->around_reach[k];
                 is_close = is_close || square < close * close;
                 is_around = is_around || square < around * around;
@@ -313,19 +315,15 @@ double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, co
 /* ---- following the particles ----------------------------------------------------------------
  */
 
-/* Adds to entry `node` of a row; false where it is full. */
-static bool add_entry(ss_hybrid *hybrid, ss_hybrid_ride *ride, int32_t node, ss_real weight)
+/* Adds to entry `node` of a row. */
+static void add_entry(ss_hybrid *hybrid, ss_hybrid_ride *ride, int32_t node, ss_real weight)
 {
     if (hybrid->mark[node] < 0) {
-        if (ride->count == SS_HYBRID_RIDE) {
-            return false;
-        }
         hybrid->mark[node] = ride->count;
         ride->node[ride->count] = node;
         ride->weight[ride->count++] = 0;
     }
     ride->weight[hybrid->mark[node]] += weight;
-    return true;
 }
 
 /* The row of skin node s from its particles as they now are. */
@@ -333,24 +331,19 @@ static void make_row(ss_hybrid *hybrid, int32_t s)
 {
     const ss_layer *layer = hybrid->layer;
     ss_hybrid_ride *ride = &hybrid->ride[s];
-    bool has_room = true;
     ride->count = 0;
-    for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1] && has_room; ++k) {
+    for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
         const int32_t p = layer->skin_particle[k];
         if (hybrid->node_of[p] >= 0) {
-            has_room = add_entry(hybrid, ride, hybrid->node_of[p], layer->skin[k]);
+            add_entry(hybrid, ride, hybrid->node_of[p], layer->skin[k]);
             continue;
         }
-        for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1] && has_room; ++t) {
-            has_room = add_entry(hybrid, ride, layer->tie_node[t], layer->skin[k] * layer->tie[t]);
+        for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
+            add_entry(hybrid, ride, layer->tie_node[t], layer->skin[k] * layer->tie[t]);
         }
     }
     for (int32_t k = 0; k < ride->count; ++k) {
         hybrid->mark[ride->node[k]] = -1;
-    }
-    if (!has_room) {
-        ride->count = 0;
-        ride->theta = 0;
     }
 }
 

@@ -360,36 +360,70 @@ static bool drop_lonely(builder *b)
     return true;
 }
 
+/* Of p's neighbours those that have p among theirs, as `first` and `all` list them; how many. Where
+ * spacings differ by four or more, a list of the nearest ends before the pair does at one end. */
+static int32_t keep_mutual(const int32_t *first, const int32_t *all, int32_t p, int32_t count,
+                           int32_t *neighbour, double *square)
+{
+    int32_t kept = 0;
+    for (int32_t k = 0; k < count; ++k) {
+        const int32_t q = neighbour[k];
+        int32_t at = first[q];
+        while (at < first[q + 1] && all[at] != p) {
+            ++at;
+        }
+        if (at < first[q + 1]) {
+            neighbour[kept] = q;
+            square[kept++] = square[k];
+        }
+    }
+    return kept;
+}
+
+static void fill_pairs(ss_layer *layer, int32_t p, int32_t count, const int32_t *neighbour,
+                       const double *square)
+{
+    for (int32_t k = 0; k < count; ++k) {
+        const int64_t at = layer->pair_first[p] + k;
+        const int32_t q = neighbour[k];
+        const double w = weight(square[k], reach_of(layer->spacing[p], layer->spacing[q]));
+        layer->neighbour[at] = q;
+        for (int i = 0; i < 3; ++i) {
+            layer->pair[4 * at + i] = (ss_real)(w * (layer->rest[q][i] - layer->rest[p][i]));
+        }
+        layer->pair[4 * at + 3] = (ss_real)w;
+    }
+    layer->pair_first[p + 1] = layer->pair_first[p] + count;
+}
+
 static bool join_neighbours(builder *b)
 {
     ss_layer *layer = b->layer;
     int32_t neighbour[SS_LAYER_MAX_PAIRS];
     double square[SS_LAYER_MAX_PAIRS];
-    for (int32_t p = 0; p < layer->count; ++p) {
-        layer->pair_first[p + 1] =
-            layer->pair_first[p] + find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
+    int32_t *first = ss_memory_get((size_t)layer->count + 1, sizeof *first);
+    for (int32_t p = 0; first != NULL && p < layer->count; ++p) {
+        first[p + 1] = first[p] + find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
     }
-    const size_t pairs = (size_t)layer->pair_first[layer->count];
+    const size_t pairs = first != NULL ? (size_t)first[layer->count] : 0;
+    int32_t *all = ss_memory_get(pairs, sizeof *all);
     layer->neighbour = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->neighbour);
     layer->pair = ss_memory_get(4 * (pairs + SS_LAYER_SPARE_PAIRS), sizeof *layer->pair);
-    if (layer->neighbour == NULL || layer->pair == NULL) {
-        return false;
-    }
-    for (int32_t p = 0; p < layer->count; ++p) {
+    const bool is_good =
+        first != NULL && all != NULL && layer->neighbour != NULL && layer->pair != NULL;
+    for (int32_t p = 0; is_good && p < layer->count; ++p) {
         const int32_t count = find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
-        fill_moment(layer, p, count, neighbour, square, layer->moment + 8 * (int64_t)p);
-        for (int32_t k = 0; k < count; ++k) {
-            const int64_t at = layer->pair_first[p] + k;
-            const int32_t q = neighbour[k];
-            const double w = weight(square[k], reach_of(layer->spacing[p], layer->spacing[q]));
-            layer->neighbour[at] = q;
-            for (int i = 0; i < 3; ++i) {
-                layer->pair[4 * at + i] = (ss_real)(w * (layer->rest[q][i] - layer->rest[p][i]));
-            }
-            layer->pair[4 * at + 3] = (ss_real)w;
-        }
+        memcpy(all + first[p], neighbour, (size_t)count * sizeof *all);
     }
-    return true;
+    for (int32_t p = 0; is_good && p < layer->count; ++p) {
+        const int32_t found = find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
+        const int32_t count = keep_mutual(first, all, p, found, neighbour, square);
+        fill_moment(layer, p, count, neighbour, square, layer->moment + 8 * (int64_t)p);
+        fill_pairs(layer, p, count, neighbour, square);
+    }
+    ss_memory_free(first);
+    ss_memory_free(all);
+    return is_good;
 }
 
 /* ---- ties ------------------------------------------------------------------------------------

@@ -275,20 +275,15 @@ softsim_status ss_layer_list_sites(const ss_layer_plan *plan, ss_layer_sites *ou
         l.n[k] = (int32_t)fmin(fmax(cells, 1.0), MAX_PLACES);
         l.low[k] -= 0.5 * (l.n[k] * plan->spacing - (high[k] - l.low[k]));
     }
+    bool is_good = true;
     if (places <= MAX_PLACES) {
         const int finest = choose_levels(&l);
+        is_good = finest >= 0;
         if (finest > 0 && places * pow(8.0, finest) > MAX_PLACES) {
             places *= pow(8.0, finest);
         }
-        for (int level = 0; level <= finest && places <= MAX_PLACES; ++level) {
-            if (!scan(&l, level, out_sites)) {
-                ss_memory_free(l.level);
-                ss_memory_free(out_sites->site);
-                softsim_error_add(error, SOFTSIM_ERROR_MEMORY,
-                                  "out of memory for the layer's "
-                                  "lattice");
-                return SOFTSIM_ERROR_MEMORY;
-            }
+        for (int level = 0; is_good && level <= finest && places <= MAX_PLACES; ++level) {
+            is_good = scan(&l, level, out_sites);
             l.spacing *= 0.5;
             for (int k = 0; k < 3; ++k) {
                 l.n[k] *= 2;
@@ -296,8 +291,11 @@ softsim_status ss_layer_list_sites(const ss_layer_plan *plan, ss_layer_sites *ou
         }
     }
     ss_memory_free(l.level);
+    if (!is_good) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for the layer's lattice");
+        return SOFTSIM_ERROR_MEMORY;
+    }
     if (places > MAX_PLACES) {
-        ss_memory_free(out_sites->site);
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "layer.spacing_m: %g m over this body makes a lattice of %.3g places, "
                           "more than %d; give a coarser spacing",

@@ -37,6 +37,10 @@ bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point
     if (!(grid->cell > 0.0 && isfinite(grid->cell))) { /* points that say nothing of a size */
         grid->cell = 1.0;
     }
+    /* Far finer than any count of points needs; the least numbers do not grow by a quarter. */
+    for (int k = 0; k < 3 && count > 0; ++k) {
+        grid->cell = fmax(grid->cell, 1e-12 * (high[k] - grid->low[k]));
+    }
     /* No more cells than eight a point, whatever the reach. */
     double cells = INFINITY;
     while (count > 0 && cells > 8.0 * count) {
