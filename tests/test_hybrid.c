@@ -545,6 +545,52 @@ static uint64_t press_and_hash(setup *s)
     return hash;
 }
 
+/* After a fault the body stays as it was, and so does its surface wherever a tool goes. */
+static void a_fault_freezes_the_surface(void **state)
+{
+    (void)state;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    init_block(&s, 150);
+    ss_hybrid *hybrid = start_hybrid(&s);
+    start_tool(tool, 0.3);
+    move(&s, tool, 0.3, 0.1, 30);
+    const size_t size = 4 * (size_t)s.mesh->node_count * sizeof(ss_real);
+    ss_real *frozen = malloc(size);
+    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        nodes->v[4 * (ptrdiff_t)i] = nodes->mass[i] > 0.0 ? (ss_real)NAN : nodes->v[4 * i];
+    }
+    move(&s, tool, 0.3, 0.1, 1);
+    assert_true((info_of(&s).fault_bits & SS_MODEL_FAULT_NOT_FINITE) != 0);
+    memcpy(frozen, s.class->displacement(s.model), size);
+    move(&s, tool, 0.7, 0.1, 30);
+    move(&s, tool, 0.7, -1.0, 60);
+    assert_memory_equal(frozen, s.class->displacement(s.model), size);
+    free(frozen);
+    setup_fini(&s);
+}
+
+static void keep_locking(void *sink, const char *text)
+{
+    *(bool *)sink = *(bool *)sink || strstr(text, "plain tetrahedra are too stiff") != NULL;
+}
+
+static void locking_without_its_cure_is_told(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        setup s;
+        bool is_told = false;
+        init_block(&s, 150);
+        give_row(&s, SS_FEM_LAMBDA, k == 0 ? 5.5 : 60.0); /* Poisson: 0.34, 0.48 */
+        (void)start_hybrid(&s);
+        s.class->explain(s.model, keep_locking, &is_told);
+        assert_true(is_told == (k == 1));
+        setup_fini(&s);
+    }
+}
+
 static void reset_begins_anew(void **state)
 {
     (void)state;
@@ -660,6 +706,8 @@ int main(void)
         cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(rows_have_room),
         cmocka_unit_test(touched_skin_is_laid),
+        cmocka_unit_test(a_fault_freezes_the_surface),
+        cmocka_unit_test(locking_without_its_cure_is_told),
         cmocka_unit_test(reset_begins_anew),
         cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),

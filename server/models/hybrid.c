@@ -189,6 +189,7 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
         hybrid->is_all_awake || points > layer->count ? layer->count : (int32_t)points;
     memcpy(hybrid->material.lambda_own, hybrid->material.lambda,
            (size_t)plan->mesh->tetrahedron_count * sizeof(double));
+    hybrid->is_locking = hybrid->material.is_averaged;
     hybrid->material.is_averaged = false;
     hybrid->skin_edge = mean_skin_edge(plan->mesh);
     hybrid->least_spacing = coarsest;
@@ -666,9 +667,13 @@ static void step(ss_model *model, double time, double dt,
         hybrid->tool[k] = tool != NULL ? tool[k] : (ss_model_tool){0};
         hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k].is_used;
     }
-    ss_hybrid_list_skin(hybrid);
-    if (ss_hybrid_wake(hybrid)) {
-        ss_body_renew(hybrid->body);
+    ss_model_info now;
+    ss_body_info(hybrid->body, &now);
+    if ((now.fault_bits & SS_MODEL_FAULT_NOT_FINITE) == 0) { /* else all stays as it was */
+        ss_hybrid_list_skin(hybrid);
+        if (ss_hybrid_wake(hybrid)) {
+            ss_body_renew(hybrid->body);
+        }
     }
     ss_body_step(hybrid->body, time, dt, tool);
 }
@@ -720,6 +725,10 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
              ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
                                 hybrid->material.viscous_time, hybrid->material.mass_damping));
     line(sink, text);
+    if (hybrid->is_locking) {
+        line(sink, "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
+                   "cure is for whole volumes, and the layer takes part of the core's: left out");
+    }
     if (!(hybrid->cohesion > 0.0)) {
         line(sink, "left out: cohesion (lennard_jones_share 0)");
     }

@@ -62,6 +62,7 @@ typedef struct ss_hybrid {
     double wake_reach, sleep_reach; /* m, from the tool's surface */
     int32_t max_awake, max_points;
     bool is_all_awake; /* reach beyond the body: nothing ever sleeps */
+    bool is_locking;   /* fem would cure it by itself */
 
     /* core */
     ss_fem_blocks core;

@@ -21,7 +21,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-enum { MAX_LEVEL = 3, MAX_PLACES = 1 << 26 };
+enum { MAX_LEVEL = 3, MAX_PLACES = 1 << 24 };
 
 typedef struct lattice {
     const ss_layer_plan *plan;
