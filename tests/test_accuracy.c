@@ -308,6 +308,11 @@ static void hostile_statements_are_refused_with_their_place(void **state)
          "/b_cantilever\nprobe_point_m: [0, 0, 0]\nsteps: [{gravity_m_s2: [0, 0, -1], reference: "
          "curve.csv, compare_until_s: 8}]\n",
          "curve.csv:9: the last time is 7 s"},
+        {"case: t\nkind: dynamic\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0, "
+         "density_kg_m3: 1}\nmesh_case: " REFERENCE
+         "/b_cantilever\nprobe_point_m: [0, 0, 0]\nsteps: [{gravity_m_s2: [0, 0, -1], reference: "
+         "curve.csv, compare_until_s: 1001}]\n",
+         "must be a number of 1e-06 to 1000"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "kind: slow\n", "static or dynamic"},
         {"case: t\nkind: dynamic\nmaterial: {youngs_modulus_pa: 1, poisson_ratio: 0, "
          "density_kg_m3: "
