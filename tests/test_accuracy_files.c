@@ -22,6 +22,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "accuracy.h"
 #include "bench.h"
 #include "models/model.h"
 #include "table.h"
@@ -253,6 +254,41 @@ static void a_swing_is_judged_by_all_its_steps(void **state)
     assert_non_null(strstr(verdict, "5e+03 Hz"));
 }
 
+/* Rows of another program may be more than all of our models and meshes. */
+static void every_row_of_another_program_is_on_the_page(void **state)
+{
+    (void)state;
+    enum { ROWS = 300 };
+    char other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE], tiny[PATH_SIZE], last[32];
+    size_t size = 0;
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_model_find("mass-spring") == NULL) {
+        skip();
+    }
+    write_tiny("tiny", "tiny");
+    place("tiny", tiny);
+    place("many", out);
+    place("many.csv", other);
+    FILE *file = fopen(other, "w");
+    assert_non_null(file);
+    fprintf(file, "%s\n", ss_accuracy_head);
+    for (int k = 0; k < ROWS; ++k) {
+        fprintf(file, "tiny,linear,theirs,m%d,4,1,a,%g,0.1,0.1,%d,9,0.001,9,9,no,good\n", k,
+                1.0 / (k + 2), k + 1);
+    }
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(run((const char *const[]){"--case", tiny, "--model", "mass-spring",
+                                               "--compare", other, "--out", out, NULL}),
+                     0);
+    snprintf(last, sizeof last, ">m%d<", ROWS - 1);
+    place("many/accuracy.html", path);
+    char *text = ss_table_read_file(path, &size, &error);
+    assert_non_null(text);
+    assert_non_null(strstr(text, ">m0<"));
+    assert_non_null(strstr(text, last));
+    free(text);
+}
+
 /* What was run before a case was mended is not taken for a result of the mended one. */
 static void a_mended_case_is_not_resumed(void **state)
 {
@@ -302,6 +338,7 @@ int main(void)
         cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
         cmocka_unit_test(a_poor_field_is_said_in_the_verdict),
         cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
+        cmocka_unit_test(every_row_of_another_program_is_on_the_page),
         cmocka_unit_test(a_mended_case_is_not_resumed),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

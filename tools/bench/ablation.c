@@ -187,8 +187,15 @@ static void tick(softsim_world *world, const omission *o, int32_t first, int32_t
     }
 }
 
+static softsim_status no_memory(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    return SOFTSIM_ERROR_MEMORY;
+}
+
 /* The largest distance of the two bodies over the largest displacement; NaN without one. */
-static double distance(softsim_world *const world[2])
+static softsim_status measure_distance(softsim_world *const world[2], double *out_apart,
+                                       softsim_error *error)
 {
     softsim_state state;
     softsim_read(world[0], &state);
@@ -196,7 +203,7 @@ static double distance(softsim_world *const world[2])
     double(*u)[3] = calloc(2 * count, sizeof *u);
     double apart = 0.0, largest = 0.0;
     if (u == NULL) {
-        return (double)NAN;
+        return no_memory(error);
     }
     softsim_read_nodes(world[0], NULL, u, NULL);
     softsim_read_nodes(world[1], NULL, u + count, NULL);
@@ -207,19 +214,21 @@ static double distance(softsim_world *const world[2])
         largest = fmax(largest, ss_norm3(u[i]));
     }
     free(u);
-    return largest > 0.0 ? apart / largest : (double)NAN;
+    *out_apart = largest > 0.0 ? apart / largest : (double)NAN;
+    return SOFTSIM_OK;
 }
 
-/* Both worlds in turns; the second turn is measured, and the third. */
-static void compare(const omission *o, softsim_world *const world[2], figures *out)
+/* Both worlds in turns; the first turn warms, the other four are measured. */
+static softsim_status compare(const omission *o, softsim_world *const world[2], figures *out,
+                              softsim_error *error)
 {
-    ss_samples samples[2], warm;
-    if (!ss_samples_init(&samples[0], 4 * TURN_TICKS) ||
-        !ss_samples_init(&samples[1], 4 * TURN_TICKS) || !ss_samples_init(&warm, WARM_TICKS)) {
-        snprintf(out->note, sizeof out->note, "out of memory");
-        return;
-    }
-    for (int turn = 0; turn < 5; ++turn) {
+    ss_samples samples[2] = {{.value = NULL}}, warm = {.value = NULL};
+    softsim_status status = ss_samples_init(&samples[0], 4 * TURN_TICKS) &&
+                                    ss_samples_init(&samples[1], 4 * TURN_TICKS) &&
+                                    ss_samples_init(&warm, WARM_TICKS)
+                                ? SOFTSIM_OK
+                                : no_memory(error);
+    for (int turn = 0; turn < 5 && status == SOFTSIM_OK; ++turn) {
         for (int w = 0; w < 2; ++w) {
             const int32_t first = turn == 0 ? 1 : 1 + WARM_TICKS + (turn - 1) * TURN_TICKS;
             tick(world[w], o, first, turn == 0 ? WARM_TICKS : TURN_TICKS,
@@ -231,7 +240,7 @@ static void compare(const omission *o, softsim_world *const world[2], figures *o
         ss_samples_fini(&samples[w]);
     }
     ss_samples_fini(&warm);
-    out->apart = distance(world);
+    return status == SOFTSIM_OK ? measure_distance(world, &out->apart, error) : status;
 }
 
 static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
@@ -261,8 +270,8 @@ static softsim_status run(const void *context, int32_t index, FILE *out, softsim
         world[w] = status == SOFTSIM_OK ? create(path, &f.create_ms[w], &f.bytes[w], error) : NULL;
         status = status == SOFTSIM_OK && world[w] == NULL ? error->status : status;
     }
+    status = status == SOFTSIM_OK ? compare(o, world, &f, error) : status;
     if (status == SOFTSIM_OK) {
-        compare(o, world, &f);
         fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", f.tick_us[0], f.tick_us[1], f.bytes[0],
                 f.bytes[1], f.create_ms[0], f.create_ms[1], f.apart);
     }

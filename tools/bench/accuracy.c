@@ -47,7 +47,6 @@ typedef struct report {
     char found[SS_ACCURACY_MAX_CASES][SS_CASE_PATH]; /* folders of the standard cases */
     int32_t found_count;
     ss_accuracy_worth worth; /* of a scene's reference */
-    ss_accuracy_mean mean[256];
 } report;
 
 /* ---- options ------------------------------------------------------------------------------ */
@@ -491,22 +490,20 @@ static softsim_status write_dynamics(report *r, softsim_error *error)
     return ss_output_commit(&output, error);
 }
 
-static void put_means(report *r, ss_page *page, int32_t count)
+static void put_means(const ss_accuracy_means *means, ss_page *page)
 {
     static const char *const head[ROW_CELLS] = {
         "model",       "mesh",      "nodes",           "field error",
         "force error", "us a step", "times real time", "ms to within 1 %",
         "calibrated",  "front",     "verdict"};
-    double time[256], error[256];
-    bool is_front[256];
-    for (int32_t k = 0; k < count; ++k) {
-        time[k] = 1.0 / r->mean[k].realtime;
-        error[k] = r->mean[k].is_other ? (double)NAN : r->mean[k].error_l2;
+    for (int32_t k = 0; k < means->count; ++k) {
+        means->time[k] = 1.0 / means->mean[k].realtime;
+        means->error[k] = means->mean[k].is_other ? (double)NAN : means->mean[k].error_l2;
     }
-    ss_accuracy_pareto(count, time, error, is_front);
+    ss_accuracy_pareto(means->count, means->time, means->error, means->is_front);
     ss_page_table_begin(page, ROW_CELLS, head);
-    for (int32_t k = 0; k < count; ++k) {
-        const ss_accuracy_mean *m = &r->mean[k];
+    for (int32_t k = 0; k < means->count; ++k) {
+        const ss_accuracy_mean *m = &means->mean[k];
         ss_row cells = {.count = 0};
         ss_row_add(&cells, "%s%s", m->first->model, m->first->source > 0 ? " *" : "");
         ss_row_add(&cells, "%s", m->first->mesh);
@@ -517,7 +514,7 @@ static void put_means(report *r, ss_page *page, int32_t count)
         ss_row_add_number(&cells, m->realtime);
         ss_row_add_number(&cells, m->to_1pct_ms);
         ss_row_add(&cells, "%s", m->is_calibrated ? "yes" : "");
-        ss_row_add(&cells, "%s", is_front[k] ? "*" : "");
+        ss_row_add(&cells, "%s", means->is_front[k] ? "*" : "");
         ss_row_add(&cells, "%s", strcmp(m->verdict, "good") != 0 ? m->verdict : "");
         ss_page_table_row(page, cells.count, cells.cell);
     }
@@ -535,13 +532,13 @@ static char *read_snippet(const report *r, const ss_accuracy_mean *m)
 }
 
 /* The best choice within the budget, onto the page and the terminal. */
-static void put_budget(report *r, ss_page *page, const char *case_name, const char *material,
-                       int32_t count)
+static void put_budget(const report *r, ss_page *page, const char *case_name, const char *material,
+                       const ss_accuracy_means *means)
 {
     if (r->o.budget_us <= 0.0) {
         return;
     }
-    const ss_accuracy_mean *best = ss_accuracy_choose(r->mean, count, r->o.budget_us);
+    const ss_accuracy_mean *best = ss_accuracy_choose(means->mean, means->count, r->o.budget_us);
     char text[600], force[64] = "";
     if (best == NULL) {
         snprintf(text, sizeof text, "%s, %s: no model takes %g us a step or less", case_name,
@@ -579,7 +576,8 @@ static bool has_rows(const ss_case *c, int32_t material, const ss_accuracy_rows 
     return false;
 }
 
-static softsim_status put_case(report *r, ss_page *page, const ss_case *c, softsim_error *error)
+static softsim_status put_case(const report *r, ss_page *page, const ss_case *c,
+                               softsim_error *error)
 {
     softsim_status status = SOFTSIM_OK;
     int32_t shaped = -1; /* nh where there is one: it goes furthest */
@@ -595,11 +593,16 @@ static softsim_status put_case(report *r, ss_page *page, const ss_case *c, softs
         }
         snprintf(title, sizeof title, "%s, %s", c->name, c->material[m]);
         ss_page_heading(page, title);
-        const int32_t count = ss_accuracy_means(&r->rows, c->name, c->material[m], r->mean,
-                                                (int32_t)(sizeof r->mean / sizeof *r->mean));
-        put_budget(r, page, c->name, c->material[m], count);
-        put_means(r, page, count);
-        status = ss_accuracy_draw(page, &r->plan, c, m, m == shaped, &r->rows, error);
+        ss_accuracy_means means;
+        status = ss_accuracy_means_find(&r->rows, c->name, c->material[m], &means, error);
+        if (status == SOFTSIM_OK) {
+            put_budget(r, page, c->name, c->material[m], &means);
+            put_means(&means, page);
+        }
+        ss_accuracy_means_fini(&means);
+        status = status != SOFTSIM_OK
+                     ? status
+                     : ss_accuracy_draw(page, &r->plan, c, m, m == shaped, &r->rows, error);
     }
     return status;
 }

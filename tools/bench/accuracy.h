@@ -99,9 +99,20 @@ typedef struct ss_accuracy_mean {
     bool is_calibrated;
     bool is_other; /* another problem than the case's (ss_accuracy_model.note): never chosen */
 } ss_accuracy_mean;
-/* Those of `case_name` and `material`, in the order of the rows; returns how many there are. */
-int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, const char *material,
-                          ss_accuracy_mean *out, int32_t room);
+typedef struct ss_accuracy_means {
+    ss_accuracy_mean *mean;
+    int32_t count;
+    /* Room for a value of each mean: of a front. */
+    double *time, *error;
+    bool *is_front;
+} ss_accuracy_means;
+
+/* Those of `case_name` and `material`, in the order of the rows; ss_accuracy_means_fini
+ * afterwards, whatever the result. */
+softsim_status ss_accuracy_means_find(const ss_accuracy_rows *rows, const char *case_name,
+                                      const char *material, ss_accuracy_means *out,
+                                      softsim_error *error);
+void ss_accuracy_means_fini(ss_accuracy_means *means);
 /* The most accurate with p50_us <= budget_us; NULL: none. */
 const ss_accuracy_mean *ss_accuracy_choose(const ss_accuracy_mean *mean, int32_t count,
                                            double budget_us);

@@ -9,7 +9,7 @@
 #include "paper_shape.h"
 #include "rt/vec.h"
 
-enum { MAX_MEANS = 256, MAX_SHAPE_NODES = 8000, NAME_SIZE = 300 };
+enum { MAX_SHAPE_NODES = 8000, NAME_SIZE = 300 };
 
 typedef struct drawing {
     ss_page *page;
@@ -17,8 +17,9 @@ typedef struct drawing {
     const ss_accuracy_rows *rows;
     const ss_case *c;
     int32_t material;
-    ss_accuracy_mean mean[MAX_MEANS];
-    int32_t mean_count;
+    ss_accuracy_means means;
+    bool *is_drawn;                 /* of each mean: begins a series */
+    const ss_accuracy_mean **shown; /* room for each mean */
     softsim_error *error;
 } drawing;
 
@@ -52,8 +53,8 @@ static const char *colour_of(const ss_accuracy_row *row)
 static bool is_first_of_model(const drawing *d, int32_t k)
 {
     for (int32_t i = 0; i < k; ++i) {
-        if (d->mean[i].first->source == d->mean[k].first->source &&
-            strcmp(d->mean[i].first->model, d->mean[k].first->model) == 0) {
+        if (d->means.mean[i].first->source == d->means.mean[k].first->source &&
+            strcmp(d->means.mean[i].first->model, d->means.mean[k].first->model) == 0) {
             return false;
         }
     }
@@ -79,10 +80,10 @@ static int32_t put_series(FILE *file, const drawing *d, int32_t of,
 {
     int32_t points = 0;
     fprintf(file, "$series%d << EOD\n", of);
-    for (int32_t k = of; k < d->mean_count; ++k) {
-        const ss_accuracy_mean *m = &d->mean[k];
-        if (m->first->source == d->mean[of].first->source &&
-            strcmp(m->first->model, d->mean[of].first->model) == 0 && m->error_l2 > 0.0 &&
+    for (int32_t k = of; k < d->means.count; ++k) {
+        const ss_accuracy_mean *m = &d->means.mean[k];
+        if (m->first->source == d->means.mean[of].first->source &&
+            strcmp(m->first->model, d->means.mean[of].first->model) == 0 && m->error_l2 > 0.0 &&
             time(m) > 0.0) {
             widen(r, time(m), m->error_l2);
             fprintf(file, "%.6g %.6g \"", time(m), m->error_l2);
@@ -98,26 +99,25 @@ static int32_t put_series(FILE *file, const drawing *d, int32_t of,
 /* The front, from fast to slow. */
 static int32_t put_front(FILE *file, const drawing *d, double (*time)(const ss_accuracy_mean *))
 {
-    double x[MAX_MEANS], y[MAX_MEANS];
-    bool is_front[MAX_MEANS];
+    const ss_accuracy_means *all = &d->means;
     int32_t count = 0;
-    for (int32_t k = 0; k < d->mean_count; ++k) {
-        x[k] = time(&d->mean[k]) > 0.0 ? time(&d->mean[k]) : (double)NAN;
-        y[k] =
-            d->mean[k].error_l2 > 0.0 && !d->mean[k].is_other ? d->mean[k].error_l2 : (double)NAN;
+    for (int32_t k = 0; k < all->count; ++k) {
+        const ss_accuracy_mean *m = &all->mean[k];
+        all->time[k] = time(m) > 0.0 ? time(m) : (double)NAN;
+        all->error[k] = m->error_l2 > 0.0 && !m->is_other ? m->error_l2 : (double)NAN;
     }
-    ss_accuracy_pareto(d->mean_count, x, y, is_front);
+    ss_accuracy_pareto(all->count, all->time, all->error, all->is_front);
     fputs("$front << EOD\n", file);
     for (;;) {
         int32_t next = -1;
-        for (int32_t k = 0; k < d->mean_count; ++k) {
-            next = is_front[k] && (next < 0 || x[k] < x[next]) ? k : next;
+        for (int32_t k = 0; k < all->count; ++k) {
+            next = all->is_front[k] && (next < 0 || all->time[k] < all->time[next]) ? k : next;
         }
         if (next < 0) {
             break;
         }
-        fprintf(file, "%.6g %.6g\n", x[next], y[next]);
-        is_front[next] = false;
+        fprintf(file, "%.6g %.6g\n", all->time[next], all->error[next]);
+        all->is_front[next] = false;
         ++count;
     }
     fputs("EOD\n", file);
@@ -129,7 +129,6 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
 {
     char name[NAME_SIZE], text[400];
     ss_output script;
-    bool is_drawn[MAX_MEANS] = {false};
     range r = {.low = {(double)INFINITY, (double)INFINITY}};
     snprintf(name, sizeof name, "%s_%s_%s", kind, d->c->name, d->c->material[d->material]);
     const softsim_status status = ss_plot_open(&script, d->plan->folder, name, d->error);
@@ -137,8 +136,8 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
         return status;
     }
     FILE *file = script.file;
-    for (int32_t k = 0; k < d->mean_count; ++k) {
-        is_drawn[k] = is_first_of_model(d, k) && put_series(file, d, k, time, &r) > 0;
+    for (int32_t k = 0; k < d->means.count; ++k) {
+        d->is_drawn[k] = is_first_of_model(d, k) && put_series(file, d, k, time, &r) > 0;
     }
     if (put_front(file, d, time) == 0) {
         ss_output_abandon(&script);
@@ -149,9 +148,9 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
             "[%.3g:%.3g]\nset xlabel '%s'\nset ylabel 'error of the field, mean of the levels'\n"
             "plot ",
             r.low[0] / 1.6, r.high[0] * 2.2, r.low[1] / 1.5, r.high[1] * 1.5, label);
-    for (int32_t k = 0; k < d->mean_count; ++k) {
-        const ss_accuracy_row *row = d->mean[k].first;
-        if (!is_drawn[k]) {
+    for (int32_t k = 0; k < d->means.count; ++k) {
+        const ss_accuracy_row *row = d->means.mean[k].first;
+        if (!d->is_drawn[k]) {
             continue;
         }
         fprintf(file, "$series%d using 1:2 with linespoints lw 1.5 pt %d lc rgb '%s' title '", k,
@@ -177,8 +176,8 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
 static const ss_accuracy_mean *finest(const drawing *d, const char *model)
 {
     const ss_accuracy_mean *best = NULL;
-    for (int32_t k = 0; k < d->mean_count; ++k) {
-        const ss_accuracy_mean *m = &d->mean[k];
+    for (int32_t k = 0; k < d->means.count; ++k) {
+        const ss_accuracy_mean *m = &d->means.mean[k];
         if (m->first->source == 0 && strcmp(m->first->model, model) == 0 &&
             !isnan(m->error_force) && (best == NULL || m->first->nodes > best->first->nodes)) {
             best = m;
@@ -206,16 +205,15 @@ static softsim_status draw_forces(drawing *d)
 {
     char name[NAME_SIZE], text[200];
     ss_output script;
-    const ss_accuracy_mean *shown[MAX_MEANS];
     int32_t count = 0, known = 0;
     for (int32_t k = 0; k < d->c->level_count; ++k) {
         known += d->c->level[k].material == d->material && !isnan(d->c->level[k].force);
     }
-    for (int32_t k = 0; k < d->mean_count && known > 0; ++k) {
+    for (int32_t k = 0; k < d->means.count && known > 0; ++k) {
         const ss_accuracy_mean *m =
-            is_first_of_model(d, k) ? finest(d, d->mean[k].first->model) : NULL;
-        if (m != NULL && d->mean[k].first->source == 0) {
-            shown[count++] = m;
+            is_first_of_model(d, k) ? finest(d, d->means.mean[k].first->model) : NULL;
+        if (m != NULL && d->means.mean[k].first->source == 0) {
+            d->shown[count++] = m;
         }
     }
     if (count == 0) {
@@ -236,7 +234,7 @@ static softsim_status draw_forces(drawing *d)
     }
     fputs("EOD\n", file);
     for (int32_t k = 0; k < count; ++k) {
-        put_force_block(file, d, k, shown[k]->first->model, shown[k]->first->mesh);
+        put_force_block(file, d, k, d->shown[k]->first->model, d->shown[k]->first->mesh);
     }
     fputs(
         "set grid\nset key left top\nset xlabel 'push, mm'\nset ylabel 'force along the push, N'\n"
@@ -244,11 +242,11 @@ static softsim_status draw_forces(drawing *d)
         file);
     for (int32_t k = 0; k < count; ++k) {
         fprintf(file, ", $force%d with linespoints lw 1.5 pt 7 ps 0.7 lc rgb '%s' title '", k,
-                colour_of(shown[k]->first));
-        put_name(file, shown[k]->first->model);
+                colour_of(d->shown[k]->first));
+        put_name(file, d->shown[k]->first->model);
         fputs(", ", file);
-        put_name(file, shown[k]->first->mesh);
-        fputs(shown[k]->is_calibrated ? " (calibrated)'" : "'", file);
+        put_name(file, d->shown[k]->first->mesh);
+        fputs(d->shown[k]->is_calibrated ? " (calibrated)'" : "'", file);
     }
     fputs("\n", file);
     snprintf(text, sizeof text, "%s, %s: force against depth, each model on its finest mesh.",
@@ -478,14 +476,15 @@ static softsim_status draw_shape(drawing *d, const ss_accuracy_mean *m)
 static softsim_status draw_shapes(drawing *d)
 {
     softsim_status status = SOFTSIM_OK;
-    for (int32_t k = 0; k < d->mean_count && status == SOFTSIM_OK; ++k) {
+    for (int32_t k = 0; k < d->means.count && status == SOFTSIM_OK; ++k) {
         const ss_accuracy_mean *best = NULL;
-        if (d->mean[k].first->source != 0 || !is_first_of_model(d, k)) {
+        if (d->means.mean[k].first->source != 0 || !is_first_of_model(d, k)) {
             continue;
         }
-        for (int32_t i = k; i < d->mean_count; ++i) {
-            const ss_accuracy_mean *m = &d->mean[i];
-            if (m->first->source == 0 && strcmp(m->first->model, d->mean[k].first->model) == 0 &&
+        for (int32_t i = k; i < d->means.count; ++i) {
+            const ss_accuracy_mean *m = &d->means.mean[i];
+            if (m->first->source == 0 &&
+                strcmp(m->first->model, d->means.mean[k].first->model) == 0 &&
                 m->first->nodes <= MAX_SHAPE_NODES && !isnan(m->error_l2) &&
                 (best == NULL || m->error_l2 < best->error_l2)) {
                 best = m;
@@ -500,8 +499,6 @@ static softsim_status draw_shapes(drawing *d)
 
 static softsim_status draw_material(drawing *d, bool has_shapes)
 {
-    d->mean_count =
-        ss_accuracy_means(d->rows, d->c->name, d->c->material[d->material], d->mean, MAX_MEANS);
     softsim_status status = draw_times(d, "error", "us of one core for 1 ms of time",
                                        "error against run time; each point is a mesh.", step_time);
     if (status == SOFTSIM_OK) {
@@ -519,14 +516,19 @@ softsim_status ss_accuracy_draw(ss_page *page, const ss_accuracy_plan *plan, con
                                 int32_t material, bool has_shapes, const ss_accuracy_rows *rows,
                                 softsim_error *error)
 {
-    drawing *d = calloc(1, sizeof *d);
-    if (d == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    *d = (drawing){
+    drawing d = {
         .page = page, .plan = plan, .rows = rows, .c = c, .material = material, .error = error};
-    const softsim_status status = draw_material(d, has_shapes);
-    free(d);
+    softsim_status status =
+        ss_accuracy_means_find(rows, c->name, c->material[material], &d.means, error);
+    d.is_drawn = calloc((size_t)d.means.count + 1, sizeof *d.is_drawn);
+    d.shown = calloc((size_t)d.means.count + 1, sizeof *d.shown);
+    if (status == SOFTSIM_OK && (d.is_drawn == NULL || d.shown == NULL)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        status = SOFTSIM_ERROR_MEMORY;
+    }
+    status = status == SOFTSIM_OK ? draw_material(&d, has_shapes) : status;
+    free(d.is_drawn);
+    free(d.shown);
+    ss_accuracy_means_fini(&d.means);
     return status;
 }

@@ -716,7 +716,7 @@ static softsim_status run_steps(work *w, swing *out)
     }
     for (int32_t k = 0; k < w->c->step_count && status == SOFTSIM_OK; ++k) {
         const ss_case_step *step = &w->c->step[k];
-        const int32_t count = (int32_t)fmin(ceil(step->until / step_s) + 1.0, 1e6);
+        const int32_t count = (int32_t)ceil(step->until / step_s) + 1;
         double(*u)[3] = calloc((size_t)count, sizeof *u);
         if (u == NULL) {
             softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");

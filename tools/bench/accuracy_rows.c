@@ -218,46 +218,68 @@ static void add_row(ss_accuracy_mean *mean, const ss_accuracy_row *row, double s
     mean->is_calibrated |= strcmp(row->calibrated, "yes") == 0;
 }
 
-int32_t ss_accuracy_means(const ss_accuracy_rows *rows, const char *case_name, const char *material,
-                          ss_accuracy_mean *out, int32_t room)
+static bool is_of(const ss_accuracy_row *row, const char *case_name, const char *material)
 {
-    int32_t count = 0;
-    for (int32_t i = 0; i < rows->count; ++i) {
-        const ss_accuracy_row *row = &rows->row[i];
-        bool is_new =
-            strcmp(row->case_name, case_name) == 0 && strcmp(row->material, material) == 0;
-        for (int32_t k = 0; k < count && is_new; ++k) {
-            is_new = !is_same(out[k].first, row);
-        }
-        if (!is_new || count == room) {
-            continue;
-        }
-        int32_t levels = 0;
-        const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
-        out[count] = (ss_accuracy_mean){.first = row,
-                                        .verdict = row->verdict,
-                                        .is_other = row->source == 0 && model != NULL &&
-                                                    model->note != NULL};
-        for (int pass = 0; pass < 2; ++pass) {
-            for (int32_t k = i; k < rows->count; ++k) {
-                const ss_accuracy_row *at = &rows->row[k];
-                if (strcmp(at->case_name, case_name) != 0 || strcmp(at->material, material) != 0 ||
-                    !is_same(row, at)) {
-                    continue;
-                }
-                if (pass == 0) {
-                    ++levels;
-                } else {
-                    add_row(&out[count], at, 1.0 / levels);
-                    if (strcmp(out[count].verdict, "good") == 0) {
-                        out[count].verdict = at->verdict;
-                    }
-                }
+    return strcmp(row->case_name, case_name) == 0 && strcmp(row->material, material) == 0;
+}
+
+/* The mean that row `first` begins. */
+static void take_mean(const ss_accuracy_rows *rows, int32_t first, ss_accuracy_mean *out)
+{
+    const ss_accuracy_row *row = &rows->row[first];
+    const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
+    int32_t levels = 0;
+    *out = (ss_accuracy_mean){.first = row,
+                              .verdict = row->verdict,
+                              .is_other = row->source == 0 && model != NULL && model->note != NULL};
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int32_t k = first; k < rows->count; ++k) {
+            const ss_accuracy_row *at = &rows->row[k];
+            if (!is_of(at, row->case_name, row->material) || !is_same(row, at)) {
+                continue;
+            }
+            if (pass == 0) {
+                ++levels;
+            } else {
+                add_row(out, at, 1.0 / levels);
+                out->verdict = strcmp(out->verdict, "good") == 0 ? at->verdict : out->verdict;
             }
         }
-        ++count;
     }
-    return count;
+}
+
+softsim_status ss_accuracy_means_find(const ss_accuracy_rows *rows, const char *case_name,
+                                      const char *material, ss_accuracy_means *out,
+                                      softsim_error *error)
+{
+    const size_t room = (size_t)rows->count + 1; /* as many as there are rows, at most */
+    *out = (ss_accuracy_means){.mean = calloc(room, sizeof *out->mean),
+                               .time = calloc(room, sizeof *out->time),
+                               .error = calloc(room, sizeof *out->error),
+                               .is_front = calloc(room, sizeof *out->is_front)};
+    if (!out->mean || !out->time || !out->error || !out->is_front) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < rows->count; ++i) {
+        bool is_new = is_of(&rows->row[i], case_name, material);
+        for (int32_t k = 0; k < out->count && is_new; ++k) {
+            is_new = !is_same(out->mean[k].first, &rows->row[i]);
+        }
+        if (is_new) {
+            take_mean(rows, i, &out->mean[out->count++]);
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+void ss_accuracy_means_fini(ss_accuracy_means *means)
+{
+    free(means->mean);
+    free(means->time);
+    free(means->error);
+    free(means->is_front);
+    *means = (ss_accuracy_means){.mean = NULL};
 }
 
 const ss_accuracy_mean *ss_accuracy_choose(const ss_accuracy_mean *mean, int32_t count,

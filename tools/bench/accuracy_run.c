@@ -359,6 +359,8 @@ static softsim_status settle(settling *s, ss_static_run *out, softsim_error *err
     }
     out->is_good = is_good;
     out->left = s->left;
+    out->ended = state.verdict;
+    out->worst = state.worst_verdict;
     out->dt_s = s->plan->step_s;
     out->p50_us = ss_samples_quantile(&s->step_us, 0.5);
     out->p99_us = ss_samples_quantile(&s->step_us, 0.99);

@@ -42,8 +42,10 @@ typedef struct ss_static_run {
     double (*u)[3];  /* m, in the body's order; NULL when refused */
     double force[3]; /* of the tool on the tissue, N; 0 without pushed nodes */
     double p50_us, p99_us, dt_s;
-    double to_1pct_ms; /* thread CPU time until within 1 % of the last field; NaN: never */
-    double left;       /* estimate of what has not settled, a fraction */
+    double to_1pct_ms;     /* thread CPU time until within 1 % of the last field; NaN: never */
+    double left;           /* estimate of what has not settled, a fraction */
+    softsim_verdict ended; /* of the last step */
+    softsim_verdict worst; /* of all; `verdict` in words */
     char verdict[320];
 } ss_static_run;
 

@@ -37,6 +37,8 @@ typedef struct maker {
     double force[MAX_MESHES][LEVELS];
     double full; /* the level that is the scene's own */
     double omega;
+    softsim_verdict worst; /* of all runs */
+    char verdict[320];     /* of the worst run; "" while all are good and have settled */
     ss_accuracy_worth *worth;
     softsim_error *error;
 } maker;
@@ -275,10 +277,18 @@ static softsim_status run_level(maker *m, int32_t mesh, int32_t level, char *tex
                                  .step_s = step_s,
                                  .longest_cpu_s = longest_cpu_s};
     softsim_status status = ss_static_execute(&plan, &run, m->error);
-    if (status == SOFTSIM_OK && !run.is_good) {
-        softsim_error_add(m->error, SOFTSIM_ERROR_SCENE, "%s: no reference on %d nodes: %s",
-                          m->path, m->body[mesh].mesh->node_count, run.verdict);
+    if (status == SOFTSIM_OK && (!run.is_good || run.ended >= SOFTSIM_VERDICT_DEGRADED)) {
+        softsim_error_add(
+            m->error, SOFTSIM_ERROR_SCENE,
+            "%s: no reference on %d nodes at the %s load: %s; give a smaller load, or "
+            "another material",
+            m->path, m->body[mesh].mesh->node_count, level_tag[level], run.verdict);
         status = SOFTSIM_ERROR_SCENE;
+    }
+    m->worth->unsettled = fmax(m->worth->unsettled, run.left);
+    if (strcmp(run.verdict, "good") != 0 && (m->verdict[0] == '\0' || run.worst > m->worst)) {
+        m->worst = run.worst;
+        snprintf(m->verdict, sizeof m->verdict, "%s", run.verdict);
     }
     m->u[mesh][level] = run.u;
     m->force[mesh][level] = ss_dot3(run.force, m->c.direction);
@@ -346,7 +356,8 @@ static void judge(maker *m)
     const double seen = is_measured ? w->change[0] / w->change[1] : assumed_ratio;
     const bool is_falling = seen >= least_ratio;
     w->ratio = fmin(fmax(seen, least_ratio), most_ratio);
-    w->left = w->change[last - 1] / (w->ratio - 1.0);
+    const double correction = w->change[last - 1] / (w->ratio - 1.0);
+    w->left = correction + w->unsettled * (w->ratio + 1.0) / (w->ratio - 1.0);
     const size_t size = sizeof w->text;
     int used = snprintf(w->text, size,
                         "The reference is fem on the scene's mesh refined %d time%s, %d nodes, "
@@ -356,16 +367,23 @@ static void judge(maker *m)
     if (is_measured) {
         used += snprintf(w->text + used, size - (size_t)used, " and %.2g", w->change[1]);
     }
-    snprintf(w->text + used, size - (size_t)used,
-             " of itself; %s, and the correction is %.2g of the field: errors below that mean "
-             "nothing.%s",
-             !is_measured ? "how it falls is assumed"
-             : is_falling ? "it falls as it should"
-                          : "it does not fall as it should",
-             w->left,
-             is_measured && !is_falling
-                 ? " The changes hardly fall: this problem has no limit that these meshes reach."
-                 : "");
+    used +=
+        snprintf(w->text + used, size - (size_t)used,
+                 " of itself; %s, and the correction is %.2g of the field. Of the least settled "
+                 "run about %.2g of the field is missing. The reference is worth both: errors "
+                 "below %.2g mean nothing.%s",
+                 !is_measured ? "how it falls is assumed"
+                 : is_falling ? "it falls as it should"
+                              : "it does not fall as it should",
+                 correction, w->unsettled, w->left,
+                 is_measured && !is_falling
+                     ? " The changes hardly fall: this problem has no limit that these meshes "
+                       "reach."
+                     : "");
+    if (m->verdict[0] != '\0') {
+        snprintf(w->text + used, size - (size_t)used, " Not all of its runs were good: %s.",
+                 m->verdict);
+    }
 }
 
 /* ---- files -------------------------------------------------------------------------------- */

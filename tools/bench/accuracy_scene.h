@@ -10,7 +10,9 @@
  * |u1 - u0| and d2 = |u2 - u1| the ratio r = d1/d2 says how the error falls from mesh to mesh; the
  * reference is u2 + (u2 - u1)/(r - 1), and what it is worth is the size of that correction. With
  * one refinement r is taken as 2, the least that a field with a load's edge in it shows. At rest
- * the step no longer matters: what would change with it is gone.
+ * the step no longer matters: what would change with it is gone. Of the least settled run a share e
+ * of the field is missing, which both fields of the correction may lack: (r + 1)/(r - 1) e is added
+ * to what the reference is worth. A run that ends degraded makes none.
  *
  * What a case can say is what a scene may have: nodes fixed along all axes, one prescribed set that
  * moves along one direction, or a pressure, or gravity. Forces on single nodes have no limit as the
@@ -26,8 +28,10 @@ typedef struct ss_accuracy_worth {
     int32_t nodes;    /* of the finest mesh */
     double change[2]; /* d1, d2 as fractions of the field; the second NaN with one refinement */
     double ratio;     /* r */
-    double left;      /* the correction as a fraction of the field: what the reference is worth */
-    char text[600];   /* the same in words */
+    double unsettled; /* e */
+    double left;      /* what the reference is worth: the correction and (r + 1)/(r - 1) e, as
+                         fractions of the field */
+    char text[1200];  /* the same in words */
 } ss_accuracy_worth;
 
 /* Makes `folder` (there already) a case folder. Scenes that cannot be one are refused with

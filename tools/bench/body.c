@@ -224,16 +224,12 @@ static void keep_first_line(char *out, size_t size, const char *text)
     snprintf(out, size, "%.*s", (int)strcspn(text, "\n"), text);
 }
 
-/* What the world says now; called now and then, since it sorts out percentiles. */
+/* The energy now; called now and then, since reading sorts out percentiles. */
 static void look(runner *r)
 {
     softsim_state state;
     softsim_read(r->world, &state);
     r->largest_j = fmax(r->largest_j, state.elastic_j + state.kinetic_j);
-    if (state.verdict > r->out->worst) {
-        r->out->worst = state.verdict;
-        keep_first_line(r->out->reason, sizeof r->out->reason, state.reason);
-    }
 }
 
 /* Creates the world; a refused scene is a result. */
@@ -272,6 +268,8 @@ static void finish(runner *r)
     softsim_state state;
     look(r);
     softsim_read(r->world, &state);
+    r->out->worst = state.worst_verdict; /* of all steps, looked at or not */
+    keep_first_line(r->out->reason, sizeof r->out->reason, state.worst_reason);
     r->out->step_us = state.step_us[0];
     r->out->active_nodes = state.active_nodes;
     r->substeps += r->was_measured ? (double)state.all_substeps : 0.0;

@@ -17,6 +17,8 @@
 #include "scene/tree.h"
 #include "table.h"
 
+static const double longest_s = 1e3; /* of a motion: a million steps of 1 ms, all of them kept */
+
 typedef struct reader {
     ss_scene_report *report;
     ss_case *out;
@@ -366,7 +368,8 @@ static void read_step(reader *r, ss_scene_node *node, dynamic_files *files)
     ss_scene_node *reference = need(r, node, "reference");
     ss_scene_node *until = need(r, node, "compare_until_s");
     if (gravity != NULL && reference != NULL && until != NULL &&
-        get_vector(r, gravity, step->gravity) && get_number(r, until, 1e-6, 1e6, &step->until) &&
+        get_vector(r, gravity, step->gravity) &&
+        get_number(r, until, 1e-6, longest_s, &step->until) &&
         get_text(r, reference, files->step[c->step_count], SS_CASE_PATH)) {
         ++c->step_count;
     }

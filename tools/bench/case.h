@@ -47,7 +47,7 @@ typedef struct ss_case_mesh {
 /* A step of gravity from rest, undamped: what the point ss_case.probe does. */
 typedef struct ss_case_step {
     double gravity[3];
-    double until; /* s: compared so far */
+    double until; /* s: compared so far; at most 1000 */
     int32_t count;
     double *time, (*u)[3]; /* s, m */
 } ss_case_step;

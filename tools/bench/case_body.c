@@ -172,7 +172,7 @@ static bool read_vertex(const char *line, surface_file *s)
 }
 
 /* Corners are v, v/vt or v/vt/vn; faces of more than three are cut into a fan. */
-static bool read_face(const char *line, surface_file *s, int32_t room)
+static bool read_face(const char *line, surface_file *s, int64_t room)
 {
     int32_t corner[3] = {0};
     int32_t count = 0;
@@ -202,9 +202,9 @@ static bool read_face(const char *line, surface_file *s, int32_t room)
     }
 }
 
-static int32_t count_lines(const char *text)
+static int64_t count_lines(const char *text)
 {
-    int32_t count = 1;
+    int64_t count = 1;
     for (const char *at = text; at != NULL; at = next_line(at)) {
         ++count;
     }
@@ -213,7 +213,12 @@ static int32_t count_lines(const char *text)
 
 static bool read_obj(loader *l, const char *text, const char *path, surface_file *s)
 {
-    const int32_t lines = count_lines(text), room = 4 * lines;
+    const int64_t lines = count_lines(text), room = 4 * lines;
+    if (room > INT32_MAX) {
+        softsim_error_add(l->error, SOFTSIM_ERROR_FORMAT,
+                          "%s: more than %d lines; give a coarser surface", path, INT32_MAX / 4);
+        return false;
+    }
     s->position = calloc((size_t)lines, sizeof *s->position);
     s->number = calloc((size_t)lines, sizeof *s->number);
     s->new_node = calloc((size_t)lines, sizeof *s->new_node);
@@ -329,8 +334,13 @@ static int32_t read_set(set_reader *r, const char *name, const char *profile, in
     *out_node = calloc((size_t)set->count, sizeof **out_node);
     double *value = calloc((size_t)set->count, sizeof *value);
     int32_t count = 0;
+    if (*out_node == NULL || value == NULL) {
+        no_memory(r->l);
+        free(value);
+        return 0;
+    }
     const ss_scene_node *beside = values != NULL ? values->first : NULL;
-    for (ss_scene_node *at = set->first; at != NULL && *out_node != NULL && value != NULL;
+    for (ss_scene_node *at = set->first; at != NULL;
          at = at->next, beside = beside != NULL ? beside->next : NULL) {
         double number = -1.0, share = 1.0;
         const bool is_number =
@@ -386,6 +396,9 @@ static void read_sets(loader *l, bool on_surface)
     join(l, l->mesh->sets, path);
     char *text = ss_table_read_file(path, &size, l->error);
     ss_scene_report *report = calloc(1, sizeof *report);
+    if (report == NULL) {
+        no_memory(l);
+    }
     if (text != NULL && report != NULL) {
         ss_scene_tree tree = {.root = NULL};
         *report = (ss_scene_report){.path = path, .source = text, .size = size};

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-bench accuracy --scene: the reference that a scene makes of itself is near the trusted
+ * one, is worth what it says, and is refused where fem has none or ends degraded.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "accuracy_scene.h"
+#include "case.h"
+#include "models/model.h"
+#include "norms.h"
+
+#define REFERENCE                    SOURCE_DIR "/tests/reference"
+#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+enum { PATH_SIZE = 512 };
+static char folder[] = "/tmp/test_accuracy_scene_XXXXXX";
+
+static void place(const char *name, char out[PATH_SIZE])
+{
+    snprintf(out, PATH_SIZE, "%s/%s", folder, name);
+}
+
+static void write_file(const char *name, const char *text)
+{
+    char path[PATH_SIZE];
+    place(name, path);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A beam of 99 nodes in a scene: the reference made by refinement is nearer to the trusted one than
+ * it says it is worth, and far nearer than the beam's own mesh. */
+static void a_scene_makes_its_own_reference(void **state)
+{
+    (void)state;
+    char text[1024], scene[PATH_SIZE], made[PATH_SIZE];
+    ss_accuracy_worth worth;
+    ss_case c, trusted;
+    ss_case_body body, other;
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    snprintf(text, sizeof text,
+             "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, fixed: "
+             "[{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, material: linear, "
+             "youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+             "gravity_m_s2: [0, 0, -9.81]\n");
+    write_file("scene.yaml", text);
+    place("scene.yaml", scene);
+    place("made", made);
+    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
+    assert_int_equal(ss_accuracy_scene(scene, made, true, &worth, &error), SOFTSIM_OK);
+    assert_int_equal(worth.nodes, 3321);
+    assert_true(worth.ratio > 1.5 && worth.ratio < 4.5);
+    /* Both the correction and what has not settled. */
+    assert_true(worth.unsettled > 0.0 && worth.unsettled < 1e-3);
+    assert_near(worth.left,
+                (worth.change[1] + (worth.ratio + 1.0) * worth.unsettled) / (worth.ratio - 1.0),
+                1e-12);
+    assert_non_null(strstr(worth.text, "Of the least settled run about"));
+    assert_null(strstr(worth.text, "Not all of its runs were good"));
+    assert_int_equal(ss_case_load(made, &c, &error), SOFTSIM_OK);
+    assert_int_equal(c.mesh_count, 2);
+    assert_int_equal(ss_case_load_body(&c, &c.mesh[0], 0, false, &body, &error), SOFTSIM_OK);
+    assert_int_equal(ss_case_load(REFERENCE "/b_cantilever", &trusted, &error), SOFTSIM_OK);
+    assert_int_equal(ss_case_load_body(&trusted, &trusted.mesh[0], 0, false, &other, &error),
+                     SOFTSIM_OK);
+    const double apart = ss_norms_apart(99, other.weight, (const double(*)[3])body.reference[1],
+                                        (const double(*)[3])other.reference[0]);
+    assert_true(apart < worth.left);
+    assert_true(apart < 0.05); /* that of its own mesh is 0.38 */
+    ss_case_body_fini(&body);
+    ss_case_body_fini(&other);
+    ss_case_fini(&c);
+    ss_case_fini(&trusted);
+}
+
+/* A node that is pushed by itself goes in without a force as the mesh is refined: the reference is
+ * worth little, and it is not said that all is well. */
+static void a_scene_without_a_limit_is_called_one(void **state)
+{
+    (void)state;
+    char scene[PATH_SIZE], made[PATH_SIZE];
+    ss_accuracy_worth worth;
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    write_file("scene.yaml",
+               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+               "fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.0099]]}]}\nmodel: {name: fem, material: "
+               "linear, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+               "prescribed: [{nodes: [82], displacement_m: [0, 0, -0.0005]}]\n");
+    place("scene.yaml", scene);
+    place("made", made);
+    if (ss_accuracy_scene(scene, made, true, &worth, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_near(worth.ratio, 1.5, 0.0); /* the least that is taken */
+    assert_non_null(strstr(worth.text, "no limit that these meshes reach"));
+    assert_null(strstr(worth.text, "it falls as it should"));
+}
+
+/* The beam's end goes nearly to its support: fem settles, with elements turned inside out. */
+static void a_run_that_ends_degraded_makes_no_reference(void **state)
+{
+    (void)state;
+    char scene[PATH_SIZE], made[PATH_SIZE];
+    ss_accuracy_worth worth;
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    write_file("scene.yaml",
+               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+               "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, material: "
+               "neo-hookean, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+               "prescribed: [{box_m: [[0.0999, -1, -1], [1, 1, 1]], displacement_m: [-0.09, 0, "
+               "0]}]\n");
+    place("scene.yaml", scene);
+    place("made", made);
+    const softsim_status status = ss_accuracy_scene(scene, made, true, &worth, &error);
+    if (status != SOFTSIM_ERROR_SCENE) {
+        fail_msg("%d: %s%s", (int)status, error.text, status == SOFTSIM_OK ? worth.text : "");
+    }
+    assert_non_null(strstr(error.text, "no reference on 99 nodes at the full load: degraded"));
+}
+
+static void scenes_that_are_no_case_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *model, *rest, *says;
+    } bad[] = {
+        {"name: fem, youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000", "",
+         "exactly one of"},
+        {"name: fem, youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000",
+         "loads: [{nodes: [54], force_n: [0, 0, -1]}]\n", "no limit as the mesh is refined"},
+        {"name: fem, youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000",
+         "prescribed: [{nodes: [54], displacement_m: [0, 0, -0.01], axes: z}]\n", "all axes"},
+        {"name: cnn-energy, modulus_j: 1, area_density_kg_m2: 1, damping_n_s_per_m3: 1, "
+         "rest_stiffness_n_per_m3: 1",
+         "gravity_m_s2: [0, 0, -1]\n", "youngs_modulus_pa"},
+    };
+    char scene[PATH_SIZE], made[PATH_SIZE];
+    if (ss_model_find("fem") == NULL || ss_model_find("cnn-energy") == NULL) {
+        skip();
+    }
+    place("scene.yaml", scene);
+    place("made", made);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char text[1024];
+        ss_accuracy_worth worth;
+        softsim_error error = {.status = SOFTSIM_OK};
+        snprintf(text, sizeof text,
+                 "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+                 "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {%s}\n%s",
+                 bad[i].model, bad[i].rest);
+        write_file("scene.yaml", text);
+        assert_int_not_equal(ss_accuracy_scene(scene, made, true, &worth, &error), SOFTSIM_OK);
+        if (strstr(error.text, bad[i].says) == NULL) {
+            fail_msg("scene %d: no '%s' in: %s", (int)i, bad[i].says, error.text);
+        }
+    }
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) != NULL ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[PATH_SIZE];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_makes_its_own_reference),
+        cmocka_unit_test(a_scene_without_a_limit_is_called_one),
+        cmocka_unit_test(a_run_that_ends_degraded_makes_no_reference),
+        cmocka_unit_test(scenes_that_are_no_case_are_refused),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
