@@ -725,6 +725,14 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
              ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
                                 hybrid->material.viscous_time, hybrid->material.mass_damping));
     line(sink, text);
+    if (layer->far_count > 0) {
+        snprintf(text, sizeof text,
+                 "warning: %d of %d nodes of the surface are so far from the core's small elements "
+                 "that they repeat its motion up to %.0f-fold; make the core coarser or the layer "
+                 "thinner",
+                 layer->far_count, layer->skin_count, layer->farthest_tie);
+        line(sink, text);
+    }
     if (hybrid->is_locking) {
         line(sink, "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
                    "cure is for whole volumes, and the layer takes part of the core's: left out");

@@ -536,6 +536,12 @@ static bool tie_all(builder *b)
     }
     for (int32_t s = 0; s < layer->skin_count; ++s) {
         tie_outside(b, b->mesh->position[layer->skin_node[s]], &at);
+        double reach = 0.0;
+        for (int32_t k = 0; k < at.count; ++k) {
+            reach += fabs(at.weight[k]);
+        }
+        layer->far_count += reach > TIE_LIMIT;
+        layer->farthest_tie = fmax(layer->farthest_tie, reach);
         put_row(&at, layer->skin_tie_first + s, layer->skin_tie_node, layer->skin_tie);
     }
     return true;

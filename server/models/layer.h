@@ -63,6 +63,8 @@ typedef struct ss_layer {
     ss_real *skin_tie;
     double layer_volume;   /* m^3, between core and surface */
     int32_t dropped_count; /* lattice places with too few neighbours to be particles */
+    int32_t far_count;     /* skin nodes whose tie to the core extrapolates too far */
+    double farthest_tie;   /* the largest sum of absolute weights of a skin node's tie */
 } ss_layer;
 
 softsim_status ss_layer_create(const ss_layer_plan *plan, ss_layer **out_layer,
