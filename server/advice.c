@@ -8,6 +8,7 @@
  */
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "world.h"
 
@@ -77,6 +78,15 @@ static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
     }
 }
 
+/* What the model's plan warns of its tools, for those who do not ask it to explain itself. */
+static void doubt_plan(void *sink, const char *text)
+{
+    static const char mark[] = "warning: ";
+    if (strncmp(text, mark, sizeof mark - 1) == 0 && strstr(text, "tool") != NULL) {
+        say(sink, "%s", text + sizeof mark - 1);
+    }
+}
+
 void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
 {
     const ss_scene *scene = world->scene;
@@ -92,4 +102,5 @@ void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *
             doubt_tool(&to, p, &scene->tool[p].shape, diagonal);
         }
     }
+    world->model_class->explain(world->model, doubt_plan, (void *)&to);
 }

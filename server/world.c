@@ -34,6 +34,7 @@ static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
 static const double SINK_SHARE = 0.3;     /* of a tool's least half-width */
+static const double THROUGH_SHARE = 0.9;  /* of the same: the far side's samples turn the force */
 static const double MAX_TOOL_SPEED = 3.0; /* m/s */
 static const double SLOWEST_STEP = 0.2;   /* s: two of them, and a result is too old to be felt */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
@@ -727,12 +728,18 @@ static void judge_sinking(const ss_world *world, ss_model_info *info)
 {
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         const ss_world_probe *probe = &world->probe[p];
-        if (probe->is_used && info->verdict == SOFTSIM_VERDICT_GOOD &&
-            probe->computed.set.depth >
-                SINK_SHARE * ss_shape_inradius(&world->scene->tool[p].shape)) {
+        const double depth = probe->is_used ? probe->computed.set.depth : 0.0;
+        const double size = ss_shape_inradius(&world->scene->tool[p].shape);
+        if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
+            info->verdict = SOFTSIM_VERDICT_DEGRADED;
+            info->reason =
+                "a tool is about through the tissue's surface: refine the mesh there, take "
+                "a larger tool, or press less";
+        } else if (depth > SINK_SHARE * size && info->verdict == SOFTSIM_VERDICT_GOOD) {
             info->verdict = SOFTSIM_VERDICT_GUARDED;
-            info->reason = "a tool sinks into the tissue: raise contact.working_force_n, or "
-                           "lower the model's stiffness";
+            info->reason =
+                "a tool sinks into the tissue: refine the mesh there, take a larger tool, "
+                "raise contact.working_force_n, or lower the model's stiffness";
         }
     }
 }

@@ -556,6 +556,10 @@ static void wrong_layers_are_refused(void **state)
     s.plan.prescribed = &set;
     s.plan.prescribed_count = 1;
     refuse(&s, "drives nothing");
+    /* Nor would a support of nothing else hold the core. */
+    setup_hybrid(&s, make_block(origin), 0.1);
+    s.fixed[top[0]] = 7;
+    refuse(&s, "the core would fall");
     /* Nor would a load. */
     for (int is_pressure = 0; is_pressure < 2; ++is_pressure) {
         setup_hybrid(&s, make_block(origin), 0.1);

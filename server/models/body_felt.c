@@ -8,14 +8,15 @@
  *
  *   H = K + C + M / tau^2,   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c  for any motion y,
  *
- * with equality at H y = c. y is kept between steps and improved by a fixed small number of
- * Jacobi-preconditioned conjugate gradients, so that the estimate costs a few products, depends on
- * nothing but the past, and errs high: a stiffness that is too low makes the haptic loop unstable,
- * one that is too high only stiffens it. M / tau^2, the inertia over tau = 50 ms, errs high too; it
- * is what a body without supports answers with at all, and changes little where there are some.
- * It is improved in every step while a contact is young, then every fourth: a product costs as much
- * as a sub-step. Where K is not positive along a search direction (a buckled body) the estimate
- * stays as it was. Rejected: an exact solve (a factor a step), the secant (too low).
+ * with equality at H y = c. y is kept between steps and improved by a part along the displacement
+ * and a fixed small number of Jacobi-preconditioned conjugate gradients, so that the estimate costs
+ * a few products, depends on nothing but the past, and errs high: a stiffness that is too low makes
+ * the haptic loop unstable, one that is too high only stiffens it. M / tau^2, the inertia over tau
+ * = 50 ms, errs high too; it is what a body without supports answers with at all, and changes
+ * little where there are some. It is improved in every step while a contact is young, then every
+ * fourth: a product costs as much as a sub-step. Where K is not positive along a search direction
+ * (a buckled body) the estimate stays as it was. Rejected: an exact solve (a factor a step), the
+ * secant (too low).
  *
  * Tangentially the body answers with the same H: k_t = k_n. The viscosity is the damping that y
  * meets, alpha M and viscous_time K, at most 10 ms of stiffness.
@@ -78,13 +79,35 @@ static void precondition(const ss_body *body)
     }
 }
 
+/* y and the residual as good as a part along the body's own displacement makes them: what a tool
+ * has pressed so far is much like what it presses next, all over the body, where conjugate
+ * gradients get in many steps only. */
+static void follow_displacement(ss_body *body, ss_real *y)
+{
+    ss_body_solver *solver = &body->solver;
+    const int32_t n = body->nodes.padded_count;
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)n; ++at) {
+        solver->search[at] = body->nodes.mobility[at] > 0 ? body->nodes.u[at] : 0;
+    }
+    apply(body, solver->search, solver->product);
+    const double curvature = ss_body_dot(n, solver->search, solver->product);
+    const double share = ss_body_dot(n, solver->search, solver->residual) / curvature;
+    if (curvature > 0.0 && isfinite(share)) {
+        ss_body_axpy(n, share, solver->search, y);
+        ss_body_axpy(n, -share, solver->product, solver->residual);
+    }
+}
+
 /* Improves y towards H y = push; leaves the residual push - H y in solver.residual. */
-static void solve_some(ss_body *body, ss_real *y, int iterations)
+static void solve_some(ss_body *body, ss_real *y, int iterations, bool is_pressed)
 {
     ss_body_solver *solver = &body->solver;
     const int32_t n = body->nodes.padded_count;
     apply(body, y, solver->product);
     ss_body_blend(n, solver->push, -1.0, solver->product, solver->residual);
+    if (is_pressed) {
+        follow_displacement(body, y);
+    }
     precondition(body);
     memcpy(solver->search, solver->scaled, ss_body_bytes(body));
     double rho = ss_body_dot(n, solver->residual, solver->scaled);
@@ -180,7 +203,7 @@ void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3])
     const int32_t n = body->nodes.padded_count;
     const double k_cc = push_along(body, tool, normal);
     set_inverse(body);
-    solve_some(body, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS);
+    solve_some(body, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS, true);
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
     const double felt = k_cc - ss_body_dot(n, tool->shape_y, body->solver.push) -
                         ss_body_dot(n, tool->shape_y, body->solver.residual);
@@ -281,7 +304,7 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
             y = tool->shape_y;
             push_node(body, node);
             set_inverse(body);
-            solve_some(body, y, REST_ITERATIONS);
+            solve_some(body, y, REST_ITERATIONS, false);
             compliance = ss_body_dot(body->nodes.padded_count, y, body->solver.push);
             memset(y, 0, ss_body_bytes(body));
         }

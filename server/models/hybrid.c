@@ -469,6 +469,15 @@ static void hold(ss_hybrid *hybrid, uint8_t *fixed)
     }
 }
 
+static bool is_any_held(const uint8_t *fixed, int32_t count)
+{
+    bool is_held = false;
+    for (int32_t i = 0; i < count; ++i) {
+        is_held = is_held || fixed[i] != 0;
+    }
+    return is_held;
+}
+
 static void settle(void *owner)
 {
     ss_hybrid *hybrid = owner;
@@ -592,6 +601,12 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     }
     memcpy(hybrid->fixed, plan->fixed, nodes);
     hold(hybrid, hybrid->fixed);
+    if (hybrid->held_skin > 0 && !is_any_held(hybrid->fixed, plan->mesh->node_count)) {
+        return refuse(error,
+                      "object.fixed: all nodes that are held lie on the layer, which rides on "
+                      "the core, and the core would fall; hold nodes of the core too, or let "
+                      "the layer be thinner there");
+    }
     own.fixed = hybrid->fixed;
     memcpy(hybrid->shape, plan->tool, sizeof hybrid->shape);
     fill_masses(hybrid, mass);

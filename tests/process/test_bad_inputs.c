@@ -174,7 +174,8 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
     static const struct {
         const char *units, *radius_mm, *doubt; /* NULL: none */
     } cases[] = {
-        {"mm", "5", NULL},
+        {"mm", "9", NULL},
+        {"mm", "5", "tool 3 is small beside the mesh"},
         {"m", "5000", "object.units: the body's diagonal is 17.3"},
         {"um", "0.005", "object.units: the body's diagonal is 1.7"},
         {"mm", "5000", "contact.tools, probe 3, sphere.radius_mm: the tool (radius 5000 mm)"},
