@@ -111,6 +111,7 @@ static void a_scene_without_a_limit_is_called_one(void **state)
                "prescribed: [{nodes: [82], displacement_m: [0, 0, -0.0005]}]\n");
     place("scene.yaml", scene);
     place("made", made);
+    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
     if (ss_accuracy_scene(scene, made, true, &worth, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
@@ -137,6 +138,7 @@ static void a_run_that_ends_degraded_makes_no_reference(void **state)
                "0]}]\n");
     place("scene.yaml", scene);
     place("made", made);
+    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
     const softsim_status status = ss_accuracy_scene(scene, made, true, &worth, &error);
     if (status != SOFTSIM_ERROR_SCENE) {
         fail_msg("%d: %s%s", (int)status, error.text, status == SOFTSIM_OK ? worth.text : "");
@@ -166,6 +168,7 @@ static void scenes_that_are_no_case_are_refused(void **state)
     }
     place("scene.yaml", scene);
     place("made", made);
+    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         char text[1024];
         ss_accuracy_worth worth;
