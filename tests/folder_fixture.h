@@ -89,3 +89,12 @@ static inline int remove_folder(void **state)
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);
 }
+
+/* In its place where a test may leave the files `name` only; fails where there is another. */
+static inline int remove_only(const char *const *name, size_t count)
+{
+    for (size_t k = 0; k < count; ++k) {
+        unlink(in_folder(name[k]));
+    }
+    return rmdir(folder);
+}

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Running softsim-mesh in a folder of its own. Include after cmocka.h. */
+/* Meshes in files, and softsim-mesh run on them in a folder of its own: shared by the tests of
+ * files and of the tool. cmocka comes first. */
 #include "mesh/mesh.h"
+
+#include "folder_fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,24 +24,7 @@
         }                                                                                          \
     } while (0)
 
-static char folder[] = "/tmp/softsim-tool-XXXXXX";
-
-static inline const char *in_folder(const char *name)
-{
-    static char path[4][256];
-    static int turn;
-    turn = (turn + 1) % 4;
-    (void)snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static inline void write_text(const char *name, const char *text)
-{
-    FILE *file = fopen(in_folder(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
-    assert_int_equal(fclose(file), 0);
-}
+static const char importer[] = BIN_DIR "/softsim-import";
 
 /* Runs a shell command in the folder; its output, both streams, in `out`. Returns its exit status.
  */
@@ -55,27 +41,12 @@ static inline int run(const char *command, char *out, size_t size)
     return WEXITSTATUS(status);
 }
 
-static inline ss_mesh *load(const char *name, double unit)
+static inline ss_mesh *load(const char *path, double unit)
 {
     ss_mesh *mesh = NULL;
     softsim_error error = {0};
-    if (ss_mesh_load(in_folder(name), unit, BIN_DIR "/softsim-import", &mesh, &error) !=
-        SOFTSIM_OK) {
+    if (ss_mesh_load(path, unit, importer, &mesh, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
     return mesh;
-}
-
-static inline int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) == NULL;
-}
-
-static inline int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }
