@@ -358,6 +358,17 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 
 /* ---- contact ------------------------------------------------------------------------------ */
 
+double ss_plan_smallest_tool(const ss_model_plan *plan)
+{
+    double smallest = (double)INFINITY;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            smallest = fmin(smallest, ss_shape_inradius(&plan->tool[k].shape));
+        }
+    }
+    return smallest;
+}
+
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius)
 {
     if (plan->contact_stiffness > 0.0) {

@@ -61,6 +61,8 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, int32_t **out_triangle, int32_t *out_count,
                                           softsim_error *error);
+/* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
+double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
  * than a penetration of a tenth of R at the working force. */
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);
