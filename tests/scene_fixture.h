@@ -19,16 +19,8 @@
 #include <unistd.h>
 
 #include "folder_fixture.h"
+#include "number_fixture.h"
 #include "scene/scene.h"
-
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double near_a = (a);                                                                 \
-        const double near_b = (b);                                                                 \
-        if (!(fabs(near_a - near_b) <= (eps))) {                                                   \
-            fail_msg("%s = %.17g, not %.17g", #a, near_a, near_b);                                 \
-        }                                                                                          \
-    } while (0)
 
 /* ---- a model, a mesh, a folder --------------------------------------------------------------- */
 

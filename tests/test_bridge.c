@@ -15,17 +15,10 @@
 
 #include "bridge.h"
 #include "folder_fixture.h"
+#include "number_fixture.h"
 #include "random.h"
 #include "rt/vec.h"
 #include "show.h"
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, not %.17g within %g", #a, near_a, near_b, near_t);               \
-        }                                                                                          \
-    } while (0)
 
 /* ---- frame ---------------------------------------------------------------------------------- */
 

@@ -16,17 +16,10 @@
 #include <unistd.h>
 
 #include "folder_fixture.h"
+#include "number_fixture.h"
 #include "output.h"
 #include "softsim/log.h"
 #include "wire.h"
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, not %.17g within %g", #a, near_a, near_b, near_t);               \
-        }                                                                                          \
-    } while (0)
 
 static size_t read_file(const char *path, unsigned char *data, size_t capacity)
 {

@@ -22,9 +22,8 @@
 #include "folder_fixture.h"
 #include "mesh/mesh.h"
 #include "mesh/readers.h"
+#include "mesh_fixture.h"
 #include "rt/memory.h"
-
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
 
 /* ---- pieces of files ---------------------------------------------------------------------------
  */

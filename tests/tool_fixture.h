@@ -3,26 +3,16 @@
 #pragma once
 /* Meshes in files, and softsim-mesh run on them in a folder of its own: shared by the tests of
  * files and of the tool. cmocka comes first. */
-#include "mesh/mesh.h"
-
-#include "folder_fixture.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define TOOL         BIN_DIR "/softsim-mesh "
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double left_ = (a);                                                                  \
-        const double right_ = (b);                                                                 \
-        if (!(fabs(left_ - right_) <= (eps))) {                                                    \
-            fail_msg("%s = %.17g is not within %g of %.17g", #a, left_, (double)(eps), right_);    \
-        }                                                                                          \
-    } while (0)
+#include "folder_fixture.h"
+#include "mesh_fixture.h"
+
+#define TOOL BIN_DIR "/softsim-mesh "
 
 static const char importer[] = BIN_DIR "/softsim-import";
 
