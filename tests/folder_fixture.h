@@ -15,11 +15,13 @@ static char folder[] = "/tmp/softsim_test_XXXXXX";
 /* The path of `name` in it; stays as it is for every name. */
 static inline const char *in_folder(const char *name)
 {
-    static char path[256][256];
+    static char *path[256];
+    const size_t size = sizeof folder + strlen(name) + 1;
     for (size_t k = 0; k < sizeof path / sizeof *path; ++k) {
-        if (path[k][0] == '\0' || strcmp(path[k] + sizeof folder, name) == 0) {
-            assert_true(sizeof folder + strlen(name) < sizeof path[k]);
-            (void)snprintf(path[k], sizeof path[k], "%s/%s", folder, name);
+        if (path[k] == NULL || strcmp(path[k] + sizeof folder, name) == 0) {
+            path[k] = path[k] != NULL ? path[k] : malloc(size);
+            assert_non_null(path[k]);
+            (void)snprintf(path[k], size, "%s/%s", folder, name);
             return path[k];
         }
     }
