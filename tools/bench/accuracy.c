@@ -22,6 +22,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "scratch.h"
 #include "sweep.h"
 #include "world.h"
@@ -50,6 +51,24 @@ typedef struct report {
 } report;
 
 /* ---- options ------------------------------------------------------------------------------ */
+
+/* The report may be no file that the command names. */
+static void check_outputs(const options *o, softsim_error *error)
+{
+    static const char *const names[] = {"accuracy.csv", "accuracy.html", "dynamics.csv",
+                                        "case/case.yaml"};
+    enum { COUNT = sizeof names / sizeof *names };
+    char path[COUNT][SS_ACCURACY_PATH + 32];
+    ss_named_file in[SS_ARG_LIST_MAX + 1] = {{"the --scene file", o->scene}}, out[COUNT];
+    for (int32_t k = 0; k < o->compare.count; ++k) {
+        in[k + 1] = (ss_named_file){"a --compare file", o->compare.value[k]};
+    }
+    for (int k = 0; k < COUNT; ++k) {
+        snprintf(path[k], sizeof path[k], "%s/%s", o->out, names[k]);
+        out[k] = (ss_named_file){"--out", path[k]};
+    }
+    (void)ss_files_check(in, o->compare.count + 1, out, COUNT, error);
+}
 
 static ss_args_result parse(int argc, char **argv, options *out, softsim_error *error)
 {
@@ -87,6 +106,9 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
     if (result == SS_ARGS_RUN && o.scene != NULL && o.cases.count > 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--scene stands in place of --case; leave one out");
+    }
+    if (result == SS_ARGS_RUN && error->fault_count == 0) {
+        check_outputs(&o, error);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }

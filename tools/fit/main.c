@@ -4,6 +4,7 @@
  * softsim-fit: a scene and measured curves to the scene with the parameters that repeat them.
  */
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "fit.h"
 #include "output.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "world.h"
 
 static const char about[] =
@@ -37,6 +39,20 @@ typedef struct fit_options {
     double press_s, hold_depth_m;
     int64_t max_evaluations;
 } fit_options;
+
+/* No output may be what is read. */
+static void check_outputs(const fit_options *o, softsim_error *error)
+{
+    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
+    char statement[PATH_MAX];
+    snprintf(statement, sizeof statement, "%s/case.yaml", o->folder ? o->folder : "");
+    ss_named_file in[SS_ARG_LIST_MAX + 2] = {{"the scene", o->scene},
+                                             {"the case", o->folder ? statement : NULL}};
+    for (int32_t c = 0; c < o->curve.count; ++c) {
+        in[c + 2] = (ss_named_file){"a --curve", o->curve.value[c]};
+    }
+    (void)ss_files_check(in, o->curve.count + 2, out, 2, error);
+}
 
 static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_error *error)
 {
@@ -94,6 +110,9 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
                           "--at: given %d times for %d curves; give it once, or once for each",
                           o.at.count, o.curve.count);
     }
+    if (error->fault_count == 0) {
+        check_outputs(&o, error);
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
@@ -118,6 +137,20 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
     return true;
 }
 
+/* Nor may an output be a file that the scene names. */
+static void check_scene_files(const fit_options *o, softsim_error *error)
+{
+    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
+    const ss_scene_model *models = NULL;
+    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene *scene = NULL;
+    if (ss_scene_load(o->scene, o->set.value, o->set.count, models, model_count, NULL, &scene,
+                      error) == SOFTSIM_OK) {
+        (void)ss_scene_check_outputs(scene, out, 2, error);
+    }
+    ss_scene_destroy(&scene);
+}
+
 /* Parameters and the case. */
 static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels *levels,
                                 softsim_error *error)
@@ -125,6 +158,9 @@ static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels
     fit->levels = levels;
     fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
                                          o->parameter.count, false, fit->parameter, error);
+    if (fit->parameter_count > 0) {
+        check_scene_files(o, error);
+    }
     for (int32_t i = 0; i < fit->parameter_count; ++i) {
         if (strchr(fit->parameter[i].path + strlen("model."), '.')) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -164,6 +200,9 @@ static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *lev
     }
     fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
                                          o->parameter.count, has_time, fit->parameter, error);
+    if (fit->parameter_count > 0) {
+        check_scene_files(o, error);
+    }
     for (int32_t c = 0; fit->parameter_count > 0 && c < fit->curve_count; ++c) {
         const ss_curve *curve = &fit->curve[c];
         double at[3];

@@ -7,22 +7,15 @@
  */
 #include "command.h"
 #include "rt/args.h"
+#include "rt/files.h"
 
 #include <stdio.h>
-#include <sys/stat.h>
 
 typedef struct conversion {
     const char *path[2];
     int32_t units, to_units; /* -1: not given */
     bool is_mended, overwrites;
 } conversion;
-
-static bool is_one_file(const char *a, const char *b)
-{
-    struct stat x;
-    struct stat y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
 
 static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error *error)
 {
@@ -48,7 +41,7 @@ static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error 
                           "--to-units: the unit of '%s' is not known: give --units too",
                           c->path[0]);
     }
-    if (!c->overwrites && is_one_file(c->path[0], c->path[1])) {
+    if (!c->overwrites && ss_files_are_one(c->path[0], c->path[1])) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "'%s' is the input: give another name, or --overwrite", c->path[1]);
     }

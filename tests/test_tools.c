@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The programs that need no server, on odd but whole command lines: no output is ever an input or
+ * another output, whatever it is called; and what is doubtful is told.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <sys/stat.h>
+
+#include "tool_fixture.h"
+
+static const char poses[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+                            "0,0,0,0,0.05,1,0,0,0,0\n0.02,0,0,0,0.04,1,0,0,0,0\n";
+static const char curve[] = "depth_m,force_n\n0.001,1\n0.002,2\n";
+static const char compared[] =
+    "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,us_per_step_p50,"
+    "us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,verdict\n";
+static const char scene[] = "softsim: 1\n"
+                            "object:\n"
+                            "  mesh: block.msh\n"
+                            "  units: m\n"
+                            "  fixed: [{group: bottom}]\n"
+                            "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                            "contact:\n"
+                            "  tools: [{probe: 0, shape: {sphere: {radius_mm: 15}}}]\n";
+
+static bool has_program(const char *name)
+{
+    char path[512];
+    (void)snprintf(path, sizeof path, BIN_DIR "/%s", name);
+    return access(path, X_OK) == 0;
+}
+
+static void read_text(const char *name, char *out, size_t size)
+{
+    FILE *file = fopen(in_folder(name), "rb");
+    assert_non_null(file);
+    out[fread(out, 1, size - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Every file that is read; the same bytes afterwards. */
+static const struct {
+    const char *name, *text;
+} inputs[] = {
+    {"poses.csv", poses}, {"scene.yaml", scene}, {"curve.csv", curve}, {"accuracy.csv", compared}};
+enum { INPUT_COUNT = sizeof inputs / sizeof *inputs };
+
+static void write_inputs(void)
+{
+    char out[4096];
+    for (int i = 0; i < INPUT_COUNT; ++i) {
+        write_text(inputs[i].name, inputs[i].text);
+    }
+    assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out block.msh",
+                         out, sizeof out),
+                     0);
+}
+
+static void no_output_is_an_input_or_another_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--poses poses.csv --csv poses.csv scene.yaml", "--csv: 'poses.csv'"},
+        {"softsim-run", "--poses poses.csv --nodes ./poses.csv scene.yaml", "--nodes: './poses"},
+        {"softsim-run", "--poses poses.csv --nodes scene.yaml scene.yaml", "is the scene,"},
+        {"softsim-run", "--poses poses.csv --reactions link scene.yaml", "--reactions: 'link'"},
+        {"softsim-run", "--poses poses.csv --csv hard scene.yaml", "--csv: 'hard'"},
+        {"softsim-run", "--duration 0.01 --nodes block.msh scene.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --csv a --nodes a scene.yaml", "what --csv writes"},
+        {"softsim-run", "--duration 0.01 --csv a --reactions ./a scene.yaml", "what --csv writes"},
+        {"softsim-replay", "--convert poses.csv poses.csv", "is the file played"},
+        {"softsim-replay", "--record poses.csv poses.csv", "--record: 'poses.csv'"},
+        {"softsim-replay", "--csv hard poses.csv", "--csv: 'hard'"},
+        {"softsim-replay", "--csv a --record a poses.csv", "what --record writes"},
+        {"softsim-bridge", "--device script --path poses.csv --csv link", "is the --path file"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out scene.yaml", "is the scene,"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out curve.csv", "is a --curve"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted a", "what --out"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted block.msh",
+         "a file of the scene"},
+        {"softsim-fit",
+         "--scene scene.yaml --case " SOURCE_DIR "/tests/reference/b_cantilever "
+         "--out " SOURCE_DIR "/tests/reference/b_cantilever/case.yaml",
+         "is the case"},
+        {"softsim-mesh", "tetrahedralize block.msh block.msh --edge 1", "is the surface"},
+        {"softsim-mesh", "convert block.msh block.msh", "'block.msh' is the input"},
+        {"softsim-bench", "accuracy --compare accuracy.csv --out .", "is a --compare file"},
+    };
+    char out[8192], expected[8192];
+    write_inputs();
+    assert_int_equal(symlink("poses.csv", in_folder("link")), 0);
+    assert_int_equal(link(in_folder("poses.csv"), in_folder("hard")), 0);
+    read_text("block.msh", expected, sizeof expected);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char command[1024];
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s %s", bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+        assert_int_not_equal(access(in_folder("a"), F_OK), 0);
+        read_text("block.msh", out, sizeof out);
+        assert_string_equal(out, expected);
+        for (int k = 0; k < INPUT_COUNT; ++k) {
+            read_text(inputs[k].name, out, sizeof out);
+            assert_string_equal(out, inputs[k].text);
+        }
+    }
+}
+
+static void devices_may_be_written_twice(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.01 --csv /dev/null --nodes /dev/null "
+                                 "scene.yaml",
+                         out, sizeof out),
+                     0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_output_is_an_input_or_another_output),
+        cmocka_unit_test(devices_may_be_written_twice),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
