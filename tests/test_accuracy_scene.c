@@ -77,6 +77,8 @@ static void a_scene_makes_its_own_reference(void **state)
                 1e-12);
     assert_non_null(strstr(worth.text, "Of the least settled run about"));
     assert_null(strstr(worth.text, "Not all of its runs were good"));
+    assert_non_null(strstr(worth.taken, "gravity, and of its fem Young's modulus 50000 Pa"));
+    assert_non_null(strstr(worth.taken, "not taken: damping"));
     assert_int_equal(ss_case_load(made, &c, &error), SOFTSIM_OK);
     assert_int_equal(c.mesh_count, 2);
     assert_int_equal(ss_case_load_body(&c, &c.mesh[0], 0, false, &body, &error), SOFTSIM_OK);

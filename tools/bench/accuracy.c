@@ -198,11 +198,18 @@ static softsim_status make_scene_case(report *r, softsim_error *error)
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
         return SOFTSIM_ERROR_ARGUMENT;
     }
+    const bool had_out = access(r->o.out, F_OK) == 0, had_path = access(path, F_OK) == 0;
     softsim_status status = ss_report_make_folder(r->o.out, error);
     status = status == SOFTSIM_OK ? ss_report_make_folder(path, error) : status;
-    return status == SOFTSIM_OK
-               ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
-               : status;
+    status = status == SOFTSIM_OK
+                 ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
+                 : status;
+    if (status != SOFTSIM_OK) {
+        /* Folders that were made for nothing go again: rmdir takes empty ones only. */
+        (void)(had_path || rmdir(path) == 0);
+        (void)(had_out || rmdir(r->o.out) == 0);
+    }
+    return status;
 }
 
 /* A file as it is read; of one that cannot be read its job will say so. */
@@ -406,11 +413,15 @@ static softsim_status list_jobs(report *r, softsim_error *error)
 
 /* Files of others are read for the pictures, when the runs are over: their faults are told before.
  */
-static void check_compared(const options *o, softsim_error *error)
+static void check_compared(const options *o, const ss_accuracy_plan *plan, softsim_error *error)
 {
     ss_accuracy_rows rows = {.row = NULL};
+    const int32_t faults = error->fault_count;
     for (int32_t k = 0; k < o->compare.count; ++k) {
         ss_accuracy_rows_compare(&rows, o->compare.value[k], error);
+    }
+    if (error->fault_count == faults) {
+        ss_accuracy_check_compared(plan, &rows, error);
     }
     ss_accuracy_rows_fini(&rows);
 }
@@ -418,15 +429,29 @@ static void check_compared(const options *o, softsim_error *error)
 /* All that can be wrong with what the command names, before anything is written or run. */
 static softsim_status prepare(report *r, softsim_error *error)
 {
+    if (r->o.scene != NULL) {
+        ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
+        if (c != NULL) {
+            ss_accuracy_scene_outline(c);
+            check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
+        }
+        free(c);
+        if (error->fault_count > 0) {
+            return error->status;
+        }
+    }
     softsim_status status = load_cases(r, error);
-    if (status == SOFTSIM_OK) {
+    const bool has_cases = status == SOFTSIM_OK;
+    if (has_cases) {
         check_meshes(r, error);
         status = error->fault_count == 0 ? list_jobs(r, error) : error->status;
     }
     if (status == SOFTSIM_OK) {
         ss_accuracy_check_bodies(&r->plan, &r->dynamic, error);
     }
-    check_compared(&r->o, error);
+    if (has_cases) {
+        check_compared(&r->o, &r->plan, error);
+    }
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
 
@@ -692,6 +717,7 @@ static softsim_status write_page(report *r, softsim_error *error)
                         "are predictions, its first is not.");
     if (r->o.scene != NULL) {
         printf("%s\n", r->worth.text);
+        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.taken);
         ss_page_text(&page, "%s: %s", r->o.scene, r->worth.text);
     }
     ss_page_link(&page, "accuracy.csv");
