@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <sys/stat.h>
 
@@ -133,10 +134,50 @@ static void devices_may_be_written_twice(void **state)
                      0);
 }
 
+/* softsim-fit with stderr on a terminal; what the terminal shows. */
+static void run_fit_on_terminal(char *out, size_t size)
+{
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    assert_true(terminal >= 0);
+    assert_true(grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const int end = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+        if (end < 0 || dup2(end, STDERR_FILENO) < 0 || chdir(folder) != 0) {
+            _exit(127);
+        }
+        execl(BIN_DIR "/softsim-fit", "softsim-fit", "--scene", "scene.yaml", "--curve",
+              "curve.csv", "--at", "900,0,0", "--out", "never.yaml", NULL);
+        _exit(127);
+    }
+    int status = 0;
+    assert_true(child > 0 && waitpid(child, &status, 0) == child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 2);
+    const ssize_t used = read(terminal, out, size - 1);
+    assert_true(used > 0);
+    out[used] = '\0';
+    close(terminal);
+}
+
+static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (!has_program("softsim-fit")) {
+        skip();
+    }
+    write_inputs();
+    run_fit_on_terminal(out, sizeof out);
+    const char *shown = strstr(out, "softsim-fit: 0 evaluations");
+    const char *wiped = strstr(out, "\033[K");
+    assert_true(shown != NULL && wiped > shown && strstr(wiped, "off the surface") != NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_output_is_an_input_or_another_output),
+        cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
         cmocka_unit_test(devices_may_be_written_twice),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -17,6 +17,8 @@
 #include "rt/files.h"
 #include "world.h"
 
+enum { FARTHEST_M = 1000 }; /* places beyond are a unit error, as in pose paths */
+
 static const char about[] =
     "Finds the parameters of a scene's model that repeat measured curves.\n\n"
     "A curve is a CSV with the columns depth_m,force_n (force while pressing) or time_s,force_n\n"
@@ -132,6 +134,12 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
                               "--at: '%s' is not a point; give X,Y,Z in metres", text);
             return false;
         }
+        if (fabs(out[k]) > FARTHEST_M) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--at: %g m is beyond %d m; give X,Y,Z in metres", out[k],
+                              FARTHEST_M);
+            return false;
+        }
         at = end + 1;
     }
     return true;
@@ -230,10 +238,15 @@ static void to_comment(void *sink, const char *text)
     fprintf(sink, "# %s\n", text);
 }
 
+/* Before the first evaluation, which may take a while, there is no misfit yet. */
 static void show_progress(int32_t evaluations, double misfit)
 {
-    fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
-            100.0 * misfit);
+    if (evaluations == 0) {
+        fputs("\rsoftsim-fit: 0 evaluations ", stderr);
+    } else {
+        fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
+                100.0 * misfit);
+    }
 }
 
 /* The scene's text with the answer in it, and what was found before it. */
@@ -325,21 +338,22 @@ int main(int argc, char **argv)
     }
     const bool is_terminal = isatty(STDERR_FILENO);
     fit.progress = is_terminal ? show_progress : NULL;
-    int exit_code = 0;
-    if (plan(&options, &fit, &levels, &error) != SOFTSIM_OK) {
-        exit_code = 2;
-    } else {
-        const softsim_status status = ss_fit_run(&fit, &error);
-        fputs(is_terminal ? "\r\033[K" : "", stderr);
-        if (status != SOFTSIM_OK) {
-            exit_code = fit.solve.evaluations > 1 ? 1 : 2;
-        } else {
-            ss_fit_tell(&fit, to_stderr, NULL);
-            const bool is_written =
-                write_scene(&options, &fit, &error) == SOFTSIM_OK &&
-                (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
-            exit_code = is_written && fit.solve.has_settled ? 0 : 1;
-        }
+    if (is_terminal) {
+        show_progress(0, 0.0);
+    }
+    softsim_status status = plan(&options, &fit, &levels, &error);
+    int exit_code = status == SOFTSIM_OK ? 0 : 2;
+    if (status == SOFTSIM_OK) {
+        status = ss_fit_run(&fit, &error);
+        exit_code = status != SOFTSIM_OK && fit.solve.evaluations <= 1 ? 2 : 1;
+    }
+    fputs(is_terminal ? "\r\033[K" : "", stderr);
+    if (status == SOFTSIM_OK) {
+        ss_fit_tell(&fit, to_stderr, NULL);
+        const bool is_written =
+            write_scene(&options, &fit, &error) == SOFTSIM_OK &&
+            (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
+        exit_code = is_written && fit.solve.has_settled ? 0 : 1;
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);
