@@ -15,6 +15,7 @@
 #include <math.h>
 #include <sys/stat.h>
 
+#include "softsim/log.h"
 #include "tool_fixture.h"
 
 static const char poses[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
@@ -31,6 +32,14 @@ static const char scene[] = "softsim: 1\n"
                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
                             "contact:\n"
                             "  tools: [{probe: 0, shape: {sphere: {radius_mm: 15}}}]\n";
+
+static const char two_tools[] = "softsim: 1\n"
+                                "object: {mesh: block.msh, units: m, fixed: [{group: bottom}]}\n"
+                                "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                                "contact:\n"
+                                "  tools:\n"
+                                "    - {probe: 0, shape: {sphere: {radius_mm: 15}}}\n"
+                                "    - {probe: 1, shape: {sphere: {radius_mm: 15}}}\n";
 
 static bool has_program(const char *name)
 {
@@ -134,6 +143,38 @@ static void devices_may_be_written_twice(void **state)
                      0);
 }
 
+/* Two tools that moved together for 0.1 s do so in a log too, whatever the order of its records. */
+static void two_probes_of_a_log_share_their_ticks(void **state)
+{
+    (void)state;
+    enum { POSES = 100 };
+    char out[8192];
+    write_inputs();
+    write_text("two.yaml", two_tools);
+    for (int order = 0; order < 2; ++order) {
+        softsim_log_writer *writer = NULL;
+        softsim_error error = {0};
+        assert_int_equal(softsim_log_create(in_folder("two.lcmlog"), &writer, &error), SOFTSIM_OK);
+        for (int k = 0; k < 2 * POSES; ++k) {
+            const int probe = (k + (order == 1 && k / 2 % 2 == 1)) % 2;
+            const softsim_pose pose = {.probe = probe,
+                                       .seq = k + 1,
+                                       .sender = 1,
+                                       .position = {0.05 * probe - 0.025, 0.0, 0.08},
+                                       .orientation = {1.0, 0.0, 0.0, 0.0}};
+            softsim_log_write_pose(writer, 1000 * (k / 2), probe ? "S_PROBE_1" : "S_PROBE_0",
+                                   &pose);
+        }
+        assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+        const int status =
+            run(BIN_DIR "/softsim-run --poses two.lcmlog --csv two.csv two.yaml", out, sizeof out);
+        if (status != 0 || strstr(out, "100 ticks,") == NULL ||
+            strstr(out, "200 poses, 0 refused") == NULL) {
+            fail_msg("status %d: %s", status, out);
+        }
+    }
+}
+
 /* softsim-fit with stderr on a terminal; what the terminal shows. */
 static void run_fit_on_terminal(char *out, size_t size)
 {
@@ -178,6 +219,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_output_is_an_input_or_another_output),
         cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
+        cmocka_unit_test(two_probes_of_a_log_share_their_ticks),
         cmocka_unit_test(devices_may_be_written_twice),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
