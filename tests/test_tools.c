@@ -132,6 +132,31 @@ static void no_output_is_an_input_or_another_output(void **state)
     }
 }
 
+static void what_an_option_cannot_do_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *says;
+    } bad[] = {
+        {"latency --log felt.csv --out here", "--out: --log runs nothing"},
+        {"latency --log felt.csv --seconds 5", "--seconds: --log runs nothing"},
+        {"latency --log felt.csv --quick", "--quick: --log runs nothing"},
+        {"latency --rate 100", "--rate: only --log"},
+        {"latency --contacts 0", "--contacts: only --log"},
+    };
+    char out[4096], command[512];
+    if (!has_program("softsim-bench")) {
+        skip();
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-bench %s", bad[i].options);
+        assert_int_equal(run(command, out, sizeof out), 2);
+        if (strstr(out, bad[i].says) == NULL || strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s: %s", bad[i].options, out);
+        }
+    }
+}
+
 static void devices_may_be_written_twice(void **state)
 {
     (void)state;
@@ -220,6 +245,7 @@ int main(void)
         cmocka_unit_test(no_output_is_an_input_or_another_output),
         cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
         cmocka_unit_test(two_probes_of_a_log_share_their_ticks),
+        cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(devices_may_be_written_twice),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

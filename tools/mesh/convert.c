@@ -23,7 +23,7 @@ static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error 
     const ss_arg rows[] = {
         {"--repair", SS_ARG_FLAG, &c->is_mended, 0, 0, "",
          "welds nodes on top of others, drops flat and double elements and loose nodes, turns what "
-         "is inside out; tells what it did"},
+         "is inside out; tells what it did and what it left"},
         {"--units", SS_ARG_CHOICE, &c->units, 0, 0, UNITS, "of IN"},
         {"--to-units", SS_ARG_CHOICE, &c->to_units, 0, 0, UNITS, "of OUT (as IN)"},
         {"--overwrite", SS_ARG_FLAG, &c->overwrites, 0, 0, "", "OUT may be IN"},
@@ -56,6 +56,33 @@ static void print_count(const char *path, int32_t count, const char *what)
     }
 }
 
+/* What a repair leaves as it is, because only people know what it should be. */
+static bool print_left(const char *path, const ss_mesh *mesh)
+{
+    ss_mesh_report report;
+    ss_mesh_finding found[SS_MESH_MAX_FINDINGS + 1];
+    ss_mesh_fault hole;
+    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK || !ss_mesh_find_holes(mesh, &hole)) {
+        return false;
+    }
+    int32_t count = ss_mesh_list_findings(mesh, &report, found);
+    if (hole.count > 0) {
+        found[count++] = (ss_mesh_finding){.fault = &hole,
+                                           .what = "holes",
+                                           .where = "at node",
+                                           .remedy = "close them if the body has a volume"};
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        char numbers[160];
+        if (!found[i].is_minor) {
+            ss_mesh_print_fault(&found[i], numbers, sizeof numbers);
+            (void)printf("%s: left as they are: %s: %s: %s\n", path, found[i].what, numbers,
+                         found[i].remedy);
+        }
+    }
+    return true;
+}
+
 static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error *error)
 {
     ss_mesh *mended = NULL;
@@ -75,6 +102,10 @@ static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error
     print_count(path, done.turned_triangles, "triangles turned");
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
+    if (!print_left(path, mended)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
     return SOFTSIM_OK;
 }
 
