@@ -157,6 +157,27 @@ static void what_an_option_cannot_do_is_refused(void **state)
     }
 }
 
+/* What a fem plan counts of contact is little; --explain says so. */
+static void the_estimate_says_what_of_it_is_contact(void **state)
+{
+    (void)state;
+    char out[16384];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsimd --explain scene.yaml", out, sizeof out), 0);
+    const char *whole = strstr(out, "; estimated "), *part = strstr(out, " us of that estimate");
+    assert_true(whole != NULL && part > whole);
+    while (part[-1] != '\n') {
+        --part;
+    }
+    const double step_us = strtod(whole + strlen("; estimated "), NULL);
+    const double contact_us = strtod(part + strlen("contact: "), NULL);
+    assert_true(contact_us > 0.0 && contact_us < step_us);
+    /* Without a tool there is none. */
+    assert_int_equal(
+        run(BIN_DIR "/softsimd --explain --set contact.tools=[] scene.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "us of that estimate"));
+}
+
 static void devices_may_be_written_twice(void **state)
 {
     (void)state;
@@ -246,6 +267,7 @@ int main(void)
         cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
         cmocka_unit_test(two_probes_of_a_log_share_their_ticks),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
+        cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
         cmocka_unit_test(devices_may_be_written_twice),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
