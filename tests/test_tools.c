@@ -178,6 +178,24 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
     assert_null(strstr(out, "us of that estimate"));
 }
 
+/* A shell has opened the file behind /dev/fd/1: it is written there, before what is printed. */
+static void standard_output_may_be_a_file(void **state)
+{
+    (void)state;
+    char out[4096], text[4096];
+    write_inputs();
+    assert_int_equal(run("(" BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/1 --hash scene.yaml "
+                         "2>err.txt >shown.txt)",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_ptr_equal(strstr(text, "step,time_s,probe"), text);
+    const char *last = strstr(text, "\n2,0.002,0,");
+    assert_non_null(last);
+    assert_int_equal(strlen(strchr(last + 1, '\n')), 18); /* the hash and its line's end */
+}
+
 static void devices_may_be_written_twice(void **state)
 {
     (void)state;
@@ -268,6 +286,7 @@ int main(void)
         cmocka_unit_test(two_probes_of_a_log_share_their_ticks),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
+        cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
