@@ -277,7 +277,7 @@ static void help_names_the_groups_of_each_shape(void **state)
     char help[8192], out[8192], command[256];
     assert_int_equal(run(TOOL "generate --help", help, sizeof help), 0);
     for (int32_t i = 0; i < COUNT(shapes); ++i) {
-        char expected[256], got[256] = "";
+        char expected[320], got[256] = "";
         (void)snprintf(command, sizeof command,
                        TOOL "generate %s --tetrahedra --points 300 --out g.msh && " TOOL
                             "info g.msh",
