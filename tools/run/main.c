@@ -3,9 +3,13 @@
 /*
  * softsim-run: the daemon's world without LCM, as fast as possible.
  *
- * Poses come from an event log (one tick per well-formed pose, as in the daemon's lockstep, and
- * with the same bits), from a CSV (interpolated at each tick), or not at all (loads only). Row k
- * of the CSV is the state after tick k. Output files appear complete or not at all.
+ * Poses come from an event log, from a CSV (interpolated at each tick), or not at all (loads only).
+ * Of a log a tick takes the next pose of each probe: with one probe a tick per well-formed pose, as
+ * in the daemon's lockstep and with the same bits; with several the poses up to the first of a
+ * probe that the tick has already, so that probes that moved together do, however their records are
+ * jumbled. (The daemon's lockstep answers every pose by itself, so that there two probes take two
+ * ticks.) Rejected: ticks by the log's clock, which jitters: poses would be lost, others held.
+ * Row k of the CSV is the state after tick k. Output files appear complete or not at all.
  */
 #include <errno.h>
 #include <math.h>
@@ -17,9 +21,11 @@
 
 #include "output.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "rt/real.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
+#include "world.h"
 
 typedef struct run_options {
     const char *scene, *poses, *csv, *reactions, *nodes, *vtk;
@@ -33,7 +39,9 @@ typedef struct run {
     run_options options;
     softsim_world *world;
     softsim_state state;
-    softsim_poses *log; /* event log; NULL without */
+    softsim_poses *log;      /* event log; NULL without */
+    softsim_pose_event next; /* read ahead of its tick; with has_next */
+    bool has_next;
     softsim_path *path; /* pose CSV; NULL without */
     double path_begin, path_end;
     int64_t sender;
@@ -48,6 +56,15 @@ static int print_real(FILE *file, double value)
     return fprintf(file, ",%.*g", SS_REAL_DIGITS, value);
 }
 
+enum { OUTPUT_COUNT = 3 };
+
+static void list_outputs(const run_options *o, ss_named_file out[OUTPUT_COUNT])
+{
+    out[0] = (ss_named_file){"--csv", o->csv};
+    out[1] = (ss_named_file){"--reactions", o->reactions};
+    out[2] = (ss_named_file){"--nodes", o->nodes};
+}
+
 static ss_args_result parse(int argc, char **argv, run_options *out, softsim_error *error)
 {
     run_options o = {.threads = 1};
@@ -55,7 +72,9 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
         {"--poses", SS_ARG_STRING, &o.poses, 0, 0, "LOG|CSV",
          "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
-         "outer step and tick (default: the scene's haptic period); not with an event log"},
+         "outer step and tick (default: the scene's haptic period); not with an event log, of "
+         "which a "
+         "tick takes the next pose of each probe"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
@@ -84,6 +103,12 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
     if ((o.vtk != NULL) != (o.every > 0)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--vtk and --every go together");
     }
+    if (error->fault_count == 0) {
+        const ss_named_file in[] = {{"the scene", o.scene}, {"the --poses file", o.poses}};
+        ss_named_file outputs[OUTPUT_COUNT];
+        list_outputs(&o, outputs);
+        (void)ss_files_check(in, 2, outputs, OUTPUT_COUNT, error);
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
@@ -111,7 +136,7 @@ static softsim_status open_poses(run *r, softsim_error *error)
         if (r->options.step_s > 0.0) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                               "--dt: an event log gives one tick of the scene's haptic period per "
-                              "pose; leave --dt out");
+                              "pose of a probe; leave --dt out");
             return SOFTSIM_ERROR_ARGUMENT;
         }
         return softsim_poses_open(path, 1000.0, &r->log, error);
@@ -245,32 +270,43 @@ static softsim_status open_outputs(run *r, softsim_error *error)
 /* ---- the run
  * -------------------------------------------------------------------------------------- */
 
-/* The poses of the coming tick: one of the log, or the CSV's at that time. -1 when the poses end.
- * Notes about damage go to stderr. */
+/* Reads the log's next pose, if it is not read yet; false at its end. Notes about damage go to
+ * stderr. */
+static bool read_ahead(run *r)
+{
+    while (!r->has_next) {
+        char note[256];
+        switch (softsim_poses_next(r->log, &r->next, note, sizeof note)) {
+        case SOFTSIM_POSES_END:
+            return false;
+        case SOFTSIM_POSES_NOTE:
+            fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
+            break;
+        case SOFTSIM_POSES_POSE:
+            r->has_next = r->next.channel_probe >= 0 && r->next.channel_probe < SOFTSIM_MAX_PROBES;
+            break;
+        }
+    }
+    return true;
+}
+
+/* The poses of the coming tick: of the log the next of each probe, or the CSV's at that time. -1
+ * when the poses end. */
 static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
                           int32_t channel[SOFTSIM_MAX_PROBES])
 {
     int32_t count = 0;
     if (r->log) {
-        for (;;) {
-            softsim_pose_event event;
-            char note[256];
-            switch (softsim_poses_next(r->log, &event, note, sizeof note)) {
-            case SOFTSIM_POSES_END:
-                return -1;
-            case SOFTSIM_POSES_NOTE:
-                fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
-                continue;
-            case SOFTSIM_POSES_POSE:
-                if (event.channel_probe < 0 || event.channel_probe >= SOFTSIM_MAX_PROBES) {
-                    continue;
-                }
-                pose[0] = event.pose;
-                channel[0] = event.channel_probe;
-                softsim_poses_restamp(&pose[0], r->sender, ++r->seq[channel[0]]);
-                return 1;
-            }
+        uint32_t taken = 0;
+        while (read_ahead(r) && !(taken & 1u << r->next.channel_probe)) {
+            taken |= 1u << r->next.channel_probe;
+            pose[count] = r->next.pose;
+            channel[count] = r->next.channel_probe;
+            softsim_poses_restamp(&pose[count], r->sender, ++r->seq[channel[count]]);
+            ++count;
+            r->has_next = false;
         }
+        return count > 0 ? count : -1;
     }
     if (r->path) {
         const double time = (double)(r->state.tick + 1) * r->state.period_s + r->path_begin;
@@ -376,6 +412,12 @@ static softsim_status execute(run *r, softsim_error *error)
         r->world = softsim_create(r->options.scene, &config, error);
     }
     if (!r->world) {
+        return error->status;
+    }
+    ss_named_file outputs[OUTPUT_COUNT];
+    list_outputs(&r->options, outputs);
+    const ss_world *inner = (const ss_world *)r->world; /* it is one: lockstep.c */
+    if (!ss_scene_check_outputs(inner->scene, outputs, OUTPUT_COUNT, error)) {
         return error->status;
     }
     softsim_read(r->world, &r->state);
