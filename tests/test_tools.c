@@ -207,33 +207,34 @@ static void devices_may_be_written_twice(void **state)
                      0);
 }
 
-/* Two tools that moved together for 0.1 s do so in a log too, whatever the order of its records. */
-static void two_probes_of_a_log_share_their_ticks(void **state)
+/* A log of two probes takes a tick for each pose, as in the daemon's lockstep: tools that moved at
+ * once move in turn. It is said, and not of a log of one. */
+static void a_log_of_two_probes_is_told_to_play_slower(void **state)
 {
     (void)state;
-    enum { POSES = 100 };
+    enum { TICKS = 200 };
     char out[8192];
     write_inputs();
     write_text("two.yaml", two_tools);
-    for (int order = 0; order < 2; ++order) {
+    for (int probes = 1; probes <= 2; ++probes) {
         softsim_log_writer *writer = NULL;
         softsim_error error = {0};
         assert_int_equal(softsim_log_create(in_folder("two.lcmlog"), &writer, &error), SOFTSIM_OK);
-        for (int k = 0; k < 2 * POSES; ++k) {
-            const int probe = (k + (order == 1 && k / 2 % 2 == 1)) % 2;
+        for (int k = 0; k < TICKS; ++k) {
+            const int probe = k % probes;
             const softsim_pose pose = {.probe = probe,
                                        .seq = k + 1,
                                        .sender = 1,
                                        .position = {0.05 * probe - 0.025, 0.0, 0.08},
                                        .orientation = {1.0, 0.0, 0.0, 0.0}};
-            softsim_log_write_pose(writer, 1000 * (k / 2), probe ? "S_PROBE_1" : "S_PROBE_0",
+            softsim_log_write_pose(writer, 1000 * (k / probes), probe ? "S_PROBE_1" : "S_PROBE_0",
                                    &pose);
         }
         assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
         const int status =
             run(BIN_DIR "/softsim-run --poses two.lcmlog --csv two.csv two.yaml", out, sizeof out);
-        if (status != 0 || strstr(out, "100 ticks,") == NULL ||
-            strstr(out, "200 poses, 0 refused") == NULL) {
+        const bool is_told = strstr(out, "poses of 2 probes") != NULL;
+        if (status != 0 || strstr(out, "200 ticks,") == NULL || is_told != (probes == 2)) {
             fail_msg("status %d: %s", status, out);
         }
     }
@@ -283,7 +284,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_output_is_an_input_or_another_output),
         cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
-        cmocka_unit_test(two_probes_of_a_log_share_their_ticks),
+        cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
         cmocka_unit_test(standard_output_may_be_a_file),

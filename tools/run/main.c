@@ -3,13 +3,9 @@
 /*
  * softsim-run: the daemon's world without LCM, as fast as possible.
  *
- * Poses come from an event log, from a CSV (interpolated at each tick), or not at all (loads only).
- * Of a log a tick takes the next pose of each probe: with one probe a tick per well-formed pose, as
- * in the daemon's lockstep and with the same bits; with several the poses up to the first of a
- * probe that the tick has already, so that probes that moved together do, however their records are
- * jumbled. (The daemon's lockstep answers every pose by itself, so that there two probes take two
- * ticks.) Rejected: ticks by the log's clock, which jitters: poses would be lost, others held.
- * Row k of the CSV is the state after tick k. Output files appear complete or not at all.
+ * Poses come from an event log (one tick per well-formed pose, as in the daemon's lockstep, and
+ * with the same bits), from a CSV (interpolated at each tick), or not at all (loads only). Row k
+ * of the CSV is the state after tick k. Output files appear complete or not at all.
  */
 #include <errno.h>
 #include <math.h>
@@ -39,9 +35,7 @@ typedef struct run {
     run_options options;
     softsim_world *world;
     softsim_state state;
-    softsim_poses *log;      /* event log; NULL without */
-    softsim_pose_event next; /* read ahead of its tick; with has_next */
-    bool has_next;
+    softsim_poses *log; /* event log; NULL without */
     softsim_path *path; /* pose CSV; NULL without */
     double path_begin, path_end;
     int64_t sender;
@@ -72,9 +66,7 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
         {"--poses", SS_ARG_STRING, &o.poses, 0, 0, "LOG|CSV",
          "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
-         "outer step and tick (default: the scene's haptic period); not with an event log, of "
-         "which a "
-         "tick takes the next pose of each probe"},
+         "outer step and tick (default: the scene's haptic period); not with an event log"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
@@ -136,7 +128,7 @@ static softsim_status open_poses(run *r, softsim_error *error)
         if (r->options.step_s > 0.0) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                               "--dt: an event log gives one tick of the scene's haptic period per "
-                              "pose of a probe; leave --dt out");
+                              "pose; leave --dt out");
             return SOFTSIM_ERROR_ARGUMENT;
         }
         return softsim_poses_open(path, 1000.0, &r->log, error);
@@ -270,43 +262,32 @@ static softsim_status open_outputs(run *r, softsim_error *error)
 /* ---- the run
  * -------------------------------------------------------------------------------------- */
 
-/* Reads the log's next pose, if it is not read yet; false at its end. Notes about damage go to
- * stderr. */
-static bool read_ahead(run *r)
-{
-    while (!r->has_next) {
-        char note[256];
-        switch (softsim_poses_next(r->log, &r->next, note, sizeof note)) {
-        case SOFTSIM_POSES_END:
-            return false;
-        case SOFTSIM_POSES_NOTE:
-            fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
-            break;
-        case SOFTSIM_POSES_POSE:
-            r->has_next = r->next.channel_probe >= 0 && r->next.channel_probe < SOFTSIM_MAX_PROBES;
-            break;
-        }
-    }
-    return true;
-}
-
-/* The poses of the coming tick: of the log the next of each probe, or the CSV's at that time. -1
- * when the poses end. */
+/* The poses of the coming tick: one of the log, or the CSV's at that time. -1 when the poses end.
+ * Notes about damage go to stderr. */
 static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
                           int32_t channel[SOFTSIM_MAX_PROBES])
 {
     int32_t count = 0;
     if (r->log) {
-        uint32_t taken = 0;
-        while (read_ahead(r) && !(taken & 1u << r->next.channel_probe)) {
-            taken |= 1u << r->next.channel_probe;
-            pose[count] = r->next.pose;
-            channel[count] = r->next.channel_probe;
-            softsim_poses_restamp(&pose[count], r->sender, ++r->seq[channel[count]]);
-            ++count;
-            r->has_next = false;
+        for (;;) {
+            softsim_pose_event event;
+            char note[256];
+            switch (softsim_poses_next(r->log, &event, note, sizeof note)) {
+            case SOFTSIM_POSES_END:
+                return -1;
+            case SOFTSIM_POSES_NOTE:
+                fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
+                continue;
+            case SOFTSIM_POSES_POSE:
+                if (event.channel_probe < 0 || event.channel_probe >= SOFTSIM_MAX_PROBES) {
+                    continue;
+                }
+                pose[0] = event.pose;
+                channel[0] = event.channel_probe;
+                softsim_poses_restamp(&pose[0], r->sender, ++r->seq[channel[0]]);
+                return 1;
+            }
         }
-        return count > 0 ? count : -1;
     }
     if (r->path) {
         const double time = (double)(r->state.tick + 1) * r->state.period_s + r->path_begin;
@@ -387,6 +368,21 @@ static void print_summary(const run *r)
             s->kinetic_j, s->elastic_j, s->dissipated_j, s->work_j);
 }
 
+/* A tick a pose is what makes the bits those of the daemon's lockstep. */
+static void tell_turns(const run *r)
+{
+    int32_t probes = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        probes += r->seq[k] > 0;
+    }
+    if (r->log && probes > 1) {
+        fprintf(stderr,
+                "softsim-run: %s has poses of %d probes, each takes a tick as in lockstep: tools "
+                "that moved at once move in turn, and slower; a CSV of poses moves them at once\n",
+                r->options.poses, probes);
+    }
+}
+
 static softsim_status execute(run *r, softsim_error *error)
 {
     softsim_config config = softsim_default_config();
@@ -463,6 +459,7 @@ int main(int argc, char **argv)
         exit_code = 1;
     } else {
         print_summary(&r);
+        tell_turns(&r);
         if (r.options.hash) {
             printf("%016llx\n", (unsigned long long)softsim_hash(r.world));
         }
