@@ -152,6 +152,8 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
                                softsim_error *error);
 void ss_world_destroy(ss_world **world);
 
+/* What the model is planned from, all but its step. Thread: set-up only. */
+ss_model_plan ss_world_plan(const ss_world *world);
 /* The plan, one line per fact: what the scene uses, what is left out, bytes, threads. */
 void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
                       void *sink);

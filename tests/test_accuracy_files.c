@@ -206,6 +206,87 @@ static void a_swing_is_judged_by_all_its_steps(void **state)
     assert_non_null(strstr(verdict, "5e+03 Hz"));
 }
 
+/* A row that no picture can show as what it is stops the call before any run. */
+static void an_odd_row_of_another_program_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *row, *says;
+    } bad[] = {
+        {"tiny,linear,theirs,m,4,1,a,0.1,0.1,0.1,5", "odd.csv:3: 11 cells, the head line has 17"},
+        {"tiny,linear,theirs,m,4,1,a,-0.1,,,5,,,,,no,good", "odd.csv:3: error_l2"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,-2,5,,,,,no,good", "odd.csv:3: error_force"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,,0,,,,,no,good", "odd.csv:3: us_per_step_p50"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,,5,,1e308,,,no,good", "odd.csv:3: realtime_factor"},
+        {"tiny,linear,theirs,m,4,1,a,inf,,,5,,,,,no,good", "odd.csv:3: column 'error_l2'"},
+        {"tiny,linear,theirs,m,-4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: column 'nodes'"},
+        {"tiny,linear,theirs,m,4.5,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: column 'nodes'"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,fine", "odd.csv:3: verdict 'fine'"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,goodish", "odd.csv:3: verdict 'goodish'"},
+        {"tiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,maybe,good", "odd.csv:3: calibrated is 'maybe'"},
+        {"tiny,linear,theirs,m,4,1,b,0.1,,,5,,,,,no,good", "odd.csv:3: case 'tiny' has no level"},
+        {"tiny,nh,theirs,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: case 'tiny' has no level"},
+        {"other,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: case 'other'"},
+        {"tiny,linear,mass-spring,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: model 'mass-spring'"},
+        {"tiny,linear,,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: model is empty"},
+    };
+    const char *out = in_folder("odd"), *tiny = in_folder("tiny");
+    char text[1024];
+    if (ss_model_find("mass-spring") == NULL) {
+        skip();
+    }
+    write_tiny("tiny", "tiny");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        int result = 0;
+        snprintf(text, sizeof text, "%s\ntiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,\n%s\n",
+                 ss_accuracy_head, bad[i].row);
+        const char *other = write_text("odd.csv", text);
+        char *heard = run_heard((const char *const[]){"--case", tiny, "--model", "mass-spring",
+                                                      "--compare", other, "--out", out, NULL},
+                                &result);
+        assert_non_null(heard);
+        if (result != 2 || strstr(heard, bad[i].says) == NULL ||
+            strstr(heard, "odd.csv:3") != strstr(heard, "odd.csv:") ||
+            strstr(heard, "nothing was run") == NULL) {
+            fail_msg("row '%s': status %d, no '%s' in: %s", bad[i].row, result, bad[i].says, heard);
+        }
+        free(heard);
+        assert_int_not_equal(access(out, F_OK), 0);
+    }
+}
+
+/* A scene's reference takes minutes: rows are judged before it is made, and a scene that is no case
+ * leaves no folder behind. */
+static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
+{
+    (void)state;
+    char text[1024];
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    const char *scene =
+        write_text("scene.yaml",
+                   "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+                   "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, "
+                   "youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000}\n");
+    snprintf(text, sizeof text, "%s\nscene,stvk,theirs,m,4,1,whole,0.1,,,5,,,,,no,\n",
+             ss_accuracy_head);
+    const char *other = write_text("odd.csv", text), *out = in_folder("left");
+    for (int k = 0; k < 2; ++k) {
+        int result = 0;
+        char *heard = run_heard((const char *const[]){"--scene", scene, "--out", out,
+                                                      k == 0 ? "--compare" : NULL, other, NULL},
+                                &result);
+        assert_int_equal(result, 2);
+        assert_non_null(heard);
+        assert_true((strstr(heard, "odd.csv:2: case 'scene' has no level 'whole'") != NULL) ==
+                    (k == 0));
+        assert_true((strstr(heard, "exactly one of") != NULL) == (k == 1));
+        free(heard);
+        assert_int_not_equal(access(out, F_OK), 0);
+    }
+}
+
 /* Rows of another program may be more than all of our models and meshes. */
 static void every_row_of_another_program_is_on_the_page(void **state)
 {
@@ -269,6 +350,8 @@ int main(void)
         cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
         cmocka_unit_test(a_poor_field_is_said_in_the_verdict),
         cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
+        cmocka_unit_test(an_odd_row_of_another_program_is_refused),
+        cmocka_unit_test(a_scene_that_cannot_be_run_leaves_nothing),
         cmocka_unit_test(every_row_of_another_program_is_on_the_page),
         cmocka_unit_test(a_mended_case_is_not_resumed),
     };

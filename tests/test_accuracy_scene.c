@@ -61,6 +61,8 @@ static void a_scene_makes_its_own_reference(void **state)
         SOFTSIM_OK);
     assert_int_equal(worth.nodes, 3321);
     assert_true(worth.ratio > 1.5 && worth.ratio < 4.5);
+    assert_non_null(strstr(worth.taken, "gravity, and of its fem Young's modulus 50000 Pa"));
+    assert_non_null(strstr(worth.taken, "not taken: damping"));
     /* Both the correction and what has not settled. */
     assert_true(worth.unsettled > 0.0 && worth.unsettled < 1e-3);
     assert_near(worth.left,

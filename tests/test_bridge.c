@@ -391,6 +391,44 @@ static void script_device_follows_its_path(void **state)
                      SOFTSIM_ERROR_FILE);
 }
 
+/* A path says no velocity: the CSV has that of the row to the next. */
+static void the_csv_of_a_path_is_finite(void **state)
+{
+    (void)state;
+    static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+                               "2,0,0,0,0.1,1,0,0,0,0\n2.1,0,0.1,0,0.1,1,0,0,0,0\n";
+    static ss_bridge bridge;
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_device device;
+    ss_frame frame;
+    char written[1 << 16] = "";
+    write_text("path.csv", text);
+    FILE *csv = fmemopen(written, sizeof written, "w");
+    assert_non_null(csv);
+    ss_frame_init(&frame, "x,y,z", "0,0,0", 2.0, 1.0, &error);
+    assert_int_equal(ss_script_create(in_folder("path.csv"), 1e-3, &device, &error), SOFTSIM_OK);
+    const ss_bridge_config config = {.tick_count = 50, .csv = csv, .program = "test"};
+    assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    ss_bridge_run_linear(&bridge, 100.0, 0);
+    ss_bridge_fini(&bridge);
+    assert_int_equal(fclose(csv), 0);
+    int rows = 0;
+    for (char *at = written, *line = NULL; (line = strsep(&at, "\n")) != NULL && *line != '\0';) {
+        double value[14];
+        char *end = line;
+        for (int k = 0; k < 14; ++k) {
+            value[k] = strtod(end, &end);
+            assert_true(isfinite(value[k]));
+            end += *end == ',';
+        }
+        assert_int_equal(*end, '\0');
+        assert_near(value[4], 2.0, 1e-9);
+        assert_near(value[5], 0.0, 1e-9);
+        ++rows;
+    }
+    assert_true(rows >= 49);
+}
+
 /* ---- monitor -------------------------------------------------------------------------------- */
 
 static void json_is_well_formed(void **state)
@@ -437,6 +475,7 @@ int main(void)
         cmocka_unit_test(device_meets_the_golden_trajectories),
         cmocka_unit_test(free_device_follows_the_hand),
         cmocka_unit_test(script_device_follows_its_path),
+        cmocka_unit_test(the_csv_of_a_path_is_finite),
         cmocka_unit_test(json_is_well_formed),
     };
     return cmocka_run_group_tests_name("bridge", tests, make_folder, remove_folder);

@@ -550,10 +550,14 @@ static void the_program_refuses_what_is_wrong(void **state)
                                out,       "--at", "1,2",     NULL};
     const char *far_place[] = {"--scene", scene,  "--curve", deep, "--out",
                                out,       "--at", "1,2,3",   NULL};
-    const char *const *wrong[] = {nothing, no_points, too_deep, no_scene, bad_place, far_place};
-    static const char *const fault[] = {"is missing", "no points",      "cannot be reached",
-                                        "softsim",    "is not a point", "off the surface"};
-    for (int k = 0; k < 6; ++k) {
+    const char *lost_place[] = {"--scene", scene,  "--curve",   deep, "--out",
+                                out,       "--at", "1e300,0,0", NULL};
+    const char *const *wrong[] = {nothing,   no_points, too_deep,  no_scene,
+                                  bad_place, far_place, lost_place};
+    static const char *const fault[] = {"is missing",      "no points",      "cannot be reached",
+                                        "softsim",         "is not a point", "off the surface",
+                                        "is beyond 1000 m"};
+    for (int k = 0; k < 7; ++k) {
         assert_int_equal(run_program(wrong[k]), 2);
         read_text("err.txt", told, sizeof told);
         if (strstr(told, fault[k]) == NULL) {

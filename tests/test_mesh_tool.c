@@ -253,6 +253,50 @@ static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
     assert_int_equal(run(TOOL "check same.msh", out, sizeof out), 2);
 }
 
+static void repair_tells_what_it_leaves(void **state)
+{
+    (void)state;
+    char out[4096];
+    /* A pyramid without its base, one side twice. */
+    write_text("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
+                           "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 1 2 5\n");
+    assert_int_equal(run(TOOL "convert hole.obj whole.obj --repair", out, sizeof out), 0);
+    assert_non_null(strstr(out, "hole.obj: double elements dropped: 1\n"));
+    assert_non_null(strstr(out, "hole.obj: left as they are: holes: 1 (at node "));
+    write_text("mine.obj", CUBE_V CUBE_F);
+    assert_int_equal(run(TOOL "convert mine.obj whole.obj --repair", out, sizeof out), 0);
+    assert_null(strstr(out, "left as they are"));
+}
+
+/* The help names the groups that are written, and no others. */
+static void help_names_the_groups_of_each_shape(void **state)
+{
+    (void)state;
+    static const char *const shapes[] = {"kidney",     "liver", "ellipsoid", "ventricle",
+                                         "ellipsoids", "block", "beam",      "cylinder"};
+    char help[8192], out[8192], command[256];
+    assert_int_equal(run(TOOL "generate --help", help, sizeof help), 0);
+    for (int32_t i = 0; i < COUNT(shapes); ++i) {
+        char expected[320], got[256] = "";
+        (void)snprintf(command, sizeof command,
+                       TOOL "generate %s --tetrahedra --points 300 --out g.msh && " TOOL
+                            "info g.msh",
+                       shapes[i]);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        for (const char *at = out; (at = strstr(at, "\ngroup       ")) != NULL;) {
+            at += strlen("\ngroup       ");
+            const size_t used = strlen(got);
+            (void)snprintf(got + used, sizeof got - used, "%s%.*s", used > 0 ? ", " : "",
+                           (int)strcspn(at, ":"), at);
+        }
+        (void)snprintf(expected, sizeof expected, "\n  %-12s %s%s\n", shapes[i], got,
+                       strcmp(shapes[i], "cylinder") == 0 ? " (with --tetrahedra)" : "");
+        if ((strstr(help, expected) != NULL) != (got[0] != '\0')) {
+            fail_msg("no '%s' in %s", expected, help);
+        }
+    }
+}
+
 static void the_input_is_replaced_only_when_asked(void **state)
 {
     (void)state;
@@ -403,6 +447,8 @@ int main(void)
         cmocka_unit_test(each_model_tells_its_stable_step_and_memory),
         cmocka_unit_test(formats_and_units_are_converted),
         cmocka_unit_test(repair_tells_each_change_and_what_comes_out_is_good),
+        cmocka_unit_test(repair_tells_what_it_leaves),
+        cmocka_unit_test(help_names_the_groups_of_each_shape),
         cmocka_unit_test(the_input_is_replaced_only_when_asked),
         cmocka_unit_test(tetgen_that_is_missing_or_fails_is_one_error),
         cmocka_unit_test(a_kidney_is_filled_and_its_surface_keeps_its_numbers),

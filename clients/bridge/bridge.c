@@ -48,11 +48,17 @@ void ss_bridge_fini(ss_bridge *bridge)
 
 /* ---- one tick ------------------------------------------------------------------------------- */
 
-static void write_row(const ss_bridge *bridge)
+/* `moved`: since the sample that is written, for the velocity of a device that knows none. */
+static void write_row(const ss_bridge *bridge, const double moved[3])
 {
-    double columns[12];
+    double columns[12], velocity[3];
+    ss_scale3(velocity, moved, 1.0 / bridge->device.period_s);
+    for (int i = 0; i < 3; ++i) {
+        const double known = bridge->sample.true_velocity[i];
+        velocity[i] = isnan(known) ? velocity[i] : known;
+    }
     ss_frame_position(&bridge->frame, bridge->sample.true_position, columns);
-    ss_frame_velocity(&bridge->frame, bridge->sample.true_velocity, columns + 3);
+    ss_frame_velocity(&bridge->frame, velocity, columns + 3);
     ss_frame_position(&bridge->frame, bridge->sample.position, columns + 6);
     ss_copy3(columns + 9, bridge->applied_world);
     fprintf(bridge->config.csv, "%" PRId64, bridge->summary.ticks - 1);
@@ -80,7 +86,7 @@ static bool read_device(ss_bridge *bridge)
             bridge->velocity[i] += share * (raw - bridge->velocity[i]);
         }
         if (bridge->config.csv != NULL) {
-            write_row(bridge);
+            write_row(bridge, moved);
         }
     }
     bridge->sample = sample;

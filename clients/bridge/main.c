@@ -12,6 +12,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "rt/thread.h"
 #include "silence.h"
 #include "softsim/client.h"
@@ -35,6 +36,7 @@ static const char about[] =
 /* Options that only one device or one mode knows are faults elsewhere. */
 static void check_options(const options *o, softsim_error *error)
 {
+    const ss_named_file in = {"the --path file", o->path}, out = {"--csv", o->csv};
     const bool is_linear = !isnan(o->linear_tissue);
     if (o->device == DEVICE_NONE) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--device is missing; give sim or script");
@@ -55,6 +57,7 @@ static void check_options(const options *o, softsim_error *error)
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--delay-ticks goes with --linear-tissue; give --delay-ms");
     }
+    (void)ss_files_check(&in, 1, &out, 1, error);
 }
 
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)

@@ -3,6 +3,7 @@
 #include "output.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -29,17 +30,52 @@ static bool is_special(const char *path)
     return stat(path, &found) == 0 && !S_ISREG(found.st_mode);
 }
 
+/* The open file that a name stands for; -1: none. Such a file may be a regular one, which a shell
+ * has opened: another in its place would be one that nobody reads, and the name itself would go. */
+static int descriptor_of(const char *path)
+{
+    static const struct {
+        const char *path;
+        int descriptor;
+    } rows[] = {
+        {"/dev/stdout", STDOUT_FILENO},     {"/dev/stderr", STDERR_FILENO},
+        {"/dev/fd/1", STDOUT_FILENO},       {"/dev/fd/2", STDERR_FILENO},
+        {"/proc/self/fd/1", STDOUT_FILENO}, {"/proc/self/fd/2", STDERR_FILENO},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        if (strcmp(path, rows[i].path) == 0) {
+            return rows[i].descriptor;
+        }
+    }
+    return -1;
+}
+
+/* On the same place in the file, so that what the program prints follows. */
+static FILE *open_descriptor(int descriptor)
+{
+    const int own = fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+    FILE *file = own >= 0 ? fdopen(own, "wb") : NULL;
+    if (file == NULL && own >= 0) {
+        close(own);
+    }
+    return file;
+}
+
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error)
 {
     *output = (ss_output){.path = strdup(path)};
-    if (output->path == NULL || (!is_special(path) && asprintf(&output->temporary, "%s.%ld.tmp",
-                                                               path, (long)getpid()) < 0)) {
+    const int descriptor = descriptor_of(path);
+    const bool is_in_place = descriptor >= 0 || is_special(path);
+    if (output->path == NULL ||
+        (!is_in_place && asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid()) < 0)) {
         output->temporary = NULL;
         forget(output);
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    output->file = fopen(output->temporary != NULL ? output->temporary : path, "wbe");
+    output->file = descriptor >= 0
+                       ? open_descriptor(descriptor)
+                       : fopen(output->temporary != NULL ? output->temporary : path, "wbe");
     if (output->file == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
         forget(output);

@@ -9,6 +9,7 @@
 #include "process.h"
 #include "replay.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "silence.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
@@ -71,6 +72,12 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     }
     o->input = positional[0];
     o->output = positional[1];
+    const ss_named_file in = {"the file played", o->input};
+    const ss_named_file out[] = {
+        {"--convert", o->output}, {"--record", o->record}, {"--csv", o->csv}};
+    if (error->fault_count == 0) {
+        (void)ss_files_check(&in, 1, out, 3, error);
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 

@@ -170,6 +170,9 @@ void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
 /* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
 int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
 
+/* The point of triangle abc that is closest to p. RT-safe. */
+void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],
+                        double out[3]);
 /* How far a placed tool reaches into the deformed surface (m; negative: its distance; -INFINITY:
  * nowhere near a surface), with the nearest surface point and the outward normal there. For tools
  * that appear: a tool that stands deep inside is on no sample's right side. Looks at every

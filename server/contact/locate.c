@@ -25,9 +25,8 @@ typedef struct nearest {
     double normal[3]; /* angle-weighted sum */
 } nearest;
 
-/* Closest point of triangle abc to p. */
-static void closest_point(const double p[3], const double a[3], const double b[3],
-                          const double c[3], double out[3])
+void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],
+                        double out[3])
 {
     double ab[3], ac[3], ap[3], bp[3], cp[3];
     ss_sub3(ab, b, a);
@@ -78,7 +77,7 @@ static double angle_at(const double q[3], const double *const corner[3])
 static void visit(const double p[3], const double *const corner[3], nearest *best)
 {
     double point[3], way[3], e[3], f[3], normal[3];
-    closest_point(p, corner[0], corner[1], corner[2], point);
+    ss_contact_closest(p, corner[0], corner[1], corner[2], point);
     ss_sub3(way, point, p);
     const double square = ss_dot3(way, way);
     if (!(square <= best->square * (1.0 + SHARED))) {

@@ -256,6 +256,26 @@ char *ss_scene_rewrite(const ss_scene *scene, const char *const *assignments, in
     return r.text;
 }
 
+static bool check_outputs(const ss_scene_node *node, const char *folder,
+                          const ss_named_file *output, int32_t output_count, softsim_error *error)
+{
+    char path[2 * PATH_MAX];
+    const ss_named_file input = {"a file of the scene", path};
+    bool is_good = !node->is_path || !ss_scene_join_path(folder, node->text, path, sizeof path) ||
+                   ss_files_check(&input, 1, output, output_count, error);
+    for (const ss_scene_node *at = node->first; at != NULL && is_good; at = at->next) {
+        is_good = check_outputs(at, folder, output, output_count, error);
+    }
+    return is_good;
+}
+
+bool ss_scene_check_outputs(const ss_scene *scene, const ss_named_file *output,
+                            int32_t output_count, softsim_error *error)
+{
+    return check_outputs(scene->source->tree.root, scene->source->folder, output, output_count,
+                         error);
+}
+
 /* ---- reading ----------------------------------------------------------------------------------
  */
 

@@ -16,6 +16,7 @@
 
 #include "contact/contact.h"
 #include "mesh/mesh.h"
+#include "rt/files.h"
 #include "rt/param.h"
 #include "softsim/types.h"
 
@@ -111,6 +112,11 @@ void ss_scene_print_given(const ss_scene *scene, const char *key,
  * model parameter's default. False where there is none, or no number. */
 bool ss_scene_find_number(const ss_scene *scene, const ss_scene_model *model, const char *path,
                           double *out_value);
+
+/* Adds a fault for the first output that is a file which the scene names, overrides included, or
+ * another output (ss_files_check); true without one. */
+bool ss_scene_check_outputs(const ss_scene *scene, const ss_named_file *output,
+                            int32_t output_count, softsim_error *error);
 
 /* The scene's file with values put in their places, for a file in another folder perhaps: all else
  * stays as it was written, comments too, but that file names become absolute when the folder is

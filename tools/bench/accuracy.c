@@ -22,6 +22,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "scratch.h"
 #include "sweep.h"
 #include "world.h"
@@ -50,6 +51,24 @@ typedef struct report {
 } report;
 
 /* ---- options ------------------------------------------------------------------------------ */
+
+/* The report may be no file that the command names. */
+static void check_outputs(const options *o, softsim_error *error)
+{
+    static const char *const names[] = {"accuracy.csv", "accuracy.html", "dynamics.csv",
+                                        "case/case.yaml"};
+    enum { COUNT = sizeof names / sizeof *names };
+    char path[COUNT][SS_ACCURACY_PATH + 32];
+    ss_named_file in[SS_ARG_LIST_MAX + 1] = {{"the --scene file", o->scene}}, out[COUNT];
+    for (int32_t k = 0; k < o->compare.count; ++k) {
+        in[k + 1] = (ss_named_file){"a --compare file", o->compare.value[k]};
+    }
+    for (int k = 0; k < COUNT; ++k) {
+        snprintf(path[k], sizeof path[k], "%s/%s", o->out, names[k]);
+        out[k] = (ss_named_file){"--out", path[k]};
+    }
+    (void)ss_files_check(in, o->compare.count + 1, out, COUNT, error);
+}
 
 static ss_args_result parse(int argc, char **argv, options *out, softsim_error *error)
 {
@@ -87,6 +106,9 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
     if (result == SS_ARGS_RUN && o.scene != NULL && o.cases.count > 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--scene stands in place of --case; leave one out");
+    }
+    if (result == SS_ARGS_RUN && error->fault_count == 0) {
+        check_outputs(&o, error);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
@@ -176,11 +198,18 @@ static softsim_status make_scene_case(report *r, softsim_error *error)
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
         return SOFTSIM_ERROR_ARGUMENT;
     }
+    const bool had_out = access(r->o.out, F_OK) == 0, had_path = access(path, F_OK) == 0;
     softsim_status status = ss_report_make_folder(r->o.out, error);
     status = status == SOFTSIM_OK ? ss_report_make_folder(path, error) : status;
-    return status == SOFTSIM_OK
-               ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
-               : status;
+    status = status == SOFTSIM_OK
+                 ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
+                 : status;
+    if (status != SOFTSIM_OK) {
+        /* Folders that were made for nothing go again: rmdir takes empty ones only. */
+        (void)(had_path || rmdir(path) == 0);
+        (void)(had_out || rmdir(r->o.out) == 0);
+    }
+    return status;
 }
 
 /* A file as it is read; of one that cannot be read its job will say so. */
@@ -384,11 +413,15 @@ static softsim_status list_jobs(report *r, softsim_error *error)
 
 /* Files of others are read for the pictures, when the runs are over: their faults are told before.
  */
-static void check_compared(const options *o, softsim_error *error)
+static void check_compared(const options *o, const ss_accuracy_plan *plan, softsim_error *error)
 {
     ss_accuracy_rows rows = {.row = NULL};
+    const int32_t faults = error->fault_count;
     for (int32_t k = 0; k < o->compare.count; ++k) {
         ss_accuracy_rows_compare(&rows, o->compare.value[k], error);
+    }
+    if (error->fault_count == faults) {
+        ss_accuracy_check_compared(plan, &rows, error);
     }
     ss_accuracy_rows_fini(&rows);
 }
@@ -396,15 +429,29 @@ static void check_compared(const options *o, softsim_error *error)
 /* All that can be wrong with what the command names, before anything is written or run. */
 static softsim_status prepare(report *r, softsim_error *error)
 {
+    if (r->o.scene != NULL) {
+        ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
+        if (c != NULL) {
+            ss_accuracy_scene_outline(c);
+            check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
+        }
+        free(c);
+        if (error->fault_count > 0) {
+            return error->status;
+        }
+    }
     softsim_status status = load_cases(r, error);
-    if (status == SOFTSIM_OK) {
+    const bool has_cases = status == SOFTSIM_OK;
+    if (has_cases) {
         check_meshes(r, error);
         status = error->fault_count == 0 ? list_jobs(r, error) : error->status;
     }
     if (status == SOFTSIM_OK) {
         ss_accuracy_check_bodies(&r->plan, &r->dynamic, error);
     }
-    check_compared(&r->o, error);
+    if (has_cases) {
+        check_compared(&r->o, &r->plan, error);
+    }
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
 
@@ -670,6 +717,7 @@ static softsim_status write_page(report *r, softsim_error *error)
                         "are predictions, its first is not.");
     if (r->o.scene != NULL) {
         printf("%s\n", r->worth.text);
+        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.taken);
         ss_page_text(&page, "%s: %s", r->o.scene, r->worth.text);
     }
     ss_page_link(&page, "accuracy.csv");

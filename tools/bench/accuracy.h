@@ -66,6 +66,7 @@ typedef struct ss_accuracy_row {
     double p50_us, p99_us, dt_s, realtime, to_1pct_ms;
     double value, force; /* of the level, and of the tool along the push; NaN in files of others */
     int32_t source;      /* 0: this run; else the file of others, from 1 */
+    int32_t line;        /* of that file */
 } ss_accuracy_row;
 
 typedef struct ss_accuracy_rows {
@@ -86,6 +87,10 @@ softsim_status ss_accuracy_rows_add(ss_accuracy_rows *rows, char *text, softsim_
 /* Adds a file with the columns of accuracy.csv. */
 softsim_status ss_accuracy_rows_compare(ss_accuracy_rows *rows, const char *path,
                                         softsim_error *error);
+/* Are the rows of other programs ones that the pictures of these cases can show? A fault for each
+ * that is not, with its file and line. */
+void ss_accuracy_check_compared(const ss_accuracy_plan *plan, const ss_accuracy_rows *rows,
+                                softsim_error *error);
 softsim_status ss_accuracy_rows_write(const ss_accuracy_rows *rows, const char *folder,
                                       softsim_error *error);
 void ss_accuracy_rows_fini(ss_accuracy_rows *rows);

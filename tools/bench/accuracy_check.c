@@ -5,11 +5,14 @@
  * the first job starts, one body at a time, and dropped: on the largest bundled mesh that is a
  * tenth of a second, where a damaged file found by its job costs the hours of those before it.
  * Rejected: keeping what was read for the jobs, which are processes of their own, perhaps on other
- * machines.
+ * machines. The rows of other programs (--compare) are judged here too: a picture that lacks some
+ * of them, or shows them as what they are not, says nothing about them.
  */
+#include <math.h>
 #include <string.h>
 
 #include "accuracy.h"
+#include "models/model.h"
 
 /* What a job reads: two with the same need it once. */
 typedef struct need {
@@ -73,4 +76,115 @@ softsim_status ss_accuracy_check_bodies(const ss_accuracy_plan *plan,
     check_plan(plan, error);
     check_plan(dynamic, error);
     return error->fault_count > faults ? error->status : SOFTSIM_OK;
+}
+
+/* ---- rows of other programs --------------------------------------------------------------- */
+
+enum { MAX_BAD_ROWS = 10 }; /* then the file is something else */
+
+/* "good", "degraded: why", "refused; why"; empty: the program has none. */
+static bool is_verdict(const char *text)
+{
+    static const char *const words[] = {"good",  "guarded",  "degraded",
+                                        "fault", "diverged", "refused"};
+    bool is_known = text[0] == '\0';
+    for (size_t k = 0; k < sizeof words / sizeof *words && !is_known; ++k) {
+        const size_t length = strlen(words[k]);
+        is_known = strncmp(text, words[k], length) == 0 && strchr(":; ", text[length]) != NULL;
+    }
+    return is_known;
+}
+
+static const ss_case *find_case(const ss_accuracy_plan *plan, const char *name)
+{
+    for (int32_t k = 0; k < plan->case_count; ++k) {
+        if (strcmp(plan->c[k].name, name) == 0) {
+            return &plan->c[k];
+        }
+    }
+    return NULL;
+}
+
+static bool has_level(const ss_case *c, const ss_accuracy_row *row)
+{
+    for (int32_t k = 0; k < c->level_count; ++k) {
+        if (strcmp(c->level[k].tag, row->level) == 0 &&
+            strcmp(c->material[c->level[k].material], row->material) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The first number that cannot be: NULL when all can. Empty cells are NaN. */
+static const char *find_bad_number(const ss_accuracy_row *row)
+{
+    const struct {
+        const char *name;
+        double value;
+        bool is_positive;
+    } number[] = {
+        {"error_l2", row->error_l2, false},       {"error_max", row->error_max, false},
+        {"error_force", row->error_force, false}, {"us_per_step_p50", row->p50_us, true},
+        {"us_per_step_p99", row->p99_us, true},   {"dt_s", row->dt_s, true},
+        {"realtime_factor", row->realtime, true}, {"time_to_1pct_ms", row->to_1pct_ms, false}};
+    for (size_t k = 0; k < sizeof number / sizeof *number; ++k) {
+        const double value = number[k].value;
+        if (isinf(value) || value < 0.0 || (number[k].is_positive && value <= 0.0)) {
+            return number[k].name;
+        }
+    }
+    return NULL;
+}
+
+/* What is wrong with a row and what to do, into `out`; false: nothing. */
+static bool find_fault(const ss_accuracy_plan *plan, const ss_accuracy_row *row, char out[512])
+{
+    const ss_case *c = find_case(plan, row->case_name);
+    const char *bad = find_bad_number(row);
+    if (c == NULL) {
+        snprintf(out, 512,
+                 "case '%s' is not among this report's; give its --case too, or leave the row out",
+                 row->case_name);
+    } else if (!has_level(c, row)) {
+        snprintf(out, 512,
+                 "case '%s' has no level '%s' of a material '%s'; give those of its case.yaml",
+                 row->case_name, row->level, row->material);
+    } else if (row->model[0] == '\0') {
+        snprintf(out, 512, "model is empty; give the other program's name");
+    } else if (ss_model_find(row->model) != NULL) {
+        snprintf(out, 512, "model '%s' is one of this program's own; give the other program's name",
+                 row->model);
+    } else if (bad != NULL) {
+        snprintf(out, 512,
+                 "%s: errors are not below 0, times and factors above it and finite; leave a cell "
+                 "empty that is not known",
+                 bad);
+    } else if (strcmp(row->calibrated, "yes") != 0 && strcmp(row->calibrated, "no") != 0 &&
+               row->calibrated[0] != '\0') {
+        snprintf(out, 512, "calibrated is '%s'; give yes or no", row->calibrated);
+    } else if (!is_verdict(row->verdict)) {
+        snprintf(out, 512,
+                 "verdict '%.60s' is none of good, guarded, degraded, fault, diverged, refused; "
+                 "begin with one of these and a colon, or leave it empty",
+                 row->verdict);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+void ss_accuracy_check_compared(const ss_accuracy_plan *plan, const ss_accuracy_rows *rows,
+                                softsim_error *error)
+{
+    int32_t bad = 0;
+    for (int32_t i = 0; i < rows->count && bad < MAX_BAD_ROWS; ++i) {
+        const ss_accuracy_row *row = &rows->row[i];
+        char text[512];
+        if (find_fault(plan, row, text)) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%d: %s", rows->source[row->source],
+                              row->line, text);
+            ++bad;
+        }
+    }
 }

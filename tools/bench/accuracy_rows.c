@@ -74,14 +74,29 @@ static double number(const ss_table *table, int32_t row, int32_t column, softsim
                : ss_table_number(table, row, column, error);
 }
 
-static void text(const ss_table *table, int32_t row, int32_t column, char *out, size_t size)
+static void text(const ss_table *table, int32_t row, int32_t column, char *out, size_t size,
+                 softsim_error *error)
 {
-    snprintf(out, size, "%s", ss_table_cell(table, row, column));
+    const char *cell = ss_table_cell(table, row, column);
+    if (snprintf(out, size, "%s", cell) >= (int)size) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s:%d: column '%s': '%.40s...' is too long; give at most %zu characters",
+                          table->path, table->line[row], table->head[column], cell, size - 1);
+    }
 }
 
-static int32_t whole(double value)
+/* A count; 0 of an empty cell. */
+static int32_t whole(const ss_table *table, int32_t row, int32_t column, softsim_error *error)
 {
-    return value >= 0.0 && value < 2e9 ? (int32_t)value : 0;
+    const double value = number(table, row, column, error);
+    if (!isnan(value) && !(value >= 0.0 && value < 2e9 && floor(value) == value)) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s:%d: column '%s': '%.40s' is no count; give a whole number from 0",
+                          table->path, table->line[row], table->head[column],
+                          ss_table_cell(table, row, column));
+        return 0;
+    }
+    return isnan(value) ? 0 : (int32_t)value;
 }
 
 enum {
@@ -108,15 +123,15 @@ enum {
 static void take_row(const ss_table *t, int32_t i, const int32_t column[COLUMNS], int32_t value,
                      int32_t force, ss_accuracy_row *row, softsim_error *error)
 {
-    text(t, i, column[CASE], row->case_name, sizeof row->case_name);
-    text(t, i, column[MATERIAL], row->material, sizeof row->material);
-    text(t, i, column[MODEL], row->model, sizeof row->model);
-    text(t, i, column[MESH], row->mesh, sizeof row->mesh);
-    text(t, i, column[LEVEL], row->level, sizeof row->level);
-    text(t, i, column[CALIBRATED], row->calibrated, sizeof row->calibrated);
-    text(t, i, column[VERDICT], row->verdict, sizeof row->verdict);
-    row->nodes = whole(number(t, i, column[NODES], error));
-    row->elements = whole(number(t, i, column[ELEMENTS], error));
+    text(t, i, column[CASE], row->case_name, sizeof row->case_name, error);
+    text(t, i, column[MATERIAL], row->material, sizeof row->material, error);
+    text(t, i, column[MODEL], row->model, sizeof row->model, error);
+    text(t, i, column[MESH], row->mesh, sizeof row->mesh, error);
+    text(t, i, column[LEVEL], row->level, sizeof row->level, error);
+    text(t, i, column[CALIBRATED], row->calibrated, sizeof row->calibrated, error);
+    text(t, i, column[VERDICT], row->verdict, sizeof row->verdict, error);
+    row->nodes = whole(t, i, column[NODES], error);
+    row->elements = whole(t, i, column[ELEMENTS], error);
     row->error_l2 = number(t, i, column[ERROR_L2], error);
     row->error_max = number(t, i, column[ERROR_MAX], error);
     row->error_force = number(t, i, column[ERROR_FORCE], error);
@@ -154,7 +169,15 @@ static softsim_status take_table(ss_accuracy_rows *rows, const ss_table *table, 
     }
     rows->row = row;
     for (int32_t i = 0; i < table->row_count; ++i) {
-        row[rows->count] = (ss_accuracy_row){.source = source};
+        row[rows->count] = (ss_accuracy_row){.source = source, .line = table->line[i]};
+        if (table->cell_count[i] < table->column_count) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                              "%s:%d: %d cells, the head line has %d; write a comma for each that "
+                              "is empty",
+                              table->path, table->line[i], table->cell_count[i],
+                              table->column_count);
+            continue;
+        }
         take_row(table, i, column, ss_table_find(table, "value", NULL),
                  ss_table_find(table, "force_n", NULL), &row[rows->count++], error);
     }

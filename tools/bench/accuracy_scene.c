@@ -21,7 +21,7 @@
 enum { MAX_MESHES = 3, LEVELS = 2, MOST_NODES = 120000, QUICK_NODES = 12000, LONG_PATH = 1200 };
 static const double level_share[LEVELS] = {0.5, 1.0};
 static const char *const level_tag[LEVELS] = {"half", "full"};
-static const char reference_model[] = "fem";
+static const char reference_model[] = "fem", case_name[] = "scene";
 static const double step_s = 1e-3, longest_cpu_s = 600.0, damping_share = 1.4;
 static const double assumed_ratio = 2.0, least_ratio = 1.5, most_ratio = 4.5;
 
@@ -242,6 +242,26 @@ static softsim_status read_scene(maker *m)
     }
     m->c.level_count = LEVELS;
     return status;
+}
+
+/* A problem at rest is what is left of a scene. */
+static void tell_taken(const maker *m)
+{
+    const ss_case *c = &m->c;
+    int tools = 0;
+    for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        tools += m->scene->tool[p].is_used;
+    }
+    snprintf(m->worth->taken, sizeof m->worth->taken,
+             "taken from the scene: mesh, supports, %s, and of its %s Young's modulus %.6g Pa, "
+             "Poisson's ratio %.6g, density and the material '%s'; not taken: damping, which is "
+             "each run's own, all else of the model, simulation, haptic%s",
+             ss_norm3(c->gravity) > 0.0    ? "gravity"
+             : m->body[0].pushed_count > 0 ? "the prescribed set"
+                                           : "the pressure",
+             m->class->name, c->youngs_modulus, c->poisson_ratio, c->material[0],
+             tools > 0 ? ", contact.tools" : "");
+    fprintf(stderr, "%s: %s\n", m->path, m->worth->taken);
 }
 
 /* ---- the reference ------------------------------------------------------------------------ */
@@ -516,9 +536,8 @@ static softsim_status write_forces(const maker *m)
 static void put_statement(const maker *m, FILE *file)
 {
     const ss_case *c = &m->c;
-    fprintf(file,
-            "case: scene\nkind: static\nmaterial: {youngs_modulus_pa: %.9g, poisson_ratio: %.9g",
-            c->youngs_modulus, c->poisson_ratio);
+    fprintf(file, "case: %s\nkind: static\nmaterial: {youngs_modulus_pa: %.9g, poisson_ratio: %.9g",
+            case_name, c->youngs_modulus, c->poisson_ratio);
     if (!isnan(c->density)) {
         fprintf(file, ", density_kg_m3: %.9g", c->density);
     }
@@ -565,6 +584,21 @@ static softsim_status write_case(const maker *m)
     return ss_output_commit(&output, m->error);
 }
 
+void ss_accuracy_scene_outline(ss_case *out)
+{
+    static const char *const materials[] = {"linear", "stvk", "nh"};
+    *out = (ss_case){.material_count = (int32_t)(sizeof materials / sizeof *materials)};
+    snprintf(out->name, sizeof out->name, "%s", case_name);
+    for (int32_t i = 0; i < out->material_count; ++i) {
+        snprintf(out->material[i], sizeof out->material[i], "%s", materials[i]);
+        for (int k = 0; k < LEVELS; ++k) {
+            ss_case_level *level = &out->level[out->level_count++];
+            level->material = i;
+            snprintf(level->tag, sizeof level->tag, "%s", level_tag[k]);
+        }
+    }
+}
+
 /* ---- the whole ---------------------------------------------------------------------------- */
 
 softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_quick,
@@ -580,6 +614,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
     softsim_status status = ss_scratch_make("softsim-accuracy", m->temporary, error);
     status = status == SOFTSIM_OK ? read_scene(m) : status;
     if (status == SOFTSIM_OK) {
+        tell_taken(m);
         status = refine_bodies(m, is_quick ? QUICK_NODES : MOST_NODES);
     }
     if (status == SOFTSIM_OK) {

@@ -22,6 +22,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "case.h"
 #include "softsim/types.h"
 
 typedef struct ss_accuracy_worth {
@@ -31,10 +32,14 @@ typedef struct ss_accuracy_worth {
     double unsettled; /* e */
     double left;      /* what the reference is worth: the correction and (r + 1)/(r - 1) e, as
                          fractions of the field */
-    char text[1200];  /* the same in words */
+    char taken[600];  /* what of the scene is used and what is not */
+    char text[1200];  /* what the reference is worth, in words */
 } ss_accuracy_worth;
 
-/* Makes `folder` (there already) a case folder. Scenes that cannot be one are refused with
- * SOFTSIM_ERROR_SCENE or what the scene loader says. */
+/* Its name and levels, of every material that it may have; nothing is read. */
+void ss_accuracy_scene_outline(ss_case *out);
+
+/* Makes `folder` (there already) a case folder; tells on stderr what of the scene is used. Scenes
+ * that cannot be one are refused with SOFTSIM_ERROR_SCENE or what the scene loader says. */
 softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_quick,
                                  ss_accuracy_worth *out, softsim_error *error);

@@ -43,9 +43,33 @@ typedef struct report {
 /* ---- options
  * --------------------------------------------------------------------------------------- */
 
+/* Options of one of the two uses do nothing in the other. */
+static void check_log_options(const options *o, softsim_error *error)
+{
+    const struct {
+        const char *name;
+        bool is_given;
+    } run[] = {{"--scene", o->scene != NULL},    {"--poses", o->poses != NULL},
+               {"--bridge", o->bridge != NULL},  {"--seconds", o->seconds > 0.0},
+               {"--quick", o->is_quick},         {"--out", o->out != NULL},
+               {"--lcm-url", o->lcm_url != NULL}};
+    for (size_t k = 0; k < sizeof run / sizeof *run && o->log != NULL; ++k) {
+        if (run[k].is_given) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "%s: --log runs nothing and prints its verdicts; leave one out",
+                              run[k].name);
+        }
+    }
+    if (o->log == NULL && (o->rate_hz > 0.0 || o->contacts >= 0)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: only --log FILE.csv takes it; leave it out",
+                          o->rate_hz > 0.0 ? "--rate" : "--contacts");
+    }
+}
+
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
 {
-    *o = (options){.out = "latency-report", .rate_hz = 1000.0, .contacts = 1};
+    *o = (options){.rate_hz = 0.0, .contacts = -1};
     const ss_arg rows[] = {
         {"--scene", SS_ARG_STRING, &o->scene, 0, 0, "SCENE.yaml",
          "with tools for probes 0 and 1 (the bundled kidney.yaml)"},
@@ -66,12 +90,19 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     };
     int32_t count = 0;
     const char *positional = NULL;
-    return ss_args_parse(argc, argv, "[options]",
-                         "Runs daemon, replay, bridge and monitor and measures pose to force, "
-                         "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
-                         "echo in the same run.",
-                         rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count,
-                         error);
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options]",
+        "Runs daemon, replay, bridge and monitor and measures pose to force, "
+        "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
+        "echo in the same run.",
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+    if (result == SS_ARGS_RUN) {
+        check_log_options(o, error);
+    }
+    o->out = o->out != NULL ? o->out : "latency-report";
+    o->rate_hz = o->rate_hz > 0.0 ? o->rate_hz : 1000.0;
+    o->contacts = o->contacts >= 0 ? o->contacts : 1;
+    return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
 /* A file of the bundled scenes, wherever the bench is started from: beside the installed program,

@@ -126,7 +126,8 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
     const int32_t lines = cursor != NULL ? count_of(cursor, '\n') + 1 : 0;
     table->cell = calloc((size_t)lines * columns + 1, sizeof *table->cell);
     table->line = calloc((size_t)lines + 1, sizeof *table->line);
-    if (table->cell == NULL || table->line == NULL) {
+    table->cell_count = calloc((size_t)lines + 1, sizeof *table->cell_count);
+    if (table->cell == NULL || table->line == NULL || table->cell_count == NULL) {
         no_memory(error, table->path);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -146,6 +147,7 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
         for (int32_t k = count; k < table->column_count; ++k) {
             row[k] = empty;
         }
+        table->cell_count[table->row_count] = count;
         table->line[table->row_count++] = number;
     }
     return SOFTSIM_OK;
@@ -184,6 +186,7 @@ void ss_table_fini(ss_table *table)
     free(table->text);
     free(table->cell);
     free(table->line);
+    free(table->cell_count);
     free(table->head);
     *table = (ss_table){.path = NULL};
 }

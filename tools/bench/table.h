@@ -20,7 +20,8 @@ typedef struct ss_table {
     char *path, *text;
     char **cell; /* row by row; the head is not among them */
     char **head;
-    int32_t *line; /* of the file, from 1, that each row stands on */
+    int32_t *line;       /* of the file, from 1, that each row stands on */
+    int32_t *cell_count; /* of each row, as it is written */
     int32_t column_count, row_count;
 } ss_table;
 

@@ -4,6 +4,7 @@
  * softsim-fit: a scene and measured curves to the scene with the parameters that repeat them.
  */
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +14,10 @@
 #include "fit.h"
 #include "output.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "world.h"
+
+enum { FARTHEST_M = 1000 }; /* places beyond are a unit error, as in pose paths */
 
 static const char about[] =
     "Finds the parameters of a scene's model that repeat measured curves.\n\n"
@@ -37,6 +41,20 @@ typedef struct fit_options {
     double press_s, hold_depth_m;
     int64_t max_evaluations;
 } fit_options;
+
+/* No output may be what is read. */
+static void check_outputs(const fit_options *o, softsim_error *error)
+{
+    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
+    char statement[PATH_MAX];
+    snprintf(statement, sizeof statement, "%s/case.yaml", o->folder ? o->folder : "");
+    ss_named_file in[SS_ARG_LIST_MAX + 2] = {{"the scene", o->scene},
+                                             {"the case", o->folder ? statement : NULL}};
+    for (int32_t c = 0; c < o->curve.count; ++c) {
+        in[c + 2] = (ss_named_file){"a --curve", o->curve.value[c]};
+    }
+    (void)ss_files_check(in, o->curve.count + 2, out, 2, error);
+}
 
 static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_error *error)
 {
@@ -94,6 +112,9 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
                           "--at: given %d times for %d curves; give it once, or once for each",
                           o.at.count, o.curve.count);
     }
+    if (error->fault_count == 0) {
+        check_outputs(&o, error);
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
@@ -113,9 +134,29 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
                               "--at: '%s' is not a point; give X,Y,Z in metres", text);
             return false;
         }
+        if (fabs(out[k]) > FARTHEST_M) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--at: %g m is beyond %d m; give X,Y,Z in metres", out[k],
+                              FARTHEST_M);
+            return false;
+        }
         at = end + 1;
     }
     return true;
+}
+
+/* Nor may an output be a file that the scene names. */
+static void check_scene_files(const fit_options *o, softsim_error *error)
+{
+    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
+    const ss_scene_model *models = NULL;
+    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene *scene = NULL;
+    if (ss_scene_load(o->scene, o->set.value, o->set.count, models, model_count, NULL, &scene,
+                      error) == SOFTSIM_OK) {
+        (void)ss_scene_check_outputs(scene, out, 2, error);
+    }
+    ss_scene_destroy(&scene);
 }
 
 /* Parameters and the case. */
@@ -125,6 +166,9 @@ static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels
     fit->levels = levels;
     fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
                                          o->parameter.count, false, fit->parameter, error);
+    if (fit->parameter_count > 0) {
+        check_scene_files(o, error);
+    }
     for (int32_t i = 0; i < fit->parameter_count; ++i) {
         if (strchr(fit->parameter[i].path + strlen("model."), '.')) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -164,6 +208,9 @@ static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *lev
     }
     fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
                                          o->parameter.count, has_time, fit->parameter, error);
+    if (fit->parameter_count > 0) {
+        check_scene_files(o, error);
+    }
     for (int32_t c = 0; fit->parameter_count > 0 && c < fit->curve_count; ++c) {
         const ss_curve *curve = &fit->curve[c];
         double at[3];
@@ -191,10 +238,15 @@ static void to_comment(void *sink, const char *text)
     fprintf(sink, "# %s\n", text);
 }
 
+/* Before the first evaluation, which may take a while, there is no misfit yet. */
 static void show_progress(int32_t evaluations, double misfit)
 {
-    fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
-            100.0 * misfit);
+    if (evaluations == 0) {
+        fputs("\rsoftsim-fit: 0 evaluations ", stderr);
+    } else {
+        fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
+                100.0 * misfit);
+    }
 }
 
 /* The scene's text with the answer in it, and what was found before it. */
@@ -286,21 +338,22 @@ int main(int argc, char **argv)
     }
     const bool is_terminal = isatty(STDERR_FILENO);
     fit.progress = is_terminal ? show_progress : NULL;
-    int exit_code = 0;
-    if (plan(&options, &fit, &levels, &error) != SOFTSIM_OK) {
-        exit_code = 2;
-    } else {
-        const softsim_status status = ss_fit_run(&fit, &error);
-        fputs(is_terminal ? "\r\033[K" : "", stderr);
-        if (status != SOFTSIM_OK) {
-            exit_code = fit.solve.evaluations > 1 ? 1 : 2;
-        } else {
-            ss_fit_tell(&fit, to_stderr, NULL);
-            const bool is_written =
-                write_scene(&options, &fit, &error) == SOFTSIM_OK &&
-                (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
-            exit_code = is_written && fit.solve.has_settled ? 0 : 1;
-        }
+    if (is_terminal) {
+        show_progress(0, 0.0);
+    }
+    softsim_status status = plan(&options, &fit, &levels, &error);
+    int exit_code = status == SOFTSIM_OK ? 0 : 2;
+    if (status == SOFTSIM_OK) {
+        status = ss_fit_run(&fit, &error);
+        exit_code = status != SOFTSIM_OK && fit.solve.evaluations <= 1 ? 2 : 1;
+    }
+    fputs(is_terminal ? "\r\033[K" : "", stderr);
+    if (status == SOFTSIM_OK) {
+        ss_fit_tell(&fit, to_stderr, NULL);
+        const bool is_written =
+            write_scene(&options, &fit, &error) == SOFTSIM_OK &&
+            (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
+        exit_code = is_written && fit.solve.has_settled ? 0 : 1;
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);

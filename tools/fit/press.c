@@ -157,29 +157,6 @@ static double mean_edge(const ss_mesh *mesh)
 /* ---- how far off -------------------------------------------------------------------------------
  */
 
-/* Distance of x from the triangle a b c: from its plane where the foot is inside, else from the
- * nearest of its sides. */
-static double triangle_distance(const double x[3], const double *corner[3])
-{
-    double least = INFINITY, normal[3], e[2][3], out[3];
-    bool is_inside = true;
-    ss_sub3(e[0], corner[1], corner[0]);
-    ss_sub3(e[1], corner[2], corner[0]);
-    ss_cross3(normal, e[0], e[1]);
-    for (int k = 0; k < 3; ++k) {
-        double side[3], way[3], across[3];
-        ss_sub3(side, corner[(k + 1) % 3], corner[k]);
-        ss_sub3(way, x, corner[k]);
-        ss_cross3(across, normal, side);
-        is_inside = is_inside && ss_dot3(across, way) >= 0.0;
-        const double share = fmin(fmax(ss_dot3(way, side) / ss_dot3(side, side), 0.0), 1.0);
-        ss_madd3(out, way, -share, side);
-        least = fmin(least, ss_norm3(out));
-    }
-    ss_sub3(out, x, corner[0]);
-    return is_inside ? fabs(ss_dot3(out, normal)) / ss_norm3(normal) : least;
-}
-
 /* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
  * another body, would else press somewhere and fit to it. A mean edge of freedom. */
 static softsim_status check_place(const ss_world *world, const double at[3], int32_t node,
@@ -193,7 +170,9 @@ static softsim_status check_place(const ss_world *world, const double at[3], int
         for (int k = 0; k < 3; ++k) {
             corner[k] = mesh->position[mesh->triangle[t][k]];
         }
-        const double distance = triangle_distance(at, corner);
+        ss_contact_closest(at, corner[0], corner[1], corner[2], way);
+        ss_sub3(way, way, at);
+        const double distance = ss_norm3(way);
         if (distance < off) {
             off = distance;
             reach = edge;

@@ -7,9 +7,9 @@
  */
 #include "command.h"
 #include "rt/args.h"
+#include "rt/files.h"
 
 #include <stdio.h>
-#include <sys/stat.h>
 
 typedef struct conversion {
     const char *path[2];
@@ -17,20 +17,13 @@ typedef struct conversion {
     bool is_mended, overwrites;
 } conversion;
 
-static bool is_one_file(const char *a, const char *b)
-{
-    struct stat x;
-    struct stat y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
 static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error *error)
 {
     *c = (conversion){.units = -1, .to_units = -1};
     const ss_arg rows[] = {
         {"--repair", SS_ARG_FLAG, &c->is_mended, 0, 0, "",
          "welds nodes on top of others, drops flat and double elements and loose nodes, turns what "
-         "is inside out; tells what it did"},
+         "is inside out; tells what it did and what it left"},
         {"--units", SS_ARG_CHOICE, &c->units, 0, 0, UNITS, "of IN"},
         {"--to-units", SS_ARG_CHOICE, &c->to_units, 0, 0, UNITS, "of OUT (as IN)"},
         {"--overwrite", SS_ARG_FLAG, &c->overwrites, 0, 0, "", "OUT may be IN"},
@@ -48,7 +41,7 @@ static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error 
                           "--to-units: the unit of '%s' is not known: give --units too",
                           c->path[0]);
     }
-    if (!c->overwrites && is_one_file(c->path[0], c->path[1])) {
+    if (!c->overwrites && ss_files_are_one(c->path[0], c->path[1])) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "'%s' is the input: give another name, or --overwrite", c->path[1]);
     }
@@ -61,6 +54,33 @@ static void print_count(const char *path, int32_t count, const char *what)
     if (count > 0) {
         (void)printf("%s: %s: %d\n", path, what, count);
     }
+}
+
+/* What a repair leaves as it is, because only people know what it should be. */
+static bool print_left(const char *path, const ss_mesh *mesh)
+{
+    ss_mesh_report report;
+    ss_mesh_finding found[SS_MESH_MAX_FINDINGS + 1];
+    ss_mesh_fault hole;
+    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK || !ss_mesh_find_holes(mesh, &hole)) {
+        return false;
+    }
+    int32_t count = ss_mesh_list_findings(mesh, &report, found);
+    if (hole.count > 0) {
+        found[count++] = (ss_mesh_finding){.fault = &hole,
+                                           .what = "holes",
+                                           .where = "at node",
+                                           .remedy = "close them if the body has a volume"};
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        char numbers[160];
+        if (!found[i].is_minor) {
+            ss_mesh_print_fault(&found[i], numbers, sizeof numbers);
+            (void)printf("%s: left as they are: %s: %s: %s\n", path, found[i].what, numbers,
+                         found[i].remedy);
+        }
+    }
+    return true;
 }
 
 static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error *error)
@@ -82,6 +102,10 @@ static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error
     print_count(path, done.turned_triangles, "triangles turned");
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
+    if (!print_left(path, mended)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
+        return SOFTSIM_ERROR_MEMORY;
+    }
     return SOFTSIM_OK;
 }
 

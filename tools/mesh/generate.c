@@ -268,6 +268,22 @@ static void complete(request *q, const char *size, const char *inner, softsim_er
     }
 }
 
+/* The command and the groups of nodes that its shapes have. */
+static void describe(char *out, size_t size)
+{
+    int used = snprintf(out, size,
+                        "Writes a body of well-shaped triangles, quads or tetrahedra. Groups, for "
+                        "a scene's supports and loads:");
+    for (int i = 0; i < SHAPE_COUNT; ++i) {
+        char names[128];
+        volume_name_groups(shapes[i].volume, names, sizeof names);
+        if (i != SHAPE_PLANE && names[0] != '\0') {
+            used += snprintf(out + used, size - (size_t)used, "\n  %-12s %s%s", shapes[i].name,
+                             names, i == SHAPE_CYLINDER ? " (with --tetrahedra)" : "");
+        }
+    }
+}
+
 static ss_args_result parse(int argc, char **argv, request *q, softsim_error *error)
 {
     const char *size = NULL;
@@ -301,9 +317,10 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE",
          ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"},
     };
+    char about[1024];
+    describe(about, sizeof about);
     const ss_args_result result =
-        ss_args_parse(argc, argv, SHAPES " [options]",
-                      "Writes a body of well-shaped triangles, quads or tetrahedra.", rows,
+        ss_args_parse(argc, argv, SHAPES " [options]", about, rows,
                       (int32_t)(sizeof rows / sizeof rows[0]), &shape, 1, 1, &count, error);
     if (result == SS_ARGS_DONE || count < 1) {
         return result;

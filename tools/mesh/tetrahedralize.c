@@ -7,6 +7,7 @@
  */
 #include "command.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "rt/vec.h"
 #include "solid.h"
 #include "tetgen.h"
@@ -45,6 +46,8 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
     } else if (q->edge_mm > 0.0) {
         q->edge = 1e-3 * q->edge_mm / metres_per_unit(q->units >= 0 ? q->units : 0);
     }
+    const ss_named_file in = {"the surface", q->path[0]}, out = {"OUT", q->path[1]};
+    (void)ss_files_check(&in, 1, &out, 1, error);
     (void)can_write_mesh(q->path[1], "OUT", true, error);
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }

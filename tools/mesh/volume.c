@@ -485,37 +485,52 @@ SIDE(is_back, 1, 1.0)
 SIDE(is_bottom, 2, -1.0)
 SIDE(is_top, 2, 1.0)
 
+static const struct {
+    volume_kind kind;
+    const char *name;
+    group_test is_in;
+} group_rows[] = {
+    {VOLUME_KIDNEY, "fixed", is_held},
+    {VOLUME_LIVER, "fixed", is_held},
+    {VOLUME_CYLINDER, "bottom", is_in_first_layer},
+    {VOLUME_CYLINDER, "top", is_in_last_layer},
+    {VOLUME_CYLINDER, "side", is_in_last_ring},
+    {VOLUME_VENTRICLE, "endo", is_in_first_layer},
+    {VOLUME_VENTRICLE, "epi", is_in_last_layer},
+    {VOLUME_VENTRICLE, "base", is_in_last_ring},
+    {VOLUME_ELLIPSOIDS, "inner", is_in_first_layer},
+    {VOLUME_ELLIPSOIDS, "outer", is_in_last_layer},
+    {VOLUME_BLOCK, "left", is_left},
+    {VOLUME_BLOCK, "right", is_right},
+    {VOLUME_BLOCK, "front", is_front},
+    {VOLUME_BLOCK, "back", is_back},
+    {VOLUME_BLOCK, "bottom", is_bottom},
+    {VOLUME_BLOCK, "top", is_top},
+    {VOLUME_BEAM, "fixed", is_left},
+    {VOLUME_BEAM, "free", is_right},
+};
+enum { GROUP_ROWS = sizeof group_rows / sizeof group_rows[0] };
+
 static bool add_groups(const maker *m, ss_mesh *mesh)
 {
-    static const struct {
-        volume_kind kind;
-        const char *name;
-        group_test is_in;
-    } rows[] = {
-        {VOLUME_KIDNEY, "fixed", is_held},
-        {VOLUME_LIVER, "fixed", is_held},
-        {VOLUME_CYLINDER, "bottom", is_in_first_layer},
-        {VOLUME_CYLINDER, "top", is_in_last_layer},
-        {VOLUME_CYLINDER, "side", is_in_last_ring},
-        {VOLUME_VENTRICLE, "endo", is_in_first_layer},
-        {VOLUME_VENTRICLE, "epi", is_in_last_layer},
-        {VOLUME_VENTRICLE, "base", is_in_last_ring},
-        {VOLUME_ELLIPSOIDS, "inner", is_in_first_layer},
-        {VOLUME_ELLIPSOIDS, "outer", is_in_last_layer},
-        {VOLUME_BLOCK, "left", is_left},
-        {VOLUME_BLOCK, "right", is_right},
-        {VOLUME_BLOCK, "front", is_front},
-        {VOLUME_BLOCK, "back", is_back},
-        {VOLUME_BLOCK, "bottom", is_bottom},
-        {VOLUME_BLOCK, "top", is_top},
-        {VOLUME_BEAM, "fixed", is_left},
-        {VOLUME_BEAM, "free", is_right},
-    };
     bool is_good = true;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0] && is_good; ++i) {
-        is_good = rows[i].kind != m->plan->kind || add_group(m, mesh, rows[i].name, rows[i].is_in);
+    for (int i = 0; i < GROUP_ROWS && is_good; ++i) {
+        is_good = group_rows[i].kind != m->plan->kind ||
+                  add_group(m, mesh, group_rows[i].name, group_rows[i].is_in);
     }
     return is_good;
+}
+
+void volume_name_groups(volume_kind kind, char *out, size_t size)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (int i = 0; i < GROUP_ROWS; ++i) {
+        if (group_rows[i].kind == kind && used < size) {
+            used += (size_t)snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "",
+                                     group_rows[i].name);
+        }
+    }
 }
 
 bool volume_add_groups(const volume_plan *plan, ss_mesh *mesh)

@@ -43,6 +43,8 @@ softsim_status volume_create(const volume_plan *plan, ss_mesh **out, softsim_err
 
 /* The groups "fixed" of the organs, for surfaces from spread.h. */
 bool volume_add_groups(const volume_plan *plan, ss_mesh *mesh);
+/* The names of the groups, "left, right"; "" where there are none. */
+void volume_name_groups(volume_kind kind, char *out, size_t size);
 
 /* The surface of `volume` with its groups, numbers closed up. NULL when out of memory. */
 ss_mesh *volume_take_surface(const ss_mesh *volume);

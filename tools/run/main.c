@@ -17,9 +17,11 @@
 
 #include "output.h"
 #include "rt/args.h"
+#include "rt/files.h"
 #include "rt/real.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
+#include "world.h"
 
 typedef struct run_options {
     const char *scene, *poses, *csv, *reactions, *nodes, *vtk;
@@ -46,6 +48,15 @@ typedef struct run {
 static int print_real(FILE *file, double value)
 {
     return fprintf(file, ",%.*g", SS_REAL_DIGITS, value);
+}
+
+enum { OUTPUT_COUNT = 3 };
+
+static void list_outputs(const run_options *o, ss_named_file out[OUTPUT_COUNT])
+{
+    out[0] = (ss_named_file){"--csv", o->csv};
+    out[1] = (ss_named_file){"--reactions", o->reactions};
+    out[2] = (ss_named_file){"--nodes", o->nodes};
 }
 
 static ss_args_result parse(int argc, char **argv, run_options *out, softsim_error *error)
@@ -83,6 +94,12 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
     }
     if ((o.vtk != NULL) != (o.every > 0)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--vtk and --every go together");
+    }
+    if (error->fault_count == 0) {
+        const ss_named_file in[] = {{"the scene", o.scene}, {"the --poses file", o.poses}};
+        ss_named_file outputs[OUTPUT_COUNT];
+        list_outputs(&o, outputs);
+        (void)ss_files_check(in, 2, outputs, OUTPUT_COUNT, error);
     }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
@@ -351,6 +368,21 @@ static void print_summary(const run *r)
             s->kinetic_j, s->elastic_j, s->dissipated_j, s->work_j);
 }
 
+/* A tick a pose is what makes the bits those of the daemon's lockstep. */
+static void tell_turns(const run *r)
+{
+    int32_t probes = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        probes += r->seq[k] > 0;
+    }
+    if (r->log && probes > 1) {
+        fprintf(stderr,
+                "softsim-run: %s has poses of %d probes, each takes a tick as in lockstep: tools "
+                "that moved at once move in turn, and slower; a CSV of poses moves them at once\n",
+                r->options.poses, probes);
+    }
+}
+
 static softsim_status execute(run *r, softsim_error *error)
 {
     softsim_config config = softsim_default_config();
@@ -376,6 +408,12 @@ static softsim_status execute(run *r, softsim_error *error)
         r->world = softsim_create(r->options.scene, &config, error);
     }
     if (!r->world) {
+        return error->status;
+    }
+    ss_named_file outputs[OUTPUT_COUNT];
+    list_outputs(&r->options, outputs);
+    const ss_world *inner = (const ss_world *)r->world; /* it is one: lockstep.c */
+    if (!ss_scene_check_outputs(inner->scene, outputs, OUTPUT_COUNT, error)) {
         return error->status;
     }
     softsim_read(r->world, &r->state);
@@ -421,6 +459,7 @@ int main(int argc, char **argv)
         exit_code = 1;
     } else {
         print_summary(&r);
+        tell_turns(&r);
         if (r.options.hash) {
             printf("%016llx\n", (unsigned long long)softsim_hash(r.world));
         }

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The programs that need no server, on odd but whole command lines: no output is ever an input or
+ * another output, whatever it is called; and what is doubtful is told.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <fcntl.h>
+#include <math.h>
+#include <sys/stat.h>
+
+#include "softsim/log.h"
+#include "tool_fixture.h"
+
+static const char poses[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+                            "0,0,0,0,0.05,1,0,0,0,0\n0.02,0,0,0,0.04,1,0,0,0,0\n";
+static const char curve[] = "depth_m,force_n\n0.001,1\n0.002,2\n";
+static const char compared[] =
+    "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,us_per_step_p50,"
+    "us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,verdict\n";
+static const char scene[] = "softsim: 1\n"
+                            "object:\n"
+                            "  mesh: block.msh\n"
+                            "  units: m\n"
+                            "  fixed: [{group: bottom}]\n"
+                            "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                            "contact:\n"
+                            "  tools: [{probe: 0, shape: {sphere: {radius_mm: 15}}}]\n";
+
+static const char two_tools[] = "softsim: 1\n"
+                                "object: {mesh: block.msh, units: m, fixed: [{group: bottom}]}\n"
+                                "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                                "contact:\n"
+                                "  tools:\n"
+                                "    - {probe: 0, shape: {sphere: {radius_mm: 15}}}\n"
+                                "    - {probe: 1, shape: {sphere: {radius_mm: 15}}}\n";
+
+static bool has_program(const char *name)
+{
+    char path[512];
+    (void)snprintf(path, sizeof path, BIN_DIR "/%s", name);
+    return access(path, X_OK) == 0;
+}
+
+/* Every file that is read; the same bytes afterwards. */
+static const struct {
+    const char *name, *text;
+} inputs[] = {
+    {"poses.csv", poses}, {"scene.yaml", scene}, {"curve.csv", curve}, {"accuracy.csv", compared}};
+enum { INPUT_COUNT = sizeof inputs / sizeof *inputs };
+
+static void write_inputs(void)
+{
+    char out[4096];
+    for (int i = 0; i < INPUT_COUNT; ++i) {
+        write_text(inputs[i].name, inputs[i].text);
+    }
+    assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out block.msh",
+                         out, sizeof out),
+                     0);
+}
+
+static void no_output_is_an_input_or_another_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--poses poses.csv --csv poses.csv scene.yaml", "--csv: 'poses.csv'"},
+        {"softsim-run", "--poses poses.csv --nodes ./poses.csv scene.yaml", "--nodes: './poses"},
+        {"softsim-run", "--poses poses.csv --nodes scene.yaml scene.yaml", "is the scene,"},
+        {"softsim-run", "--poses poses.csv --reactions link scene.yaml", "--reactions: 'link'"},
+        {"softsim-run", "--poses poses.csv --csv hard scene.yaml", "--csv: 'hard'"},
+        {"softsim-run", "--duration 0.01 --nodes block.msh scene.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --csv a --nodes a scene.yaml", "what --csv writes"},
+        {"softsim-run", "--duration 0.01 --csv a --reactions ./a scene.yaml", "what --csv writes"},
+        {"softsim-replay", "--convert poses.csv poses.csv", "is the file played"},
+        {"softsim-replay", "--record poses.csv poses.csv", "--record: 'poses.csv'"},
+        {"softsim-replay", "--csv hard poses.csv", "--csv: 'hard'"},
+        {"softsim-replay", "--csv a --record a poses.csv", "what --record writes"},
+        {"softsim-bridge", "--device script --path poses.csv --csv link", "is the --path file"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out scene.yaml", "is the scene,"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out curve.csv", "is a --curve"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted a", "what --out"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted block.msh",
+         "a file of the scene"},
+        {"softsim-fit",
+         "--scene scene.yaml --case " SOURCE_DIR "/tests/reference/b_cantilever "
+         "--out " SOURCE_DIR "/tests/reference/b_cantilever/case.yaml",
+         "is the case"},
+        {"softsim-mesh", "tetrahedralize block.msh block.msh --edge 1", "is the surface"},
+        {"softsim-mesh", "convert block.msh block.msh", "'block.msh' is the input"},
+        {"softsim-bench", "accuracy --compare accuracy.csv --out .", "is a --compare file"},
+    };
+    char out[8192], expected[8192];
+    write_inputs();
+    assert_int_equal(symlink("poses.csv", in_folder("link")), 0);
+    assert_int_equal(link(in_folder("poses.csv"), in_folder("hard")), 0);
+    read_text("block.msh", expected, sizeof expected);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char command[1024];
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s %s", bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+        assert_int_not_equal(access(in_folder("a"), F_OK), 0);
+        read_text("block.msh", out, sizeof out);
+        assert_string_equal(out, expected);
+        for (int k = 0; k < INPUT_COUNT; ++k) {
+            read_text(inputs[k].name, out, sizeof out);
+            assert_string_equal(out, inputs[k].text);
+        }
+    }
+}
+
+static void what_an_option_cannot_do_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *says;
+    } bad[] = {
+        {"latency --log felt.csv --out here", "--out: --log runs nothing"},
+        {"latency --log felt.csv --seconds 5", "--seconds: --log runs nothing"},
+        {"latency --log felt.csv --quick", "--quick: --log runs nothing"},
+        {"latency --rate 100", "--rate: only --log"},
+        {"latency --contacts 0", "--contacts: only --log"},
+    };
+    char out[4096], command[512];
+    if (!has_program("softsim-bench")) {
+        skip();
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-bench %s", bad[i].options);
+        assert_int_equal(run(command, out, sizeof out), 2);
+        if (strstr(out, bad[i].says) == NULL || strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s: %s", bad[i].options, out);
+        }
+    }
+}
+
+/* What a fem plan counts of contact is little; --explain says so. */
+static void the_estimate_says_what_of_it_is_contact(void **state)
+{
+    (void)state;
+    char out[16384];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsimd --explain scene.yaml", out, sizeof out), 0);
+    const char *whole = strstr(out, "; estimated "), *part = strstr(out, " us of that estimate");
+    assert_true(whole != NULL && part > whole);
+    while (part[-1] != '\n') {
+        --part;
+    }
+    const double step_us = strtod(whole + strlen("; estimated "), NULL);
+    const double contact_us = strtod(part + strlen("contact: "), NULL);
+    assert_true(contact_us > 0.0 && contact_us < step_us);
+    /* Without a tool there is none. */
+    assert_int_equal(
+        run(BIN_DIR "/softsimd --explain --set contact.tools=[] scene.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "us of that estimate"));
+}
+
+/* A shell has opened the file behind /dev/fd/1: it is written there, before what is printed. */
+static void standard_output_may_be_a_file(void **state)
+{
+    (void)state;
+    char out[4096], text[4096];
+    write_inputs();
+    assert_int_equal(run("(" BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/1 --hash scene.yaml "
+                         "2>err.txt >shown.txt)",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_ptr_equal(strstr(text, "step,time_s,probe"), text);
+    const char *last = strstr(text, "\n2,0.002,0,");
+    assert_non_null(last);
+    assert_int_equal(strlen(strchr(last + 1, '\n')), 18); /* the hash and its line's end */
+}
+
+static void devices_may_be_written_twice(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.01 --csv /dev/null --nodes /dev/null "
+                                 "scene.yaml",
+                         out, sizeof out),
+                     0);
+}
+
+/* A log of two probes takes a tick for each pose, as in the daemon's lockstep: tools that moved at
+ * once move in turn. It is said, and not of a log of one. */
+static void a_log_of_two_probes_is_told_to_play_slower(void **state)
+{
+    (void)state;
+    enum { TICKS = 200 };
+    char out[8192];
+    write_inputs();
+    write_text("two.yaml", two_tools);
+    for (int probes = 1; probes <= 2; ++probes) {
+        softsim_log_writer *writer = NULL;
+        softsim_error error = {0};
+        assert_int_equal(softsim_log_create(in_folder("two.lcmlog"), &writer, &error), SOFTSIM_OK);
+        for (int k = 0; k < TICKS; ++k) {
+            const int probe = k % probes;
+            const softsim_pose pose = {.probe = probe,
+                                       .seq = k + 1,
+                                       .sender = 1,
+                                       .position = {0.05 * probe - 0.025, 0.0, 0.08},
+                                       .orientation = {1.0, 0.0, 0.0, 0.0}};
+            softsim_log_write_pose(writer, 1000 * (k / probes), probe ? "S_PROBE_1" : "S_PROBE_0",
+                                   &pose);
+        }
+        assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+        const int status =
+            run(BIN_DIR "/softsim-run --poses two.lcmlog --csv two.csv two.yaml", out, sizeof out);
+        const bool is_told = strstr(out, "poses of 2 probes") != NULL;
+        if (status != 0 || strstr(out, "200 ticks,") == NULL || is_told != (probes == 2)) {
+            fail_msg("status %d: %s", status, out);
+        }
+    }
+}
+
+/* softsim-fit with stderr on a terminal; what the terminal shows. */
+static void run_fit_on_terminal(char *out, size_t size)
+{
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    assert_true(terminal >= 0);
+    assert_true(grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const int end = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+        if (end < 0 || dup2(end, STDERR_FILENO) < 0 || chdir(folder) != 0) {
+            _exit(127);
+        }
+        execl(BIN_DIR "/softsim-fit", "softsim-fit", "--scene", "scene.yaml", "--curve",
+              "curve.csv", "--at", "900,0,0", "--out", "never.yaml", NULL);
+        _exit(127);
+    }
+    int status = 0;
+    assert_true(child > 0 && waitpid(child, &status, 0) == child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 2);
+    const ssize_t used = read(terminal, out, size - 1);
+    assert_true(used > 0);
+    out[used] = '\0';
+    close(terminal);
+}
+
+static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (!has_program("softsim-fit")) {
+        skip();
+    }
+    write_inputs();
+    run_fit_on_terminal(out, sizeof out);
+    const char *shown = strstr(out, "softsim-fit: 0 evaluations");
+    const char *wiped = strstr(out, "\033[K");
+    assert_true(shown != NULL && wiped > shown && strstr(wiped, "off the surface") != NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_output_is_an_input_or_another_output),
+        cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
+        cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
+        cmocka_unit_test(what_an_option_cannot_do_is_refused),
+        cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
+        cmocka_unit_test(standard_output_may_be_a_file),
+        cmocka_unit_test(devices_may_be_written_twice),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
