@@ -23,7 +23,7 @@ static const double slide_m = 0.030, speed = 0.050, speed_ramp_s = 0.05;
 static const double wait_s = 0.2, move_s = 0.3, rest_s = 0.5;
 static const double settle_s = 0.5; /* under the sphere that has stopped */
 static const double load_s = 1.0, load_ramp_s = 0.2, load_n = 0.2;
-static const double short_load_s = 0.25, short_ramp_s = 0.02;
+static const double short_load_s = 0.2, short_ramp_s = 0.02;
 /* The local poke: m of the loaded patch, N, s; a surface larger than this has the same edges. */
 static const double patch_radius = 0.010, poke_n = 0.1, poke_s = 0.6;
 static const double poke_pretension_j = 0.05;

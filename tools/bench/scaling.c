@@ -556,7 +556,7 @@ static softsim_status plot_times(const report *r, ss_page *page, softsim_error *
     put_block(file, "paper", r, NULL);
     put_block(file, "all", r, "poke all");
     put_block(file, "poke", r, "poke");
-    fprintf(file, "set logscale xy\nset grid\nset key bottom right\nset xrange [%d:%d]\n",
+    fprintf(file, "set logscale xy\nset grid\nset key outside right\nset xrange [%d:%d]\n",
             r->options->size[0] * 2 / 3, r->options->size[r->options->size_count - 1] * 3 / 2);
     fputs("set xlabel 'nodes'\nset ylabel 'ms of thread CPU for 1 ms of time'\n"
           "plot 1 with lines dt 3 lc rgb 'grey50' title 'real time', "
@@ -711,19 +711,19 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
                        "program that tried this model, one core of another machine, all nodes.");
     ss_page_text(
         page,
-        "Error of the field: the largest distance between the model's displacements and "
-        "others, over the largest of these. Against a direct solve: the equilibrium of the "
-        "same closed network under the same load, assembled anew from the mesh in double "
-        "and solved with sparse factors of its own, potentials and shape, with the "
-        "residuals checked; of load and poke at the end of the run, of slide when the "
-        "sphere has stood still for half a second under its full depth. There the "
-        "direct solve is given the displacements of what the sphere touches (and of the "
-        "neighbours), and finds all others: it does not judge the contact itself. Against "
-        "all nodes active: the field of poke against that of poke all, what the active "
-        "window costs. A refused case has no field. Ellipsoids of more than %d points are "
-        "not run, and no direct solve is made for them; nor for the blocks below, whose "
-        "other models obey other equations (softsim-bench accuracy compares their fields "
-        "with references).",
+        "Field error: the largest distance between the model's displacements and others, over "
+        "the largest of these. Against a direct solve: the equilibrium of the same body under "
+        "the same load, assembled anew from the mesh in double and solved with sparse factors "
+        "of its own, potentials and shape, their residuals checked; of load and poke at the "
+        "end of the run, of slide when the sphere, pressed in, has stood still for half a "
+        "second. There the direct solve is given the displacements of what the sphere touches "
+        "and of the neighbours, and finds all others: it does not judge the contact itself. "
+        "Nor does it judge how far a field in motion is from its equilibrium. Against all "
+        "nodes active: the field of poke against that of poke all, what the active window "
+        "costs. A refused case has no field. Ellipsoids of more than %d points are not run, "
+        "so that no direct solve is made for them; nor is one for the blocks below, whose "
+        "other models obey other equations (softsim-bench accuracy compares fields with "
+        "references).",
         LARGEST_ELLIPSOID);
     return status;
 }
