@@ -720,11 +720,7 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
         "and of the neighbours, and finds all others: it does not judge the contact itself. "
         "Nor does it judge how far a field in motion is from its equilibrium. Against all "
         "nodes active: the field of poke against that of poke all, what the active window "
-        "costs. A refused case has no field. Ellipsoids of more than %d points are not run, "
-        "so that no direct solve is made for them; nor is one for the blocks below, whose "
-        "other models obey other equations (softsim-bench accuracy compares fields with "
-        "references).",
-        LARGEST_ELLIPSOID);
+        "costs. A refused case has no field.");
     return status;
 }
 
@@ -750,8 +746,11 @@ static softsim_status write_page(const report *r, softsim_error *error)
         "the factors; create is the CPU time of all that comes before the first tick. "
         "Where the sparse factor of cnn-energy would take more than %.0e multiplications, "
         "or have more entries than an int counts, conjugate gradients find the columns "
-        "(below: where); tools, which need all columns, are refused by name long before.",
-        200, SS_CNN_MAX_WORK);
+        "(below: where); tools, which need all columns, are refused by name long before. "
+        "No field error stands beside these: a direct solve is made for the ellipsoids of "
+        "cnn-energy alone, which end at %d points; softsim-bench accuracy compares the fields of "
+        "all models with references.",
+        200, SS_CNN_MAX_WORK, LARGEST_ELLIPSOID);
     for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
         if (tell_solver(r, s, text, sizeof text)) {
             ss_page_text(&page, "%s", text);
