@@ -37,6 +37,8 @@
 enum { PATH_SIZE = 512 };
 static char folder[] = "/tmp/test_accuracy_XXXXXX";
 
+#include "folder_fixture.h"
+
 static void place(const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", folder, name);
@@ -756,23 +758,6 @@ static void bad_commands_end_with_2(void **state)
         assert_int_equal(run_bench(commands[i]), 2);
         assert_int_not_equal(access(out, F_OK), 0);
     }
-}
-
-/* ---- setup ------------------------------------------------------------------------------------
- */
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[PATH_SIZE];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 int main(void)

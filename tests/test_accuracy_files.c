@@ -32,6 +32,8 @@
 enum { PATH_SIZE = 512 };
 static char folder[] = "/tmp/test_accuracy_files_XXXXXX";
 
+#include "folder_fixture.h"
+
 static void place(const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", folder, name);
@@ -401,20 +403,6 @@ static void a_mended_case_is_not_resumed(void **state)
     assert_int_equal(run(command), 0);
     assert_int_equal(access(csv, F_OK), 0);
     assert_int_not_equal(access(part, F_OK), 0);
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[PATH_SIZE];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 int main(void)

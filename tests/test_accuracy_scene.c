@@ -30,6 +30,8 @@
 enum { PATH_SIZE = 512 };
 static char folder[] = "/tmp/test_accuracy_scene_XXXXXX";
 
+#include "folder_fixture.h"
+
 static void place(const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", folder, name);
@@ -185,20 +187,6 @@ static void scenes_that_are_no_case_are_refused(void **state)
             fail_msg("scene %d: no '%s' in: %s", (int)i, bad[i].says, error.text);
         }
     }
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[PATH_SIZE];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 int main(void)

@@ -33,6 +33,8 @@
 static const char importer[] = BIN_DIR "/softsim-import";
 static char folder[] = "/tmp/softsim-mesh-XXXXXX";
 
+#include "folder_fixture.h"
+
 static const char *in_folder(const char *name)
 {
     static char path[4][256];
@@ -671,20 +673,6 @@ static void check_and_info_exit_as_promised(void **state)
             fail_msg("%s: %d: %s", cases[i].arguments, status, out);
         }
     }
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }
 
 int main(void)

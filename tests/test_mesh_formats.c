@@ -447,6 +447,8 @@ static void make_binary(const char *name, builder *b)
 
 static char folder[] = "/tmp/softsim-formats-XXXXXX";
 
+#include "folder_fixture.h"
+
 static const char *in_folder(const char *name)
 {
     static char path[2][256];
@@ -702,20 +704,6 @@ static void windows_of_any_size_show_the_same(void **state)
             ss_text_fini(&other);
         }
     }
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }
 
 int main(void)

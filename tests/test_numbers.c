@@ -23,6 +23,8 @@
 static softsim_error error;
 static char folder[] = "/tmp/softsim_numbers_XXXXXX";
 
+#include "folder_fixture.h"
+
 enum { BLOCK = 64 };
 
 /* ---- shuffled meshes ---------------------------------------------------------------------------
@@ -635,20 +637,6 @@ static void newtons_know_neither_units_nor_numbers(void **state)
     assert_true(largest > 0.1);
     const double rounding = (sizeof(ss_real) == 4 ? 1e-4 : 1e-10) * largest;
     assert_true(apart[0] < rounding && apart[1] < rounding);
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }
 
 int main(void)

@@ -23,6 +23,8 @@
 
 static char folder[] = "/tmp/softsim-tool-XXXXXX";
 
+#include "folder_fixture.h"
+
 static inline const char *in_folder(const char *name)
 {
     static char path[4][256];
@@ -64,18 +66,4 @@ static inline ss_mesh *load(const char *name, double unit)
         fail_msg("%s", error.text);
     }
     return mesh;
-}
-
-static inline int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) == NULL;
-}
-
-static inline int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }

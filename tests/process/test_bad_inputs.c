@@ -25,6 +25,8 @@
 
 static char folder[] = "/tmp/softsim-bad-XXXXXX";
 
+#include "../folder_fixture.h"
+
 static const char *path_of(const char *name)
 {
     static char path[16][256];
@@ -409,20 +411,6 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
     free(log);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -433,5 +421,5 @@ int main(void)
         cmocka_unit_test(poses_are_refused),
         cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),
     };
-    return cmocka_run_group_tests_name("bad_inputs", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("bad_inputs", tests, make_folder, remove_folder);
 }
