@@ -2,7 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-bench scaling, run as people run it on the smallest bodies: every model's row has a time
- * per step, and says by what its linear equations are solved.
+ * per step, and says by what its linear equations are solved. The field of every row of cnn-energy
+ * is that of a direct solve, and the direct solve is worth comparing with: where the answer is
+ * known in closed form it finds it, from anywhere, and what is wrong in it shows.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,15 +13,21 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "assay.h"
+#include "body.h"
+#include "static_cnn.h"
 #include "table.h"
 
-static char folder[] = "/tmp/test_scaling_XXXXXX";
+#include "folder_fixture.h"
+
+/* What a field may be off, of the largest displacement. */
+#define FIELD_TOLERANCE 1e-4
 
 static const char *cell(const ss_table *table, int32_t row, const char *name)
 {
@@ -51,8 +59,14 @@ static void every_row_has_a_time_and_names_its_solver(void **state)
         const bool is_block = strcmp(cell(&table, i, "case"), "block") == 0;
         const char *model = cell(&table, i, "model"), *solver = cell(&table, i, "solver");
         const char *time = cell(&table, i, "step_us_p50");
+        const char *apart = cell(&table, i, "field_error_direct");
         if (!(strtod(time, NULL) > 0.0) || begins(cell(&table, i, "verdict"), "refused")) {
             fail_msg("%s: '%s' us: %s", model, time, cell(&table, i, "verdict"));
+        }
+        if (is_block) {
+            assert_string_equal(apart, "");
+        } else if (!(strtod(apart, NULL) > 0.0 && strtod(apart, NULL) < FIELD_TOLERANCE)) {
+            fail_msg("%s: '%s' off a direct solve", cell(&table, i, "case"), apart);
         }
         if (is_block && begins(model, "cnn-energy")) {
             assert_true(begins(solver, "a factor of "));
@@ -65,24 +79,144 @@ static void every_row_has_a_time_and_names_its_solver(void **state)
     ss_table_fini(&table);
 }
 
-static int make_folder(void **state)
+/* ---- fields ------------------------------------------------------------------------------- */
+
+static void assert_exact(const char *what, const ss_body_run *run)
 {
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
+    if (run->is_refused || !(run->direct_error > 0.0 && run->direct_error < FIELD_TOLERANCE)) {
+        fail_msg("%s: off by %g %s", what, run->direct_error, run->reason);
+    }
 }
 
-static int remove_folder(void **state)
+static void fields_are_those_of_a_direct_solve(void **state)
 {
     (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    ss_body body;
+    ss_body_run load, all, part;
+    softsim_error error = {.status = SOFTSIM_OK};
+    assert_int_equal(ss_body_open(&body, &error), SOFTSIM_OK);
+    snprintf(body.bin, sizeof body.bin, "%s", BIN_DIR);
+    assert_int_equal(ss_body_make(&body, 4100, &error), SOFTSIM_OK); /* has a window */
+    assert_int_equal(ss_body_load(&body, &load, &error), SOFTSIM_OK);
+    assert_int_equal(ss_body_poke(&body, true, &all, &error), SOFTSIM_OK);
+    assert_int_equal(ss_body_poke(&body, false, &part, &error), SOFTSIM_OK);
+    assert_exact("load", &load);
+    assert_exact("poke with all nodes active", &all);
+    assert_exact("poke", &part);
+    assert_true(part.active_nodes < part.nodes);
+    assert_true(part.direct_error > 10.0 * all.direct_error); /* what the window leaves out */
+    ss_body_run_fini(&load);
+    ss_body_run_fini(&all);
+    ss_body_run_fini(&part);
+    ss_body_close(&body);
+}
+
+/* ---- the direct solve --------------------------------------------------------------------- */
+
+/* A hexagon of edge h held at its corners, its centre pushed out of the plane: by symmetry
+ * ks z + T0 z / h^2 + E^ z^3 / (2 h^4) = F. */
+enum { RIM = 6 };
+typedef struct fan {
+    double rest[RIM + 1][3], force[RIM + 1][3], weight[RIM + 1];
+    int32_t triangle[RIM][3];
+    uint8_t is_held[RIM + 1];
+    ss_static_cnn_problem problem;
+} fan;
+static const double fan_edge = 0.1, fan_force = 0.3, fan_modulus = 2.0, fan_pretension = 0.01,
+                    fan_rest = 1e3;
+
+static void make_fan(fan *f)
+{
+    *f = (fan){.weight = {1.0}, .force = {{0.0, 0.0, fan_force}}};
+    for (int k = 0; k < RIM; ++k) {
+        const double angle = 6.28318530717958647692 * k / RIM;
+        f->rest[k + 1][0] = fan_edge * cos(angle);
+        f->rest[k + 1][1] = fan_edge * sin(angle);
+        f->is_held[k + 1] = 1;
+        f->triangle[k][1] = 1 + k;
+        f->triangle[k][2] = 1 + (k + 1) % RIM;
+    }
+    f->problem = (ss_static_cnn_problem){.node_count = RIM + 1,
+                                         .triangle_count = RIM,
+                                         .rest = (const double(*)[3])f->rest,
+                                         .triangle = (const int32_t(*)[3])f->triangle,
+                                         .modulus = fan_modulus,
+                                         .pretension = fan_pretension,
+                                         .rest_stiffness = fan_rest,
+                                         .is_held = f->is_held,
+                                         .weight = f->weight,
+                                         .amplitude = 1.0,
+                                         .force = (const double(*)[3])f->force};
+}
+
+/* How high the centre comes, from a field where it is at `start`. */
+static double fan_height(const fan *f, double start)
+{
+    double u[RIM + 1][3] = {{0.0, 0.0, start}};
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (ss_static_cnn_solve(&f->problem, u, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    return u[0][2];
+}
+
+static void a_direct_solve_finds_the_known_answer(void **state)
+{
+    (void)state;
+    fan f;
+    make_fan(&f);
+    const double square = fan_edge * fan_edge;
+    const double ks = fan_rest * 0.5 * sqrt(3.0) * square;
+    double z = 0.0;
+    for (double size = 1.0; size > 1e-17; size *= 0.5) { /* the least place, from below */
+        const double at = z + size;
+        const double pull = ks * at + fan_pretension * at / square +
+                            fan_modulus * at * at * at / (2.0 * square * square);
+        z = pull < fan_force ? at : z;
+    }
+    const double start[] = {0.0, z, 1.001 * z, 20.0 * z};
+    for (int k = 0; k < 4; ++k) {
+        assert_true(fabs(fan_height(&f, start[k]) - z) < 1e-9 * z);
+    }
+
+    /* What is wrong in it shows: the modulus, a conductance, the tension, the load. */
+    f.problem.modulus *= 1.001;
+    assert_true(fabs(fan_height(&f, z) - z) > FIELD_TOLERANCE * z);
+    make_fan(&f);
+    f.rest[1][0] *= 1.01;
+    assert_true(fabs(fan_height(&f, z) - z) > FIELD_TOLERANCE * z);
+    make_fan(&f);
+    f.problem.amplitude = 0.999;
+    assert_true(fabs(fan_height(&f, z) - z) > FIELD_TOLERANCE * z);
+    make_fan(&f);
+    f.force[0][2] *= 1.001;
+    assert_true(fabs(fan_height(&f, z) - z) > FIELD_TOLERANCE * z);
+}
+
+static void a_direct_solve_says_what_it_cannot_do(void **state)
+{
+    (void)state;
+    fan f;
+    make_fan(&f);
+    double u[RIM + 1][3] = {{0.0}};
+    softsim_error error = {.status = SOFTSIM_OK};
+    memset(f.is_held, 0, sizeof f.is_held);
+    assert_int_equal(ss_static_cnn_solve(&f.problem, u, &error), SOFTSIM_ERROR_MESH);
+    assert_non_null(strstr(error.text, "not held"));
+    error = (softsim_error){.status = SOFTSIM_OK};
+    make_fan(&f);
+    f.force[0][2] = (double)NAN;
+    assert_int_equal(ss_static_cnn_solve(&f.problem, u, &error), SOFTSIM_ERROR_SYSTEM);
+    assert_non_null(strstr(error.text, "no equilibrium"));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_direct_solve_finds_the_known_answer),
+        cmocka_unit_test(a_direct_solve_says_what_it_cannot_do),
         cmocka_unit_test(every_row_has_a_time_and_names_its_solver),
+        cmocka_unit_test(fields_are_those_of_a_direct_solve),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

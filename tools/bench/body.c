@@ -14,16 +14,22 @@
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
+#include "static_cnn.h"
 
 /* m, s: the ellipsoid's half axes along x and z, the sphere, the path. */
 static const double half_x = 0.050, half_z = 0.030;
 static const double radius = 0.005, depth = 0.006, clearance = 0.003;
 static const double slide_m = 0.030, speed = 0.050, speed_ramp_s = 0.05;
 static const double wait_s = 0.2, move_s = 0.3, rest_s = 0.5;
-static const double load_s = 1.0, load_ramp_s = 0.2;
+static const double settle_s = 0.5; /* under the sphere that has stopped */
+static const double load_s = 1.0, load_ramp_s = 0.2, load_n = 0.2;
+static const double short_load_s = 0.2, short_ramp_s = 0.02;
 /* The local poke: m of the loaded patch, N, s; a surface larger than this has the same edges. */
 static const double patch_radius = 0.010, poke_n = 0.1, poke_s = 0.6;
 static const double poke_pretension_j = 0.05;
+/* The material; the level below which the body is held, m before scaling. */
+static const double modulus_j = 5.0, pretension_j = 0.5, enclosed_bulk_pa = 2000.0;
+static const double rest_stiffness = 5e4, held_below = -0.022;
 enum { POKE_POINTS = 1192, LONG_POINTS = 10000 };
 enum { PATH_SIZE = 256, LOOK_TICKS = 10, MAX_TICKS = 10000 };
 static const double tick_s = 1e-3;
@@ -37,12 +43,12 @@ static const char object_text[] = "softsim: 1\n"
                                   "  fixed: [{box_m: [[-9, -9, -9], [9, 9, %.9g]]}]\n"
                                   "model:\n"
                                   "  name: cnn-energy\n"
-                                  "  modulus_j: 5\n"
-                                  "  pretension_j: %.9g\n";
-static const char model_text[] = "  enclosed_bulk_pa: 2000\n"
-                                 "  area_density_kg_m2: 11.5\n"
+                                  "  modulus_j: %.9g\n"
+                                  "  pretension_j: %.9g\n"
+                                  "  enclosed_bulk_pa: %.9g\n"
+                                  "  rest_stiffness_n_per_m3: %.9g\n";
+static const char model_text[] = "  area_density_kg_m2: 11.5\n"
                                  "  damping_n_s_per_m3: 1725\n"
-                                 "  rest_stiffness_n_per_m3: 5.0e+4\n"
                                  "simulation: {rate_hz: 1000}\n"
                                  "publish: {mesh_rate_hz: 0}\n";
 
@@ -59,7 +65,27 @@ typedef struct deed {
     const char *name, *action;
     double scale, pretension_j;
     bool is_whole;
+    double force_n, reach; /* down, on the nodes within `reach` (m) of the top, or it alone */
+    double ramp_s;
 } deed;
+
+static bool is_loaded(const ss_body *body, const deed *what, int32_t node)
+{
+    double way[3];
+    ss_sub3(way, body->rest[node], body->rest[body->top_node]);
+    return node == body->top_node || what->scale * ss_norm3(way) < what->reach;
+}
+
+static void write_load(FILE *file, const ss_body *body, const deed *what)
+{
+    fprintf(file, "loads:\n  - {nodes: [%d", body->top_node);
+    for (int32_t i = 0; i < body->node_count; ++i) {
+        if (i != body->top_node && is_loaded(body, what, i)) {
+            fprintf(file, ", %d", i);
+        }
+    }
+    fprintf(file, "], force_n: [0, 0, %g], from_s: 0, ramp_s: %g}\n", -what->force_n, what->ramp_s);
+}
 
 static softsim_status write_scene(const ss_body *body, const deed *what, softsim_error *error)
 {
@@ -70,9 +96,13 @@ static softsim_status write_scene(const ss_body *body, const deed *what, softsim
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(output.file, object_text, what->scale, -0.022 * what->scale, what->pretension_j);
+    fprintf(output.file, object_text, what->scale, held_below * what->scale, modulus_j,
+            what->pretension_j, enclosed_bulk_pa, rest_stiffness);
     fprintf(output.file, "%s%s%s", what->is_whole ? "  window_tolerance: 0\n" : "", model_text,
-            what->action);
+            what->action != NULL ? what->action : "");
+    if (what->force_n > 0.0) {
+        write_load(output.file, body, what);
+    }
     return ss_output_commit(&output, error);
 }
 
@@ -116,10 +146,11 @@ static softsim_status write_path(ss_body *body, softsim_error *error)
     const double press_s = wait_s;
     const double slide_s = press_s + move_s + wait_s;
     const double slid_s = slide_s + slide_m / speed + speed_ramp_s;
-    const double leave_s = slid_s + wait_s;
+    const double leave_s = slid_s + settle_s;
     const double end_s = leave_s + move_s + rest_s;
     body->slide_begin_s = slide_s + speed_ramp_s;
     body->slide_end_s = slid_s - speed_ramp_s;
+    body->leave_s = leave_s;
     double angle = first_angle();
     for (int64_t k = 0; (double)k * tick_s < end_s; ++k) {
         const double time_s = (double)k * tick_s;
@@ -156,7 +187,7 @@ softsim_status ss_body_open(ss_body *body, softsim_error *error)
                       "  working_force_n: 2\n"
                       "haptic: {between_steps: local, rate_hz: 1000, max_force_n: 8}\n",
             .scale = 1.0,
-            .pretension_j = 0.5};
+            .pretension_j = pretension_j};
         status = write_scene(body, &slide, error);
     }
     return status;
@@ -166,7 +197,9 @@ void ss_body_close(ss_body *body)
 {
     ss_scratch_remove(body->folder);
     free(body->rest);
+    free(body->triangle);
     body->rest = NULL;
+    body->triangle = NULL;
     body->folder[0] = '\0';
 }
 
@@ -241,7 +274,8 @@ static softsim_status begin(runner *r, const ss_body *body, const char *scene, s
     const softsim_config config = softsim_default_config();
     file_name(body, scene, path);
     *r = (runner){.out = out};
-    *out = (ss_body_run){.jump = NAN, .mean_force = NAN, .ledger = NAN, .step_us = NAN};
+    *out = (ss_body_run){
+        .jump = NAN, .mean_force = NAN, .ledger = NAN, .step_us = NAN, .direct_error = NAN};
     if (!ss_samples_init(&out->tick_us, MAX_TICKS)) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
@@ -318,17 +352,22 @@ static void take_slide_force(runner *r, const double force[3])
     ++r->force_count;
 }
 
-/* The node at rest that is highest. */
-static softsim_status find_top(ss_body *body, softsim_world *world, int32_t nodes,
-                               softsim_error *error)
+/* The body at rest: its node that is highest, and its triangles. */
+static softsim_status read_rest(ss_body *body, softsim_world *world, int32_t nodes,
+                                softsim_error *error)
 {
+    const size_t triangles = (size_t)softsim_triangle_count(world);
     free(body->rest);
+    free(body->triangle);
     body->rest = calloc((size_t)nodes, sizeof *body->rest);
-    if (body->rest == NULL) {
+    body->triangle = calloc(triangles, sizeof *body->triangle);
+    if (body->rest == NULL || body->triangle == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
     softsim_read_nodes(world, body->rest, NULL, NULL);
+    memcpy(body->triangle, softsim_triangles(world), triangles * sizeof *body->triangle);
+    body->triangle_count = (int32_t)triangles;
     body->node_count = nodes;
     body->top_node = 0;
     for (int32_t i = 1; i < nodes; ++i) {
@@ -343,8 +382,22 @@ static softsim_status stopped(softsim_error *error)
     return SOFTSIM_ERROR_SYSTEM;
 }
 
+/* Where every node is now. */
+static softsim_status keep_displacement(const runner *r, softsim_error *error)
+{
+    ss_body_run *out = r->out;
+    out->displacement = calloc((size_t)out->nodes, sizeof *out->displacement);
+    if (out->displacement == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    softsim_read_nodes(r->world, NULL, out->displacement, NULL);
+    return SOFTSIM_OK;
+}
+
+/* The whole path; where the body and the sphere are just before it leaves is kept. */
 static softsim_status play_path(runner *r, const ss_body *body, const softsim_path *path,
-                                softsim_error *error)
+                                double out_sphere[3], softsim_error *error)
 {
     softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_pose pose;
@@ -366,66 +419,239 @@ static softsim_status play_path(runner *r, const ss_body *body, const softsim_pa
             return stopped(error);
         }
         time_s = (double)k * tick_s;
+        if (r->out->displacement == NULL && time_s >= body->leave_s) {
+            const softsim_status status = keep_displacement(r, error);
+            if (status != SOFTSIM_OK) {
+                return status;
+            }
+            ss_copy3(out_sphere, force[0].proxy);
+        }
     }
     return SOFTSIM_OK;
+}
+
+/* ---- against a direct solve -------------------------------------------------------------------
+ */
+
+/* What a direct solve is told of a deed, a value a node. */
+typedef struct twin {
+    double (*rest)[3], (*force)[3], (*u)[3];
+    double *weight;
+    uint8_t *is_held, *is_given;
+} twin;
+
+static void fini_twin(twin *t)
+{
+    void *const parts[] = {t->rest, t->force, t->u, t->weight, t->is_held, t->is_given};
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; ++k) {
+        free(parts[k]);
+    }
+}
+
+static softsim_status init_twin(twin *t, const ss_body *body, double scale, const ss_body_run *run,
+                                softsim_error *error)
+{
+    const size_t n = (size_t)body->node_count;
+    *t = (twin){.rest = calloc(n, sizeof *t->rest),
+                .force = calloc(n, sizeof *t->force),
+                .u = calloc(n, sizeof *t->u),
+                .weight = calloc(n, sizeof *t->weight),
+                .is_held = calloc(n, 1),
+                .is_given = calloc(n, 1)};
+    if (!t->rest || !t->force || !t->u || !t->weight || !t->is_held || !t->is_given) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    memcpy(t->u, run->displacement, n * sizeof *t->u);
+    for (size_t i = 0; i < n; ++i) {
+        ss_scale3(t->rest[i], body->rest[i], scale);
+        t->is_held[i] = body->rest[i][2] <= held_below;
+    }
+    return SOFTSIM_OK;
+}
+
+/* The largest distance of two fields over the largest displacement of `b`. */
+static double field_apart(int32_t count, const double (*a)[3], const double (*b)[3])
+{
+    double apart = 0.0, largest = 0.0;
+    for (int32_t i = 0; i < count; ++i) {
+        double way[3];
+        ss_sub3(way, a[i], b[i]);
+        apart = fmax(apart, ss_norm3(way));
+        largest = fmax(largest, ss_norm3(b[i]));
+    }
+    return apart / largest;
+}
+
+/* Weights to a sum of 1, the direct solution, and how far the run is from it. */
+static softsim_status compare(twin *t, const ss_body *body, double tension_j, double amplitude,
+                              ss_body_run *run, softsim_error *error)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < body->node_count; ++i) {
+        sum += t->weight[i];
+    }
+    for (int32_t i = 0; i < body->node_count; ++i) {
+        t->weight[i] /= sum;
+    }
+    const ss_static_cnn_problem problem = {.node_count = body->node_count,
+                                           .triangle_count = body->triangle_count,
+                                           .rest = (const double(*)[3])t->rest,
+                                           .triangle = (const int32_t(*)[3])body->triangle,
+                                           .modulus = modulus_j,
+                                           .pretension = tension_j,
+                                           .bulk = enclosed_bulk_pa,
+                                           .rest_stiffness = rest_stiffness,
+                                           .is_held = t->is_held,
+                                           .is_given = t->is_given,
+                                           .weight = t->weight,
+                                           .amplitude = amplitude,
+                                           .force = (const double(*)[3])t->force};
+    const softsim_status status = ss_static_cnn_solve(&problem, t->u, error);
+    if (status == SOFTSIM_OK) {
+        run->direct_error = field_apart(body->node_count, (const double(*)[3])run->displacement,
+                                        (const double(*)[3])t->u);
+    }
+    return status;
+}
+
+/* The nodes of `what`, the force shared by them, each a cell of the source. */
+static softsim_status compare_load(const ss_body *body, const deed *what, ss_body_run *run,
+                                   softsim_error *error)
+{
+    twin t = {.rest = NULL};
+    softsim_status status = init_twin(&t, body, what->scale, run, error);
+    if (status == SOFTSIM_OK) {
+        int32_t count = 0;
+        for (int32_t i = 0; i < body->node_count; ++i) {
+            t.weight[i] = is_loaded(body, what, i) ? 1.0 : 0.0;
+            count += is_loaded(body, what, i);
+        }
+        for (int32_t i = 0; i < body->node_count; ++i) {
+            t.force[i][2] = -what->force_n * t.weight[i] / count;
+        }
+        status = compare(&t, body, what->pretension_j, 1.0, run, error);
+    }
+    fini_twin(&t);
+    return status;
+}
+
+/* Of the rest; every edge of a closed body is the side of two triangles. */
+static double mean_edge(const ss_body *body)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < body->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            double way[3];
+            ss_sub3(way, body->rest[body->triangle[t][(k + 1) % 3]],
+                    body->rest[body->triangle[t][k]]);
+            sum += ss_norm3(way);
+        }
+    }
+    return sum / (3.0 * body->triangle_count);
+}
+
+/* Weights of the cells under the sphere, as server/contact/contact.h has them: four samples a
+ * triangle, A/4 (1 - d/delta)+^2 each; they are touched, and so may be their neighbours, on which
+ * the smooth surface under the sphere leans. Returns W. */
+static double weigh_sphere(const ss_body *body, const double sphere[3], double reach, twin *t)
+{
+    static const double row[4][3] = {{2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0},
+                                     {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0},
+                                     {1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0},
+                                     {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
+    double sum = 0.0;
+    for (int32_t f = 0; f < body->triangle_count; ++f) {
+        const int32_t *c = body->triangle[f];
+        double u[3], v[3], n[3];
+        ss_sub3(u, t->rest[c[1]], t->rest[c[0]]);
+        ss_sub3(v, t->rest[c[2]], t->rest[c[0]]);
+        ss_cross3(n, u, v);
+        for (int s = 0; s < 4; ++s) {
+            double way[3];
+            ss_scale3(way, sphere, -1.0);
+            for (int k = 0; k < 3; ++k) {
+                ss_madd3(way, way, row[s][k], t->rest[c[k]]);
+                ss_madd3(way, way, row[s][k], t->u[c[k]]);
+            }
+            const double g = fmax(0.0, 1.0 - (ss_norm3(way) - radius) / reach);
+            for (int k = 0; k < 3; ++k) {
+                const double w = t->is_held[c[k]] ? 0.0 : 0.125 * ss_norm3(n) * g * g * row[s][k];
+                t->weight[c[k]] += w;
+                sum += w;
+            }
+        }
+    }
+    for (int32_t f = 0; f < body->triangle_count; ++f) {
+        const int32_t *c = body->triangle[f];
+        const double w = t->weight[c[0]] + t->weight[c[1]] + t->weight[c[2]];
+        for (int k = 0; k < 3; ++k) {
+            t->is_given[c[k]] = t->is_given[c[k]] || w > 0.0;
+        }
+    }
+    return sum;
+}
+
+/* What the sphere touches stays where the run has it; the direct solve finds all the rest. */
+static softsim_status compare_slide(const ss_body *body, const double sphere[3], ss_body_run *run,
+                                    softsim_error *error)
+{
+    twin t = {.rest = NULL};
+    softsim_status status = init_twin(&t, body, 1.0, run, error);
+    if (status == SOFTSIM_OK) {
+        const double reach = fmax(mean_edge(body), 0.5 * radius);
+        const double weight = weigh_sphere(body, sphere, reach, &t);
+        const double z = fmin(1.0, weight / (3.14159265358979323846 * radius * reach / 3.0));
+        status = compare(&t, body, pretension_j, z * z * (3.0 - 2.0 * z), run, error);
+    }
+    fini_twin(&t);
+    return status;
 }
 
 softsim_status ss_body_slide(ss_body *body, ss_body_run *out, softsim_error *error)
 {
     runner r;
     char path_name[PATH_SIZE];
+    double sphere[3] = {0.0, 0.0, 0.0};
     softsim_path *path = NULL;
     softsim_status status = begin(&r, body, "slide.yaml", out, error);
     if (status != SOFTSIM_OK || r.world == NULL) {
         return status;
     }
     file_name(body, "path.csv", path_name);
-    status = find_top(body, r.world, out->nodes, error);
+    status = read_rest(body, r.world, out->nodes, error);
     if (status == SOFTSIM_OK) {
         status = softsim_path_load(path_name, &path, error);
     }
     if (status == SOFTSIM_OK) {
-        status = play_path(&r, body, path, error);
+        status = play_path(&r, body, path, sphere, error);
     }
     softsim_path_free(&path);
     finish(&r);
-    return status;
+    return status == SOFTSIM_OK ? compare_slide(body, sphere, out, error) : status;
 }
 
 /* From the body with nothing done to it. */
-static softsim_status find_top_alone(ss_body *body, ss_body_run *out, softsim_error *error)
+static softsim_status read_rest_alone(ss_body *body, ss_body_run *out, softsim_error *error)
 {
     static const deed alone = {
-        .name = "load.yaml", .action = "", .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
+        .name = "load.yaml", .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
     runner r = {.world = NULL};
     softsim_status status = write_scene(body, &alone, error);
     if (status == SOFTSIM_OK) {
         status = begin(&r, body, alone.name, out, error);
     }
     if (status == SOFTSIM_OK && r.world != NULL) {
-        status = find_top(body, r.world, out->nodes, error);
+        status = read_rest(body, r.world, out->nodes, error);
         softsim_destroy(&r.world);
         ss_body_run_fini(out);
     }
     return status;
 }
 
-/* Where every node is at the end, for ss_body_apart. */
-static softsim_status keep_displacement(const runner *r, softsim_error *error)
-{
-    ss_body_run *out = r->out;
-    out->displacement = calloc((size_t)out->nodes, sizeof *out->displacement);
-    if (out->displacement == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    softsim_read_nodes(r->world, NULL, out->displacement, NULL);
-    return SOFTSIM_OK;
-}
-
-/* `duration_s` under the load of `what`, measured once it is full at `ramp_s`. */
+/* `duration_s` under the load of `what`, measured once it is full. */
 static softsim_status run_load(const ss_body *body, const deed *what, double duration_s,
-                               double ramp_s, ss_body_run *out, softsim_error *error)
+                               ss_body_run *out, softsim_error *error)
 {
     runner r;
     softsim_force force[SOFTSIM_MAX_PROBES];
@@ -437,7 +663,7 @@ static softsim_status run_load(const ss_body *body, const deed *what, double dur
         return status;
     }
     for (int32_t k = 1; (double)k * tick_s < duration_s; ++k) {
-        tick(&r, NULL, 0, (double)k * tick_s > ramp_s, force);
+        tick(&r, NULL, 0, (double)k * tick_s > what->ramp_s, force);
         if (k % LOOK_TICKS == 0) {
             look(&r);
         }
@@ -450,64 +676,47 @@ static softsim_status run_load(const ss_body *body, const deed *what, double dur
         status = keep_displacement(&r, error);
     }
     finish(&r);
-    return status;
+    return status == SOFTSIM_OK ? compare_load(body, what, out, error) : status;
 }
 
 softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *error)
 {
-    char action[160];
     if (body->top_node < 0) {
-        const softsim_status status = find_top_alone(body, out, error); /* the slide was refused */
+        const softsim_status status = read_rest_alone(body, out, error); /* no slide */
         if (status != SOFTSIM_OK || out->is_refused) {
             return status;
         }
     }
-    /* A fine mesh dents deep under one node and takes many sub-steps: fewer steps tell as much. */
-    const double share = body->points > LONG_POINTS ? 0.1 : 1.0;
-    snprintf(action, sizeof action,
-             "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.2], from_s: 0, ramp_s: %g}\n",
-             body->top_node, share * load_ramp_s);
-    const deed what = {
-        .name = "load.yaml", .action = action, .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
-    return run_load(body, &what, share * load_s, share * load_ramp_s, out, error);
+    /* A fine mesh dents deep under one node and takes many sub-steps: no more steps than it needs
+     * to come to rest. */
+    const bool is_long = body->points > LONG_POINTS;
+    const deed what = {.name = "load.yaml",
+                       .scale = 1.0,
+                       .pretension_j = pretension_j,
+                       .is_whole = true,
+                       .force_n = load_n,
+                       .ramp_s = is_long ? short_ramp_s : load_ramp_s};
+    return run_load(body, &what, is_long ? short_load_s : load_s, out, error);
 }
 
 softsim_status ss_body_poke(ss_body *body, bool is_whole, ss_body_run *out, softsim_error *error)
 {
-    enum { TEXT = 8192 };
-    char action[TEXT];
-    const double scale = fmax(1.0, sqrt((double)body->points / POKE_POINTS));
-    int length = snprintf(action, sizeof action, "loads:\n  - {nodes: [%d", body->top_node);
-    for (int32_t i = 0; i < body->node_count && length < TEXT - 128; ++i) {
-        double way[3];
-        ss_sub3(way, body->rest[i], body->rest[body->top_node]);
-        if (i != body->top_node && scale * ss_norm3(way) < patch_radius) {
-            length += snprintf(action + length, sizeof action - (size_t)length, ", %d", i);
-        }
-    }
-    snprintf(action + length, sizeof action - (size_t)length,
-             "], force_n: [0, 0, %g], from_s: 0, ramp_s: %g}\n", -poke_n, load_ramp_s);
     const deed what = {.name = "load.yaml",
-                       .action = action,
-                       .scale = scale,
+                       .scale = fmax(1.0, sqrt((double)body->points / POKE_POINTS)),
                        .pretension_j = poke_pretension_j,
-                       .is_whole = is_whole};
-    return run_load(body, &what, poke_s, load_ramp_s, out, error);
+                       .is_whole = is_whole,
+                       .force_n = poke_n,
+                       .reach = patch_radius,
+                       .ramp_s = load_ramp_s};
+    return run_load(body, &what, poke_s, out, error);
 }
 
 double ss_body_apart(const ss_body_run *a, const ss_body_run *b)
 {
-    double apart = 0.0, largest = 0.0;
-    if (a->displacement == NULL || b->displacement == NULL) {
-        return NAN;
-    }
-    for (int32_t i = 0; i < a->nodes; ++i) {
-        double way[3];
-        ss_sub3(way, a->displacement[i], b->displacement[i]);
-        apart = fmax(apart, ss_norm3(way));
-        largest = fmax(largest, ss_norm3(b->displacement[i]));
-    }
-    return apart / largest;
+    return a->displacement == NULL || b->displacement == NULL
+               ? (double)NAN
+               : field_apart(a->nodes, (const double(*)[3])a->displacement,
+                             (const double(*)[3])b->displacement);
 }
 
 void ss_body_run_fini(ss_body_run *run)

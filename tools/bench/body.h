@@ -12,7 +12,15 @@
  * sin^2 t), and the sphere's centre is p + (R - d) n.
  *
  * The local poke is on a larger body of the same resolution, scaled by sqrt(points / 1192) so that
- * edges are 4 mm long: 0.1 N on the nodes within 10 mm of the top, 5 mm deep. Thread: main.
+ * edges are 4 mm long: 0.1 N on the nodes within 10 mm of the top, 5 mm deep.
+ *
+ * The error of a field u is max |u - u_direct| / max |u_direct| over all nodes. u_direct is the
+ * equilibrium of the same body under the same load by the direct solves of static_cnn.h, in double,
+ * network and shape alike; it shares nothing with the model but the scene. Under the sphere, which
+ * by then stands still, the same load means: the source's weights are those of the touched cells,
+ * and the touched nodes with their neighbours, on which the contact acts, stay where the model has
+ * them. So the error holds what single precision, the steps, the window and what has not come to
+ * rest yet make of the field, and is blind to the contact's own forces. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -28,7 +36,10 @@ typedef struct ss_body {
     int32_t top_node;   /* at rest; -1: not yet known */
     int32_t node_count; /* with `rest`, m, before scaling; known with top_node */
     double (*rest)[3];
+    int32_t triangle_count; /* likewise */
+    int32_t (*triangle)[3];
     double slide_begin_s, slide_end_s; /* of constant speed */
+    double leave_s;                    /* the sphere has stood still for a while */
 } ss_body;
 
 typedef struct ss_body_run {
@@ -40,7 +51,8 @@ typedef struct ss_body_run {
     double ledger;        /* (stored + dissipated - work) over the largest stored energy */
     double substeps;      /* mean of a measured step */
     int32_t active_nodes; /* at the end */
-    double (*displacement)[3]; /* at the end of a load or poke, m; NULL else */
+    double (*displacement)[3]; /* m: at the end of a load or poke, before the sphere leaves; NULL */
+    double direct_error;       /* of `displacement` against a direct solve, as above; NaN */
     softsim_verdict worst;
     char reason[160]; /* of the worst verdict, or why the scene was refused */
     bool is_refused;
