@@ -70,7 +70,8 @@ typedef struct bench {
     setup s; /* mesh, fixed nodes, loads, tools; no model */
     anchors law;
     double mass_damping, share, density;
-    bool is_even; /* every node has the same mass */
+    bool is_even;      /* every node has the same mass */
+    ss_body_skin skin; /* that tools touch; without a mesh they touch the body itself */
     ss_body *body;
     double time;
 } bench;
@@ -111,6 +112,7 @@ static inline softsim_status bench_create(bench *b)
                                .edge = ss_body_mean_edge(b->s.mesh),
                                .step_share = b->share,
                                .integrator = b->law.integrator,
+                               .skin = b->skin,
                                .elastic = {.owner = &b->law,
                                            .force = anchor_force,
                                            .tangent = anchor_tangent,

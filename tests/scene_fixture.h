@@ -12,23 +12,15 @@
 
 #include <cmocka.h>
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
+#include "number_fixture.h"
 #include "scene/scene.h"
-
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double near_a = (a);                                                                 \
-        const double near_b = (b);                                                                 \
-        if (!(fabs(near_a - near_b) <= (eps))) {                                                   \
-            fail_msg("%s = %.17g, not %.17g", #a, near_a, near_b);                                 \
-        }                                                                                          \
-    } while (0)
 
 /* ---- a model, a mesh, a folder --------------------------------------------------------------- */
 
@@ -115,28 +107,10 @@ static void print_cube(FILE *stream, double edge)
     fprintf(stream, "$EndElements\n");
 }
 
-static char folder[] = "/tmp/softsim_scene_XXXXXX";
-
-static FILE *open_file(const char *name)
+/* The folder, with all that scenes here name. */
+static int make_files(void **state)
 {
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *stream = fopen(path, "w");
-    assert_non_null(stream);
-    return stream;
-}
-
-static void write_file(const char *name, const char *text)
-{
-    FILE *stream = open_file(name);
-    fputs(text, stream);
-    fclose(stream);
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    if (mkdtemp(folder) == NULL) {
+    if (make_folder(state) != 0) {
         return -1;
     }
     FILE *stream = open_file("cube.msh"); /* 20 mm, in mm */
@@ -145,37 +119,22 @@ static int make_folder(void **state)
     stream = open_file("cube_m.msh"); /* the same, in m */
     print_cube(stream, 0.02);
     fclose(stream);
-    write_file("seven.txt", "# the far corner\n7\n");
-    write_file("none.txt", "# nothing\n");
-    write_file("bad_nodes.txt", "1\ntwo\n8\n1\n");
-    write_file("rho.csv", "node,value\n0,1\n1,2\n2,3\n3,4\r\n4,5\n5,6\n6,7\n7,8\n");
-    write_file("short.csv", "node,value\n0,1\n1,2\n");
-    write_file("header.csv", "element,value\n0,1\n");
-    write_file("range.csv", "node,value\n0,1\n1,11\n2,nan\n");
-    write_file("lift.csv", "node,ux,uy,uz\n4,0,0,0.001\n5,0,0,0.002\n6,,,0.003\n");
-    write_file("points.csv",
+    write_text("seven.txt", "# the far corner\n7\n");
+    write_text("none.txt", "# nothing\n");
+    write_text("bad_nodes.txt", "1\ntwo\n8\n1\n");
+    write_text("rho.csv", "node,value\n0,1\n1,2\n2,3\n3,4\r\n4,5\n5,6\n6,7\n7,8\n");
+    write_text("short.csv", "node,value\n0,1\n1,2\n");
+    write_text("header.csv", "element,value\n0,1\n");
+    write_text("range.csv", "node,value\n0,1\n1,11\n2,nan\n");
+    write_text("lift.csv", "node,ux,uy,uz\n4,0,0,0.001\n5,0,0,0.002\n6,,,0.003\n");
+    write_text("points.csv",
                "x,y,z\n0,0,0\n10, 0, 0\n0,20,0\n# the last row\n10,20,0\n0,40,0\n10,40,0\n");
-    write_file("points_bad.csv", "x,y,z\n0,0,0\n10,0\n0,nan,0\n0,0,0,0\n");
-    write_file("grain_short.csv", "element,x,y,z\n0,1,0,0\n11,0,0,1\n");
-    write_file("grain_bad.csv", "element,x,y,z\n0,0,-0,0\n12,1,0,0\n1,1,inf,0\n");
-    write_file("grain_twice.csv", "element,x,y,z\n1.5,1,0,0\n2,1,0\n3,1,0,0\n3,1,0,0\n");
-    write_file("lift_bad.csv", "node,ux,uy,uz\n4,0,0\n5,x,0,1\n");
+    write_text("points_bad.csv", "x,y,z\n0,0,0\n10,0\n0,nan,0\n0,0,0,0\n");
+    write_text("grain_short.csv", "element,x,y,z\n0,1,0,0\n11,0,0,1\n");
+    write_text("grain_bad.csv", "element,x,y,z\n0,0,-0,0\n12,1,0,0\n1,1,inf,0\n");
+    write_text("grain_twice.csv", "element,x,y,z\n1.5,1,0,0\n2,1,0\n3,1,0,0\n3,1,0,0\n");
+    write_text("lift_bad.csv", "node,ux,uy,uz\n4,0,0\n5,x,0,1\n");
     return 0;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *open = opendir(folder);
-    for (struct dirent *entry = readdir(open); entry != NULL; entry = readdir(open)) {
-        char path[512];
-        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        if (entry->d_name[0] != '.') {
-            unlink(path);
-        }
-    }
-    closedir(open);
-    return rmdir(folder);
 }
 
 static softsim_error error; /* of the last load */
@@ -183,12 +142,11 @@ static softsim_error error; /* of the last load */
 /* Loads `text` as if it stood in the folder as s.yaml. */
 static ss_scene *load_with(const char *text, const char *const *overrides, int count)
 {
-    char path[256];
     ss_scene *scene = NULL;
-    snprintf(path, sizeof path, "%s/s.yaml", folder);
     error = (softsim_error){0};
-    const softsim_status status = ss_scene_load_text(path, text, strlen(text), overrides, count,
-                                                     model, MODEL_COUNT, NULL, &scene, &error);
+    const softsim_status status =
+        ss_scene_load_text(in_folder("s.yaml"), text, strlen(text), overrides, count, model,
+                           MODEL_COUNT, NULL, &scene, &error);
     assert_int_equal(status == SOFTSIM_OK, scene != NULL);
     assert_int_equal(status == SOFTSIM_OK, error.fault_count == 0);
     assert_int_equal(status, error.status);

@@ -24,35 +24,12 @@
 #include <zlib.h>
 
 #include "accuracy.h"
-#include "bench.h"
+#include "accuracy_fixture.h"
 #include "case.h"
 #include "models/model.h"
 #include "norms.h"
 #include "refine.h"
 #include "table.h"
-
-#define REFERENCE                    SOURCE_DIR "/tests/reference"
-#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
-
-enum { PATH_SIZE = 512 };
-static char folder[] = "/tmp/test_accuracy_XXXXXX";
-
-#include "folder_fixture.h"
-
-static void place(const char *name, char out[PATH_SIZE])
-{
-    snprintf(out, PATH_SIZE, "%s/%s", folder, name);
-}
-
-static void write_file(const char *name, const char *text)
-{
-    char path[PATH_SIZE];
-    place(name, path);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-}
 
 /* ---- norms ------------------------------------------------------------------------------------
  */
@@ -92,11 +69,9 @@ static void norms_without_a_value_are_not_numbers(void **state)
 static void tables_keep_quoted_cells_and_short_rows(void **state)
 {
     (void)state;
-    char path[PATH_SIZE];
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
-    write_file("t.csv", "a,b,c\r\n1,\"x, \"\"y\"\"\",-2e3\r\n\n4\n");
-    place("t.csv", path);
+    const char *path = write_text("t.csv", "a,b,c\r\n1,\"x, \"\"y\"\"\",-2e3\r\n\n4\n");
     assert_int_equal(ss_table_load(path, &table, &error), SOFTSIM_OK);
     assert_int_equal(table.column_count, 3);
     assert_int_equal(table.row_count, 2);
@@ -116,11 +91,9 @@ static void tables_with_too_much_are_refused(void **state)
     (void)state;
     static const char *const bad[] = {"a,b\n1,2,3\n", "a\n1\n2,\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
-        char path[PATH_SIZE];
         ss_table table;
         softsim_error error = {.status = SOFTSIM_OK};
-        write_file("bad.csv", bad[i]);
-        place("bad.csv", path);
+        const char *path = write_text("bad.csv", bad[i]);
         assert_int_not_equal(ss_table_load(path, &table, &error), SOFTSIM_OK);
         assert_non_null(strstr(error.text, i == 0 ? "bad.csv:2:" : "bad.csv:3:"));
         ss_table_fini(&table);
@@ -130,10 +103,9 @@ static void tables_with_too_much_are_refused(void **state)
 static void damaged_gzip_files_are_refused(void **state)
 {
     (void)state;
-    char path[PATH_SIZE];
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
-    place("x.gz", path);
+    const char *path = in_folder("x.gz");
     gzFile file = gzopen(path, "wb");
     for (int i = 0; i < 5000; ++i) {
         gzprintf(file, "%d,%d\n", i, i * 7919 % 1000);
@@ -146,8 +118,7 @@ static void damaged_gzip_files_are_refused(void **state)
     assert_int_equal(truncate(path, 2000), 0);
     assert_null(ss_table_read_file(path, &size, &error));
     assert_int_equal(error.fault_count, 1);
-    place("nothing", path);
-    assert_null(ss_table_read_file(path, &size, &error));
+    assert_null(ss_table_read_file(in_folder("nothing"), &size, &error));
 }
 
 /* ---- cases ------------------------------------------------------------------------------------
@@ -223,7 +194,7 @@ static void every_bundled_case_can_be_read(void **state)
     (void)state;
     static const char *const names[] = {"b_cantilever", "e_ventricle", "f_membrane", "g_dynamics"};
     for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
-        char path[PATH_SIZE];
+        char path[512];
         ss_case c;
         ss_case_body body;
         softsim_error error = {.status = SOFTSIM_OK};
@@ -320,13 +291,13 @@ static void hostile_statements_are_refused_with_their_place(void **state)
          "1}\nmesh_case: .\nprobe_point_m: [0, 0, 0]\nsteps: []\n",
          "leads from case to case"},
     };
-    write_file("half.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.002,0,0,-1\n");
-    write_file("curve.csv", "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,0,0,0\n"
+    write_text("half.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.002,0,0,-1\n");
+    write_text("curve.csv", "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,0,0,0\n"
                             "4,0,0,0\n5,0,0,0\n6,0,0,0\n7,0,0,0\n");
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case c;
         softsim_error error = {.status = SOFTSIM_OK};
-        write_file("case.yaml", bad[i].text);
+        write_text("case.yaml", bad[i].text);
         assert_int_not_equal(ss_case_load(folder, &c, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[i].says) == NULL) {
             fail_msg("case %d: no '%s' in: %s", (int)i, bad[i].says, error.text);
@@ -338,14 +309,6 @@ static void hostile_statements_are_refused_with_their_place(void **state)
     assert_int_not_equal(ss_case_load("/nowhere", &c, &error), SOFTSIM_OK);
     assert_non_null(strstr(error.text, "/nowhere/case.yaml"));
 }
-
-static const char good_mesh[] =
-    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n7 0 0 0\n3 1 0 0\n9 0 1 0\n2 0 0 1\n"
-    "$EndNodes\n$Elements\n1\n1 4 2 1 1 7 3 9 2\n$EndElements\n";
-static const char good_sets[] = "{\"fixed\":[7,3,9],\"patch\":[2]}";
-static const char good_reference[] =
-    "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,0,0\n7,0,0,0,.1,0,0,0\n"
-    "9,0,1,0,.1,0,0,0\n";
 
 static softsim_status load_tiny(ss_case_body *body, softsim_error *error)
 {
@@ -365,10 +328,10 @@ static void numbers_lead_to_nodes(void **state)
     (void)state;
     ss_case_body body;
     softsim_error error = {.status = SOFTSIM_OK};
-    write_file("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
-    write_file("m.msh", good_mesh);
-    write_file("s.json", good_sets);
-    write_file("r.csv", good_reference);
+    write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
+    write_text("m.msh", good_mesh);
+    write_text("s.json", good_sets);
+    write_text("r.csv", good_reference);
     assert_int_equal(load_tiny(&body, &error), SOFTSIM_OK);
     assert_int_equal(body.number[0], 7);
     assert_int_equal(body.pushed_count, 1);
@@ -378,7 +341,7 @@ static void numbers_lead_to_nodes(void **state)
     assert_int_equal(body.fixed[2], 2);
     ss_case_body_fini(&body);
     /* As version 4.1 has them, and other systems end lines. */
-    write_file("m.msh", "$MeshFormat\r\n4.1 0 8\r\n$EndMeshFormat\r\n$Nodes\r\n1 4 2 9\r\n"
+    write_text("m.msh", "$MeshFormat\r\n4.1 0 8\r\n$EndMeshFormat\r\n$Nodes\r\n1 4 2 9\r\n"
                         "3 1 0 4\r\n7\r\n3\r\n9\r\n2\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n0 0 1\r\n"
                         "$EndNodes\r\n$Elements\r\n1 1 1 1\r\n3 1 4 1\r\n1 7 3 9 2\r\n"
                         "$EndElements\r\n");
@@ -444,11 +407,11 @@ static void hostile_bodies_are_refused(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case_body body;
         softsim_error error = {.status = SOFTSIM_OK};
-        write_file("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
-        write_file("m.msh", good_mesh);
-        write_file("s.json", good_sets);
-        write_file("r.csv", good_reference);
-        write_file(bad[i].name, bad[i].text);
+        write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
+        write_text("m.msh", good_mesh);
+        write_text("s.json", good_sets);
+        write_text("r.csv", good_reference);
+        write_text(bad[i].name, bad[i].text);
         assert_int_not_equal(load_tiny(&body, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[i].says) == NULL) {
             fail_msg("body %d: no '%s' in: %s", (int)i, bad[i].says, error.text);
@@ -490,7 +453,7 @@ static void the_choice_is_the_most_accurate_that_fits(void **state)
 /* The slab's coarsest surface, linear, pushed (sign 1) or pulled (-1), as a case of its own. */
 static void write_slab(double sign)
 {
-    char text[2048], from[PATH_SIZE];
+    char text[2048];
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
     snprintf(
@@ -501,16 +464,13 @@ static void write_slab(double sign)
         "/c_slab/surface_300.obj, sets: " REFERENCE
         "/c_slab/nodesets_300.json, reference: {linear: r.csv}}}\nforce: f.csv\n",
         -sign);
-    write_file("case.yaml", text);
+    write_text("case.yaml", text);
     snprintf(text, sizeof text, "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.001,0,0,%g\n",
              -0.492161 * sign);
-    write_file("f.csv", text);
-    snprintf(from, sizeof from, REFERENCE "/c_slab/reference_u_linear_300.csv");
-    assert_int_equal(ss_table_load(from, &table, &error), SOFTSIM_OK);
-    char path[PATH_SIZE];
-    place("r.csv", path);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
+    write_text("f.csv", text);
+    assert_int_equal(ss_table_load(REFERENCE "/c_slab/reference_u_linear_300.csv", &table, &error),
+                     SOFTSIM_OK);
+    FILE *file = open_file("r.csv");
     fputs("node,x,y,z,w,ux_1mm,uy_1mm,uz_1mm\n", file);
     for (int32_t i = 0; i < table.row_count; ++i) {
         for (int32_t k = 0; k < 8; ++k) {
@@ -525,38 +485,21 @@ static void write_slab(double sign)
 
 static int run_bench(const char *const *option)
 {
-    char *argv[16] = {"softsim-bench accuracy"};
-    int argc = 1;
-    for (; option[argc - 1] != NULL; ++argc) {
-        argv[argc] = (char *)(uintptr_t)option[argc - 1];
-    }
-    fflush(stdout);
-    const int keep = dup(STDOUT_FILENO), null = open("/dev/null", O_WRONLY);
-    dup2(null, STDOUT_FILENO);
-    const int result = ss_bench_accuracy(argc, argv);
-    fflush(stdout);
-    dup2(keep, STDOUT_FILENO);
-    close(keep);
-    close(null);
-    return result;
+    return run_accuracy(option, stdout, "/dev/null");
 }
 
 static void read_rows(const char *name, ss_accuracy_rows *rows)
 {
-    char path[PATH_SIZE];
     softsim_error error = {.status = SOFTSIM_OK};
     *rows = (ss_accuracy_rows){.row = NULL};
-    place(name, path);
-    assert_int_equal(ss_accuracy_rows_compare(rows, path, &error), SOFTSIM_OK);
+    assert_int_equal(ss_accuracy_rows_compare(rows, in_folder(name), &error), SOFTSIM_OK);
 }
 
 static bool has_text(const char *name, const char *text)
 {
-    char path[PATH_SIZE];
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
-    place(name, path);
-    char *whole = ss_table_read_file(path, &size, &error);
+    char *whole = ss_table_read_file(in_folder(name), &size, &error);
     const bool is_there = whole != NULL && strstr(whole, text) != NULL;
     free(whole);
     return is_there;
@@ -564,10 +507,8 @@ static bool has_text(const char *name, const char *text)
 
 static int count_parts(const char *name)
 {
-    char path[PATH_SIZE];
     int count = 0;
-    place(name, path);
-    DIR *at = opendir(path);
+    DIR *at = opendir(in_folder(name));
     assert_non_null(at);
     for (const struct dirent *file = readdir(at); file != NULL; file = readdir(at)) {
         count += strstr(file->d_name, ".part") != NULL;
@@ -579,7 +520,6 @@ static int count_parts(const char *name)
 static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 {
     (void)state;
-    char out[PATH_SIZE];
     double field[2];
     if (ss_model_find("cnn-energy") == NULL) {
         skip();
@@ -587,7 +527,7 @@ static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
     for (int k = 0; k < 2; ++k) {
         ss_accuracy_rows rows;
         write_slab(k == 0 ? 1.0 : -1.0);
-        place(k == 0 ? "pushed" : "pulled", out);
+        const char *out = in_folder(k == 0 ? "pushed" : "pulled");
         assert_int_equal(
             run_bench((const char *const[]){"--case", folder, "--model", "cnn-energy", "--quick",
                                             "--budget-us", "1e6", "--out", out, NULL}),
@@ -618,22 +558,20 @@ static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
 {
     (void)state;
-    char out[PATH_SIZE], other[PATH_SIZE];
     ss_accuracy_rows first, second;
     if (ss_model_find("cnn-energy") == NULL) {
         skip();
     }
     write_slab(1.0);
-    place("pushed", out);
     read_rows("pushed/accuracy.csv", &first);
-    write_file("other.csv",
-               "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,"
-               "us_per_step_p50,us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,"
-               "verdict\nsmall,linear,theirs,x,5,2,1mm,0.01,,,100,,0.001,,,no,\n");
-    place("other.csv", other);
+    const char *other = write_text(
+        "other.csv",
+        "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,"
+        "us_per_step_p50,us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,"
+        "verdict\nsmall,linear,theirs,x,5,2,1mm,0.01,,,100,,0.001,,,no,\n");
     assert_int_equal(
         run_bench((const char *const[]){"--case", folder, "--model", "cnn-energy", "--quick",
-                                        "--compare", other, "--out", out, NULL}),
+                                        "--compare", other, "--out", in_folder("pushed"), NULL}),
         0);
     read_rows("pushed/accuracy.csv", &second);
     assert_int_equal(second.count, 1); /* others' rows go into the pictures only */
@@ -675,12 +613,12 @@ static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
         skip();
     }
     for (size_t k = 0; k < sizeof run / sizeof *run; ++k) {
-        char path[PATH_SIZE], out[PATH_SIZE], csv[64];
+        char path[512], csv[64];
         ss_accuracy_rows rows;
         ss_table floor;
         softsim_error error = {.status = SOFTSIM_OK};
         snprintf(path, sizeof path, REFERENCE "/%s", run[k][0]);
-        place(run[k][0], out);
+        const char *out = in_folder(run[k][0]);
         assert_int_equal(run_bench((const char *const[]){"--case", path, "--model", "fem", "--mesh",
                                                          run[k][1], "--quick", "--out", out, NULL}),
                          0);
@@ -742,9 +680,7 @@ static void refinement_keeps_the_body(void **state)
 static void bad_commands_end_with_2(void **state)
 {
     (void)state;
-    char out[PATH_SIZE], bad[PATH_SIZE];
-    place("none", out);
-    place("other.csv", bad);
+    const char *out = in_folder("none");
     write_slab(1.0);
     const char *const commands[][9] = {
         {"--case", "/nowhere", "--out", out, NULL},
@@ -759,6 +695,9 @@ static void bad_commands_end_with_2(void **state)
         assert_int_not_equal(access(out, F_OK), 0);
     }
 }
+
+/* ---- setup ------------------------------------------------------------------------------------
+ */
 
 int main(void)
 {

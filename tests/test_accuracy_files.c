@@ -23,51 +23,21 @@
 #include <unistd.h>
 
 #include "accuracy.h"
-#include "bench.h"
+#include "accuracy_fixture.h"
 #include "models/model.h"
 #include "table.h"
-
-#define REFERENCE SOURCE_DIR "/tests/reference"
-
-enum { PATH_SIZE = 512 };
-static char folder[] = "/tmp/test_accuracy_files_XXXXXX";
-
-#include "folder_fixture.h"
-
-static void place(const char *name, char out[PATH_SIZE])
-{
-    snprintf(out, PATH_SIZE, "%s/%s", folder, name);
-}
-
-static void write_file(const char *name, const char *text)
-{
-    char path[PATH_SIZE];
-    place(name, path);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-}
 
 static const char statement[] =
     "material: {youngs_modulus_pa: 1e4, poisson_ratio: 0.3}\nfixed: fixed\n"
     "prescribed: {set: patch, direction: [0, 0, -1]}\nlevels: {linear: {a: 0.001}}\n"
     "meshes: {m: {volume: m.msh, sets: s.json, reference: {linear: r.csv}}}\nforce: f.csv\n";
-static const char good_mesh[] =
-    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n7 0 0 0\n3 1 0 0\n9 0 1 0\n2 0 0 1\n"
-    "$EndNodes\n$Elements\n1\n1 4 2 1 1 7 3 9 2\n$EndElements\n";
-static const char good_sets[] = "{\"fixed\":[7,3,9],\"patch\":[2]}";
-static const char good_reference[] =
-    "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,0,0\n7,0,0,0,.1,0,0,0\n"
-    "9,0,1,0,.1,0,0,0\n";
 
 /* A case `name` of one tetrahedron in `part` of the folder. */
 static void write_tiny(const char *part, const char *name)
 {
-    char path[PATH_SIZE], text[1024];
+    char text[1024];
     snprintf(text, sizeof text, "case: %s\n%s", name, statement);
-    place(part, path);
-    assert_true(mkdir(path, 0777) == 0 || errno == EEXIST);
+    assert_true(mkdir(in_folder(part), 0777) == 0 || errno == EEXIST);
     const struct {
         const char *name, *text;
     } file[] = {{"case.yaml", text},
@@ -78,30 +48,17 @@ static void write_tiny(const char *part, const char *name)
     for (size_t k = 0; k < sizeof file / sizeof *file; ++k) {
         char relative[64];
         snprintf(relative, sizeof relative, "%s/%s", part, file[k].name);
-        write_file(relative, file[k].text);
+        write_text(relative, file[k].text);
     }
 }
 
 /* What a run says on stderr; to be freed. */
 static char *run_heard(const char *const *option, int *out_result)
 {
-    char path[PATH_SIZE], *argv[16] = {"softsim-bench accuracy"};
-    int argc = 1;
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
-    for (; option[argc - 1] != NULL; ++argc) {
-        argv[argc] = (char *)(uintptr_t)option[argc - 1];
-    }
-    place("heard.txt", path);
-    fflush(stderr);
-    const int keep = dup(STDERR_FILENO), heard = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    dup2(heard, STDERR_FILENO);
-    *out_result = ss_bench_accuracy(argc, argv);
-    fflush(stderr);
-    dup2(keep, STDERR_FILENO);
-    close(keep);
-    close(heard);
-    return ss_table_read_file(path, &size, &error);
+    *out_result = run_accuracy(option, stderr, in_folder("heard.txt"));
+    return ss_table_read_file(in_folder("heard.txt"), &size, &error);
 }
 
 static int run(const char *const *option)
@@ -133,25 +90,21 @@ static void a_damaged_case_stops_the_call_before_any_run(void **state)
         {"f.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\nlinear,0.001,0,0\n", "damaged/f.csv:2: column"},
         {"f.csv", "material,depth_m,Fx_N,Fy_N,Fz_N\n", "damaged/f.csv: no row for linear"},
     };
-    char whole[PATH_SIZE], damaged[PATH_SIZE], out[PATH_SIZE], none[PATH_SIZE];
+    const char *whole = in_folder("whole"), *damaged = in_folder("damaged");
+    const char *out = in_folder("no-report"), *none = in_folder("none.csv");
     if (ss_model_find("fem") == NULL) {
         skip();
     }
     write_tiny("whole", "whole");
-    place("whole", whole);
-    place("damaged", damaged);
-    place("no-report", out);
-    place("none.csv", none);
     for (size_t i = 0; i <= sizeof bad / sizeof *bad; ++i) {
         const bool is_compared = i == sizeof bad / sizeof *bad;
         const char *says = is_compared ? "none.csv: No such file" : bad[i].says;
         int result = 0;
         write_tiny("damaged", "damaged");
         if (!is_compared) {
-            char relative[64], file[PATH_SIZE];
+            char relative[64];
             snprintf(relative, sizeof relative, "damaged/%s", bad[i].name);
-            place(relative, file);
-            write_file(relative, bad[i].text != NULL ? bad[i].text : "");
+            const char *file = write_text(relative, bad[i].text != NULL ? bad[i].text : "");
             assert_true(bad[i].text != NULL || unlink(file) == 0);
         }
         char *text = run_heard((const char *const[]){"--case", whole, "--case", damaged, "--model",
@@ -179,20 +132,18 @@ static void a_poor_field_is_said_in_the_verdict(void **state)
         skip();
     }
     for (int k = 0; k < 2; ++k) {
-        char path[PATH_SIZE], out[PATH_SIZE];
+        const char *out = in_folder(k == 0 ? "right" : "wrong");
         int result = 0;
         size_t size = 0;
         softsim_error error = {.status = SOFTSIM_OK};
         write_tiny("judged", "judged");
-        write_file("judged/r.csv", reference[k]);
-        place("judged", path);
-        place(k == 0 ? "right" : "wrong", out);
-        free(run_heard(
-            (const char *const[]){"--case", path, "--model", "fem", "--quick", "--out", out, NULL},
-            &result));
+        write_text("judged/r.csv", reference[k]);
+        free(run_heard((const char *const[]){"--case", in_folder("judged"), "--model", "fem",
+                                             "--quick", "--out", out, NULL},
+                       &result));
         assert_int_equal(result, 0);
-        place(k == 0 ? "right/accuracy.csv" : "wrong/accuracy.csv", path);
-        char *text = ss_table_read_file(path, &size, &error);
+        char *text = ss_table_read_file(
+            in_folder(k == 0 ? "right/accuracy.csv" : "wrong/accuracy.csv"), &size, &error);
         assert_non_null(text);
         assert_true((strstr(text, "poor field: half of it or more is wrong") != NULL) == (k == 1));
         assert_non_null(strstr(text, "good"));
@@ -203,7 +154,7 @@ static void a_poor_field_is_said_in_the_verdict(void **state)
 /* The coarsest bundled beam, dropped twice, with a first frequency of `hz` for a reference. */
 static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
 {
-    char text[2048], out[PATH_SIZE], path[PATH_SIZE];
+    char text[2048];
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
     snprintf(text, sizeof text,
@@ -214,20 +165,19 @@ static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
              "steps:\n"
              "  - {gravity_m_s2: [0, 0, -0.2], reference: drop.csv, compare_until_s: 0.007}\n"
              "  - {gravity_m_s2: [0, 0, -0.4], reference: drop.csv, compare_until_s: 0.007}\n");
-    write_file("case.yaml", text);
+    write_text("case.yaml", text);
     snprintf(text, sizeof text, "model,f\nx,%g\n", hz);
-    write_file("modes.csv", text);
+    write_text("modes.csv", text);
     size_t used = (size_t)snprintf(text, sizeof text, "t_s,tip_ux_m,tip_uy_m,tip_uz_m\n");
     for (int i = 0; i < 8; ++i) {
         used += (size_t)snprintf(text + used, sizeof text - used, "%g,0,0,%g\n", 1e-3 * i,
                                  -1e-7 * i * i);
     }
-    write_file("drop.csv", text);
-    place("swing", out);
-    assert_int_equal(
-        run((const char *const[]){"--case", folder, "--model", "fem", "--out", out, NULL}), 0);
-    place("swing/dynamics.csv", path);
-    assert_int_equal(ss_table_load(path, &table, &error), SOFTSIM_OK);
+    write_text("drop.csv", text);
+    assert_int_equal(run((const char *const[]){"--case", folder, "--model", "fem", "--out",
+                                               in_folder("swing"), NULL}),
+                     0);
+    assert_int_equal(ss_table_load(in_folder("swing/dynamics.csv"), &table, &error), SOFTSIM_OK);
     assert_int_equal(table.row_count, 1);
     const int32_t verdict = ss_table_find(&table, "verdict", &error);
     const int32_t f1 = ss_table_find(&table, "f1_error", &error);
@@ -280,19 +230,17 @@ static void an_odd_row_of_another_program_is_refused(void **state)
         {"tiny,linear,mass-spring,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: model 'mass-spring'"},
         {"tiny,linear,,m,4,1,a,0.1,,,5,,,,,no,good", "odd.csv:3: model is empty"},
     };
-    char other[PATH_SIZE], out[PATH_SIZE], tiny[PATH_SIZE], text[1024];
+    const char *out = in_folder("odd"), *tiny = in_folder("tiny");
+    char text[1024];
     if (ss_model_find("mass-spring") == NULL) {
         skip();
     }
     write_tiny("tiny", "tiny");
-    place("tiny", tiny);
-    place("odd", out);
-    place("odd.csv", other);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         int result = 0;
         snprintf(text, sizeof text, "%s\ntiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,\n%s\n",
                  ss_accuracy_head, bad[i].row);
-        write_file("odd.csv", text);
+        const char *other = write_text("odd.csv", text);
         char *heard = run_heard((const char *const[]){"--case", tiny, "--model", "mass-spring",
                                                       "--compare", other, "--out", out, NULL},
                                 &result);
@@ -312,20 +260,18 @@ static void an_odd_row_of_another_program_is_refused(void **state)
 static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
 {
     (void)state;
-    char scene[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], text[1024];
+    char text[1024];
     if (ss_model_find("fem") == NULL) {
         skip();
     }
-    write_file("scene.yaml",
-               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
-               "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, "
-               "youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000}\n");
+    const char *scene =
+        write_text("scene.yaml",
+                   "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+                   "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, "
+                   "youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000}\n");
     snprintf(text, sizeof text, "%s\nscene,stvk,theirs,m,4,1,whole,0.1,,,5,,,,,no,\n",
              ss_accuracy_head);
-    write_file("odd.csv", text);
-    place("scene.yaml", scene);
-    place("odd.csv", other);
-    place("left", out);
+    const char *other = write_text("odd.csv", text), *out = in_folder("left");
     for (int k = 0; k < 2; ++k) {
         int result = 0;
         char *heard = run_heard((const char *const[]){"--scene", scene, "--out", out,
@@ -346,30 +292,26 @@ static void every_row_of_another_program_is_on_the_page(void **state)
 {
     (void)state;
     enum { ROWS = 300 };
-    char other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE], tiny[PATH_SIZE], last[32];
+    char last[32];
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
     if (ss_model_find("mass-spring") == NULL) {
         skip();
     }
     write_tiny("tiny", "tiny");
-    place("tiny", tiny);
-    place("many", out);
-    place("many.csv", other);
-    FILE *file = fopen(other, "w");
-    assert_non_null(file);
+    FILE *file = open_file("many.csv");
     fprintf(file, "%s\n", ss_accuracy_head);
     for (int k = 0; k < ROWS; ++k) {
         fprintf(file, "tiny,linear,theirs,m%d,4,1,a,%g,0.1,0.1,%d,9,0.001,9,9,no,good\n", k,
                 1.0 / (k + 2), k + 1);
     }
     assert_int_equal(fclose(file), 0);
-    assert_int_equal(run((const char *const[]){"--case", tiny, "--model", "mass-spring",
-                                               "--compare", other, "--out", out, NULL}),
+    assert_int_equal(run((const char *const[]){"--case", in_folder("tiny"), "--model",
+                                               "mass-spring", "--compare", in_folder("many.csv"),
+                                               "--out", in_folder("many"), NULL}),
                      0);
     snprintf(last, sizeof last, ">m%d<", ROWS - 1);
-    place("many/accuracy.html", path);
-    char *text = ss_table_read_file(path, &size, &error);
+    char *text = ss_table_read_file(in_folder("many/accuracy.html"), &size, &error);
     assert_non_null(text);
     assert_non_null(strstr(text, ">m0<"));
     assert_non_null(strstr(text, last));
@@ -380,14 +322,11 @@ static void every_row_of_another_program_is_on_the_page(void **state)
 static void a_mended_case_is_not_resumed(void **state)
 {
     (void)state;
-    char out[PATH_SIZE], csv[PATH_SIZE], part[PATH_SIZE], tiny[PATH_SIZE];
     if (ss_model_find("mass-spring") == NULL) {
         skip();
     }
-    place("mended", out);
-    place("mended/accuracy.csv", csv);
-    place("mended/accuracy.0.part", part);
-    place("tiny", tiny);
+    const char *out = in_folder("mended"), *csv = in_folder("mended/accuracy.csv");
+    const char *part = in_folder("mended/accuracy.0.part"), *tiny = in_folder("tiny");
     const char *const command[] = {"--case", tiny, "--model", "mass-spring", "--out", out, NULL};
     write_tiny("tiny", "tiny");
     assert_int_equal(mkdir(out, 0777), 0);
@@ -395,7 +334,7 @@ static void a_mended_case_is_not_resumed(void **state)
     assert_int_equal(run(command), 1);
     assert_int_equal(access(part, F_OK), 0);
     assert_int_equal(rmdir(csv), 0);
-    write_file("tiny/r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.002\n3,1,0,0,.1,0,0,0\n"
+    write_text("tiny/r.csv", "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.002\n3,1,0,0,.1,0,0,0\n"
                              "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n");
     assert_int_equal(run(command), 1);
     assert_int_not_equal(access(csv, F_OK), 0);

@@ -19,32 +19,29 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "accuracy_fixture.h"
 #include "accuracy_scene.h"
 #include "case.h"
 #include "models/model.h"
 #include "norms.h"
 
-#define REFERENCE                    SOURCE_DIR "/tests/reference"
-#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+#define BEAM "name: fem, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000"
+static const char end[] = "[1e-6, 1, 1]"; /* holds the beam's */
 
-enum { PATH_SIZE = 512 };
-static char folder[] = "/tmp/test_accuracy_scene_XXXXXX";
-
-#include "folder_fixture.h"
-
-static void place(const char *name, char out[PATH_SIZE])
+/* The reference that a beam of 99 nodes makes of itself, in the folder `made`: held in the box from
+ * (-1, -1, -1) to `corner`, of `model`, with `rest` of a scene. */
+static softsim_status refer(const char *corner, const char *model, const char *rest,
+                            ss_accuracy_worth *out_worth, softsim_error *error)
 {
-    snprintf(out, PATH_SIZE, "%s/%s", folder, name);
-}
-
-static void write_file(const char *name, const char *text)
-{
-    char path[PATH_SIZE];
-    place(name, path);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
+    char text[1024];
+    const char *made = in_folder("made");
+    snprintf(text, sizeof text,
+             "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
+             "fixed: [{box_m: [[-1, -1, -1], %s]}]}\nmodel: {%s}\n%s",
+             corner, model, rest);
+    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
+    *error = (softsim_error){.status = SOFTSIM_OK};
+    return ss_accuracy_scene(write_text("scene.yaml", text), made, true, out_worth, error);
 }
 
 /* A beam of 99 nodes in a scene: the reference made by refinement is nearer to the trusted one than
@@ -52,24 +49,16 @@ static void write_file(const char *name, const char *text)
 static void a_scene_makes_its_own_reference(void **state)
 {
     (void)state;
-    char text[1024], scene[PATH_SIZE], made[PATH_SIZE];
     ss_accuracy_worth worth;
     ss_case c, trusted;
     ss_case_body body, other;
-    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_error error;
     if (IS_SANITIZED || ss_model_find("fem") == NULL) {
         skip();
     }
-    snprintf(text, sizeof text,
-             "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, fixed: "
-             "[{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, material: linear, "
-             "youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
-             "gravity_m_s2: [0, 0, -9.81]\n");
-    write_file("scene.yaml", text);
-    place("scene.yaml", scene);
-    place("made", made);
-    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
-    assert_int_equal(ss_accuracy_scene(scene, made, true, &worth, &error), SOFTSIM_OK);
+    assert_int_equal(
+        refer(end, BEAM ", material: linear", "gravity_m_s2: [0, 0, -9.81]\n", &worth, &error),
+        SOFTSIM_OK);
     assert_int_equal(worth.nodes, 3321);
     assert_true(worth.ratio > 1.5 && worth.ratio < 4.5);
     assert_non_null(strstr(worth.taken, "gravity, and of its fem Young's modulus 50000 Pa"));
@@ -81,7 +70,7 @@ static void a_scene_makes_its_own_reference(void **state)
                 1e-12);
     assert_non_null(strstr(worth.text, "Of the least settled run about"));
     assert_null(strstr(worth.text, "Not all of its runs were good"));
-    assert_int_equal(ss_case_load(made, &c, &error), SOFTSIM_OK);
+    assert_int_equal(ss_case_load(in_folder("made"), &c, &error), SOFTSIM_OK);
     assert_int_equal(c.mesh_count, 2);
     assert_int_equal(ss_case_load_body(&c, &c.mesh[0], 0, false, &body, &error), SOFTSIM_OK);
     assert_int_equal(ss_case_load(REFERENCE "/b_cantilever", &trusted, &error), SOFTSIM_OK);
@@ -102,21 +91,14 @@ static void a_scene_makes_its_own_reference(void **state)
 static void a_scene_without_a_limit_is_called_one(void **state)
 {
     (void)state;
-    char scene[PATH_SIZE], made[PATH_SIZE];
     ss_accuracy_worth worth;
-    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_error error;
     if (ss_model_find("fem") == NULL) {
         skip();
     }
-    write_file("scene.yaml",
-               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
-               "fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.0099]]}]}\nmodel: {name: fem, material: "
-               "linear, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
-               "prescribed: [{nodes: [82], displacement_m: [0, 0, -0.0005]}]\n");
-    place("scene.yaml", scene);
-    place("made", made);
-    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
-    if (ss_accuracy_scene(scene, made, true, &worth, &error) != SOFTSIM_OK) {
+    if (refer("[1, 1, -0.0099]", BEAM ", material: linear",
+              "prescribed: [{nodes: [82], displacement_m: [0, 0, -0.0005]}]\n", &worth,
+              &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
     assert_near(worth.ratio, 1.5, 0.0); /* the least that is taken */
@@ -128,22 +110,15 @@ static void a_scene_without_a_limit_is_called_one(void **state)
 static void a_run_that_ends_degraded_makes_no_reference(void **state)
 {
     (void)state;
-    char scene[PATH_SIZE], made[PATH_SIZE];
     ss_accuracy_worth worth;
-    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_error error;
     if (ss_model_find("fem") == NULL) {
         skip();
     }
-    write_file("scene.yaml",
-               "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
-               "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {name: fem, material: "
-               "neo-hookean, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
-               "prescribed: [{box_m: [[0.0999, -1, -1], [1, 1, 1]], displacement_m: [-0.09, 0, "
-               "0]}]\n");
-    place("scene.yaml", scene);
-    place("made", made);
-    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
-    const softsim_status status = ss_accuracy_scene(scene, made, true, &worth, &error);
+    const softsim_status status = refer(
+        end, BEAM ", material: neo-hookean",
+        "prescribed: [{box_m: [[0.0999, -1, -1], [1, 1, 1]], displacement_m: [-0.09, 0, 0]}]\n",
+        &worth, &error);
     if (status != SOFTSIM_ERROR_SCENE) {
         fail_msg("%d: %s%s", (int)status, error.text, status == SOFTSIM_OK ? worth.text : "");
     }
@@ -166,23 +141,13 @@ static void scenes_that_are_no_case_are_refused(void **state)
          "rest_stiffness_n_per_m3: 1",
          "gravity_m_s2: [0, 0, -1]\n", "youngs_modulus_pa"},
     };
-    char scene[PATH_SIZE], made[PATH_SIZE];
     if (ss_model_find("fem") == NULL || ss_model_find("cnn-energy") == NULL) {
         skip();
     }
-    place("scene.yaml", scene);
-    place("made", made);
-    assert_true(mkdir(made, 0777) == 0 || errno == EEXIST);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
-        char text[1024];
         ss_accuracy_worth worth;
-        softsim_error error = {.status = SOFTSIM_OK};
-        snprintf(text, sizeof text,
-                 "softsim: 1\nobject: {mesh: " REFERENCE "/b_cantilever/mesh_99.msh, units: m, "
-                 "fixed: [{box_m: [[-1, -1, -1], [1e-6, 1, 1]]}]}\nmodel: {%s}\n%s",
-                 bad[i].model, bad[i].rest);
-        write_file("scene.yaml", text);
-        assert_int_not_equal(ss_accuracy_scene(scene, made, true, &worth, &error), SOFTSIM_OK);
+        softsim_error error;
+        assert_int_not_equal(refer(end, bad[i].model, bad[i].rest, &worth, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[i].says) == NULL) {
             fail_msg("scene %d: no '%s' in: %s", (int)i, bad[i].says, error.text);
         }

@@ -13,7 +13,6 @@
 
 #include <cmocka.h>
 
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,6 +25,7 @@
 #include "csv.h"
 #include "fem_speed.h"
 #include "figures.h"
+#include "folder_fixture.h"
 #include "judge.h"
 #include "process.h"
 #include "report.h"
@@ -35,28 +35,6 @@
 #include "table.h"
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
-
-static char folder[] = "/tmp/test_bench_XXXXXX";
-
-/* A file in the test's folder; its path, valid until the next call. */
-static const char *write_file(const char *name, const char *text)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-    return path;
-}
-
-static void read_back(const char *path, char *out, size_t size)
-{
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    out[fread(out, 1, size - 1, file)] = '\0';
-    fclose(file);
-}
 
 /* ---- samples ------------------------------------------------------------------------------------
  */
@@ -204,7 +182,7 @@ static void only_first_answers_within_the_run_count(void **state)
     ss_session session = {.begin_ns = SECOND_NS, .end_ns = 2LL * SECOND_NS};
     ss_figures figures = {.window_count = 0};
     softsim_error error = {.status = SOFTSIM_OK};
-    const char *path = write_file("answers.csv", "pose_seq,pose_utime,probe,fx,latency_us\n"
+    const char *path = write_text("answers.csv", "pose_seq,pose_utime,probe,fx,latency_us\n"
                                                  "1,999999,0,0,11\n" /* before the run */
                                                  "2,1000000,0,0,12\n"
                                                  "2,1000000,0,0,99\n" /* a second answer */
@@ -219,7 +197,7 @@ static void only_first_answers_within_the_run_count(void **state)
     assert_equal_double(figures.pose_to_force.p50, 13.0);
     assert_equal_double(figures.pose_to_force.max, 14.0);
     ss_figures_fini(&figures);
-    write_file("answers.csv", "pose_seq,pose_utime,probe\n1,1,0\n");
+    write_text("answers.csv", "pose_seq,pose_utime,probe\n1,1,0\n");
     assert_int_not_equal(ss_figures_read_answers(&session, &figures, &error), SOFTSIM_OK);
 }
 
@@ -234,7 +212,7 @@ static void csv_faults_have_their_line(void **state)
     softsim_error error = {.status = SOFTSIM_OK};
     ss_csv csv;
     double value[3];
-    const char *path = write_file("good.csv", "a,x,b\r\n1,,2\n\n3,y,nan\n4,z,5z\n");
+    const char *path = write_text("good.csv", "a,x,b\r\n1,,2\n\n3,y,nan\n4,z,5z\n");
     assert_int_equal(ss_csv_open(&csv, path, name, 3, 2, &error), SOFTSIM_OK);
     assert_int_equal(ss_csv_next(&csv, value, &error), 1);
     assert_equal_double(value[0], 2.0);
@@ -249,7 +227,7 @@ static void csv_faults_have_their_line(void **state)
     assert_int_equal(ss_csv_open(&csv, path, name, 3, 3, &error), SOFTSIM_ERROR_FORMAT);
     assert_non_null(strstr(error.text, "no column 'c'"));
     memset(longer, 'a', sizeof longer - 1);
-    assert_int_equal(ss_csv_open(&csv, write_file("long.csv", longer), name, 1, 1, &error),
+    assert_int_equal(ss_csv_open(&csv, write_text("long.csv", longer), name, 1, 1, &error),
                      SOFTSIM_ERROR_FORMAT);
     assert_non_null(strstr(error.text, "long.csv:1: longer"));
 }
@@ -259,7 +237,7 @@ static void a_bridges_log_is_timed_by_its_ticks(void **state)
     (void)state;
     ss_judge_log log;
     softsim_error error = {.status = SOFTSIM_OK};
-    const char *path = write_file("hand.csv", "tick,x,y,z,vx,fx,fy,fz\n"
+    const char *path = write_text("hand.csv", "tick,x,y,z,vx,fx,fy,fz\n"
                                               "10,1,2,3,0,4,5,6\n11,1,2,4,0,7,8,9\n");
     assert_int_equal(ss_judge_load(path, 500.0, &log, &error), SOFTSIM_OK);
     assert_int_equal(log.count, 2);
@@ -269,7 +247,7 @@ static void a_bridges_log_is_timed_by_its_ticks(void **state)
     assert_int_equal(log.row[0].flags, 0);
     assert_false(log.has_age);
     ss_judge_free(&log);
-    path = write_file("hand.csv", "x,y,z,fx,fy,fz\n1,2,3,4,5,6\n");
+    path = write_text("hand.csv", "x,y,z,fx,fy,fz\n1,2,3,4,5,6\n");
     assert_int_not_equal(ss_judge_load(path, 500.0, &log, &error), SOFTSIM_OK);
     assert_int_equal(ss_judge_run("test", path, 500.0, 1), 2);
 }
@@ -279,7 +257,7 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
     (void)state;
     char value[64];
     const char *word[3];
-    const char *path = write_file("p.sh", "# X_SECOND=no\nOTHER=\"a\"\n"
+    const char *path = write_text("p.sh", "# X_SECOND=no\nOTHER=\"a\"\n"
                                           "KIDNEY_SECOND=\"--offset-m 0,0,1  --axes x\"\n");
     assert_true(ss_session_read_bridge(path, value, sizeof value));
     assert_string_equal(value, "--offset-m 0,0,1  --axes x");
@@ -290,11 +268,11 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
     snprintf(value, sizeof value, " ");
     assert_int_equal(ss_session_split(value, word, 3), 0);
 
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"$(id)\"\n"), value, 64));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"open\n"), value, 64));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "A_SECOND=\"long\"\n"), value, 4));
-    assert_false(ss_session_read_bridge(write_file("p.sh", "_SECONDS=a\nSECOND=a\n"), value, 64));
-    assert_true(ss_session_read_bridge(write_file("p.sh", "A_SECOND='a b'\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_text("p.sh", "A_SECOND=\"$(id)\"\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_text("p.sh", "A_SECOND=\"open\n"), value, 64));
+    assert_false(ss_session_read_bridge(write_text("p.sh", "A_SECOND=\"long\"\n"), value, 4));
+    assert_false(ss_session_read_bridge(write_text("p.sh", "_SECONDS=a\nSECOND=a\n"), value, 64));
+    assert_true(ss_session_read_bridge(write_text("p.sh", "A_SECOND='a b'\n"), value, 64));
     assert_string_equal(value, "a b");
     assert_false(ss_session_read_bridge("/nowhere/p.sh", value, 64));
 }
@@ -306,13 +284,11 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
 {
     (void)state;
     static char text[65536];
-    char path[128], nested[64];
     ss_page page;
     softsim_error error = {.status = SOFTSIM_OK};
-    snprintf(nested, sizeof nested, "%s/a/b", folder);
+    const char *nested = in_folder("a/b"), *path = in_folder("a/b/page.html");
     assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
     assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
-    snprintf(path, sizeof path, "%s/page.html", nested);
 
     assert_int_equal(ss_page_open(&page, nested, "page", "<title>", &error), SOFTSIM_OK);
     ss_page_text(&page, "%s", "a < b & \"c\"");
@@ -329,7 +305,7 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     ss_page_yardstick(&page, &(ss_yardstick){.cores = 2, .load = 0.5});
     assert_int_not_equal(access(path, F_OK), 0);
     assert_int_equal(ss_page_close(&page, &error), SOFTSIM_OK);
-    read_back(path, text, sizeof text);
+    read_text("a/b/page.html", text, sizeof text);
     assert_non_null(strstr(text, "<title>&lt;title&gt;</title>"));
     assert_non_null(strstr(text, "<p>a &lt; b &amp; &quot;c&quot;</p>"));
     assert_non_null(strstr(text, "<td class=\"n\">12.5%</td><td>&lt;i&gt;</td>"));
@@ -342,23 +318,19 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     ss_page_abandon(&page);
     assert_int_not_equal(access(path, F_OK), 0);
     rmdir(nested);
-    snprintf(nested, sizeof nested, "%s/a", folder);
-    rmdir(nested);
+    rmdir(in_folder("a"));
 }
 
 static void a_csv_field_is_quoted_where_it_must_be(void **state)
 {
     (void)state;
     char text[128];
-    char path[128];
-    snprintf(path, sizeof path, "%s", write_file("quote.csv", ""));
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
+    FILE *file = open_file("quote.csv");
     ss_csv_text(file, "plain: text");
     fputc(',', file);
     ss_csv_text(file, "a, \"b\"\nc");
     assert_int_equal(fclose(file), 0);
-    read_back(path, text, sizeof text);
+    read_text("quote.csv", text, sizeof text);
     assert_string_equal(text, "plain: text,\"a, \"\"b\"\"\nc\"");
 }
 
@@ -377,21 +349,14 @@ static void make_inner(const char *in, const char *name, bool is_folder)
 static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
 {
     (void)state;
-    char path[160], out[128];
-    char *argv[] = {"softsim-bench ablation", "--out", out, NULL};
+    char out[128], *argv[] = {"softsim-bench ablation", "--out", out, NULL};
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
-    snprintf(out, sizeof out, "%s/ablation", folder);
-    fflush(stdout);
-    const int keep = dup(STDOUT_FILENO), null = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(null, STDOUT_FILENO);
+    snprintf(out, sizeof out, "%s", in_folder("ablation"));
+    const int kept = divert(stdout, "/dev/null");
     assert_int_equal(ss_bench_ablation(3, argv), 0);
-    fflush(stdout);
-    dup2(keep, STDOUT_FILENO);
-    close(keep);
-    close(null);
-    snprintf(path, sizeof path, "%s/ablation.csv", out);
-    if (ss_table_load(path, &table, &error) != SOFTSIM_OK) {
+    restore(stdout, kept);
+    if (ss_table_load(in_folder("ablation/ablation.csv"), &table, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
     assert_true(table.row_count > 0);
@@ -408,7 +373,7 @@ static void temporary_folders_go_with_what_is_in_them(void **state)
     (void)state;
     char one[SS_SCRATCH_PATH], other[SS_SCRATCH_PATH], kept[SS_SCRATCH_PATH], link[512];
     softsim_error error = {.status = SOFTSIM_OK};
-    const char *outside = write_file("good.csv", "");
+    const char *outside = write_text("good.csv", "");
     setenv("TMPDIR", folder, 1);
     assert_int_equal(ss_scratch_make("a-1", one, &error), SOFTSIM_OK);
     assert_int_equal(ss_scratch_make("a-1", other, &error), SOFTSIM_OK);
@@ -500,25 +465,6 @@ static void children_are_reaped_with_their_status(void **state)
     assert_int_equal(ss_child_stop(&child, 60.0), 3);
 }
 
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    static const char *const names[] = {"answers.csv", "good.csv", "long.csv",
-                                        "hand.csv",    "p.sh",     "quote.csv"};
-    (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char path[128];
-        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        unlink(path);
-    }
-    return rmdir(folder);
-}
-
 /* The speed of fem is measured on what was asked for, and its figures belong together. */
 static void speed_of_tetrahedra_adds_up(void **state)
 {
@@ -545,6 +491,14 @@ static void speed_of_tetrahedra_adds_up(void **state)
                      SOFTSIM_ERROR_ARGUMENT);
 }
 
+static int remove_files(void **state)
+{
+    static const char *const names[] = {"answers.csv", "good.csv", "long.csv",
+                                        "hand.csv",    "p.sh",     "quote.csv"};
+    (void)state;
+    return remove_only(names, sizeof names / sizeof *names);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -565,5 +519,5 @@ int main(void)
         cmocka_unit_test(children_are_reaped_with_their_status),
         cmocka_unit_test(speed_of_tetrahedra_adds_up),
     };
-    return cmocka_run_group_tests_name("softsim.bench", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("softsim.bench", tests, make_folder, remove_files);
 }

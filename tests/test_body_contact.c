@@ -49,19 +49,33 @@ static void hold(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES], int steps)
     run(b, steps, 1e-3, tool);
 }
 
+static ss_contact_set felt(bench *b)
+{
+    ss_contact_set set;
+    ss_body_contacts(b->body, 0, 0.01, &set);
+    return set;
+}
+
+/* A bench whose ball has been pressed in by 4 mm. */
+static void bench_pressed(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    bench_with_ball(b);
+    bench_make(b);
+    press(b, tool, 4e-3, 100);
+}
+
 static void a_tool_gets_back_what_it_gives(void **state)
 {
     (void)state;
     for (int m = 0; m < 2; ++m) {
         bench b;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-        ss_contact_set set;
         bench_with_ball(&b);
         b.law.integrator = methods[m];
         bench_make(&b);
         press(&b, tool, 5e-3, 100);
         hold(&b, tool, 600);
-        ss_body_contacts(b.body, 0, 0.01, &set);
+        const ss_contact_set set = felt(&b);
         double sum[3] = {0.0};
         for (int32_t i = 0; i < 64; ++i) {
             for (int k = 0; k < 3; ++k) {
@@ -90,19 +104,17 @@ static void the_felt_stiffness_errs_high_but_little(void **state)
     (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-    ss_contact_set set, more;
-    bench_with_ball(&b);
-    bench_make(&b);
-    press(&b, tool, 4e-3, 100);
+    ss_contact_set set;
+    bench_pressed(&b, tool);
     for (int k = 0; k < 600; ++k) {
         hold(&b, tool, 1);
-        ss_body_contacts(b.body, 0, 0.01, &set);
+        set = felt(&b);
     }
     const double z = tool[0].to.position[2];
     tool_at(tool, z, z - 1e-5, 0.0);
     run(&b, 1, 1e-3, tool);
     hold(&b, tool, 600);
-    ss_body_contacts(b.body, 0, 0.01, &more);
+    const ss_contact_set more = felt(&b);
     const double slope = (more.force[2] - set.force[2]) / 1e-5;
     assert_true(set.contact[0].stiffness > 0.97 * slope);
     assert_true(set.contact[0].stiffness < 1.1 * slope);
@@ -115,10 +127,7 @@ static void a_grasp_pulls_and_lets_go(void **state)
     (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-    ss_contact_set set;
-    bench_with_ball(&b);
-    bench_make(&b);
-    press(&b, tool, 4e-3, 100);
+    bench_pressed(&b, tool);
     tool[0].is_grasping = true;
     hold(&b, tool, 1);
     for (int k = 0; k < 100; ++k) {
@@ -128,13 +137,13 @@ static void a_grasp_pulls_and_lets_go(void **state)
         run(&b, 1, 1e-3, tool);
     }
     hold(&b, tool, 300);
-    ss_body_contacts(b.body, 0, 0.01, &set);
+    ss_contact_set set = felt(&b);
     assert_true(set.is_held);
     assert_true(set.force[2] < -0.05);
     const double before = balance(&b);
     tool[0].is_grasping = false;
     hold(&b, tool, 100);
-    ss_body_contacts(b.body, 0, 0.01, &set);
+    set = felt(&b);
     assert_false(set.is_held);
     assert_near(set.force[2], 0.0, 1e-6);
     assert_near(balance(&b), before, 0.02 * told(&b).work);
@@ -146,14 +155,12 @@ static void a_fast_tool_is_swept_and_does_not_tunnel(void **state)
     (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-    ss_contact_set set;
     bench_with_ball(&b);
     bench_make(&b);
     tool_at(tool, 0.08, 0.035, 0.0);
     run(&b, 1, 1e-3, tool);
     assert_true(told(&b).substeps >= 12);
-    ss_body_contacts(b.body, 0, 0.01, &set);
-    assert_true(set.force[2] > 0.0);
+    assert_true(felt(&b).force[2] > 0.0);
     bench_fini(&b);
 }
 
@@ -206,39 +213,19 @@ static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
         bench_with_ball(&b);
         b.s.plan.contact_stiffness = 2e6;
-        const size_t n = (size_t)b.s.mesh->node_count;
-        double *mass = calloc(n, sizeof *mass);
-        for (size_t i = 0; i < n; ++i) {
-            mass[i] = 0.216 / 64.0;
-        }
-        ss_body_plan plan = {.name = "anchors",
-                             .plan = &b.s.plan,
-                             .node_count = (int32_t)n,
-                             .mass = mass,
-                             .mass_damping = b.mass_damping,
-                             .edge = ss_body_mean_edge(b.s.mesh),
-                             .step_share = 0.5,
-                             .elastic = {.owner = &b.law,
-                                         .force = anchor_force,
-                                         .tangent = anchor_tangent,
-                                         .diagonal = anchor_diagonal,
-                                         .stable_step = anchor_step}};
         if (kind == 1) {
-            plan.skin = (ss_body_skin){.mesh = b.s.mesh,
-                                       .sigma = 1.0,
-                                       .lay = lay_half,
-                                       .carry = carry_same,
-                                       .carry_diagonal = carry_same_diagonal,
-                                       .rate2 = carry_same_rate2};
+            b.skin = (ss_body_skin){.mesh = b.s.mesh,
+                                    .sigma = 1.0,
+                                    .lay = lay_half,
+                                    .carry = carry_same,
+                                    .carry_diagonal = carry_same_diagonal,
+                                    .rate2 = carry_same_rate2};
         }
-        assert_int_equal(ss_body_create(&plan, &b.body, &b.s.error), SOFTSIM_OK);
-        free(mass);
-        b.law.body = b.body;
-        assert_int_equal(ss_body_start(b.body), SOFTSIM_OK);
+        bench_make(&b);
         press(&b, tool, 4e-3, 50);
         tool[0].is_grasping = true;
         hold(&b, tool, 20);
-        ss_body_contacts(b.body, 0, 0.01, &set[kind]);
+        set[kind] = felt(&b);
         stable[kind] = told(&b).stable_step;
         bench_fini(&b);
     }
@@ -271,13 +258,12 @@ static void the_same_run_gives_the_same_bits_also_after_a_reset(void **state)
     b.s.plan.gravity[0] = 1.0;
     bench_make(&b);
     for (int k = 0; k < 2; ++k) {
-        ss_contact_set set;
         b.time = 0.0;
         press(&b, tool, 6e-3, 60);
-        ss_body_contacts(b.body, 0, 0.01, &set);
+        (void)felt(&b);
         tool[0].is_grasping = true;
         hold(&b, tool, 30);
-        ss_body_contacts(b.body, 0, 0.01, &set);
+        (void)felt(&b);
         hash[k] = whole_hash(&b);
         ss_body_reset(b.body);
     }

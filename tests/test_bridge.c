@@ -14,49 +14,11 @@
 #include <unistd.h>
 
 #include "bridge.h"
+#include "folder_fixture.h"
+#include "number_fixture.h"
 #include "random.h"
 #include "rt/vec.h"
 #include "show.h"
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, not %.17g within %g", #a, near_a, near_b, near_t);               \
-        }                                                                                          \
-    } while (0)
-
-static char folder[64];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/softsim-clients-XXXXXX");
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char path[160];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void write_file(const char *path, const void *data, size_t size)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
 
 /* ---- frame ---------------------------------------------------------------------------------- */
 
@@ -414,7 +376,7 @@ static void script_device_follows_its_path(void **state)
     ss_device device;
     ss_device_sample sample;
     const double pushed[3] = {5.0, 0.0, 0.0};
-    write_file(in_folder("path.csv"), text, strlen(text));
+    write_text("path.csv", text);
     assert_int_equal(ss_script_create(in_folder("path.csv"), 1e-3, &device, &error), SOFTSIM_OK);
     int count = 0;
     while (device.read(device.state, &sample)) {
@@ -440,7 +402,7 @@ static void the_csv_of_a_path_is_finite(void **state)
     ss_device device;
     ss_frame frame;
     char written[1 << 16] = "";
-    write_file(in_folder("path.csv"), text, strlen(text));
+    write_text("path.csv", text);
     FILE *csv = fmemopen(written, sizeof written, "w");
     assert_non_null(csv);
     ss_frame_init(&frame, "x,y,z", "0,0,0", 2.0, 1.0, &error);

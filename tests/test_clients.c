@@ -15,49 +15,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
+#include "number_fixture.h"
 #include "output.h"
 #include "softsim/log.h"
 #include "wire.h"
-
-#define assert_near(a, b, tolerance)                                                               \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b), near_t = (tolerance);                             \
-        if (!(fabs(near_a - near_b) <= near_t)) {                                                  \
-            fail_msg("%s = %.17g, not %.17g within %g", #a, near_a, near_b, near_t);               \
-        }                                                                                          \
-    } while (0)
-
-static char folder[64];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/softsim-clients-XXXXXX");
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char path[160];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void write_file(const char *path, const void *data, size_t size)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
 
 static size_t read_file(const char *path, unsigned char *data, size_t capacity)
 {
@@ -188,7 +150,7 @@ static void every_truncation_is_reported(void **state)
     const char *path = in_folder("cut.lcmlog");
     make_log(path, data);
     for (size_t size = 0; size <= 3 * RECORD; ++size) {
-        write_file(path, data, size);
+        write_bytes("cut.lcmlog", data, size);
         const tally found = read_log(path);
         assert_int_equal(found.events, size / RECORD);
         assert_int_equal(found.truncated, size % RECORD != 0);
@@ -225,7 +187,7 @@ static void damage_costs_one_record(void **state)
             const char *path = in_folder("bad.lcmlog");
             make_log(path, data);
             put32(data + record * RECORD + cases[i].offset, cases[i].value);
-            write_file(path, data, LOG_SIZE);
+            write_bytes("bad.lcmlog", data, LOG_SIZE);
             const tally found = read_log(path);
             if (found.events != POSES - 1 || found.damaged != 1 || found.skipped != RECORD ||
                 found.first_fault != record * RECORD) {
@@ -244,7 +206,7 @@ static void a_length_too_short_keeps_the_others(void **state)
     const char *path = in_folder("short.lcmlog");
     make_log(path, data);
     put32(data + 5 * RECORD + 24, 100);
-    write_file(path, data, LOG_SIZE);
+    write_bytes("short.lcmlog", data, LOG_SIZE);
     const tally found = read_log(path);
     assert_int_equal(found.events, POSES); /* one of them too short to be a pose */
     assert_int_equal(found.skipped, SS_WIRE_POSE_SIZE - 100);
@@ -271,7 +233,7 @@ static void any_bytes_are_survived(void **state)
             data[next_random(&random) % LOG_SIZE] = (unsigned char)next_random(&random);
         }
         const size_t size = next_random(&random) % (LOG_SIZE + 1);
-        write_file(path, data, size);
+        write_bytes("fuzz.lcmlog", data, size);
         const tally found = read_log(path);
         assert_int_equal(found.bytes, size);
     }
@@ -290,8 +252,7 @@ static void a_log_of_fake_headers_is_read_in_linear_time(void **state)
         put32(data + i * SIZE + 24, 5000 * SIZE + 7);
         data[i * SIZE + 28] = 'a';
     }
-    const char *path = in_folder("fake.lcmlog");
-    write_file(path, data, (size_t)COUNT * SIZE);
+    const char *path = write_bytes("fake.lcmlog", data, (size_t)COUNT * SIZE);
     free(data);
     const tally found = read_log(path);
     assert_int_equal(found.bytes, (int64_t)COUNT * SIZE);
@@ -423,7 +384,7 @@ static void csv_faults_name_their_line(void **state)
         softsim_error error = {.status = SOFTSIM_OK};
         softsim_path *path = NULL;
         snprintf(text, sizeof text, "%s%s", CSV_HEADER, cases[i].rows);
-        write_file(in_folder("bad.csv"), text, strlen(text));
+        write_text("bad.csv", text);
         assert_int_equal(softsim_path_load(in_folder("bad.csv"), &path, &error),
                          SOFTSIM_ERROR_FORMAT);
         assert_null(path);
@@ -440,13 +401,13 @@ static void csv_names_all_its_faults(void **state)
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_path *path = NULL;
     static const char text[] = CSV_HEADER "0,9,0,0,0,1,0,0,0,0\n1,0,0,0,0,1,0,0,0,0\nx\n";
-    write_file(in_folder("bad.csv"), text, strlen(text));
+    write_text("bad.csv", text);
     assert_int_equal(softsim_path_load(in_folder("bad.csv"), &path, &error), SOFTSIM_ERROR_FORMAT);
     assert_int_equal(error.fault_count, 2);
     assert_non_null(strstr(error.text, ":2: "));
     assert_non_null(strstr(error.text, ":4: "));
     static const char other[] = "t,x,y\n0,0,0\n";
-    write_file(in_folder("bad.csv"), other, strlen(other));
+    write_text("bad.csv", other);
     error = (softsim_error){.status = SOFTSIM_OK};
     assert_int_equal(softsim_path_load(in_folder("bad.csv"), &path, &error), SOFTSIM_ERROR_FORMAT);
     assert_non_null(strstr(error.text, ":1: "));
@@ -464,7 +425,7 @@ static void path_is_interpolated(void **state)
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_path *path = NULL;
     softsim_pose pose;
-    write_file(in_folder("path.csv"), text, strlen(text));
+    write_text("path.csv", text);
     assert_int_equal(softsim_path_load(in_folder("path.csv"), &path, &error), SOFTSIM_OK);
     assert_int_equal(softsim_path_probes(path), 1 << 2);
     assert_false(softsim_path_sample(path, 2, 0.999, &pose));
@@ -493,7 +454,7 @@ static void quaternions_take_the_short_way(void **state)
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_path *path = NULL;
     softsim_pose pose;
-    write_file(in_folder("path.csv"), text, strlen(text));
+    write_text("path.csv", text);
     assert_int_equal(softsim_path_load(in_folder("path.csv"), &path, &error), SOFTSIM_OK);
     assert_true(softsim_path_sample(path, 0, 0.5, &pose));
     assert_near(pose.orientation[0], 0.6, 1e-15);
@@ -512,7 +473,7 @@ static void csv_is_sampled_on_the_ticks(void **state)
     softsim_poses *poses = NULL;
     softsim_pose_event event;
     char note[64];
-    write_file(in_folder("path.csv"), text, strlen(text));
+    write_text("path.csv", text);
     assert_int_equal(softsim_poses_open(in_folder("path.csv"), 1000.0, &poses, &error), SOFTSIM_OK);
     for (int turn = 0; turn < 2; ++turn) {
         int count[8] = {0};

@@ -22,13 +22,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
 #include "process/process.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
 #include "wire.h"
 
 static const double stiffness = 400.0;
-static char folder[64];
 static process child;
 static process patient, asking; /* wait all the while for a server that never comes */
 
@@ -206,32 +206,18 @@ static void stop_server(void)
 
 static int set_up(void **state)
 {
-    (void)state;
     memset(&stand_in, 0, sizeof stand_in);
-    snprintf(folder, sizeof folder, "/tmp/softsim-lcm-XXXXXX");
-    return mkdtemp(folder) != NULL ? 0 : -1;
+    return make_folder(state);
 }
 
 static int tear_down(void **state)
 {
-    (void)state;
-    char command[128];
     if (stand_in.lcm != NULL) {
         stop_server();
     }
     process_signal(&child, SIGKILL);
     process_finish(&child);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][128];
-    static int next;
-    next = (next + 1) % 4;
-    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
-    return path[next];
+    return remove_folder(state);
 }
 
 /* A log at 1 kHz, `count` ticks of `probes` probes, each going down to -5 mm and up again. */

@@ -98,6 +98,14 @@ static void closed_loops_gain_nothing_in_either_direction(void **state)
 
 /* ---- the contact cell alone --------------------------------------------------------------- */
 
+/* A plate under tension and `tools` spheres, each of which acts at its contact cell alone. */
+static void setup_one_cell(setup *s, int tools)
+{
+    setup_plate(s, tools, PLATE_EDGE, 0.1);
+    give(s, "source", 1.0);
+    create(s);
+}
+
 static void one_cell_carries_the_whole_source_of_a_load(void **state)
 {
     (void)state;
@@ -136,9 +144,7 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.1);
-    give(&s, "source", 1.0);
-    create(&s);
+    setup_one_cell(&s, 1);
     const ss_cnn_tool *own = &s.model->tool[0];
     const double h = 0.1 / 24.0;
     go(tool, 0.0, 0.0, PLATE_EDGE + 0.01); /* too far */
@@ -185,9 +191,7 @@ static void a_press_that_is_taken_back_holds_no_cell(void **state)
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.1);
-    give(&s, "source", 1.0);
-    create(&s);
+    setup_one_cell(&s, 1);
     const ss_cnn_contact_cell *cell = &s.model->tool[0].cell;
     const double h = 0.1 / 24.0;
     go(tool, 0.82 * h, 0.0, PLATE_EDGE + 0.0005); /* the next cell weighs most from 0.9 h on */
@@ -246,9 +250,7 @@ static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
     (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 2, PLATE_EDGE, 0.1);
-    give(&s, "source", 1.0);
-    create(&s);
+    setup_one_cell(&s, 2);
     press(&s, tool, 1, 0.0, PLATE_EDGE, 0.006);
     const double before = ledger(&s);
     int32_t changes = 0, last = -1;

@@ -12,28 +12,9 @@
 #include <string.h>
 
 #include "contact/contact.h"
+#include "contact_fixture.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
-
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double a_ = (a);                                                                     \
-        const double b_ = (b);                                                                     \
-        if (!(fabs(a_ - b_) <= (eps))) {                                                           \
-            fail_msg("%s = %.17g, not %.17g (within %g)", #a, a_, b_, (double)(eps));              \
-        }                                                                                          \
-    } while (0)
-
-static uint64_t seed_state;
-
-static double random_unit(void)
-{
-    seed_state += 0x9e3779b97f4a7c15u;
-    uint64_t z = seed_state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 static void random_point(double out[3], double size)
 {
@@ -42,32 +23,14 @@ static void random_point(double out[3], double size)
     }
 }
 
-static ss_tool_pose random_pose(double size)
+static ss_tool_pose random_pose_within(double size)
 {
-    ss_tool_pose pose;
-    double length = 0.0;
-    random_point(pose.position, size);
-    for (int k = 0; k < 4; ++k) {
-        pose.orientation[k] = random_unit() - 0.5;
-        length += pose.orientation[k] * pose.orientation[k];
-    }
-    for (int k = 0; k < 4; ++k) {
-        pose.orientation[k] /= sqrt(length);
-    }
-    return pose;
+    double at[3];
+    random_point(at, size);
+    return random_pose(at[0], at[1], at[2]);
 }
 
 /* ---- a box and a prism as meshes ------------------------------------------------------------ */
-
-static double positions[512][3];
-static int32_t triangles[1024][3];
-static ss_mesh mesh;
-
-static void add_triangle(int32_t a, int32_t b, int32_t c)
-{
-    const int32_t corner[3] = {a, b, c};
-    memcpy(triangles[mesh.triangle_count++], corner, sizeof corner);
-}
 
 static void make_box(double x, double y, double z)
 {
@@ -191,10 +154,10 @@ static bool is_inside(const ss_shape *shape, const double x[3])
 static void distances_survive_random_points(void **state)
 {
     (void)state;
-    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     seed_state = 21;
     for (int i = 0; i < 20000; ++i) {
-        const ss_shape *shape = shapes[i % 5];
+        const ss_shape *shape = solids[i % 5];
         double x[3];
         double normal[3];
         double other[3];
@@ -228,7 +191,7 @@ static void distances_survive_random_points(void **state)
 static void distances_are_never_not_a_number(void **state)
 {
     (void)state;
-    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     static const double odd[] = {0.0,    -0.0, 1.0,   -1.0,     2.0, 3.0,
                                  1e-320, 1e40, 1e300, INFINITY, NAN};
     enum { COUNT = sizeof odd / sizeof odd[0] };
@@ -236,7 +199,7 @@ static void distances_are_never_not_a_number(void **state)
         const double x[3] = {odd[i / 5 % COUNT], odd[i / 5 / COUNT % COUNT],
                              odd[i / 5 / COUNT / COUNT]};
         double normal[3];
-        const double d = ss_shape_distance(shapes[i % 5], x, normal);
+        const double d = ss_shape_distance(solids[i % 5], x, normal);
         assert_true(d == d);
         assert_near(ss_norm3(normal), 1.0, 1e-9);
         if (!ss_is_finite(x, 3)) {
@@ -348,8 +311,8 @@ static void blending_stays_within_the_motion_bound(void **state)
     (void)state;
     seed_state = 24;
     for (int i = 0; i < 2000; ++i) {
-        const ss_tool_pose from = random_pose(1.0);
-        const ss_tool_pose to = random_pose(1.0);
+        const ss_tool_pose from = random_pose_within(1.0);
+        const ss_tool_pose to = random_pose_within(1.0);
         ss_tool_pose at;
         double x[3];
         double a[3];
@@ -383,7 +346,7 @@ static void overlaps_agree_with_distances(void **state)
 {
     (void)state;
     const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.002};
-    ss_shape shapes[] = {
+    ss_shape solids[] = {
         {.kind = SS_SHAPE_SPHERE, .radius = 0.003},
         {.kind = SS_SHAPE_CAPSULE, .radius = 0.002, .half_length = 0.004},
         {.kind = SS_SHAPE_BOX, .half_extent = {0.002, 0.003, 0.004}},
@@ -392,14 +355,14 @@ static void overlaps_agree_with_distances(void **state)
         {.kind = SS_SHAPE_CONVEX},
     };
     make_box(0.002, 0.003, 0.004);
-    assert_int_equal(ss_shape_init_convex(&shapes[5], &mesh, NULL), SOFTSIM_OK);
+    assert_int_equal(ss_shape_init_convex(&solids[5], &mesh, NULL), SOFTSIM_OK);
     seed_state = 25;
     int64_t failures = 0;
     int overlaps = 0;
     for (int i = 0; i < 30000; ++i) {
-        const ss_shape *shape = &shapes[i % 6];
-        const ss_tool_pose a = random_pose(0.005);
-        const ss_tool_pose b = random_pose(0.005);
+        const ss_shape *shape = &solids[i % 6];
+        const ss_tool_pose a = random_pose_within(0.005);
+        const ss_tool_pose b = random_pose_within(0.005);
         double r[3];
         double local[3];
         double normal[3];
@@ -429,7 +392,7 @@ static void overlaps_agree_with_distances(void **state)
     }
     assert_true(overlaps > 5000);
     assert_int_equal(failures, 0);
-    ss_shape_fini(&shapes[5]);
+    ss_shape_fini(&solids[5]);
 }
 
 static void coinciding_and_distant_shapes_are_safe(void **state)
@@ -440,11 +403,11 @@ static void coinciding_and_distant_shapes_are_safe(void **state)
     double depth;
     double direction[3];
     int64_t failures = 0;
-    const ss_shape *shapes[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     for (int k = 0; k < 5; ++k) {
-        if (ss_shape_penetration(shapes[k], &here, shapes[k], &here, &depth, direction,
+        if (ss_shape_penetration(solids[k], &here, solids[k], &here, &depth, direction,
                                  &failures)) {
-            assert_true(depth >= 2.0 * ss_shape_inradius(shapes[k]) - 1e-9);
+            assert_true(depth >= 2.0 * ss_shape_inradius(solids[k]) - 1e-9);
             assert_near(ss_norm3(direction), 1.0, 1e-9);
         } else {
             assert_true(failures > 0);

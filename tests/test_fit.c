@@ -13,7 +13,6 @@
 
 #include <cmocka.h>
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +22,7 @@
 #include <unistd.h>
 
 #include "fit.h"
+#include "folder_fixture.h"
 #include "models/model.h"
 
 #define assert_near(a, b, share)                                                                   \
@@ -33,33 +33,7 @@
         }                                                                                          \
     } while (0)
 
-static char folder[] = "/tmp/test_fit_XXXXXX";
 static softsim_error error;
-
-static const char *path_of(const char *name)
-{
-    static char path[32][128];
-    static int next;
-    next = (next + 1) % 32;
-    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
-    return path[next];
-}
-
-static void write_file(const char *name, const char *text)
-{
-    FILE *file = fopen(path_of(name), "w");
-    assert_non_null(file);
-    fputs(text, file);
-    fclose(file);
-}
-
-static void read_file(const char *name, char *out, size_t size)
-{
-    FILE *file = fopen(path_of(name), "r");
-    assert_non_null(file);
-    out[fread(out, 1, size - 1, file)] = '\0';
-    fclose(file);
-}
 
 /* ---- least squares ---------------------------------------------------------------------------
  */
@@ -192,15 +166,15 @@ static void bad_curves_are_refused_with_their_line(void **state)
     for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
         ss_curve curve;
         error = (softsim_error){0};
-        write_file("bad.csv", bad[k].text);
-        assert_int_not_equal(ss_curve_read(path_of("bad.csv"), &curve, &error), SOFTSIM_OK);
+        write_text("bad.csv", bad[k].text);
+        assert_int_not_equal(ss_curve_read(in_folder("bad.csv"), &curve, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[k].fault) == NULL) {
             fail_msg("case %zu: '%s'", k, error.text);
         }
         assert_null(curve.at);
     }
     ss_curve curve;
-    assert_int_not_equal(ss_curve_read(path_of("nowhere.csv"), &curve, &error), SOFTSIM_OK);
+    assert_int_not_equal(ss_curve_read(in_folder("nowhere.csv"), &curve, &error), SOFTSIM_OK);
 }
 
 static void columns_may_stand_in_any_order(void **state)
@@ -208,8 +182,8 @@ static void columns_may_stand_in_any_order(void **state)
     (void)state;
     ss_curve curve;
     error = (softsim_error){0};
-    write_file("c.csv", "region,force_n,depth_m\n1,3,0.001\n1,4,0.002\n");
-    assert_int_equal(ss_curve_read(path_of("c.csv"), &curve, &error), SOFTSIM_OK);
+    write_text("c.csv", "region,force_n,depth_m\n1,3,0.001\n1,4,0.002\n");
+    assert_int_equal(ss_curve_read(in_folder("c.csv"), &curve, &error), SOFTSIM_OK);
     assert_int_equal(curve.count, 2);
     assert_false(curve.is_time);
     assert_near(curve.at[1], 0.002, 1e-15);
@@ -255,20 +229,19 @@ static void make_curve(const char *name, bool is_time, double last, int32_t coun
         used +=
             (size_t)snprintf(text + used, sizeof text - used, "%.9g,1\n", last * (k + 1) / count);
     }
-    write_file(name, text);
-    const ss_press_scene scene = {path_of("plate.yaml"), set, set_count};
+    write_text(name, text);
+    const ss_press_scene scene = {in_folder("plate.yaml"), set, set_count};
     ss_curve curve;
     ss_press press;
     ss_press_run run;
     error = (softsim_error){0};
-    ss_curve_read(path_of(name), &curve, &error);
+    ss_curve_read(in_folder(name), &curve, &error);
     ss_press_plan(&scene, place, depth, 0.2, &press, &error);
     if (error.fault_count > 0 ||
         ss_press_measure(&press, &scene, &curve, curve.force, &run, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
-    FILE *file = fopen(path_of(name), "w");
-    assert_non_null(file);
+    FILE *file = open_file(name);
     fprintf(file, "%s,force_n\n", is_time ? "time_s" : "depth_m");
     for (int32_t k = 0; k < count; ++k) {
         fprintf(file, "%.9g,%.9g\n", curve.at[k], curve.force[k]);
@@ -283,10 +256,11 @@ static void make_curve(const char *name, bool is_time, double last, int32_t coun
 static void fit_curve(ss_fit *fit, const char *name, double depth, const char *const *set,
                       int32_t set_count, const char *const *wanted, int32_t wanted_count)
 {
-    *fit = (ss_fit){
-        .scene = {path_of("plate.yaml"), set, set_count}, .curve_count = 1, .max_evaluations = 200};
+    *fit = (ss_fit){.scene = {in_folder("plate.yaml"), set, set_count},
+                    .curve_count = 1,
+                    .max_evaluations = 200};
     error = (softsim_error){0};
-    ss_curve_read(path_of(name), &fit->curve[0], &error);
+    ss_curve_read(in_folder(name), &fit->curve[0], &error);
     fit->parameter_count = ss_fit_choose(fit->scene.path, set, set_count, wanted, wanted_count,
                                          fit->curve[0].is_time, fit->parameter, &error);
     ss_press_plan(&fit->scene, NULL, depth, 0.2, &fit->press[0], &error);
@@ -385,7 +359,7 @@ static void the_press_is_where_and_as_it_is_said_to_be(void **state)
 {
     (void)state;
     const char *set[] = {tool};
-    const ss_press_scene scene = {path_of("plate.yaml"), set, 1};
+    const ss_press_scene scene = {in_folder("plate.yaml"), set, 1};
     ss_press press;
     error = (softsim_error){0};
     assert_int_equal(ss_press_plan(&scene, NULL, 0.01, 0.2, &press, &error), SOFTSIM_OK);
@@ -409,7 +383,7 @@ static void the_press_is_where_and_as_it_is_said_to_be(void **state)
         {{0.038, 0.0, 0.0}, "the surface is fixed"},
     };
     const char *half[] = {tool, "object.fixed=[{box_m: [[0, -1, -1], [1, 1, 1]]}]"};
-    const ss_press_scene held = {path_of("plate.yaml"), half, 2};
+    const ss_press_scene held = {in_folder("plate.yaml"), half, 2};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
         error = (softsim_error){0};
         assert_int_equal(ss_press_plan(&held, bad[k].at, 0.01, 0.2, &press, &error),
@@ -427,7 +401,7 @@ static void parameters_are_chosen_and_checked(void **state)
 {
     (void)state;
     ss_fit_parameter p[SS_FIT_MAX_PARAMETERS];
-    const char *path = path_of("plate.yaml");
+    const char *path = in_folder("plate.yaml");
     error = (softsim_error){0};
     assert_int_equal(ss_fit_choose(path, NULL, 0, NULL, 0, false, p, &error), 3);
     assert_string_equal(p[0].path, "model.modulus_j");
@@ -465,7 +439,7 @@ static void regions_are_fitted_by_entry(void **state)
         "model.rest_stiffness_n_per_m3=[{where: {box_m: [[0, -1, -1], [1, 1, 1]]}, "
         "value: 20000}, {value: 5000}]"};
     error = (softsim_error){0};
-    assert_int_equal(ss_fit_choose(path_of("plate.yaml"), set, 1, NULL, 0, false, p, &error), 4);
+    assert_int_equal(ss_fit_choose(in_folder("plate.yaml"), set, 1, NULL, 0, false, p, &error), 4);
     assert_string_equal(p[2].path, "model.rest_stiffness_n_per_m3.0.value");
     assert_near(p[3].start, 5000.0, 1e-12);
 }
@@ -485,11 +459,11 @@ static void two_curves_tell_two_regions(void **state)
                             "model.rest_stiffness_n_per_m3.1.value"};
     static const double place[2][3] = {{0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}};
     static const char *const name[2] = {"right.csv", "left.csv"};
-    fit = (ss_fit){.scene = {path_of("plate.yaml"), set, 2}, .max_evaluations = 200};
+    fit = (ss_fit){.scene = {in_folder("plate.yaml"), set, 2}, .max_evaluations = 200};
     error = (softsim_error){0};
     for (int c = 0; c < 2; ++c) {
         make_curve(name[c], false, 0.008, 4, 0.008, truth, 4, place[c]);
-        ss_curve_read(path_of(name[c]), &fit.curve[c], &error);
+        ss_curve_read(in_folder(name[c]), &fit.curve[c], &error);
         ss_press_plan(&fit.scene, place[c], 0.008, 0.2, &fit.press[c], &error);
         ++fit.curve_count;
     }
@@ -515,7 +489,7 @@ static int run_program(const char *const *argument)
     }
     const pid_t child = fork();
     if (child == 0) {
-        const int out = open(path_of("err.txt"), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        const int out = open(in_folder("err.txt"), O_WRONLY | O_CREAT | O_TRUNC, 0666);
         dup2(out, STDERR_FILENO);
         dup2(out, STDOUT_FILENO);
         execv(argv[0], (char *const *)argv);
@@ -529,23 +503,23 @@ static int run_program(const char *const *argument)
 static void the_program_writes_the_scene_with_its_origin(void **state)
 {
     (void)state;
-    char text[8192], told[4096], curve[128], scene[128], out[128], fitted[128];
+    char text[8192], told[4096];
     const char *truth[] = {tool, "model.modulus_j=11"};
     make_curve("press.csv", false, 0.012, 6, 0.012, truth, 2, NULL);
-    snprintf(curve, sizeof curve, "%s/press.csv", folder);
-    snprintf(scene, sizeof scene, "%s/plate.yaml", folder);
-    snprintf(out, sizeof out, "%s/out.yaml", folder);
-    snprintf(fitted, sizeof fitted, "%s/fitted.csv", folder);
+    const char *curve = in_folder("press.csv");
+    const char *scene = in_folder("plate.yaml");
+    const char *out = in_folder("out.yaml");
+    const char *fitted = in_folder("fitted.csv");
     /* The tool is a list in no file yet: it is added to the new scene. */
     const char *argument[] = {"--scene",   scene,   "--curve",  curve,         "--out",
                               out,         "--set", tool,       "--parameter", "model.modulus_j",
                               "--press-s", "0.2",   "--fitted", fitted,        NULL};
     const int result = run_program(argument);
-    read_file("err.txt", told, sizeof told);
+    read_text("err.txt", told, sizeof told);
     if (result != 0) {
         fail_msg("exit %d: %s", result, told);
     }
-    read_file("out.yaml", text, sizeof text);
+    read_text("out.yaml", text, sizeof text);
     assert_non_null(strstr(text, "# Fitted by softsim-fit"));
     assert_non_null(strstr(text, "# model.modulus_j = "));
     assert_non_null(strstr(text, "# a plate held at its rim\n"));
@@ -554,20 +528,20 @@ static void the_program_writes_the_scene_with_its_origin(void **state)
     assert_non_null(value);
     assert_near(strtod(value + 14, NULL), 11.0, 0.01);
     assert_non_null(strstr(value, "   # guessed\n"));
-    read_file("fitted.csv", text, sizeof text);
+    read_text("fitted.csv", text, sizeof text);
     assert_ptr_equal(strstr(text, "curve,at,force_n,fitted_n\n0,0.002,"), text);
 }
 
 static void the_program_refuses_what_is_wrong(void **state)
 {
     (void)state;
-    char told[4096], scene[128], bad[128], deep[128], out[128];
-    write_file("bad.csv", "depth_m,force_n\n");
-    write_file("deep.csv", "depth_m,force_n\n1,1\n2,3\n");
-    snprintf(scene, sizeof scene, "%s/plate.yaml", folder);
-    snprintf(bad, sizeof bad, "%s/bad.csv", folder);
-    snprintf(deep, sizeof deep, "%s/deep.csv", folder);
-    snprintf(out, sizeof out, "%s/never.yaml", folder);
+    char told[4096];
+    write_text("bad.csv", "depth_m,force_n\n");
+    write_text("deep.csv", "depth_m,force_n\n1,1\n2,3\n");
+    const char *scene = in_folder("plate.yaml");
+    const char *bad = in_folder("bad.csv");
+    const char *deep = in_folder("deep.csv");
+    const char *out = in_folder("never.yaml");
     const char *nothing[] = {NULL};
     const char *no_points[] = {"--scene", scene, "--curve", bad, "--out", out, NULL};
     const char *too_deep[] = {"--scene", scene, "--curve", deep, "--out", out, NULL};
@@ -585,7 +559,7 @@ static void the_program_refuses_what_is_wrong(void **state)
                                         "is beyond 1000 m"};
     for (int k = 0; k < 7; ++k) {
         assert_int_equal(run_program(wrong[k]), 2);
-        read_file("err.txt", told, sizeof told);
+        read_text("err.txt", told, sizeof told);
         if (strstr(told, fault[k]) == NULL) {
             fail_msg("case %d: %s", k, told);
         }
@@ -598,9 +572,9 @@ static void the_program_refuses_what_is_wrong(void **state)
 static void a_reference_case_is_fitted_level_by_level(void **state)
 {
     (void)state;
-    char told[4096], text[8192], out[128], scene[128];
-    snprintf(out, sizeof out, "%s/case.yaml", folder);
-    snprintf(scene, sizeof scene, "%s/plate.yaml", folder);
+    char told[4096], text[8192];
+    const char *out = in_folder("case.yaml");
+    const char *scene = in_folder("plate.yaml");
     const char *slab = SOURCE_DIR "/tests/reference/c_slab";
     const char *good[] = {"--scene",     scene,
                           "--case",      slab,
@@ -611,7 +585,7 @@ static void a_reference_case_is_fitted_level_by_level(void **state)
                           "--out",       out,
                           NULL};
     const int result = run_program(good);
-    read_file("err.txt", told, sizeof told);
+    read_text("err.txt", told, sizeof told);
     if (result != 0) {
         fail_msg("exit %d: %s", result, told);
     }
@@ -623,7 +597,7 @@ static void a_reference_case_is_fitted_level_by_level(void **state)
     /* A membrane under tension on springs: .46 and .95 before; about .4 is what it can do. */
     assert_true(strtod(field + strlen("1 levels: misfit of the field "), NULL) < 45.0);
     assert_true(strtod(force + strlen("of the force "), NULL) < 10.0);
-    read_file("case.yaml", text, sizeof text);
+    read_text("case.yaml", text, sizeof text);
     const char *value = strstr(text, "\n  rest_stiffness_n_per_m3: ");
     assert_non_null(value);
     assert_true(strtod(value + strlen("\n  rest_stiffness_n_per_m3: "), NULL) > 1e5);
@@ -637,32 +611,20 @@ static void a_reference_case_is_fitted_level_by_level(void **state)
         const char *bad[] = {"--scene", scene,       "--case",    wrong[k][0], "--out",
                              out,       wrong[k][1], wrong[k][2], NULL};
         assert_int_equal(run_program(bad), 2);
-        read_file("err.txt", told, sizeof told);
+        read_text("err.txt", told, sizeof told);
         if (strstr(told, wrong[k][3]) == NULL) {
             fail_msg("case %zu: %s", k, told);
         }
     }
 }
 
-static int make_folder(void **state)
+static int make_plate(void **state)
 {
-    (void)state;
-    if (mkdtemp(folder) == NULL) {
+    if (make_folder(state) != 0) {
         return -1;
     }
-    write_file("plate.yaml", plate);
+    write_text("plate.yaml", plate);
     return 0;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *at = opendir(folder);
-    for (const struct dirent *name = readdir(at); name != NULL; name = readdir(at)) {
-        unlinkat(dirfd(at), name->d_name, 0);
-    }
-    closedir(at);
-    return rmdir(folder);
 }
 
 int main(void)
@@ -686,5 +648,5 @@ int main(void)
         cmocka_unit_test(the_program_refuses_what_is_wrong),
         cmocka_unit_test(a_reference_case_is_fitted_level_by_level),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_plate, remove_folder);
 }

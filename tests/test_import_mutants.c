@@ -18,12 +18,12 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
 #include "mesh/mesh.h"
 #include "rt/memory.h"
 
 enum { MAX_SIZE = 1 << 16, FORMATS = 5 };
 static int wanted = 40;
-static char folder[] = "/tmp/softsim-mutants-XXXXXX";
 
 typedef struct seed {
     const char *name;
@@ -200,14 +200,6 @@ static size_t damage(const seed *s, unsigned char *out)
     return size;
 }
 
-static void write_file(const char *path, const unsigned char *data, size_t size)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
 static double now_s(void)
 {
     struct timespec now;
@@ -239,16 +231,14 @@ static void damaged_files_harm_nobody(void **unused)
 {
     (void)unused;
     static unsigned char data[MAX_SIZE];
-    char path[128];
     double longest = 0.0;
     for (int f = 0; f < FORMATS; ++f) {
         const seed *s = &seeds[f];
-        snprintf(path, sizeof path, "%s/%s", folder, s->name);
-        write_file(path, s->data, s->size);
+        const char *path = write_bytes(s->name, s->data, s->size);
         assert_true(load(path));
         int good = 0;
         for (int k = 0; k < wanted / FORMATS; ++k) {
-            write_file(path, data, damage(s, data));
+            write_bytes(s->name, data, damage(s, data));
             const double begun = now_s();
             good += load(path);
             longest = fmax(longest, now_s() - begun);
@@ -270,5 +260,5 @@ int main(int argc, char **argv)
     make_binary_stl(&seeds[2]);
     make_ply(&seeds[3]);
     make_glb(&seeds[4]);
-    return mkdtemp(folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
+    return cmocka_run_group_tests(tests, make_folder, NULL);
 }

@@ -16,30 +16,9 @@
 
 #include <cmocka.h>
 
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double left_ = (a);                                                                  \
-        const double right_ = (b);                                                                 \
-        if (!(fabs(left_ - right_) <= (eps))) {                                                    \
-            fail_msg("%s = %.17g is not within %g of %.17g", #a, left_, (double)(eps), right_);    \
-        }                                                                                          \
-    } while (0)
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+#include "mesh_fixture.h"
 
 static const double no_turn[3] = {0.0, 0.0, 0.0};
-
-static ss_mesh *make(int32_t nodes, const double (*x)[3], int32_t triangles,
-                     const int32_t (*triangle)[3], int32_t tetrahedra,
-                     const int32_t (*tetrahedron)[4])
-{
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    if (ss_mesh_create(nodes, x, triangles, triangle, tetrahedra, tetrahedron, &mesh, &error) !=
-        SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return mesh;
-}
 
 /* ---- solids -----------------------------------------------------------------------------------
  */
@@ -53,7 +32,7 @@ static const int32_t cube_tetrahedron[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2
 
 static ss_mesh *make_cube(void)
 {
-    return make(8, cube_corner, 0, NULL, 6, cube_tetrahedron);
+    return make_mesh(8, cube_corner, 0, NULL, 6, cube_tetrahedron);
 }
 
 /* The same cube as a surface: nodes and triangles in arrays that a test may spoil. */
@@ -95,7 +74,7 @@ static void add_cube(soup *s, double scale, const double move[3], bool is_turned
 
 static ss_mesh *make_soup(const soup *s)
 {
-    return make(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
+    return make_mesh(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
 }
 
 static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(void **state)
@@ -104,7 +83,7 @@ static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(voi
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t both[2][1][4] = {{{0, 1, 2, 3}}, {{0, 2, 1, 3}}};
     for (int i = 0; i < 2; ++i) {
-        ss_mesh *mesh = make(4, x, 0, NULL, 1, both[i]);
+        ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, both[i]);
         ss_mesh_report report;
         assert_int_equal(ss_mesh_check(mesh, &report), SOFTSIM_OK);
         assert_int_equal(mesh->triangle_count, 4);
@@ -166,7 +145,7 @@ static void transform_scales_then_turns_about_world_x_y_z_then_moves(void **stat
     (void)state;
     const double x[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t triangle[1][3] = {{0, 1, 2}};
-    ss_mesh *mesh = make(3, x, 1, triangle, 0, NULL);
+    ss_mesh *mesh = make_mesh(3, x, 1, triangle, 0, NULL);
     const double turn[3] = {90.0, 90.0, 0.0};
     const double move[3] = {10.0, 20.0, 30.0};
     ss_mesh_transform(mesh, 2.0, turn, move);
@@ -361,7 +340,7 @@ static void faults_of_tetrahedra_are_found(void **state)
     const double x[7][3] = {{0, 0, 0},  {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
                             {0, 0, -1}, {1, 1, 2}, {1, 1, 0}};
     const int32_t e[5][4] = {{0, 1, 2, 3}, {0, 2, 1, 4}, {2, 0, 1, 4}, {0, 1, 2, 5}, {0, 1, 6, 2}};
-    ss_mesh *mesh = make(7, x, 0, NULL, 5, e);
+    ss_mesh *mesh = make_mesh(7, x, 0, NULL, 5, e);
     ss_mesh_report r;
     assert_int_equal(ss_mesh_check(mesh, &r), SOFTSIM_OK);
     assert_int_equal(r.crowded_face.count, 1);

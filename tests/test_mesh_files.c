@@ -13,75 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "mesh/import.h"
 #include "mesh/mesh.h"
 #include "rt/vec.h"
-
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double left_ = (a);                                                                  \
-        const double right_ = (b);                                                                 \
-        if (!(fabs(left_ - right_) <= (eps))) {                                                    \
-            fail_msg("%s = %.17g is not within %g of %.17g", #a, left_, (double)(eps), right_);    \
-        }                                                                                          \
-    } while (0)
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
-
-static const char importer[] = BIN_DIR "/softsim-import";
-static char folder[] = "/tmp/softsim-mesh-XXXXXX";
-
-#include "folder_fixture.h"
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][256];
-    static int turn;
-    turn = (turn + 1) % 4;
-    (void)snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static const char *write_file(const char *name, const char *text, size_t size)
-{
-    const char *path = in_folder(name);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-    return path;
-}
-
-static const char *write_text(const char *name, const char *text)
-{
-    return write_file(name, text, strlen(text));
-}
-
-/* Runs a shell command; its output, both streams, in `out`. Returns its exit status. */
-static int run(const char *command, char *out, size_t size)
-{
-    char line[2048];
-    (void)snprintf(line, sizeof line, "cd %s && %s 2>&1", folder, command);
-    FILE *pipe = popen(line, "r");
-    assert_non_null(pipe);
-    const size_t used = fread(out, 1, size - 1, pipe);
-    out[used] = '\0';
-    const int status = pclose(pipe);
-    assert_true(WIFEXITED(status));
-    return WEXITSTATUS(status);
-}
-
-static ss_mesh *load(const char *path, double unit)
-{
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    if (ss_mesh_load(path, unit, importer, &mesh, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return mesh;
-}
+#include "tool_fixture.h"
 
 static void expect_cube(const char *path, int32_t nodes)
 {
@@ -179,7 +115,7 @@ static void ascii_and_binary_stl_join_their_corners(void **state)
     }
     strcat(text, "endsolid cube\n");
     expect_cube(write_text("ascii.stl", text), 8);
-    expect_cube(write_file("binary.STL", binary, sizeof binary), 8);
+    expect_cube(write_bytes("binary.STL", binary, sizeof binary), 8);
 }
 
 static void ascii_ply_and_gltf_are_read(void **state)
@@ -212,7 +148,7 @@ static void ascii_ply_and_gltf_are_read(void **state)
             memcpy(bytes + 96 + 6 * t + 2 * k, &index, sizeof index);
         }
     }
-    (void)write_file("cube.bin", bytes, sizeof bytes);
+    (void)write_bytes("cube.bin", bytes, sizeof bytes);
     expect_cube(
         write_text("cube.gltf",
                    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
@@ -322,8 +258,8 @@ static void damaged_files_never_bring_the_reader_down(void **state)
         ss_mesh *m = NULL;
         softsim_error error = {0};
         const size_t length = round % 3 == 0 ? (random >> 5) % size : size;
-        if (ss_mesh_load(write_file("damaged.obj", damaged, length), 0.001, importer, &m, &error) ==
-            SOFTSIM_OK) {
+        if (ss_mesh_load(write_bytes("damaged.obj", damaged, length), 0.001, importer, &m,
+                         &error) == SOFTSIM_OK) {
             ss_mesh_report r;
             (void)ss_mesh_check(m, &r);
             assert_int_equal(r.bad_index.count, 0);
@@ -399,7 +335,7 @@ static void an_answer_with_bad_contents_is_refused(void **state)
         memcpy(answer, &header, sizeof header);
         memcpy(answer + sizeof header, positions[i], 72);
         memcpy(answer + sizeof header + 72, triangles[i], 12);
-        (void)write_file("answer", answer, sizeof answer);
+        (void)write_bytes("answer", answer, sizeof answer);
         char script[512];
         (void)snprintf(script, sizeof script, "#!/bin/sh\ncat %s\n", in_folder("answer"));
         const char *path = write_text("helped.obj", "x");

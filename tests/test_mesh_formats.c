@@ -19,11 +19,11 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
 #include "mesh/mesh.h"
 #include "mesh/readers.h"
+#include "mesh_fixture.h"
 #include "rt/memory.h"
-
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
 
 /* ---- pieces of files ---------------------------------------------------------------------------
  */
@@ -444,27 +444,6 @@ static void make_binary(const char *name, builder *b)
 
 /* ---- loading -----------------------------------------------------------------------------------
  */
-
-static char folder[] = "/tmp/softsim-formats-XXXXXX";
-
-#include "folder_fixture.h"
-
-static const char *in_folder(const char *name)
-{
-    static char path[2][256];
-    static int turn;
-    turn = !turn;
-    (void)snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static void write_bytes(const char *name, const char *data, size_t size)
-{
-    FILE *file = fopen(in_folder(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
 
 /* The file's bytes, with what its case changes. */
 static size_t make_bytes(const file_case *c, char *out, size_t room)

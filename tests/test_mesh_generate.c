@@ -22,7 +22,7 @@ static ss_mesh *generate(const char *arguments, const char *name, double unit)
     if (run(command, out, sizeof out) != 0) {
         fail_msg("%s: %s", arguments, out);
     }
-    return load(name, unit);
+    return load(in_folder(name), unit);
 }
 
 /* Nothing that softsim-mesh check would tell; returns the report. */

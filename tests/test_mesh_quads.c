@@ -16,17 +16,8 @@
 
 #include <cmocka.h>
 
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double left_ = (a);                                                                  \
-        const double right_ = (b);                                                                 \
-        if (!(fabs(left_ - right_) <= (eps))) {                                                    \
-            fail_msg("%s = %.17g is not within %g of %.17g", #a, left_, (double)(eps), right_);    \
-        }                                                                                          \
-    } while (0)
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+#include "tool_fixture.h"
 
-static const char importer[] = BIN_DIR "/softsim-import";
 static const double none[3] = {0, 0, 0};
 
 static ss_mesh *make(int32_t nodes, const double (*x)[3], int32_t quads, const int32_t (*quad)[4])
@@ -475,24 +466,6 @@ static void turned_quads_are_turned_back_whole(void **state)
 /* ---- files -------------------------------------------------------------------------------------
  */
 
-static void write_text(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_true(fputs(text, file) >= 0);
-    assert_int_equal(fclose(file), 0);
-}
-
-static ss_mesh *load(const char *path)
-{
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    if (ss_mesh_load(path, 1.0, importer, &mesh, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return mesh;
-}
-
 static void quads_come_back_from_disk_as_they_were(void **state)
 {
     (void)state;
@@ -500,12 +473,12 @@ static void quads_come_back_from_disk_as_they_were(void **state)
     ss_mesh *m = NULL;
     assert_int_equal(ss_mesh_create_cylinder(5, 8, 1.0, 3.0, &m, NULL), SOFTSIM_OK);
     ss_mesh_transform(m, 0.7, turn, none);
-    const char *const names[] = {"/tmp/softsim_quads.obj", "/tmp/softsim_quads.msh"};
+    const char *const names[] = {in_folder("quads.obj"), in_folder("quads.msh")};
     for (int i = 0; i < 2; ++i) {
         assert_int_equal(i == 0 ? ss_mesh_write_obj(m, names[i], NULL)
                                 : ss_mesh_write_msh(m, names[i], NULL),
                          SOFTSIM_OK);
-        ss_mesh *again = load(names[i]);
+        ss_mesh *again = load(names[i], 1.0);
         assert_int_equal(again->node_count, m->node_count);
         assert_int_equal(again->quad_count, m->quad_count);
         assert_int_equal(again->cut_face_count, 0);
@@ -518,7 +491,6 @@ static void quads_come_back_from_disk_as_they_were(void **state)
             }
         }
         ss_mesh_destroy(&again);
-        unlink(names[i]);
     }
     ss_mesh_destroy(&m);
 }
@@ -539,10 +511,8 @@ static void only_surfaces_of_quads_alone_keep_them(void **state)
         {NODES "f 1 2 5 4\nf 2 3 6 5\nf 4 5 6 8 7\n", 0, 7, 3},
         {NODES "f 1 2 5\nf 1 5 4\n", 0, 2, 0},
     };
-    const char *path = "/tmp/softsim_mixed.obj";
     for (int32_t i = 0; i < COUNT(files); ++i) {
-        write_text(path, files[i].text);
-        ss_mesh *m = load(path);
+        ss_mesh *m = load(write_text("mixed.obj", files[i].text), 1.0);
         assert_int_equal(m->quad_count, files[i].quads);
         assert_int_equal(m->triangle_count, files[i].triangles);
         assert_int_equal(m->cut_face_count, files[i].cut);
@@ -554,7 +524,6 @@ static void only_surfaces_of_quads_alone_keep_them(void **state)
         }
         ss_mesh_destroy(&m);
     }
-    unlink(path);
 }
 
 #define MSH                                                                                        \
@@ -621,5 +590,5 @@ int main(void)
         cmocka_unit_test(only_surfaces_of_quads_alone_keep_them),
         cmocka_unit_test(msh_quads_carry_groups_and_mix_with_triangles),
     };
-    return cmocka_run_group_tests_name("softsim.mesh_quads", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("softsim.mesh_quads", tests, make_folder, remove_folder);
 }

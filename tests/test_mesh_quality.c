@@ -15,30 +15,9 @@
 
 #include <cmocka.h>
 
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double left_ = (a);                                                                  \
-        const double right_ = (b);                                                                 \
-        if (!(fabs(left_ - right_) <= (eps))) {                                                    \
-            fail_msg("%s = %.17g is not within %g of %.17g", #a, left_, (double)(eps), right_);    \
-        }                                                                                          \
-    } while (0)
-#define COUNT(array) ((int32_t)(sizeof(array) / sizeof((array)[0])))
+#include "mesh_fixture.h"
 
 static const double degrees = 57.295779513082320877;
-
-static ss_mesh *make(int32_t nodes, const double (*x)[3], int32_t triangles,
-                     const int32_t (*triangle)[3], int32_t tetrahedra,
-                     const int32_t (*tetrahedron)[4])
-{
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    if (ss_mesh_create(nodes, x, triangles, triangle, tetrahedra, tetrahedron, &mesh, &error) !=
-        SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return mesh;
-}
 
 /* ---- shapes of elements ------------------------------------------------------------------------
  */
@@ -49,7 +28,7 @@ static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
 {
     (void)state;
     const double x[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}};
-    ss_mesh *mesh = make(4, x, 0, NULL, 1, one);
+    ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
     ss_mesh_quality q;
     ss_mesh_measure_quality(mesh, &q);
     assert_near(q.dihedral_min, degrees * acos(1.0 / 3.0), 1e-12);
@@ -63,7 +42,7 @@ static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state
 {
     (void)state;
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    ss_mesh *mesh = make(4, x, 0, NULL, 1, one);
+    ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
     ss_mesh_quality q;
     ss_mesh_measure_quality(mesh, &q);
     assert_near(q.dihedral_min, degrees * acos(sqrt(1.0 / 3.0)), 1e-12);
@@ -92,7 +71,7 @@ static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
             for (int k = 0; k < 12; ++k) {
                 x[k / 3][k % 3] = scale * cases[i].x[k / 3][k % 3];
             }
-            ss_mesh *mesh = make(4, (const double(*)[3])x, 0, NULL, 1, one);
+            ss_mesh *mesh = make_mesh(4, (const double(*)[3])x, 0, NULL, 1, one);
             ss_mesh_quality q;
             ss_mesh_measure_quality(mesh, &q);
             if (q.sliver.count != cases[i].slivers) {
@@ -109,7 +88,7 @@ static void triangles_and_quads_are_told_by_their_least_angle(void **state)
     (void)state;
     const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.05, 0}, {0.5, 0.9, 0}, {0.5, -0.5, 0}};
     const int32_t triangle[3][3] = {{0, 1, 2}, {0, 4, 1}, {0, 1, 3}};
-    ss_mesh *mesh = make(5, x, 3, triangle, 0, NULL);
+    ss_mesh *mesh = make_mesh(5, x, 3, triangle, 0, NULL);
     ss_mesh_quality q;
     ss_mesh_measure_quality(mesh, &q);
     assert_int_equal(q.sliver.count, 1);
@@ -156,7 +135,7 @@ static void add_cube(soup *s, double size, double dx, double dy, double dz)
 
 static ss_mesh *make_soup(const soup *s)
 {
-    return make(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
+    return make_mesh(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
 }
 
 static void each_loop_of_open_edges_is_one_hole(void **state)
@@ -247,7 +226,7 @@ static void neighbours_cross_only_when_they_are_folded_or_pierced(void **state)
         {{{0, 1, 2}, {0, 5, 4}}, 0}, /* share a node, pass by */
     };
     for (int32_t i = 0; i < COUNT(cases); ++i) {
-        ss_mesh *mesh = make(8, x, 2, cases[i].triangle, 0, NULL);
+        ss_mesh *mesh = make_mesh(8, x, 2, cases[i].triangle, 0, NULL);
         ss_mesh_fault crossing;
         bool is_complete;
         assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
@@ -325,8 +304,8 @@ static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(v
             expected += crosses[a];
             first = crosses[a] ? a : first;
         }
-        ss_mesh *mesh = make(3 * TRIANGLES, (const double(*)[3])x, TRIANGLES,
-                             (const int32_t(*)[3])triangle, 0, NULL);
+        ss_mesh *mesh = make_mesh(3 * TRIANGLES, (const double(*)[3])x, TRIANGLES,
+                                  (const int32_t(*)[3])triangle, 0, NULL);
         ss_mesh_fault crossing;
         bool is_complete;
         assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
@@ -399,7 +378,7 @@ static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
     /* Kuhn's six about 1-8; the second and fifth inverted, the last with the double of node 1. */
     const int32_t e[6][4] = {{1, 2, 4, 8}, {1, 3, 4, 8}, {1, 3, 7, 8},
                              {1, 7, 5, 8}, {1, 6, 5, 8}, {9, 6, 2, 8}};
-    ss_mesh *mesh = make(10, x, 0, NULL, 6, e);
+    ss_mesh *mesh = make_mesh(10, x, 0, NULL, 6, e);
     mesh->group = ss_memory_get(1, sizeof *mesh->group);
     mesh->group_count = 1;
     strcpy(mesh->group[0].name, "held");
@@ -441,7 +420,7 @@ static void repair_keeps_quads_and_fails_where_nothing_is_left(void **state)
 
     const int32_t flat[1][3] = {{0, 1, 0}};
     softsim_error error = {0};
-    mesh = make(5, x, 1, flat, 0, NULL);
+    mesh = make_mesh(5, x, 1, flat, 0, NULL);
     assert_int_not_equal(ss_mesh_repair(mesh, &mended, &done, &error), SOFTSIM_OK);
     assert_int_equal(error.fault_count, 1);
     assert_null(mended);

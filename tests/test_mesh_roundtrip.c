@@ -15,16 +15,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "rt/memory.h"
+#include "tool_fixture.h"
 
 enum { CELLS = 11, SIDE = CELLS + 1, NODES = SIDE * SIDE * SIDE, TETS = 6 * CELLS * CELLS * CELLS };
 
-static const char importer[] = BIN_DIR "/softsim-import";
-static char folder[] = "/tmp/softsim-roundtrip-XXXXXX";
 static double position[NODES][3];
 static int32_t tetrahedron[TETS][4];
 static int32_t region[TETS]; /* 3 or 12 */
@@ -32,7 +30,6 @@ static int32_t region[TETS]; /* 3 or 12 */
 /* A block of cubes in six tetrahedra each, its nodes shaken. */
 static int make_block(void **state)
 {
-    (void)state;
     static const int step[3] = {1, SIDE, SIDE * SIDE};
     static const int order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
                                     {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
@@ -58,41 +55,7 @@ static int make_block(void **state)
             region[count] = c < CELLS * CELLS ? 12 : 3;
         }
     }
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][256];
-    static int turn;
-    turn = (turn + 1) % 4;
-    (void)snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static FILE *create(const char *name)
-{
-    FILE *file = fopen(in_folder(name), "wb");
-    assert_non_null(file);
-    return file;
-}
-
-static ss_mesh *load(const char *name)
-{
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    if (ss_mesh_load(in_folder(name), 1.0, importer, &mesh, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    return mesh;
+    return make_folder(state);
 }
 
 /* ---- by the book -------------------------------------------------------------------------------
@@ -354,7 +317,7 @@ static void one_mesh_in_every_format_is_one_mesh(void **state)
                                          "region=3", "region=3", "region=3", "region=3"};
     ss_mesh *reference = make_reference();
     for (int f = 0; f < (int)(sizeof names / sizeof names[0]); ++f) {
-        FILE *file = create(names[f]);
+        FILE *file = open_file(names[f]);
         switch (f) {
         case 0:
             write_msh1(file);
@@ -377,13 +340,13 @@ static void one_mesh_in_every_format_is_one_mesh(void **state)
             break;
         default: {
             write_node(file, f - 3);
-            FILE *other = create(f == 3 ? "0.ele" : "1.ele");
+            FILE *other = open_file(f == 3 ? "0.ele" : "1.ele");
             write_ele(other, f - 3);
             assert_int_equal(fclose(other), 0);
         }
         }
         assert_int_equal(fclose(file), 0);
-        ss_mesh *mesh = load(names[f]);
+        ss_mesh *mesh = load(in_folder(names[f]), 1.0);
         print_message("%-8s %d nodes, %d tetrahedra, group %s of %d\n", names[f], mesh->node_count,
                       mesh->tetrahedron_count, mesh->group[0].name, mesh->group[0].node_count);
         expect_same(mesh, reference);
@@ -401,7 +364,7 @@ static void what_we_write_comes_back_to_the_last_bit(void **state)
     assert_int_equal(ss_mesh_write_msh(mesh, in_folder("our.msh"), NULL), SOFTSIM_OK);
     assert_int_equal(ss_mesh_write_vtk(mesh, in_folder("our.vtk"), NULL), SOFTSIM_OK);
     for (int i = 0; i < 2; ++i) {
-        ss_mesh *back = load(i == 0 ? "our.msh" : "our.vtk");
+        ss_mesh *back = load(in_folder(i == 0 ? "our.msh" : "our.vtk"), 1.0);
         expect_same(back, mesh);
         expect_same_groups(back, mesh);
         for (int g = 0; g < 2; ++g) {
@@ -436,7 +399,7 @@ static void surfaces_come_back_to_the_last_bit(void **state)
         assert_int_equal(ss_mesh_write_msh(mesh, in_folder(names[1]), NULL), SOFTSIM_OK);
         assert_int_equal(ss_mesh_write_vtk(mesh, in_folder(names[2]), NULL), SOFTSIM_OK);
         for (int i = 0; i < 3; ++i) {
-            ss_mesh *back = load(names[i]);
+            ss_mesh *back = load(in_folder(names[i]), 1.0);
             expect_same(back, mesh);
             ss_mesh_destroy(&back);
         }
@@ -456,7 +419,7 @@ static void surfaces_come_back_to_the_last_bit(void **state)
 static void a_line_that_exceeds_the_window_is_refused(void **state)
 {
     (void)state;
-    FILE *file = create("long.msh");
+    FILE *file = open_file("long.msh");
     (void)fputs("$Comments\n", file);
     for (int i = 0; i < SS_TEXT_WINDOW; ++i) {
         (void)fputc('x', file);

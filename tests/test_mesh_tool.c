@@ -210,7 +210,7 @@ static void formats_and_units_are_converted(void **state)
     assert_int_equal(run(TOOL "convert good.obj good.msh --units m --to-units mm", out, sizeof out),
                      0);
     assert_non_null(strstr(out, "good.msh: 8 nodes, 12 triangles\n"));
-    ss_mesh *m = load("good.msh", 1.0);
+    ss_mesh *m = load(in_folder("good.msh"), 1.0);
     assert_near(m->position[7][2], 1000.0, 0.0);
     ss_mesh_destroy(&m);
     assert_int_equal(run(TOOL "generate block --tetrahedra --points 100 --out b.msh && " TOOL
@@ -220,7 +220,7 @@ static void formats_and_units_are_converted(void **state)
                          out, sizeof out),
                      0);
     assert_non_null(strstr(out, "of which the surface: "));
-    m = load("b.obj", 1e-3);
+    m = load(in_folder("b.obj"), 1e-3);
     assert_true(m->is_closed);
     ss_mesh_destroy(&m);
 }
@@ -324,7 +324,7 @@ static void the_input_is_replaced_only_when_asked(void **state)
             fail_msg("%s: %d: %s", cases[i].arguments, status, out);
         }
     }
-    ss_mesh *m = load("mine.obj", 1.0);
+    ss_mesh *m = load(in_folder("mine.obj"), 1.0);
     assert_int_equal(m->triangle_count, 12);
     ss_mesh_destroy(&m);
 }
@@ -399,7 +399,7 @@ static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
     if (run(TOOL "check k.msh --units mm", out, sizeof out) != 0) {
         fail_msg("%s", out);
     }
-    ss_mesh *volume = load("k.msh", 1.0);
+    ss_mesh *volume = load(in_folder("k.msh"), 1.0);
     ss_mesh *surface = NULL;
     assert_int_equal(ss_mesh_load(kidney, 1.0, BIN_DIR "/softsim-import", &surface, NULL),
                      SOFTSIM_OK);
@@ -432,7 +432,7 @@ static void cavities_stay_hollow(void **state)
     if (run(TOOL "tetrahedralize hollow.obj h.msh --edge 1", out, sizeof out) != 0) {
         fail_msg("%s", out);
     }
-    ss_mesh *m = load("h.msh", 1.0);
+    ss_mesh *m = load(in_folder("h.msh"), 1.0);
     ss_mesh_report r;
     assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);
     assert_near(r.volume, 26.0, 1e-9);

@@ -14,16 +14,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "folder_fixture.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 #include "world.h"
 
 static softsim_error error;
-static char folder[] = "/tmp/softsim_numbers_XXXXXX";
-
-#include "folder_fixture.h"
 
 enum { BLOCK = 64 };
 
@@ -262,22 +259,6 @@ static void numbers_that_are_right_already_have_no_map(void **state)
 
 /* ---- the scene ---------------------------------------------------------------------------------
  */
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][256];
-    static int turn;
-    turn = (turn + 1) % 4;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static FILE *open_file(const char *name)
-{
-    FILE *file = fopen(in_folder(name), "w");
-    assert_non_null(file);
-    return file;
-}
 
 /* `file` as MSH with the group `even` of every other node, a value rho = 1 + number / 1000 and a
  * direction (number, 1, 0). */

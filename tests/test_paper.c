@@ -13,15 +13,13 @@
 
 #include <cmocka.h>
 
-#include <dirent.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "bench.h"
+#include "folder_fixture.h"
 #include "paper.h"
 #include "paper_shape.h"
 #include "rt/vec.h"
@@ -32,7 +30,6 @@
 #define PI                       3.14159265358979323846
 #define assert_near(a, b, share) assert_true(fabs((a) - (b)) <= (share)*fabs(b))
 
-static char folder[] = "/tmp/test_paper_XXXXXX";
 static ss_paper paper;
 static softsim_error error;
 
@@ -44,16 +41,6 @@ static void start(void)
     paper.folder = folder;
     snprintf(paper.temporary, sizeof paper.temporary, "%s", folder);
     snprintf(paper.bin, sizeof paper.bin, "%s", BIN_DIR);
-}
-
-static void read_back(const char *name, char *out, size_t size)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    out[fread(out, 1, size - 1, file)] = '\0';
-    fclose(file);
 }
 
 /* ---- claims ------------------------------------------------------------------------------- */
@@ -103,7 +90,7 @@ static void claims_are_written_in_six_columns(void **state)
     ss_claim_add(&paper, "eq. 4", SS_CLAIM_DIFFERS, "back", "stays: F cancels", "returns");
     ss_claim_at_most(&paper, "eq. 27", 1.0, 2.0, "small");
     assert_int_equal(ss_paper_write_claims(&paper, &error), SOFTSIM_OK);
-    read_back("claims.csv", text, sizeof text);
+    read_text("claims.csv", text, sizeof text);
     assert_string_equal(
         text, "paper,figure,claim,expected,measured,result\n"
               "zhong2006,Fig. 4,\"depth, \"\"U\"\", 3 N\",0.5 (within 2 %),0.501 (+0.2 %),pass\n"
@@ -126,7 +113,7 @@ static void the_page_shows_each_claim_once(void **state)
     assert_int_equal(ss_paper_csv_open(&paper, &csv, "curve", "a,b", &error), SOFTSIM_OK);
     assert_int_equal(ss_paper_csv_close(&paper, &csv, "curve", &error), SOFTSIM_OK);
     assert_int_equal(ss_page_close(&paper.page, &error), SOFTSIM_OK);
-    read_back("page.html", text, sizeof text);
+    read_text("page.html", text, sizeof text);
     const char *first = strstr(text, "first &lt;one&gt;"), *second = strstr(text, "second");
     assert_non_null(first);
     assert_non_null(second);
@@ -169,7 +156,7 @@ static void sections_run_in_order_up_to_the_first_that_fails(void **state)
     ss_paper_miss(&paper, "not <built>", "a model");
     ss_paper_write_missing(&paper);
     assert_int_equal(ss_page_close(&paper.page, &error), SOFTSIM_OK);
-    read_back("page.html", text, sizeof text);
+    read_text("page.html", text, sizeof text);
     static const char *const order[] = {"<h2>One</h2>",
                                         "claim 1",
                                         "<h2>Two</h2>",
@@ -436,7 +423,7 @@ static void faces_are_drawn_from_far_to_near(void **state)
     assert_int_equal(ss_shape_draw(&paper, "faces", "caption", &shape, &view, 1, &error),
                      SOFTSIM_OK);
     ss_page_abandon(&paper.page);
-    read_back("faces.gp", text, sizeof text);
+    read_text("faces.gp", text, sizeof text);
     const char *far = strstr(text, "polygon from 0,0 to 1,0 to 1,1 to 0,0 ");
     const char *near = strstr(text, "polygon from 0,0 to 1,0 to 1,1 to 0,1 to 0,0 ");
     assert_non_null(far);
@@ -455,14 +442,9 @@ static void faces_are_drawn_from_far_to_near(void **state)
 
 static int run_quietly(int argc, char **argv)
 {
-    fflush(stderr);
-    const int kept = dup(STDERR_FILENO), nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(nowhere, STDERR_FILENO);
+    const int kept = divert(stderr, "/dev/null");
     const int result = ss_bench_paper(argc, argv);
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-    close(nowhere);
+    restore(stderr, kept);
     return result;
 }
 
@@ -479,22 +461,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(run_quietly(4, lost), 1);
 }
 
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *at = opendir(folder);
-    for (const struct dirent *name = readdir(at); name != NULL; name = readdir(at)) {
-        unlinkat(dirfd(at), name->d_name, 0);
-    }
-    closedir(at);
-    return rmdir(folder);
-}
-
 int main(void)
 {
-    if (mkdtemp(folder) == NULL) {
-        return 1;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(claims_pass_within_their_bounds_only),
         cmocka_unit_test(the_list_of_claims_is_bounded),
@@ -512,5 +480,5 @@ int main(void)
         cmocka_unit_test(faces_are_drawn_from_far_to_near),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, remove_folder);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

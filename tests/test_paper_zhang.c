@@ -16,16 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "number_fixture.h"
 #include "rt/vec.h"
 #include "zhang.h"
-
-#define assert_near(a, b, eps)                                                                     \
-    do {                                                                                           \
-        const double near_a = (a), near_b = (b);                                                   \
-        if (!(fabs(near_a - near_b) <= (eps))) {                                                   \
-            fail_msg("%s = %.9g, not %.9g", #a, near_a, near_b);                                   \
-        }                                                                                          \
-    } while (0)
 
 static softsim_error error;
 

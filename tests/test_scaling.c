@@ -24,8 +24,6 @@
 #include "static_cnn.h"
 #include "table.h"
 
-static char folder[] = "/tmp/test_scaling_XXXXXX";
-
 #include "folder_fixture.h"
 
 /* What a field may be off, of the largest displacement. */

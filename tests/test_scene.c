@@ -205,7 +205,7 @@ static void the_first_matching_region_gives_the_value(void **state)
 static void values_by_link_are_read_and_renumbered(void **state)
 {
     (void)state;
-    write_file("links.csv", "node,node,value\n0,1,0.5\n# a note\n7, 2, 0.25\n0,3,1\n");
+    write_text("links.csv", "node,node,value\n0,1,0.5\n# a note\n7, 2, 0.25\n0,3,1\n");
     ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho: {file: links.csv}"), NULL, 0);
     const ss_param_value *rho = &s->param[RHO];
     assert_null(rho->per_node);
@@ -248,7 +248,7 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
 static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
 {
     (void)state;
-    write_file("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 5 5 5\n2 0 0 0\n"
+    write_text("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 5 5 5\n2 0 0 0\n"
                              "3 1 0 0\n4 0 1 0\n5 0 0 1\n6 0 0 1\n$EndNodes\n$Elements\n5\n"
                              "1 2 0 2 4 3\n2 2 0 2 3 5\n3 2 0 2 3 6\n4 2 0 3 4 6\n5 2 0 2 4 5\n"
                              "$EndElements\n");
@@ -386,7 +386,7 @@ static void directions_by_file_are_of_quads_or_triangles_or_tetrahedra(void **st
     write_directions("grain_12.csv", 12);
     write_directions("grain_6.csv", 6);
     write_directions("grain_1.csv", 1);
-    write_file("tet.msh",
+    write_text("tet.msh",
                "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
                "3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n");
     static const struct {
@@ -759,5 +759,5 @@ int main(void)
         cmocka_unit_test(each_printed_value_has_its_meaning_beside_it),
         cmocka_unit_test(live_keys_are_parsed_and_the_rest_refused),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_files, remove_folder);
 }

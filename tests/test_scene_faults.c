@@ -184,7 +184,7 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
     assert_null(load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: range.csv}"), NULL, 0));
     assert_non_null(strstr(error.text, "range.csv:3: error: the value is 11, out of range"));
     assert_non_null(strstr(error.text, "range.csv:4: error: the value is 'nan'"));
-    write_file("links_bad.csv", "node,node,value\n2,2,1\n3,4\n5,6,11\n0,8,1\n");
+    write_text("links_bad.csv", "node,node,value\n2,2,1\n3,4\n5,6,11\n0,8,1\n");
     assert_null(
         load_with(replace_line(8, "  modulus_j: 5\n  rho: {file: links_bad.csv}"), NULL, 0));
     assert_int_equal(error.fault_count, 3); /* and no more of a file */
@@ -332,5 +332,5 @@ int main(void)
         cmocka_unit_test(counts_faults_beyond_what_can_be_shown),
         cmocka_unit_test(hostile_text_is_refused_and_cleaned),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_files, remove_folder);
 }

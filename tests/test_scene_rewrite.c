@@ -23,10 +23,8 @@ static const char text[] =
 /* The file as it would be written to `to`, with the assignments; NULL when refused. */
 static char *rewrite(const char *source, const char *const *set, int count, const char *to)
 {
-    char path[256];
     ss_scene *scene = NULL;
-    write_file("r.yaml", source);
-    snprintf(path, sizeof path, "%s/r.yaml", folder);
+    const char *path = write_text("r.yaml", source);
     error = (softsim_error){0};
     ss_scene_load(path, set, count, model, MODEL_COUNT, NULL, &scene, &error);
     if (scene == NULL) {
@@ -110,8 +108,7 @@ static void a_key_goes_before_a_mapping_that_comes_first(void **state)
 static void files_are_found_from_another_folder(void **state)
 {
     (void)state;
-    char other[300];
-    snprintf(other, sizeof other, "%s/other", folder);
+    const char *other = in_folder("other");
     assert_int_equal(mkdir(other, 0777), 0);
     static const char with_files[] = "softsim: 1\n"
                                      "object: {mesh: cube.msh, units: mm,\n"
@@ -201,5 +198,5 @@ int main(void)
         cmocka_unit_test(numbers_are_found_by_path),
         cmocka_unit_test(what_was_given_is_printed_alone),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_files, remove_folder);
 }

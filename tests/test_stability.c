@@ -17,10 +17,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "assay.h"
 #include "audit.h"
+#include "folder_fixture.h"
 #include "models/model.h"
 #include "rt/vec.h"
 #include "specimen.h"
@@ -249,8 +249,6 @@ static void what_a_run_leaves_is_read_back(void **state)
 
 /* ---- runs ------------------------------------------------------------------------------------ */
 
-static char folder[] = "/tmp/test_stability_XXXXXX";
-
 static ss_assay_result run_of(int32_t subject, ss_assay_kind kind, double stiffness_pa,
                               double value, int32_t variant)
 {
@@ -344,10 +342,9 @@ static void every_run_has_a_row_with_every_column(void **state)
         run[i].text = text[i];
     }
     assert_int_equal(ss_stability_report(&list, &result, &yardstick, &error), SOFTSIM_OK);
-    char line[1024], path[128];
+    char line[1024];
     int32_t lines = 0, columns = 0;
-    snprintf(path, sizeof path, "%s/stability.csv", folder);
-    FILE *csv = fopen(path, "re");
+    FILE *csv = fopen(in_folder("stability.csv"), "re");
     assert_non_null(csv);
     for (; fgets(line, sizeof line, csv) != NULL; ++lines) {
         columns = lines == 0 ? count_commas(line) : columns;
@@ -360,14 +357,8 @@ static void every_run_has_a_row_with_every_column(void **state)
     free(text[1]);
 }
 
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
 /* Fails when a run has left a file; the report's own are known. */
-static int remove_folder(void **state)
+static int remove_report(void **state)
 {
     static const char *const names[] = {"stability.csv",
                                         "stability.html",
@@ -376,12 +367,7 @@ static int remove_folder(void **state)
                                         "stability-flattened.gp",
                                         "stability-flattened.svg"};
     (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char path[128];
-        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        unlink(path);
-    }
-    return rmdir(folder);
+    return remove_only(names, sizeof names / sizeof *names);
 }
 
 int main(void)
@@ -401,5 +387,5 @@ int main(void)
         cmocka_unit_test(a_teleport_is_refused_by_the_gate_and_said),
         cmocka_unit_test(every_run_has_a_row_with_every_column),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_folder, remove_report);
 }

@@ -20,10 +20,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "folder_fixture.h"
 #include "process.h"
 #include "sweep.h"
-
-static char folder[] = "/tmp/test_sweep_XXXXXX";
 
 enum { RUNS = 12, CRASHES = 3, FAILS = 5, HANGS = 7 };
 
@@ -34,11 +33,6 @@ typedef struct deed {
     useconds_t pause_us;
 } deed;
 
-static void name_of(const char *name, char out[128])
-{
-    snprintf(out, 128, "%s/%s", folder, name);
-}
-
 static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
 {
     const deed *what = context;
@@ -48,9 +42,7 @@ static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZ
 static softsim_status run(const void *context, int32_t index, FILE *out, softsim_error *error)
 {
     const deed *what = context;
-    char path[128];
-    name_of("log", path);
-    FILE *log = fopen(path, "ae");
+    FILE *log = fopen(in_folder("log"), "ae");
     fprintf(log, "%c", 'a' + index);
     fclose(log);
     usleep(what->pause_us);
@@ -85,25 +77,21 @@ static ss_sweep sweep_of(const deed *what, int32_t jobs)
                       .run = run};
 }
 
+static const char *const left[] = {"test.0.part", "test.1.part", "test.2.part", "test.3.part",
+                                   "log"};
+enum { LEFT_COUNT = sizeof left / sizeof *left };
+
 static void remove_all(void)
 {
-    char path[128];
-    for (int rank = 0; rank < 4; ++rank) {
-        char name[32];
-        snprintf(name, sizeof name, "test.%d.part", rank);
-        name_of(name, path);
-        unlink(path);
+    for (int k = 0; k < LEFT_COUNT; ++k) {
+        unlink(in_folder(left[k]));
     }
-    name_of("log", path);
-    unlink(path);
 }
 
 /* Letters of the runs that were begun, in order. */
 static void read_log(char out[256])
 {
-    char path[128];
-    name_of("log", path);
-    FILE *file = fopen(path, "re");
+    FILE *file = fopen(in_folder("log"), "re");
     out[file != NULL ? fread(out, 1, 255, file) : 0] = '\0';
     if (file != NULL) {
         fclose(file);
@@ -246,9 +234,8 @@ static void a_torn_record_is_run_again(void **state)
 {
     (void)state;
     ss_sweep_result result;
-    char path[128];
     struct stat whole;
-    name_of("test.0.part", path);
+    const char *path = in_folder("test.0.part");
     remove_all();
     execute(&good, 1, &result);
     ss_sweep_result_fini(&result);
@@ -298,8 +285,7 @@ static void parts_are_removed_only_when_all_is_done(void **state)
 {
     (void)state;
     ss_sweep_result result;
-    char path[128];
-    name_of("test.0.part", path);
+    const char *path = in_folder("test.0.part");
     remove_all();
     execute(&good, 1, &result);
     const ss_sweep sweep = sweep_of(&good, 1);
@@ -377,17 +363,10 @@ static void rank_0_waits_for_ranks_that_have_not_begun(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-static int make_folder(void **state)
+static int remove_sweep(void **state)
 {
     (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    remove_all();
-    return rmdir(folder);
+    return remove_only(left, LEFT_COUNT);
 }
 
 int main(void)
@@ -403,5 +382,5 @@ int main(void)
         cmocka_unit_test(ranks_share_the_runs),
         cmocka_unit_test(rank_0_waits_for_ranks_that_have_not_begun),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_folder, remove_sweep);
 }

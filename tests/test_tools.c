@@ -48,14 +48,6 @@ static bool has_program(const char *name)
     return access(path, X_OK) == 0;
 }
 
-static void read_text(const char *name, char *out, size_t size)
-{
-    FILE *file = fopen(in_folder(name), "rb");
-    assert_non_null(file);
-    out[fread(out, 1, size - 1, file)] = '\0';
-    assert_int_equal(fclose(file), 0);
-}
-
 /* Every file that is read; the same bytes afterwards. */
 static const struct {
     const char *name, *text;

@@ -12,10 +12,9 @@
  * stiffness. Rejected: consistent mass.
  */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "models/printer.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -407,67 +406,52 @@ void ss_body_reset(ss_body *body)
 
 /* ---- explanation ---------------------------------------------------------------------------- */
 
-typedef struct printer {
-    void (*line)(void *sink, const char *text);
-    void *sink;
-} printer;
-
-static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    out->line(out->sink, text);
-}
-
-static void explain_tool(const ss_body *body, int index, const printer *out)
+static void explain_tool(const ss_body *body, int index, const ss_printer *out)
 {
     const ss_body_tool *tool = &body->tool[index];
     const double depth =
         sqrt(body->plan.max_force / (3.14159265358979 * tool->stiffness * tool->radius));
-    say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest", index,
-        tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
+    ss_say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
+           index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
     if (depth > 0.2 * tool->radius) {
-        say(out,
-            "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
-            "contact.working_force_n, or the rate or stiffness that limit the contact",
-            index, depth / tool->radius);
+        ss_say(out,
+               "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
+               "contact.working_force_n, or the rate or stiffness that limit the contact",
+               index, depth / tool->radius);
     }
     const double edge = ss_surface_mean_edge(body->surface);
     if (tool->radius < 0.5 * edge) {
-        say(out,
-            "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
-            "force will ripple; refine the mesh",
-            index, tool->radius, edge);
+        ss_say(out,
+               "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
+               "force will ripple; refine the mesh",
+               index, tool->radius, edge);
     }
 }
 
 void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *text), void *sink)
 {
-    const printer out = {line, sink};
+    const ss_printer out = {line, sink};
     const double share = body->own.step_share * body->bound;
-    say(&out, "body: %d nodes, %.6g kg, %s, %s precision", body->nodes.count, body->total_mass,
-        body->is_held ? "held" : "free to move as a whole",
-        sizeof(ss_real) == sizeof(float) ? "single" : "double");
+    ss_say(&out, "body: %d nodes, %.6g kg, %s, %s precision", body->nodes.count, body->total_mass,
+           body->is_held ? "held" : "free to move as a whole",
+           sizeof(ss_real) == sizeof(float) ? "single" : "double");
     if (body->is_explicit) {
-        say(&out, "integrator: %s",
-            body->own.integrator == SS_BODY_RK4 ? "classical Runge-Kutta" : "symplectic Euler");
+        ss_say(&out, "integrator: %s",
+               body->own.integrator == SS_BODY_RK4 ? "classical Runge-Kutta" : "symplectic Euler");
     }
     if (body->is_explicit && isfinite(share)) {
-        say(&out, "stable step at rest %.4g s, sub-steps of at most %.2g of it", body->bound,
-            body->own.step_share);
+        ss_say(&out, "stable step at rest %.4g s, sub-steps of at most %.2g of it", body->bound,
+               body->own.step_share);
     }
     if (body->is_explicit && body->plan.step > share) {
-        say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", body->plan.step,
-            ceil(body->plan.step / share));
+        ss_say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", body->plan.step,
+               ceil(body->plan.step / share));
     }
     if (!(body->own.mass_damping > 0.0)) {
-        say(&out, "left out: mass damping (mass_damping_per_s is 0)");
+        ss_say(&out, "left out: mass damping (mass_damping_per_s is 0)");
     }
     if (!body->has_gravity) {
-        say(&out, "left out: gravity");
+        ss_say(&out, "left out: gravity");
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (body->tool[k].is_used) {
@@ -475,9 +459,9 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
         }
     }
     if (body->surface) {
-        say(&out, "contact: %lld samples", (long long)ss_surface_sample_count(body->surface));
+        ss_say(&out, "contact: %lld samples", (long long)ss_surface_sample_count(body->surface));
     } else {
-        say(&out, "left out: contact (no tool)");
+        ss_say(&out, "left out: contact (no tool)");
     }
 }
 

@@ -19,6 +19,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -100,12 +101,7 @@ static softsim_status allocate(ss_body *body)
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
 {
     const ss_model_plan *plan = &body->plan;
-    double smallest = (double)INFINITY;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            smallest = fmin(smallest, ss_shape_inradius(&plan->tool[k].shape));
-        }
-    }
+    const double smallest = ss_plan_smallest_tool(plan);
     softsim_status status = allocate(body);
     body->sigma = body->has_skin ? body->own.skin.sigma : mean_sigma(body);
     if (status != SOFTSIM_OK || body->sigma < 0.0) {

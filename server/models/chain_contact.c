@@ -33,6 +33,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -123,15 +124,8 @@ static softsim_status allocate(ss_model *model)
 softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    double smallest = 0.0;
-    int count = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            const double radius = ss_shape_inradius(&plan->tool[k].shape);
-            smallest = count++ == 0 ? radius : fmin(smallest, radius);
-        }
-    }
-    if (count == 0) {
+    const double smallest = ss_plan_smallest_tool(plan);
+    if (isinf(smallest)) {
         return SOFTSIM_OK;
     }
     softsim_status status =

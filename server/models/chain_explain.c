@@ -6,8 +6,8 @@
  * once on the reference core (Zen 5, float, AVX2), never a clock.
  */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
+
+#include "models/printer.h"
 
 /* Microseconds a step, a link and a node in a sub-step, the coarse level and a node in it, a
  * tetrahedron looked at, a tool in a sub-step and in a step. */
@@ -80,100 +80,87 @@ double ss_chain_step_cost_us(const ss_model_plan *plan)
 
 /* ---- lines -------------------------------------------------------------------------------- */
 
-typedef struct printer {
-    void (*line)(void *sink, const char *text);
-    void *sink;
-} printer;
-
-static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    out->line(out->sink, text);
-}
-
-static void explain_net(const ss_model *model, const printer *out)
+static void explain_net(const ss_model *model, const ss_printer *out)
 {
     const ss_chain_net *net = model->net;
     const ss_mesh *mesh = model->plan.mesh;
-    say(out,
-        "chain: %d elements (%d fixed), %d links of %s, each once (%d of elements shared), "
-        "mean %.4g m, %.2f MB",
-        model->node_count, model->fixed_count, net->link_count,
-        mesh->tetrahedron_count > 0 ? "tetrahedra"
-        : mesh->quad_count > 0      ? "a rectangular grid"
-                                    : "triangles",
-        net->duplicates, net->mean_length, (double)ss_chain_net_bytes(net) / 1048576.0);
-    say(out, "kernels: %s, %s", model->kernels->name,
-        sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+    ss_say(out,
+           "chain: %d elements (%d fixed), %d links of %s, each once (%d of elements shared), "
+           "mean %.4g m, %.2f MB",
+           model->node_count, model->fixed_count, net->link_count,
+           mesh->tetrahedron_count > 0 ? "tetrahedra"
+           : mesh->quad_count > 0      ? "a rectangular grid"
+                                       : "triangles",
+           net->duplicates, net->mean_length, (double)ss_chain_net_bytes(net) / 1048576.0);
+    ss_say(out, "kernels: %s, %s", model->kernels->name,
+           sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
     if (ss_chain_is_aggregated(model)) {
-        say(out,
+        ss_say(
+            out,
             "cells: the elements are aggregated into %d away from tools, which step every %.4g s",
             ss_chain_coarse_cells(model->coarse), ss_chain_aggregated_step(model));
     } else if (model->coarse) {
-        say(out, "coarse level: %d cells, %.2f MB", ss_chain_coarse_cells(model->coarse),
-            (double)ss_chain_coarse_bytes(model->coarse) / 1048576.0);
+        ss_say(out, "coarse level: %d cells, %.2f MB", ss_chain_coarse_cells(model->coarse),
+               (double)ss_chain_coarse_bytes(model->coarse) / 1048576.0);
     } else {
-        say(out, "left out: coarse level");
+        ss_say(out, "left out: coarse level");
     }
     if (model->coarse || isfinite(model->saturation)) {
-        say(out, "left out: active set (%s touches every element)",
-            ss_chain_is_aggregated(model) ? "an aggregated cell"
-            : model->coarse               ? "the coarse level"
-                                          : "saturation");
+        ss_say(out, "left out: active set (%s touches every element)",
+               ss_chain_is_aggregated(model) ? "an aggregated cell"
+               : model->coarse               ? "the coarse level"
+                                             : "saturation");
     } else {
-        say(out, "active set: links that are slack and still are not looked at");
+        ss_say(out, "active set: links that are slack and still are not looked at");
     }
     if (model->guard) {
-        say(out, "tet guard: %d tetrahedra are kept above a fifth of their volume",
-            mesh->tetrahedron_count);
+        ss_say(out, "tet guard: %d tetrahedra are kept above a fifth of their volume",
+               mesh->tetrahedron_count);
     } else {
-        say(out, "left out: tet guard");
+        ss_say(out, "left out: tet guard");
     }
 }
 
-static void explain_material(const ss_model *model, const printer *out)
+static void explain_material(const ss_model *model, const ss_printer *out)
 {
     static const char *const unloading[] = {"falls with the contact's depth (ramp)",
                                             "is 0 once one goes back (literal)", "stays (keep)"};
-    say(out, "links: k %.4g N/m, alpha %s; unloading: alpha %s", model->k,
-        model->has_alpha ? "as given" : "0", unloading[model->unloading]);
+    ss_say(out, "links: k %.4g N/m, alpha %s; unloading: alpha %s", model->k,
+           model->has_alpha ? "as given" : "0", unloading[model->unloading]);
     if (model->leak > 0.0) {
-        say(out, "leak: back to the rest shape in about %.3g s", model->capacitance / model->leak);
+        ss_say(out, "leak: back to the rest shape in about %.3g s",
+               model->capacitance / model->leak);
     } else {
-        say(out, "left out: leak (what is slack stays where it was pushed)");
+        ss_say(out, "left out: leak (what is slack stays where it was pushed)");
     }
     if (isfinite(model->saturation)) {
-        say(out, "saturation: %.4g m", model->saturation);
+        ss_say(out, "saturation: %.4g m", model->saturation);
     } else {
-        say(out, "left out: saturation of cells (none given)");
+        ss_say(out, "left out: saturation of cells (none given)");
     }
-    say(out, "capacitance %.4g s (%s); stable step %.4g s, %.0f sub-steps of a step of %.4g s",
-        model->capacitance, model->is_capacitance_given ? "given" : "chosen for the step",
-        ss_chain_stable_step(model), ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9),
-        model->plan.step);
+    ss_say(out, "capacitance %.4g s (%s); stable step %.4g s, %.0f sub-steps of a step of %.4g s",
+           model->capacitance, model->is_capacitance_given ? "given" : "chosen for the step",
+           ss_chain_stable_step(model), ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9),
+           model->plan.step);
     if (!model->is_held) {
-        say(out, "warning: the supports do not hold the body: a tool pushes it away");
+        ss_say(out, "warning: the supports do not hold the body: a tool pushes it away");
     }
 }
 
 void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    const printer out = {line, sink};
+    const ss_printer out = {line, sink};
     explain_net(model, &out);
     explain_material(model, &out);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_chain_tool *tool = &model->tool[k];
         if (tool->is_used) {
-            say(&out, "tool %d: %s, contact %.4g N/m^3, %.4g N/m at first touch", k,
-                model->is_current ? "a current source" : "holds the cells it touches",
-                tool->stiffness, tool->rest_felt);
+            ss_say(&out, "tool %d: %s, contact %.4g N/m^3, %.4g N/m at first touch", k,
+                   model->is_current ? "a current source" : "holds the cells it touches",
+                   tool->stiffness, tool->rest_felt);
         }
     }
     if (!model->surface) {
-        say(&out, "left out: contact (no tool)");
+        ss_say(&out, "left out: contact (no tool)");
     }
 }

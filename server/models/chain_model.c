@@ -27,9 +27,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/dispatch.h"
 #include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
+
+SS_KERNEL_PATHS(ss_chain_kernels)
 
 /* Cells of the coarse level of a volume; fewer on meshes with less than eight elements each. */
 enum { COARSE_CELLS = 64, COARSE_ELEMENTS = 8, COARSE_LEAST = 4 };
@@ -300,14 +303,6 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     return hash;
 }
 
-/* No row of the table is live. */
-static void set(ss_model *model, int32_t index, double value)
-{
-    (void)model;
-    (void)index;
-    (void)value;
-}
-
 extern const ss_model_class ss_model_cnn_chainmail;
 const ss_model_class ss_model_cnn_chainmail = {
     .name = "cnn-chainmail",
@@ -326,5 +321,4 @@ const ss_model_class ss_model_cnn_chainmail = {
     .velocity = velocity,
     .reaction = reaction,
     .hash = hash_state,
-    .explain = ss_chain_explain,
-    .set = set};
+    .explain = ss_chain_explain};

@@ -23,12 +23,12 @@
  * contact of stiffness 1 (chain_contact.c has the symbols), grasped ones along with it.
  */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "models/chain_net.h"
 #include "models/grasp.h"
 #include "models/plan.h"
+#include "models/printer.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -538,17 +538,11 @@ static softsim_status create_tool(ss_model *model, mail_tool *tool, const ss_sha
 static softsim_status create_tools(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    double smallest = 0.0;
-    int count = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            const double radius = ss_shape_inradius(&plan->tool[k].shape);
-            smallest = count++ == 0 ? radius : fmin(smallest, radius);
-        }
-    }
-    softsim_status status = count > 0 ? ss_surface_create(plan->mesh, smallest, plan->contact_parts,
-                                                          &model->surface, error)
-                                      : SOFTSIM_OK;
+    const double smallest = ss_plan_smallest_tool(plan);
+    softsim_status status =
+        isfinite(smallest)
+            ? ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error)
+            : SOFTSIM_OK;
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
             status = create_tool(model, &model->tool[k], &plan->tool[k].shape);
@@ -772,25 +766,16 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    char text[256];
-    snprintf(text, sizeof text, "chain: %d elements, %d links, each once, mean %.4g m",
-             model->node_count, model->net->link_count, model->net->mean_length);
-    line(sink, text);
-    snprintf(text, sizeof text, "band: %s; order: %s; relaxation: %d passes a step",
-             model->is_radial ? "radial" : "box",
-             model->is_by_violation ? "largest violation first" : "first in, first out",
-             model->iterations);
-    line(sink, text);
-    line(sink, "left out: forces, energies, reactions (there are none in a chain): the felt force "
-               "is the coupling's");
-}
-
-/* No row of the table is live. */
-static void set(ss_model *model, int32_t index, double value)
-{
-    (void)model;
-    (void)index;
-    (void)value;
+    const ss_printer out = {line, sink};
+    ss_say(&out, "chain: %d elements, %d links, each once, mean %.4g m", model->node_count,
+           model->net->link_count, model->net->mean_length);
+    ss_say(&out, "band: %s; order: %s; relaxation: %d passes a step",
+           model->is_radial ? "radial" : "box",
+           model->is_by_violation ? "largest violation first" : "first in, first out",
+           model->iterations);
+    ss_say(&out,
+           "left out: forces, energies, reactions (there are none in a chain): the felt force "
+           "is the coupling's");
 }
 
 extern const ss_model_class ss_model_chainmail;
@@ -811,5 +796,4 @@ const ss_model_class ss_model_chainmail = {
     .velocity = velocity,
     .reaction = reaction,
     .hash = hash_state,
-    .explain = explain,
-    .set = set};
+    .explain = explain};

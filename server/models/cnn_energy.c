@@ -45,8 +45,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/dispatch.h"
+#include "models/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
+
+SS_KERNEL_PATHS(ss_cnn_kernels)
 
 /* ---- set-up ------------------------------------------------------------------------------- */
 
@@ -218,15 +222,8 @@ static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_s
 static softsim_status create_tools(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    double smallest = 0.0;
-    int count = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            const double radius = ss_shape_inradius(&plan->tool[k].shape);
-            smallest = count++ == 0 ? radius : fmin(smallest, radius);
-        }
-    }
-    if (count == 0) {
+    const double smallest = ss_plan_smallest_tool(plan);
+    if (isinf(smallest)) {
         return SOFTSIM_OK;
     }
     softsim_status status =

@@ -8,9 +8,8 @@
  * (Zen 5, float, AVX2), never a clock: rates chosen from it are the same on every machine.
  */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 
+#include "models/printer.h"
 #include "rt/vec.h"
 
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
@@ -113,40 +112,25 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
 
 /* ---- lines -------------------------------------------------------------------------------- */
 
-typedef struct printer {
-    void (*line)(void *sink, const char *text);
-    void *sink;
-} printer;
-
-static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    out->line(out->sink, text);
-}
-
 static double megabytes(double bytes)
 {
     return bytes / 1048576.0;
 }
 
-static void explain_relaxation(const ss_cnn_relax *relax, const printer *out)
+static void explain_relaxation(const ss_cnn_relax *relax, const ss_printer *out)
 {
     const double good = ss_cnn_relax_steps_to(relax, 1e-3);
     const double exact = ss_cnn_relax_steps_to(relax, 1e-6);
-    say(out,
-        "network in its own time (C = 1): step %.4g, slowest time constant %.4g, %d steps a "
-        "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
-        "1e-6 after %.0f",
-        relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
-    say(out, "network states: at most %d cells, %.1f MB", relax->cell_count,
-        megabytes((double)relax->bytes));
+    ss_say(out,
+           "network in its own time (C = 1): step %.4g, slowest time constant %.4g, %d steps a "
+           "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
+           "1e-6 after %.0f",
+           relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
+    ss_say(out, "network states: at most %d cells, %.1f MB", relax->cell_count,
+           megabytes((double)relax->bytes));
 }
 
-static void explain_network(const ss_model *model, const printer *out)
+static void explain_network(const ss_model *model, const ss_printer *out)
 {
     const ss_cnn_network *network = model->network;
     static const char *const carrier[] = {[SS_CNN_TRIANGLE] = "triangles",
@@ -158,72 +142,73 @@ static void explain_network(const ss_model *model, const printer *out)
         held += model->held[i] && network->size[i] > 0.0;
         inner += !(network->surface_area[i] > 0.0);
     }
-    say(out,
-        "network: %d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, "
-        "%.2f MB",
-        network->cell_count, carrier[model->material.element], held, network->edges.count,
-        network->mean_edge, network->component_count, network->component_count == 1 ? "" : "s",
-        megabytes((double)ss_cnn_network_bytes(network)));
+    ss_say(out,
+           "network: %d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, "
+           "%.2f MB",
+           network->cell_count, carrier[model->material.element], held, network->edges.count,
+           network->mean_edge, network->component_count, network->component_count == 1 ? "" : "s",
+           megabytes((double)ss_cnn_network_bytes(network)));
     if (is_volume) {
-        say(out, "volume: %d cells inside, which no tool or load touches", inner);
+        ss_say(out, "volume: %d cells inside, which no tool or load touches", inner);
     } else if (inner > 0) {
-        say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest", inner);
+        ss_say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest",
+               inner);
     }
     if (model->relax) {
         explain_relaxation(model->relax, out);
     } else {
-        say(out, "left out: the network's own time (solver is equilibrium)");
+        ss_say(out, "left out: the network's own time (solver is equilibrium)");
     }
     if (model->relax) {
-        say(out, "left out: settled columns (solver is relaxation)");
+        ss_say(out, "left out: settled columns (solver is relaxation)");
     } else if (network->column_count > 0) {
-        say(out, "columns: %d, %s, %.1f MB", network->column_count,
-            network->is_compact ? "as potentials, rebuilt when a cell is touched"
-                                : "as flux densities",
-            megabytes((double)ss_cnn_network_column_bytes(network)));
+        ss_say(out, "columns: %d, %s, %.1f MB", network->column_count,
+               network->is_compact ? "as potentials, rebuilt when a cell is touched"
+                                   : "as flux densities",
+               megabytes((double)ss_cnn_network_column_bytes(network)));
     } else {
-        say(out, "left out: columns (no tool)");
+        ss_say(out, "left out: columns (no tool)");
     }
     const ss_cnn_factor *factor = network->factor;
     if (factor->is_given_up) {
-        say(out,
-            "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
-            "multiplications, above the limit",
-            factor->fill, factor->work);
+        ss_say(out,
+               "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
+               "multiplications, above the limit",
+               factor->fill, factor->work);
     } else {
-        say(out, "solver: a factor of %.3g entries, which took %.2g multiplications", factor->fill,
-            factor->work);
+        ss_say(out, "solver: a factor of %.3g entries, which took %.2g multiplications",
+               factor->fill, factor->work);
     }
     if (model->window) {
-        say(out,
-            "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "
-            "displacement",
-            model->window->block_count, model->window->block_size, model->window->active_nodes,
-            model->window->tolerance);
+        ss_say(out,
+               "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "
+               "displacement",
+               model->window->block_count, model->window->block_size, model->window->active_nodes,
+               model->window->tolerance);
     } else {
-        say(out, "left out: active window (%s)", model->window_reason);
+        ss_say(out, "left out: active window (%s)", model->window_reason);
     }
-    say(out, "kernels: %s, %s", model->kernels->name,
-        sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+    ss_say(out, "kernels: %s, %s", model->kernels->name,
+           sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
 }
 
-static void explain_modulus(const ss_model *model, const printer *out)
+static void explain_modulus(const ss_model *model, const ss_printer *out)
 {
     const ss_cnn_material *m = &model->material;
     const bool is_volume = m->element == SS_CNN_TETRAHEDRON;
     const char *unit = is_volume ? "Pa" : "N/m";
     const double qhat = model->network->median_qhat;
     if (qhat > 0.0) {
-        say(out, "modulus: %.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
-            m->is_modulus_energy ? m->modulus : m->modulus * qhat,
-            m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
-            is_volume ? "m^3" : "m^2");
+        ss_say(out, "modulus: %.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
+               m->is_modulus_energy ? m->modulus : m->modulus * qhat,
+               m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
+               is_volume ? "m^3" : "m^2");
     } else {
-        say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
+        ss_say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
     }
 }
 
-static void explain_rho(const ss_model *model, const printer *out)
+static void explain_rho(const ss_model *model, const ss_printer *out)
 {
     const ss_cnn_material *m = &model->material;
     double low = (double)INFINITY, high = 0.0;
@@ -234,45 +219,46 @@ static void explain_rho(const ss_model *model, const printer *out)
         }
     }
     if (m->rho_across) {
-        say(out, "anisotropic: rho across the material direction is %.4g to %.4g times that along",
-            low, high);
+        ss_say(out,
+               "anisotropic: rho across the material direction is %.4g to %.4g times that along",
+               low, high);
     } else {
-        say(out, "left out: anisotropy (rho is the same in all directions)");
+        ss_say(out, "left out: anisotropy (rho is the same in all directions)");
     }
 }
 
-static void explain_material(const ss_model *model, const printer *out)
+static void explain_material(const ss_model *model, const ss_printer *out)
 {
     const ss_cnn_material *m = &model->material;
     explain_modulus(model, out);
     explain_rho(model, out);
     if (m->pretension > 0.0) {
-        say(out, "pretension: %.6g J", m->pretension);
+        ss_say(out, "pretension: %.6g J", m->pretension);
     } else {
-        say(out, "left out: pretension (pretension_j is 0)");
+        ss_say(out, "left out: pretension (pretension_j is 0)");
     }
     if (model->normal) {
-        say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->volume, m->bulk);
+        ss_say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->volume, m->bulk);
     } else {
-        say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
+        ss_say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
     }
     if (isfinite(m->saturation)) {
-        say(out, "saturation: cells at %.6g%s", m->saturation,
-            model->saturation ? ", shared by the sources without a tool" : "");
+        ss_say(out, "saturation: cells at %.6g%s", m->saturation,
+               model->saturation ? ", shared by the sources without a tool" : "");
     } else {
-        say(out, "left out: saturation of cells (none given)");
+        ss_say(out, "left out: saturation of cells (none given)");
     }
     if (model->is_one_cell) {
-        say(out, "source: the contact cell alone; under a tool it stays where the touch began");
+        ss_say(out, "source: the contact cell alone; under a tool it stays where the touch began");
     }
     if (model->is_held) {
-        say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
+        ss_say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
     } else {
-        say(out, "rest shape: follows the body's rigid motion (too few supports to hold it)");
+        ss_say(out, "rest shape: follows the body's rigid motion (too few supports to hold it)");
     }
 }
 
-static void warn_rho(const ss_model *model, const printer *out)
+static void warn_rho(const ss_model *model, const ss_printer *out)
 {
     const ss_cnn_network *network = model->network;
     int32_t soft = 0, first = -1;
@@ -283,14 +269,15 @@ static void warn_rho(const ss_model *model, const printer *out)
         }
     }
     if (soft > 0) {
-        say(out,
+        ss_say(
+            out,
             "warning: rho of %d nodes (first %d) is more than %g times below the largest: contact "
             "there is soft, and a load where it is ten times below is refused",
             soft, ss_mesh_file_node(model->plan.mesh, first), RHO_RATIO_WARNING);
     }
 }
 
-static void explain_tools(const ss_model *model, const printer *out)
+static void explain_tools(const ss_model *model, const ss_printer *out)
 {
     const ss_model_plan *plan = &model->plan;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
@@ -300,42 +287,44 @@ static void explain_tools(const ss_model *model, const printer *out)
         }
         const double depth =
             sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
-        say(out,
-            "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
-            "%.4g N/m at rest",
-            k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
+        ss_say(out,
+               "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
+               "%.4g N/m at rest",
+               k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
         if (depth > 0.2 * tool->radius) {
-            say(out,
+            ss_say(
+                out,
                 "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
                 "contact.working_force_n or the rate",
                 k, depth / tool->radius);
         }
         if (tool->radius < 0.5 * model->network->mean_edge) {
-            say(out,
+            ss_say(
+                out,
                 "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
                 "force will ripple; refine the mesh",
                 k, tool->radius, model->network->mean_edge);
         }
     }
     if (model->surface) {
-        say(out, "contact: %lld samples", (long long)ss_surface_sample_count(model->surface));
+        ss_say(out, "contact: %lld samples", (long long)ss_surface_sample_count(model->surface));
     } else {
-        say(out, "left out: contact (no tool)");
+        ss_say(out, "left out: contact (no tool)");
     }
 }
 
 void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    const printer out = {line, sink};
+    const ss_printer out = {line, sink};
     explain_network(model, &out);
     explain_material(model, &out);
     warn_rho(model, &out);
     explain_tools(model, &out);
-    say(&out,
-        "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
-        model->source_count, model->bound);
+    ss_say(&out,
+           "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
+           model->source_count, model->bound);
     if (model->plan.step > 0.7 * model->bound) {
-        say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", model->plan.step,
-            ceil(model->plan.step / (0.7 * model->bound)));
+        ss_say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", model->plan.step,
+               ceil(model->plan.step / (0.7 * model->bound)));
     }
 }

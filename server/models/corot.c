@@ -8,13 +8,15 @@
  * better served by fem. Masses, loads, tools and the ledger are the body's (body.h).
  */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "models/dispatch.h"
 #include "models/grasp.h"
+#include "models/printer.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
+
+SS_KERNEL_PATHS(ss_corot_kernels)
 
 /* Microseconds a step, and a tetrahedron in it: ellipsoids of 3712 to 24,748 tetrahedra of 3 kPa at
  * 1 ms that swing under their weight; and how much more it is with a tool pressed deep into them.
@@ -227,37 +229,25 @@ static double step_cost_us(const ss_model_plan *plan)
            COST_TETRAHEDRON * (has_tool ? COST_TOOL : 1.0) * plan->mesh->tetrahedron_count;
 }
 
-typedef struct printer {
-    void (*line)(void *sink, const char *text);
-    void *sink;
-} printer;
-
-static void __attribute__((format(printf, 2, 3))) say(const printer *out, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    out->line(out->sink, text);
-}
-
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    const printer out = {line, sink};
+    const ss_printer out = {line, sink};
     const int64_t lanes = (int64_t)model->blocks.count * SS_FEM_LANES;
     const int64_t per_lane = (int64_t)sizeof(ss_real) * (2 * SS_FEM_SHAPES + 2 * SS_FEM_MODULI) +
                              4 * (int64_t)sizeof(int32_t);
-    say(&out, "elements: %d tetrahedra in blocks of 8 (%s), %lld bytes",
-        model->plan.mesh->tetrahedron_count, model->kernels->name, (long long)(lanes * per_lane));
-    say(&out,
+    ss_say(&out, "elements: %d tetrahedra in blocks of 8 (%s), %lld bytes",
+           model->plan.mesh->tetrahedron_count, model->kernels->name,
+           (long long)(lanes * per_lane));
+    ss_say(
+        &out,
         "step: implicit Euler, stable at any length; at most %d Newton iterations and %d products, "
         "to %.3g of the residual",
         model->max_newton, model->max_products, model->tolerance);
-    say(&out, "solver: conjugate gradients; no factor at any size");
-    say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
+    ss_say(&out, "solver: conjugate gradients; no factor at any size");
+    ss_say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
     if (model->material.largest_poisson > POISSON_WARNING) {
-        say(&out,
+        ss_say(
+            &out,
             "warning: Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and bend too "
             "stiffly; refine the mesh, or use fem, which has a cure",
             model->material.largest_poisson, POISSON_WARNING);

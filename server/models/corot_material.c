@@ -141,52 +141,26 @@ static softsim_status fill(const ss_model_plan *plan, ss_corot_material *materia
     return SOFTSIM_OK;
 }
 
-static bool has_viscosity(const ss_model_plan *plan)
-{
-    bool is_any = false;
-    for (int row = SS_COROT_VISCOSITY_PHI; row <= SS_COROT_STIFFNESS_DAMPING; ++row) {
-        const ss_param_value *value = &plan->param[row];
-        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
-    }
-    return is_any;
-}
-
-static void fill_viscosity(const ss_model_plan *plan, ss_corot_material *material)
-{
-    const double time = plan->param[SS_COROT_STIFFNESS_DAMPING].number;
-    for (int32_t t = 0; t < plan->mesh->tetrahedron_count; ++t) {
-        const double lambda = material->lambda[t], mu = material->mu[t];
-        const double phi =
-            ss_plan_element_value(plan, SS_COROT_VISCOSITY_PHI, t) + time * fmax(lambda, 0.0);
-        const double psi = ss_plan_element_value(plan, SS_COROT_VISCOSITY_PSI, t) + time * mu;
-        const double dilatation = (phi + 2.0 / 3.0 * psi) / (lambda + 2.0 / 3.0 * mu);
-        material->phi[t] = phi;
-        material->psi[t] = psi;
-        material->viscous_time = fmax(material->viscous_time, fmax(dilatation, psi / mu));
-    }
-}
-
 softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_material *out_material,
                                         softsim_error *error)
 {
     const size_t count = (size_t)plan->mesh->tetrahedron_count;
-    const bool is_viscous = has_viscosity(plan);
+    static const int viscosity[] = {SS_COROT_VISCOSITY_PHI, SS_COROT_VISCOSITY_PSI,
+                                    SS_COROT_STIFFNESS_DAMPING};
     ss_corot_material material = {.lambda = ss_memory_get(count, sizeof(double)),
                                   .mu = ss_memory_get(count, sizeof(double)),
                                   .density = ss_memory_get(count, sizeof(double)),
-                                  .phi = is_viscous ? ss_memory_get(count, sizeof(double)) : NULL,
-                                  .psi = is_viscous ? ss_memory_get(count, sizeof(double)) : NULL,
                                   .mass_damping = plan->param[SS_COROT_MASS_DAMPING].number};
     *out_material = material;
-    if (!material.lambda || !material.mu || !material.density ||
-        (is_viscous && (!material.phi || !material.psi))) {
+    if (!material.lambda || !material.mu || !material.density) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    softsim_status status = fill(plan, out_material, error);
-    if (status == SOFTSIM_OK && is_viscous) {
-        fill_viscosity(plan, out_material);
-    }
-    return status;
+    const softsim_status status = fill(plan, out_material, error);
+    return status != SOFTSIM_OK || ss_plan_viscosity(plan, viscosity, material.lambda, material.mu,
+                                                     &out_material->phi, &out_material->psi,
+                                                     &out_material->viscous_time)
+               ? status
+               : SOFTSIM_ERROR_MEMORY;
 }
 
 void ss_corot_material_fini(ss_corot_material *material)

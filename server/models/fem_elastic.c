@@ -5,10 +5,12 @@
  * The elastic body of tetrahedra: its parts put together, its forces, what it says of itself.
  */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 
+#include "models/dispatch.h"
+#include "models/printer.h"
 #include "rt/memory.h"
+
+SS_KERNEL_PATHS(ss_fem_kernels)
 
 /* ---- life --------------------------------------------------------------------------------- */
 
@@ -119,45 +121,35 @@ void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double
     *out_flops = 240.0 + (kind == SS_TISSUE_STVK_GUARDED ? 18.0 : 0.0) + (is_viscous ? 154.0 : 0.0);
 }
 
-static void __attribute__((format(printf, 3, 4)))
-say(void (*line)(void *sink, const char *text), void *sink, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    line(sink, text);
-}
-
 void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
                     void (*line)(void *sink, const char *text), void *sink)
 {
     static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
                                                           "stable-neo-hookean", "linear"};
+    const ss_printer out = {line, sink};
     const ss_fem_stability *s = &fem->stability;
     double bytes, flops, cured = 0.0;
     ss_fem_work(fem->kind, fem->blocks.viscosity != NULL, &bytes, &flops);
     for (int32_t e = 0; e < fem->blocks.element_count; ++e) {
         cured += material->lambda_own[e] < material->lambda[e];
     }
-    say(line, sink, "tetrahedra: %d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
-        fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
+    ss_say(&out, "tetrahedra: %d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
+           fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
     if (fem->average.modulus) {
-        say(line, sink, "locking: dilatation resisted by nodes in %.0f elements; a second sweep",
-            cured);
+        ss_say(&out, "locking: dilatation resisted by nodes in %.0f elements; a second sweep",
+               cured);
     } else {
-        say(line, sink, "left out: cure for locking, and its sweep (%s)",
-            "no element above Poisson's ratio 0.45, or switched off");
+        ss_say(&out, "left out: cure for locking, and its sweep (%s)",
+               "no element above Poisson's ratio 0.45, or switched off");
     }
     if (fem->blocks.viscosity) {
-        say(line, sink, "viscosity: at most %.4g s of the elastic stiffness", fem->viscous_time);
+        ss_say(&out, "viscosity: at most %.4g s of the elastic stiffness", fem->viscous_time);
     } else {
-        say(line, sink, "left out: velocity pass (no viscosity)");
+        ss_say(&out, "left out: velocity pass (no viscosity)");
     }
-    say(line, sink,
-        "stable step of the elastic body: %.4g s by power iteration, of which half is taken; "
-        "assembled bound %.4g s%s",
-        ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
-        s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
+    ss_say(&out,
+           "stable step of the elastic body: %.4g s by power iteration, of which half is taken; "
+           "assembled bound %.4g s%s",
+           ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
+           s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
 }

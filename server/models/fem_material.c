@@ -76,20 +76,6 @@ static bool fill_moduli(const ss_model_plan *plan, const char *name, ss_fem_mate
     return bad.count == 0;
 }
 
-static void fill_viscosity(const ss_model_plan *plan, ss_fem_material *material)
-{
-    const double time = plan->param[SS_FEM_STIFFNESS_DAMPING].number;
-    for (int32_t e = 0; material->phi && e < plan->mesh->tetrahedron_count; ++e) {
-        const double lambda = material->lambda[e], mu = material->mu[e];
-        material->phi[e] = ss_plan_element_value(plan, SS_FEM_PHI, e) + time * fmax(lambda, 0.0);
-        material->psi[e] = ss_plan_element_value(plan, SS_FEM_PSI, e) + time * mu;
-        const double dilatation =
-            (material->phi[e] + 2.0 / 3.0 * material->psi[e]) / (lambda + 2.0 / 3.0 * mu);
-        material->viscous_time =
-            fmax(material->viscous_time, fmax(dilatation, material->psi[e] / mu));
-    }
-}
-
 /* The share of lambda that elements keep to themselves. */
 static void fill_own(const ss_model_plan *plan, ss_fem_material *material)
 {
@@ -103,45 +89,35 @@ static void fill_own(const ss_model_plan *plan, ss_fem_material *material)
     }
 }
 
-static bool has_viscosity(const ss_model_plan *plan)
-{
-    const int rows[] = {SS_FEM_PHI, SS_FEM_PSI, SS_FEM_STIFFNESS_DAMPING};
-    bool is_any = false;
-    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
-        const ss_param_value *value = &plan->param[rows[k]];
-        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
-    }
-    return is_any;
-}
-
 softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name,
                                       ss_fem_material *out_material, softsim_error *error)
 {
     const size_t n = (size_t)plan->mesh->tetrahedron_count;
-    const bool is_viscous = has_viscosity(plan);
+    static const int viscosity[] = {SS_FEM_PHI, SS_FEM_PSI, SS_FEM_STIFFNESS_DAMPING};
     ss_fem_material material = {.kind = (ss_tissue_kind)plan->param[SS_FEM_MATERIAL].number,
                                 .lambda = ss_memory_get(n, sizeof(double)),
                                 .mu = ss_memory_get(n, sizeof(double)),
                                 .lambda_own = ss_memory_get(n, sizeof(double)),
                                 .density = ss_memory_get(n, sizeof(double)),
-                                .phi = is_viscous ? ss_memory_get(n, sizeof(double)) : NULL,
-                                .psi = is_viscous ? ss_memory_get(n, sizeof(double)) : NULL,
                                 .mass_damping = plan->param[SS_FEM_MASS_DAMPING].number,
                                 .integrator = plan->param[SS_FEM_INTEGRATOR].number != 0.0
                                                   ? SS_BODY_RK4
                                                   : SS_BODY_SYMPLECTIC_EULER};
     *out_material = material;
-    if (!material.lambda || !material.mu || !material.lambda_own || !material.density ||
-        (is_viscous && (!material.phi || !material.psi))) {
+    if (!material.lambda || !material.mu || !material.lambda_own || !material.density) {
         return SOFTSIM_ERROR_MEMORY;
     }
     const bool is_good = fill_moduli(plan, name, &material, error);
     for (size_t e = 0; e < n; ++e) {
         material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
     }
-    fill_viscosity(plan, &material);
     fill_own(plan, &material);
+    const bool has_memory = ss_plan_viscosity(plan, viscosity, material.lambda, material.mu,
+                                              &material.phi, &material.psi, &material.viscous_time);
     *out_material = material;
+    if (!has_memory) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
 }
 

@@ -5,7 +5,7 @@
  * The stable step: computed, not guessed, and certified.
  *
  * Symplectic Euler is stable for h < dt* = 2/omega, omega^2 the largest eigenvalue of M^-1 K. With
- * a viscous stiffness of at most tau K (fem_material.c: viscous_time) and velocities half a step
+ * a viscous stiffness of at most tau K (plan.h: ss_plan_viscosity) and velocities half a step
  * behind, h < (2/omega)(sqrt(1 + zeta^2) - zeta), zeta = tau omega/2. RK4 has |z| < 2.828 on the
  * imaginary axis and at least 2.615 anywhere left of it.
  *

@@ -37,10 +37,10 @@
  * bound.
  */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "models/printer.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -582,14 +582,14 @@ static void step(ss_model *model, double time, double dt,
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    char text[256];
-    snprintf(
-        text, sizeof text, "springs: %d edges of %s, %.4g to %.4g N/m, %s", model->edge_count,
-        model->is_volume ? "tetrahedra" : "triangles", model->stiffness_min, model->stiffness_max,
-        model->is_volume ? "Poisson's ratio 1/4" : "Poisson's ratio 1/3, no bending stiffness");
-    line(sink, text);
-    line(sink, model->has_dampers ? "dampers: along every spring"
-                                  : "left out: dampers (viscosity_psi_pa_s is 0)");
+    const ss_printer out = {line, sink};
+    ss_say(&out, "springs: %d edges of %s, %.4g to %.4g N/m, %s", model->edge_count,
+           model->is_volume ? "tetrahedra" : "triangles", model->stiffness_min,
+           model->stiffness_max,
+           model->is_volume ? "Poisson's ratio 1/4" : "Poisson's ratio 1/3, no bending stiffness");
+    ss_say(&out, "%s",
+           model->has_dampers ? "dampers: along every spring"
+                              : "left out: dampers (viscosity_psi_pa_s is 0)");
     ss_body_explain(model->body, line, sink);
 }
 

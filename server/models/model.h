@@ -121,7 +121,7 @@ typedef struct ss_model_class {
     uint64_t (*hash)(const ss_model *model, uint64_t seed);
     /* What the plan uses and leaves out, one line each, for --explain. Thread: set-up only. */
     void (*explain)(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
-    /* Sets row `index` while running (rows with is_live); RT-safe. */
+    /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;
 

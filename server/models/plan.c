@@ -28,6 +28,36 @@ double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e)
     return at ? 0.25 * ((at[c[0]] + at[c[1]]) + (at[c[2]] + at[c[3]])) : value->number;
 }
 
+static bool has_viscosity(const ss_model_plan *plan, const int row[3])
+{
+    bool is_any = false;
+    for (int k = 0; k < 3; ++k) {
+        const ss_param_value *value = &plan->param[row[k]];
+        is_any = is_any || value->per_node || value->by_element || value->number > 0.0;
+    }
+    return is_any;
+}
+
+bool ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
+                       const double *mu, double **out_phi, double **out_psi, double *out_time)
+{
+    const size_t n = (size_t)plan->mesh->tetrahedron_count;
+    const double time = plan->param[row[2]].number;
+    const bool is_any = has_viscosity(plan, row);
+    double *phi = is_any ? ss_memory_get(n, sizeof *phi) : NULL;
+    double *psi = is_any ? ss_memory_get(n, sizeof *psi) : NULL;
+    *out_phi = phi;
+    *out_psi = psi;
+    *out_time = 0.0;
+    for (size_t e = 0; phi && psi && e < n; ++e) {
+        phi[e] = ss_plan_element_value(plan, row[0], (int32_t)e) + time * fmax(lambda[e], 0.0);
+        psi[e] = ss_plan_element_value(plan, row[1], (int32_t)e) + time * mu[e];
+        const double dilatation = (phi[e] + 2.0 / 3.0 * psi[e]) / (lambda[e] + 2.0 / 3.0 * mu[e]);
+        *out_time = fmax(*out_time, fmax(dilatation, psi[e] / mu[e]));
+    }
+    return !is_any || (phi && psi);
+}
+
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k)
 {
     return set->axis[k] && isfinite(set->displacement[i][k]);
@@ -327,6 +357,17 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 }
 
 /* ---- contact ------------------------------------------------------------------------------ */
+
+double ss_plan_smallest_tool(const ss_model_plan *plan)
+{
+    double smallest = (double)INFINITY;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            smallest = fmin(smallest, ss_shape_inradius(&plan->tool[k].shape));
+        }
+    }
+    return smallest;
+}
 
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius)
 {

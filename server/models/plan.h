@@ -2,9 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What every model reads out of a plan in the same way: which axes are driven, how much of a load
- * acts, the patches under pressure, and what of loads, prescribed sets and times is refused.
- * Thread: set-up only where marked; the rest any thread, RT-safe.
+ * What every model reads out of a plan in the same way: viscosities, which axes are driven, how
+ * much of a load acts, the patches under pressure, and what of loads, prescribed sets and times is
+ * refused. Thread: set-up only where marked; the rest any thread, RT-safe.
  */
 #include "models/model.h"
 
@@ -17,6 +17,14 @@ void ss_number_list_add(ss_number_list *list, int32_t number);
 
 /* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. */
 double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
+
+/* Viscosity of every tetrahedron (Pa s), by three rows of the model's: phi and psi as given and a
+ * time T of stiffness damping: phi = phi_given + T max(lambda, 0), psi = psi_given + T mu. lambda,
+ * mu: Pa, one an element. out_phi and out_psi are NULL where nothing is given, and the caller's to
+ * free in any case; out_time (s): the viscous stiffness is at most that times the elastic. False:
+ * no memory. Thread: set-up only. */
+bool ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
+                       const double *mu, double **out_phi, double **out_psi, double *out_time);
 
 /* Is axis `k` of node `i` of a prescribed set driven? */
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
@@ -53,6 +61,8 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, int32_t **out_triangle, int32_t *out_count,
                                           softsim_error *error);
+/* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
+double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
  * than a penetration of a tenth of R at the working force. */
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);

@@ -29,9 +29,9 @@
  * are told (reactions, status, stiffness) are the law's at the end of a step.
  */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "models/printer.h"
 #include "rt/memory.h"
 
 /* The rows of elasticity and density, then these. */
@@ -275,27 +275,22 @@ static void info(const ss_model *model, ss_model_info *out)
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
-    char text[256];
+    const ss_printer out = {line, sink};
     const double lanes = 8.0 * model->packs.count;
-    snprintf(text, sizeof text,
-             "constraints: %d tetrahedra of %s in %d packs of 8 without common nodes (%.3g %% of "
-             "the lanes), %s kernels",
-             model->packs.element_count,
-             model->material.kind == SS_TISSUE_NEO_HOOKEAN ? "neo-hookean" : "stable-neo-hookean",
-             model->packs.count, 100.0 * model->packs.element_count / lanes, model->kernels->name);
-    line(sink, text);
+    ss_say(&out,
+           "constraints: %d tetrahedra of %s in %d packs of 8 without common nodes (%.3g %% of "
+           "the lanes), %s kernels",
+           model->packs.element_count,
+           model->material.kind == SS_TISSUE_NEO_HOOKEAN ? "neo-hookean" : "stable-neo-hookean",
+           model->packs.count, 100.0 * model->packs.element_count / lanes, model->kernels->name);
     const double limit = ss_fem_rest_step(model->fem);
-    snprintf(text, sizeof text,
-             "sub-steps of at most %.4g s, one sweep each; explicit ones: %.4g s", model->substep,
-             limit);
-    line(sink, text);
+    ss_say(&out, "sub-steps of at most %.4g s, one sweep each; explicit ones: %.4g s",
+           model->substep, limit);
     if (model->substep > limit) {
-        snprintf(
-            text, sizeof text,
-            "warning: the body is softer than its law; substep_s: %.3g would be enough, with a "
-            "step that max_substeps allows",
-            limit);
-        line(sink, text);
+        ss_say(&out,
+               "warning: the body is softer than its law; substep_s: %.3g would be enough, with a "
+               "step that max_substeps allows",
+               limit);
     }
     ss_body_explain(model->body, line, sink);
 }

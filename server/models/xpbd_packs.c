@@ -12,6 +12,7 @@
  */
 #include <string.h>
 
+#include "models/dispatch.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
 
@@ -169,22 +170,4 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
 
 /* ---- the path ------------------------------------------------------------------------------ */
 
-extern const ss_xpbd_kernels ss_xpbd_kernels_baseline;
-#ifdef SS_HAS_AVX2
-extern const ss_xpbd_kernels ss_xpbd_kernels_avx2;
-#endif
-
-const ss_xpbd_kernels *ss_xpbd_kernels_path(int32_t index)
-{
-#ifdef SS_HAS_AVX2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        return index == 0 ? &ss_xpbd_kernels_avx2 : index == 1 ? &ss_xpbd_kernels_baseline : NULL;
-    }
-#endif
-    return index == 0 ? &ss_xpbd_kernels_baseline : NULL;
-}
-
-const ss_xpbd_kernels *ss_xpbd_kernels_get(void)
-{
-    return ss_xpbd_kernels_path(0);
-}
+SS_KERNEL_PATHS(ss_xpbd_kernels)

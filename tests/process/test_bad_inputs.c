@@ -23,26 +23,7 @@
 #define KIDNEY   SCENES "kidney.yaml"
 #define CYLINDER SCENES "cylinder.yaml"
 
-static char folder[] = "/tmp/softsim-bad-XXXXXX";
-
 #include "../folder_fixture.h"
-
-static const char *path_of(const char *name)
-{
-    static char path[16][256];
-    static int next;
-    next = (next + 1) % 16;
-    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
-    return path[next];
-}
-
-static void write_file(const char *name, const void *data, size_t size)
-{
-    FILE *file = fopen(path_of(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    fclose(file);
-}
 
 static void check(process *p, const char *what, const char *const *argv, const char *word)
 {
@@ -155,13 +136,13 @@ static void scenes_and_meshes_are_refused(void **state)
     for (size_t i = 0; i < sizeof scene_cases / sizeof *scene_cases; ++i) {
         const scene_case *c = &scene_cases[i];
         if (c->mesh) {
-            write_file(c->mesh_name, c->mesh, strlen(c->mesh));
+            write_bytes(c->mesh_name, c->mesh, strlen(c->mesh));
         }
-        write_file("scene.yaml", c->body, strlen(c->body));
-        const char *const argv[] = {"softsimd", path_of("scene.yaml"), NULL};
+        write_bytes("scene.yaml", c->body, strlen(c->body));
+        const char *const argv[] = {"softsimd", in_folder("scene.yaml"), NULL};
         check(&p, c->what, argv, c->word);
         if (c->mesh) {
-            unlink(path_of(c->mesh_name));
+            unlink(in_folder(c->mesh_name));
         }
     }
 }
@@ -189,9 +170,9 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
                  "model: {name: cnn-energy, modulus_j: 1, " BODY
                  "contact: {tools: [{probe: 3, shape: {sphere: {radius_mm: %s}}}]}\n",
                  cases[i].units, cases[i].radius_mm);
-        write_file("m.obj", GOOD_MESH, strlen(GOOD_MESH));
-        write_file("scene.yaml", scene, strlen(scene));
-        const char *const argv[] = {"softsimd", "--check", path_of("scene.yaml"), NULL};
+        write_bytes("m.obj", GOOD_MESH, strlen(GOOD_MESH));
+        write_bytes("scene.yaml", scene, strlen(scene));
+        const char *const argv[] = {"softsimd", "--check", in_folder("scene.yaml"), NULL};
         assert_int_equal(process_run(&p, argv), 0);
         print_message("%s", p.err);
         assert_non_null(
@@ -224,8 +205,8 @@ static void what_a_bundled_scene_prints_loads_again(void **state)
         const size_t size = (size_t)p.out_size;
         assert_in_range(size, 100, sizeof printed - 1);
         memcpy(printed, p.out, size);
-        write_file("scene.yaml", printed, size);
-        const char *const again[] = {"softsimd", "--print-config", path_of("scene.yaml"), NULL};
+        write_bytes("scene.yaml", printed, size);
+        const char *const again[] = {"softsimd", "--print-config", in_folder("scene.yaml"), NULL};
         if (status != 0 || process_run(&p, again) != 0) {
             fail_msg("%s: %s", scene.gl_pathv[i], p.err);
         }
@@ -321,8 +302,8 @@ static void poses_are_refused(void **state)
          "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n1,0,0,0,0,1,0,0,0,0\n0,0,0,0,0,1,0,0,0,0\n", "3"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        write_file("poses.csv", cases[i].text, strlen(cases[i].text));
-        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("poses.csv"), NULL};
+        write_bytes("poses.csv", cases[i].text, strlen(cases[i].text));
+        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", in_folder("poses.csv"), NULL};
         check(&p, cases[i].what, argv, cases[i].word);
     }
 }
@@ -396,9 +377,9 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
             put_length(at + 24, 0xfffffff0u);
             break;
         }
-        write_file("damaged.lcmlog", log, written);
+        write_bytes("damaged.lcmlog", log, written);
         memcpy(at, kept, sizeof kept);
-        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", path_of("damaged.lcmlog"),
+        const char *const argv[] = {"softsim-run", KIDNEY, "--poses", in_folder("damaged.lcmlog"),
                                     NULL};
         assert_int_equal(process_run(&p, argv), 0);
         char first[160];

@@ -22,6 +22,7 @@
 #include <poll.h>
 #include <time.h>
 
+#include "../folder_fixture.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"
@@ -35,35 +36,15 @@
 #define POKE   SCENES "kidney-poke.lcmlog"
 
 static process daemon_process, client, other;
-static char folder[256];
-
-static const char *in_folder(const char *name)
-{
-    static char path[8][320];
-    static int next;
-    next = (next + 1) % 8;
-    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
-    return path[next];
-}
-
-static int set_up(void **state)
-{
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/softsim-test-XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
 
 static int tear_down(void **state)
 {
-    (void)state;
     process *all[] = {&client, &other, &daemon_process};
     for (int i = 0; i < 3; ++i) {
         process_signal(all[i], SIGKILL);
         process_finish(all[i]);
     }
-    char command[320];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    return remove_folder(state);
 }
 
 static void start_daemon(const char *const *extra)
@@ -666,18 +647,19 @@ int main(void)
         return 77;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(feels_the_kidney, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(replays_bit_for_bit, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(killed_bridge_is_let_go, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(obeys_commands, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, set_up,
+        cmocka_unit_test_setup_teardown(feels_the_kidney, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(replays_bit_for_bit, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(killed_bridge_is_let_go, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(obeys_commands, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, make_folder,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(monitor_sends_commands, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_slow_server_says_so, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(monitor_prints_one_status, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(monitor_sends_commands, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(a_slow_server_says_so, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(monitor_prints_one_status, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, make_folder,
+                                        tear_down),
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
 }
