@@ -310,7 +310,7 @@ static void an_odd_row_of_another_program_is_refused(void **state)
 static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
 {
     (void)state;
-    char scene[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], text[1024];
+    char scene[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], deeper[PATH_SIZE + 8], text[1024];
     if (ss_model_find("fem") == NULL) {
         skip();
     }
@@ -324,9 +324,10 @@ static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
     place("scene.yaml", scene);
     place("odd.csv", other);
     place("left", out);
+    snprintf(deeper, sizeof deeper, "%s/deeper", out);
     for (int k = 0; k < 2; ++k) {
         int result = 0;
-        char *heard = run_heard((const char *const[]){"--scene", scene, "--out", out,
+        char *heard = run_heard((const char *const[]){"--scene", scene, "--out", deeper,
                                                       k == 0 ? "--compare" : NULL, other, NULL},
                                 &result);
         assert_int_equal(result, 2);
