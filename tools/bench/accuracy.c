@@ -210,7 +210,7 @@ static uint64_t add_file(uint64_t hash, const char *folder, const char *name)
     if (name[0] == '\0') {
         return hash;
     }
-    snprintf(path, sizeof path, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+    ss_case_join(folder, name, path, sizeof path);
     char *text = ss_table_read_file(path, &size, &ignored);
     hash = ss_world_fnv(hash, &size, sizeof size);
     hash = ss_world_fnv(hash, text, size);

@@ -601,13 +601,18 @@ void ss_case_fini(ss_case *c)
     }
 }
 
+void ss_case_join(const char *folder, const char *name, char *out, size_t size)
+{
+    snprintf(out, size, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+}
+
 /* `name` "": there is no such file. */
 static bool check_file(const char *folder, const char *name, const ss_named_file *output,
                        int32_t output_count, softsim_error *error)
 {
     char path[2 * SS_CASE_PATH];
     const ss_named_file input = {"a file of the case", path};
-    snprintf(path, sizeof path, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+    ss_case_join(folder, name, path, sizeof path);
     return name[0] == '\0' || ss_files_check(&input, 1, output, output_count, error);
 }
 

@@ -80,6 +80,9 @@ typedef struct ss_case {
 softsim_status ss_case_load(const char *folder, ss_case *out, softsim_error *error);
 void ss_case_fini(ss_case *c);
 
+/* The path of a file that a case names: relative names are of `folder`. */
+void ss_case_join(const char *folder, const char *name, char *out, size_t size);
+
 /* Adds a fault for the first output that is a file of a static case, whichever mesh and material
  * are asked for (ss_files_check); true without one. */
 bool ss_case_check_outputs(const ss_case *c, const ss_named_file *output, int32_t output_count,
