@@ -271,10 +271,11 @@ static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
                    "youngs_modulus_pa: 1e4, poisson_ratio: 0.3, density_kg_m3: 1000}\n");
     snprintf(text, sizeof text, "%s\nscene,stvk,theirs,m,4,1,whole,0.1,,,5,,,,,no,\n",
              ss_accuracy_head);
-    const char *other = write_text("odd.csv", text), *out = in_folder("left");
+    const char *other = write_text("odd.csv", text);
+    const char *out = in_folder("left"), *deeper = in_folder("left/deeper");
     for (int k = 0; k < 2; ++k) {
         int result = 0;
-        char *heard = run_heard((const char *const[]){"--scene", scene, "--out", out,
+        char *heard = run_heard((const char *const[]){"--scene", scene, "--out", deeper,
                                                       k == 0 ? "--compare" : NULL, other, NULL},
                                 &result);
         assert_int_equal(result, 2);

@@ -41,6 +41,8 @@ static const char two_tools[] = "softsim: 1\n"
                                 "    - {probe: 0, shape: {sphere: {radius_mm: 15}}}\n"
                                 "    - {probe: 1, shape: {sphere: {radius_mm: 15}}}\n";
 
+#define CASE SOURCE_DIR "/tests/reference/b_cantilever"
+
 static bool has_program(const char *name)
 {
     char path[512];
@@ -78,6 +80,10 @@ static void no_output_is_an_input_or_another_output(void **state)
         {"softsim-run", "--poses poses.csv --reactions link scene.yaml", "--reactions: 'link'"},
         {"softsim-run", "--poses poses.csv --csv hard scene.yaml", "--csv: 'hard'"},
         {"softsim-run", "--duration 0.01 --nodes block.msh scene.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --csv one.ele pair.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --vtk block.msh --every 1 scene.yaml", "--vtk: 'block"},
+        {"softsim-run", "--duration 0.01 --vtk a --every 1 --csv a scene.yaml",
+         "what --csv writes"},
         {"softsim-run", "--duration 0.01 --csv a --nodes a scene.yaml", "what --csv writes"},
         {"softsim-run", "--duration 0.01 --csv a --reactions ./a scene.yaml", "what --csv writes"},
         {"softsim-replay", "--convert poses.csv poses.csv", "is the file played"},
@@ -90,16 +96,24 @@ static void no_output_is_an_input_or_another_output(void **state)
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted a", "what --out"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted block.msh",
          "a file of the scene"},
-        {"softsim-fit",
-         "--scene scene.yaml --case " SOURCE_DIR "/tests/reference/b_cantilever "
-         "--out " SOURCE_DIR "/tests/reference/b_cantilever/case.yaml",
-         "is the case"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/case.yaml",
+         "a file of the case"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/mesh_525.msh",
+         "a file of the case"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/reference_u_nh_99.csv",
+         "a file of the case"},
         {"softsim-mesh", "tetrahedralize block.msh block.msh --edge 1", "is the surface"},
         {"softsim-mesh", "convert block.msh block.msh", "'block.msh' is the input"},
         {"softsim-bench", "accuracy --compare accuracy.csv --out .", "is a --compare file"},
     };
     char out[8192], expected[8192];
     write_inputs();
+    assert_int_equal(run("cp -r " CASE " case", out, sizeof out), 0);
+    write_text("one.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
+    write_text("one.ele", "1 4 0\n0 0 1 2 3\n");
+    write_text("pair.yaml",
+               "softsim: 1\nobject: {mesh: one.node, units: m, fixed: [{nodes: [0]}]}\n"
+               "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
     assert_int_equal(symlink("poses.csv", in_folder("link")), 0);
     assert_int_equal(link(in_folder("poses.csv"), in_folder("hard")), 0);
     read_text("block.msh", expected, sizeof expected);
@@ -122,6 +136,33 @@ static void no_output_is_an_input_or_another_output(void **state)
             assert_string_equal(out, inputs[k].text);
         }
     }
+    assert_int_equal(run("diff -r " CASE " case", out, sizeof out), 0);
+    read_text("one.ele", out, sizeof out);
+    assert_string_equal(out, "1 4 0\n0 0 1 2 3\n");
+}
+
+/* Pictures of a run of a picture of a run, in one folder. */
+static void a_picture_never_replaces_the_mesh(void **state)
+{
+    (void)state;
+    char out[16384], before[16384];
+    assert_int_equal(mkdir(in_folder("pictures"), 0777), 0);
+    assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out "
+                              "pictures/surface_00000002.vtk",
+                         out, sizeof out),
+                     0);
+    write_text("shown.yaml", "softsim: 1\n"
+                             "object: {mesh: pictures/surface_00000002.vtk, units: m, "
+                             "fixed: [{nodes: [0, 1, 2]}]}\n"
+                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    read_text("pictures/surface_00000002.vtk", before, sizeof before);
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.004 --vtk ./pictures --every 1 "
+                                 "shown.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "--vtk: './pictures/surface_00000002.vtk' is a file of the scene"));
+    read_text("pictures/surface_00000002.vtk", out, sizeof out);
+    assert_string_equal(out, before);
 }
 
 static void what_an_option_cannot_do_is_refused(void **state)
@@ -170,7 +211,7 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
     assert_null(strstr(out, "us of that estimate"));
 }
 
-/* A shell has opened the file behind /dev/fd/1: it is written there, before what is printed. */
+/* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
 static void standard_output_may_be_a_file(void **state)
 {
     (void)state;
@@ -186,6 +227,12 @@ static void standard_output_may_be_a_file(void **state)
     const char *last = strstr(text, "\n2,0.002,0,");
     assert_non_null(last);
     assert_int_equal(strlen(strchr(last + 1, '\n')), 18); /* the hash and its line's end */
+    assert_int_equal(run(BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/3 scene.yaml 3>shown.txt",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_non_null(strstr(text, "\n2,0.002,0,"));
 }
 
 static void devices_may_be_written_twice(void **state)
@@ -275,6 +322,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_output_is_an_input_or_another_output),
+        cmocka_unit_test(a_picture_never_replaces_the_mesh),
         cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
         cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),

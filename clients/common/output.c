@@ -34,20 +34,15 @@ static bool is_special(const char *path)
  * has opened: another in its place would be one that nobody reads, and the name itself would go. */
 static int descriptor_of(const char *path)
 {
-    static const struct {
-        const char *path;
-        int descriptor;
-    } rows[] = {
-        {"/dev/stdout", STDOUT_FILENO},     {"/dev/stderr", STDERR_FILENO},
-        {"/dev/fd/1", STDOUT_FILENO},       {"/dev/fd/2", STDERR_FILENO},
-        {"/proc/self/fd/1", STDOUT_FILENO}, {"/proc/self/fd/2", STDERR_FILENO},
-    };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        if (strcmp(path, rows[i].path) == 0) {
-            return rows[i].descriptor;
-        }
+    int number = -1, used = 0;
+    if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0) {
+        return strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO;
     }
-    return -1;
+    return (sscanf(path, "/dev/fd/%4d%n", &number, &used) == 1 ||
+            sscanf(path, "/proc/self/fd/%4d%n", &number, &used) == 1) &&
+                   path[used] == '\0'
+               ? number
+               : -1;
 }
 
 /* On the same place in the file, so that what the program prints follows. */

@@ -118,18 +118,27 @@ static softsim_status parse_file(int fd, size_t size, int64_t start, const char 
     return status;
 }
 
+bool ss_mesh_name_pair(const char *path, char *out, size_t size)
+{
+    const char *extension = extension_of(path);
+    const bool is_node = strcasecmp(extension, ".node") == 0;
+    const bool is_upper = extension[0] == '.' && (extension[1] == 'N' || extension[1] == 'E');
+    if (!is_node && strcasecmp(extension, ".ele") != 0) {
+        return false;
+    }
+    const int length =
+        snprintf(out, size, "%.*s%s", (int)(extension - path), path,
+                 is_node ? (is_upper ? ".ELE" : ".ele") : (is_upper ? ".NODE" : ".node"));
+    return length > 0 && (size_t)length < size;
+}
+
 /* Reads the pair of which `path`, open as `fd`, is one. */
 static softsim_status parse_pair(int fd, size_t size, const char *path, double metres_per_unit,
                                  ss_mesh **out_mesh, softsim_error *error)
 {
-    const char *extension = extension_of(path);
-    const bool is_node = strcasecmp(extension, ".node") == 0;
-    const bool is_upper = extension[1] == 'N' || extension[1] == 'E';
+    const bool is_node = strcasecmp(extension_of(path), ".node") == 0;
     char other_path[PATH_MAX];
-    const int length =
-        snprintf(other_path, sizeof other_path, "%.*s%s", (int)(extension - path), path,
-                 is_node ? (is_upper ? ".ELE" : ".ele") : (is_upper ? ".NODE" : ".node"));
-    if (length < 0 || (size_t)length >= sizeof other_path) {
+    if (!ss_mesh_name_pair(path, other_path, sizeof other_path)) {
         return fail_file(path, "its name is too long", error);
     }
     size_t other_size = 0;

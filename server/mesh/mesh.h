@@ -80,6 +80,9 @@ const char *ss_mesh_kind_name(ss_mesh_kind kind);
  * NULL: softsim-import beside the running program, else in the libexec folder. */
 softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
                             ss_mesh **out_mesh, softsim_error *error);
+/* The other file of a TetGen pair, .node and .ele, which ss_mesh_load reads too. False: `path` is
+ * of no pair, or too long. */
+bool ss_mesh_name_pair(const char *path, char *out, size_t size);
 /* The same from a Gmsh MSH text in memory, which needs no terminating
  * zero; `name` is what errors call it. */
 softsim_status ss_mesh_read_msh(const char *text, size_t size, const char *name,

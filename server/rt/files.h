@@ -18,6 +18,7 @@ typedef struct ss_named_file {
     const char *path; /* NULL: not given */
 } ss_named_file;
 
+/* Do both names stand for one file, be it there already or not? */
 bool ss_files_are_one(const char *a, const char *b);
 
 /* Adds a fault for the first output that is an input or another output; true without one. */

@@ -256,13 +256,24 @@ char *ss_scene_rewrite(const ss_scene *scene, const char *const *assignments, in
     return r.text;
 }
 
+/* ---- outputs ---------------------------------------------------------------------------------
+ */
+
+/* The file that a text names, and the one that is read with it. */
+static bool check_file(const char *folder, const char *text, const ss_named_file *output,
+                       int32_t output_count, softsim_error *error)
+{
+    char path[2 * PATH_MAX], pair[2 * PATH_MAX];
+    const ss_named_file input[] = {{"a file of the scene", path}, {"a file of the scene", pair}};
+    return !ss_scene_join_path(folder, text, path, sizeof path) ||
+           ss_files_check(input, ss_mesh_name_pair(path, pair, sizeof pair) ? 2 : 1, output,
+                          output_count, error);
+}
+
 static bool check_outputs(const ss_scene_node *node, const char *folder,
                           const ss_named_file *output, int32_t output_count, softsim_error *error)
 {
-    char path[2 * PATH_MAX];
-    const ss_named_file input = {"a file of the scene", path};
-    bool is_good = !node->is_path || !ss_scene_join_path(folder, node->text, path, sizeof path) ||
-                   ss_files_check(&input, 1, output, output_count, error);
+    bool is_good = !node->is_path || check_file(folder, node->text, output, output_count, error);
     for (const ss_scene_node *at = node->first; at != NULL && is_good; at = at->next) {
         is_good = check_outputs(at, folder, output, output_count, error);
     }

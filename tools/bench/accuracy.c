@@ -198,18 +198,7 @@ static softsim_status make_scene_case(report *r, softsim_error *error)
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    const bool had_out = access(r->o.out, F_OK) == 0, had_path = access(path, F_OK) == 0;
-    softsim_status status = ss_report_make_folder(r->o.out, error);
-    status = status == SOFTSIM_OK ? ss_report_make_folder(path, error) : status;
-    status = status == SOFTSIM_OK
-                 ? ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error)
-                 : status;
-    if (status != SOFTSIM_OK) {
-        /* Folders that were made for nothing go again: rmdir takes empty ones only. */
-        (void)(had_path || rmdir(path) == 0);
-        (void)(had_out || rmdir(r->o.out) == 0);
-    }
-    return status;
+    return ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error);
 }
 
 /* A file as it is read; of one that cannot be read its job will say so. */
@@ -221,7 +210,7 @@ static uint64_t add_file(uint64_t hash, const char *folder, const char *name)
     if (name[0] == '\0') {
         return hash;
     }
-    snprintf(path, sizeof path, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+    ss_case_join(folder, name, path, sizeof path);
     char *text = ss_table_read_file(path, &size, &ignored);
     hash = ss_world_fnv(hash, &size, sizeof size);
     hash = ss_world_fnv(hash, text, size);

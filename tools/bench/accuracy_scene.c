@@ -13,6 +13,7 @@
 #include "norms.h"
 #include "output.h"
 #include "refine.h"
+#include "report.h"
 #include "rt/vec.h"
 #include "scene/scene.h"
 #include "scratch.h"
@@ -616,6 +617,9 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
     if (status == SOFTSIM_OK) {
         tell_taken(m);
         status = refine_bodies(m, is_quick ? QUICK_NODES : MOST_NODES);
+    }
+    if (status == SOFTSIM_OK) { /* before the long work, not before the scene is known to be one */
+        status = ss_report_make_folder(folder, error);
     }
     if (status == SOFTSIM_OK) {
         status = solve(m);

@@ -39,7 +39,7 @@ typedef struct ss_accuracy_worth {
 /* Its name and levels, of every material that it may have; nothing is read. */
 void ss_accuracy_scene_outline(ss_case *out);
 
-/* Makes `folder` (there already) a case folder; tells on stderr what of the scene is used. Scenes
- * that cannot be one are refused with SOFTSIM_ERROR_SCENE or what the scene loader says. */
+/* Makes `folder`, there already or not, a case folder; tells on stderr what of the scene is used.
+ * Scenes that cannot be one are refused with SOFTSIM_ERROR_SCENE or what the scene loader says. */
 softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_quick,
                                  ss_accuracy_worth *out, softsim_error *error);

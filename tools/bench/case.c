@@ -431,6 +431,7 @@ static void read_forces(ss_case *c, const char *name, softsim_error *error)
     char path[2 * SS_CASE_PATH];
     ss_table table;
     const int32_t faults = error->fault_count;
+    snprintf(c->forces, sizeof c->forces, "%s", name);
     snprintf(path, sizeof path, "%s/%s", c->folder, name);
     if (ss_table_load(path, &table, error) == SOFTSIM_OK) {
         const int32_t material = ss_table_find(&table, "material", error);
@@ -598,6 +599,40 @@ void ss_case_fini(ss_case *c)
         c->step[i].time = NULL;
         c->step[i].u = NULL;
     }
+}
+
+void ss_case_join(const char *folder, const char *name, char *out, size_t size)
+{
+    snprintf(out, size, name[0] == '/' ? "%.0s%s" : "%s/%s", folder, name);
+}
+
+/* `name` "": there is no such file. */
+static bool check_file(const char *folder, const char *name, const ss_named_file *output,
+                       int32_t output_count, softsim_error *error)
+{
+    char path[2 * SS_CASE_PATH];
+    const ss_named_file input = {"a file of the case", path};
+    ss_case_join(folder, name, path, sizeof path);
+    return name[0] == '\0' || ss_files_check(&input, 1, output, output_count, error);
+}
+
+bool ss_case_check_outputs(const ss_case *c, const ss_named_file *output, int32_t output_count,
+                           softsim_error *error)
+{
+    bool is_good = check_file(c->folder, "case.yaml", output, output_count, error) &&
+                   check_file(c->mesh_folder, "case.yaml", output, output_count, error) &&
+                   check_file(c->folder, c->forces, output, output_count, error);
+    for (int32_t i = 0; i < c->mesh_count + c->surface_mesh_count && is_good; ++i) {
+        const ss_case_mesh *mesh =
+            i < c->mesh_count ? &c->mesh[i] : &c->surface_mesh[i - c->mesh_count];
+        is_good = check_file(c->mesh_folder, mesh->volume, output, output_count, error) &&
+                  check_file(c->mesh_folder, mesh->surface, output, output_count, error) &&
+                  check_file(c->mesh_folder, mesh->sets, output, output_count, error);
+        for (int32_t m = 0; m < SS_CASE_MAX_MATERIALS && is_good; ++m) {
+            is_good = check_file(c->mesh_folder, mesh->reference[m], output, output_count, error);
+        }
+    }
+    return is_good;
 }
 
 const ss_case_mesh *ss_case_meshes(const ss_case *c, bool on_surface, int32_t *out_count)

@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "mesh/mesh.h"
+#include "rt/files.h"
 #include "softsim/types.h"
 
 enum {
@@ -54,6 +55,7 @@ typedef struct ss_case_step {
 
 typedef struct ss_case {
     char folder[SS_CASE_PATH], mesh_folder[SS_CASE_PATH];
+    char forces[SS_CASE_PATH]; /* the table of them in `folder`; "" where there is none */
     char name[64];
     bool is_dynamic;
     double youngs_modulus, poisson_ratio, density; /* SI; density NaN: not given */
@@ -77,6 +79,14 @@ typedef struct ss_case {
 /* Every fault is in `error`. ss_case_fini afterwards, also on failure. */
 softsim_status ss_case_load(const char *folder, ss_case *out, softsim_error *error);
 void ss_case_fini(ss_case *c);
+
+/* The path of a file that a case names: relative names are of `folder`. */
+void ss_case_join(const char *folder, const char *name, char *out, size_t size);
+
+/* Adds a fault for the first output that is a file of a static case, whichever mesh and material
+ * are asked for (ss_files_check); true without one. */
+bool ss_case_check_outputs(const ss_case *c, const ss_named_file *output, int32_t output_count,
+                           softsim_error *error);
 
 /* The meshes that a model runs on. */
 const ss_case_mesh *ss_case_meshes(const ss_case *c, bool on_surface, int32_t *out_count);

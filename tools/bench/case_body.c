@@ -39,7 +39,7 @@ static void no_memory(loader *l)
 
 static void join(const loader *l, const char *name, char out[LONG_PATH])
 {
-    snprintf(out, LONG_PATH, name[0] == '/' ? "%.0s%s" : "%s/%s", l->c->mesh_folder, name);
+    ss_case_join(l->c->mesh_folder, name, out, LONG_PATH);
 }
 
 static int by_number(const void *a, const void *b)

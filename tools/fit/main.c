@@ -4,7 +4,6 @@
  * softsim-fit: a scene and measured curves to the scene with the parameters that repeat them.
  */
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,18 +41,23 @@ typedef struct fit_options {
     int64_t max_evaluations;
 } fit_options;
 
+enum { OUTPUT_COUNT = 2 };
+
+static void list_outputs(const fit_options *o, ss_named_file out[OUTPUT_COUNT])
+{
+    out[0] = (ss_named_file){"--out", o->out};
+    out[1] = (ss_named_file){"--fitted", o->fitted};
+}
+
 /* No output may be what is read. */
 static void check_outputs(const fit_options *o, softsim_error *error)
 {
-    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
-    char statement[PATH_MAX];
-    snprintf(statement, sizeof statement, "%s/case.yaml", o->folder ? o->folder : "");
-    ss_named_file in[SS_ARG_LIST_MAX + 2] = {{"the scene", o->scene},
-                                             {"the case", o->folder ? statement : NULL}};
+    ss_named_file out[OUTPUT_COUNT], in[SS_ARG_LIST_MAX + 1] = {{"the scene", o->scene}};
+    list_outputs(o, out);
     for (int32_t c = 0; c < o->curve.count; ++c) {
-        in[c + 2] = (ss_named_file){"a --curve", o->curve.value[c]};
+        in[c + 1] = (ss_named_file){"a --curve", o->curve.value[c]};
     }
-    (void)ss_files_check(in, o->curve.count + 2, out, 2, error);
+    (void)ss_files_check(in, o->curve.count + 1, out, OUTPUT_COUNT, error);
 }
 
 static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_error *error)
@@ -148,15 +152,26 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
 /* Nor may an output be a file that the scene names. */
 static void check_scene_files(const fit_options *o, softsim_error *error)
 {
-    const ss_named_file out[] = {{"--out", o->out}, {"--fitted", o->fitted}};
     const ss_scene_model *models = NULL;
     const int32_t model_count = ss_world_scene_models(&models);
     ss_scene *scene = NULL;
+    ss_named_file out[OUTPUT_COUNT];
+    list_outputs(o, out);
     if (ss_scene_load(o->scene, o->set.value, o->set.count, models, model_count, NULL, &scene,
                       error) == SOFTSIM_OK) {
-        (void)ss_scene_check_outputs(scene, out, 2, error);
+        (void)ss_scene_check_outputs(scene, out, OUTPUT_COUNT, error);
     }
     ss_scene_destroy(&scene);
+}
+
+static void choose_parameters(const fit_options *o, bool has_time, ss_fit *fit,
+                              softsim_error *error)
+{
+    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
+                                         o->parameter.count, has_time, fit->parameter, error);
+    if (fit->parameter_count > 0) {
+        check_scene_files(o, error);
+    }
 }
 
 /* Parameters and the case. */
@@ -164,11 +179,7 @@ static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels
                                 softsim_error *error)
 {
     fit->levels = levels;
-    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
-                                         o->parameter.count, false, fit->parameter, error);
-    if (fit->parameter_count > 0) {
-        check_scene_files(o, error);
-    }
+    choose_parameters(o, false, fit, error);
     for (int32_t i = 0; i < fit->parameter_count; ++i) {
         if (strchr(fit->parameter[i].path + strlen("model."), '.')) {
             softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -177,9 +188,16 @@ static softsim_status plan_case(const fit_options *o, ss_fit *fit, ss_fit_levels
                               fit->parameter[i].path);
         }
     }
-    return error->fault_count > 0 ? SOFTSIM_ERROR_ARGUMENT
-                                  : ss_fit_levels_open(o->folder, o->material, o->mesh, &fit->scene,
-                                                       o->press_s, levels, error);
+    if (error->fault_count > 0) {
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    const softsim_status status =
+        ss_fit_levels_open(o->folder, o->material, o->mesh, &fit->scene, o->press_s, levels, error);
+    ss_named_file out[OUTPUT_COUNT];
+    list_outputs(o, out);
+    return status != SOFTSIM_OK || ss_case_check_outputs(&levels->c, out, OUTPUT_COUNT, error)
+               ? status
+               : SOFTSIM_ERROR_ARGUMENT;
 }
 
 /* Curves, parameters, presses. */
@@ -206,11 +224,7 @@ static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *lev
     if (error->fault_count > 0) {
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    fit->parameter_count = ss_fit_choose(o->scene, o->set.value, o->set.count, o->parameter.value,
-                                         o->parameter.count, has_time, fit->parameter, error);
-    if (fit->parameter_count > 0) {
-        check_scene_files(o, error);
-    }
+    choose_parameters(o, has_time, fit, error);
     for (int32_t c = 0; fit->parameter_count > 0 && c < fit->curve_count; ++c) {
         const ss_curve *curve = &fit->curve[c];
         double at[3];

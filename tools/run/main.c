@@ -50,13 +50,14 @@ static int print_real(FILE *file, double value)
     return fprintf(file, ",%.*g", SS_REAL_DIGITS, value);
 }
 
-enum { OUTPUT_COUNT = 3 };
+enum { OUTPUT_COUNT = 4 };
 
 static void list_outputs(const run_options *o, ss_named_file out[OUTPUT_COUNT])
 {
     out[0] = (ss_named_file){"--csv", o->csv};
     out[1] = (ss_named_file){"--reactions", o->reactions};
     out[2] = (ss_named_file){"--nodes", o->nodes};
+    out[3] = (ss_named_file){"--vtk", o->vtk};
 }
 
 static ss_args_result parse(int argc, char **argv, run_options *out, softsim_error *error)
@@ -143,6 +144,11 @@ static softsim_status open_poses(run *r, softsim_error *error)
 /* ---- output -----------------------------------------------------------------------------------
  */
 
+static const ss_scene *scene_of(const run *r)
+{
+    return ((const ss_world *)r->world)->scene; /* it is one: lockstep.c */
+}
+
 static void write_row(run *r, const softsim_force force[SOFTSIM_MAX_PROBES])
 {
     const softsim_state *s = &r->state;
@@ -208,9 +214,10 @@ static softsim_status write_vtk(run *r, softsim_error *error)
     char path[4096];
     snprintf(path, sizeof path, "%s/surface_%08lld.vtk", r->options.vtk, (long long)r->state.tick);
     ss_output output = {0};
-    const softsim_status status = ss_output_open(&output, path, error);
-    if (status != SOFTSIM_OK) {
-        return status;
+    const ss_named_file out = {"--vtk", path};
+    if (!ss_scene_check_outputs(scene_of(r), &out, 1, error) ||
+        ss_output_open(&output, path, error) != SOFTSIM_OK) {
+        return error->status;
     }
     softsim_read_nodes(r->world, r->position, r->displacement, NULL);
     const int32_t nodes = r->state.node_count;
@@ -412,8 +419,7 @@ static softsim_status execute(run *r, softsim_error *error)
     }
     ss_named_file outputs[OUTPUT_COUNT];
     list_outputs(&r->options, outputs);
-    const ss_world *inner = (const ss_world *)r->world; /* it is one: lockstep.c */
-    if (!ss_scene_check_outputs(inner->scene, outputs, OUTPUT_COUNT, error)) {
+    if (!ss_scene_check_outputs(scene_of(r), outputs, OUTPUT_COUNT, error)) {
         return error->status;
     }
     softsim_read(r->world, &r->state);
