@@ -201,8 +201,8 @@ double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, co
 void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out);
 /* Particle p woke (+1) or fell asleep (-1) or changed its node (0). */
 void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change);
-/* Rows follow their particles by `step` of the way. */
-void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
+/* Rows follow their particles by `step` of the way; false when all were there already. */
+bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 
 /* ---- hybrid_bound.c ---------------------------------------------------------------------------
  */

@@ -363,16 +363,18 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
     }
 }
 
-void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
+bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
 {
+    bool has_changed = false;
     hybrid->is_skin_fading = false;
     for (int32_t k = hybrid->riding_count - 1; k >= 0; --k) {
         const int32_t s = hybrid->riding[k];
         ss_hybrid_ride *ride = &hybrid->ride[s];
+        const ss_real before = ride->theta;
         if (ride->wanted > 0) {
-            ride->theta = ride->theta + step < 1 ? ride->theta + step : 1;
+            ride->theta = before + step < 1 ? before + step : 1;
             hybrid->is_skin_fading = hybrid->is_skin_fading || ride->theta < 1;
-        } else if (ride->theta > step) {
+        } else if (before > step) {
             ride->theta -= step;
             hybrid->is_skin_fading = true;
         } else {
@@ -383,5 +385,7 @@ void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
             ride->theta = 0;
             ride->count = 0;
         }
+        has_changed = has_changed || ride->theta != before;
     }
+    return has_changed;
 }

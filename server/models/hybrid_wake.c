@@ -231,8 +231,8 @@ static void let_go(ss_hybrid *hybrid, int32_t p)
 /* ---- shares ---------------------------------------------------------------------------------
  */
 
-/* Moves p's share by at most `step`. */
-static void move_share(ss_hybrid *hybrid, int32_t p, double step)
+/* Moves p's share by at most `step`; true when it was not there yet. */
+static bool move_share(ss_hybrid *hybrid, int32_t p, double step)
 {
     const ss_hybrid_particle *particle = &hybrid->particle[p];
     const double from = (double)particle->share;
@@ -240,12 +240,14 @@ static void move_share(ss_hybrid *hybrid, int32_t p, double step)
     if (to != from) {
         ss_hybrid_set_share(hybrid, p, to);
     }
+    return to != from;
 }
 
-/* Gets up half way to its share, lies down when it is let go and near its tie. */
-static void move_node(ss_hybrid *hybrid, int32_t p)
+/* Gets up half way to its share, lies down when it is let go and near its tie; true when it did. */
+static bool move_node(ss_hybrid *hybrid, int32_t p)
 {
     ss_hybrid_particle *particle = &hybrid->particle[p];
+    const bool was_up = hybrid->node_of[p] >= 0;
     if (particle->wanted >= 0) {
         if (hybrid->node_of[p] < 0 && particle->share >= (ss_real)0.5 && hybrid->idle_count > 0) {
             get_up(hybrid, p);
@@ -256,17 +258,20 @@ static void move_node(ss_hybrid *hybrid, int32_t p)
         lie_down(hybrid, p);
         set_targets_around(hybrid, p);
     }
+    return was_up != (hybrid->node_of[p] >= 0);
 }
 
-/* Everything one step further: shares, nodes, points that are used no more. */
-static void fade(ss_hybrid *hybrid, double step)
+/* Everything one step further: shares, nodes, points that are used no more. False when all of them
+ * are waiting for their tie: forces are as they were. */
+static bool fade(ss_hybrid *hybrid, double step)
 {
+    bool has_changed = false;
     hybrid->is_fading = false;
     for (int32_t k = hybrid->point_count - 1; k >= 0; --k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
-        move_share(hybrid, p, step);
-        move_node(hybrid, p);
+        const bool has_moved = move_share(hybrid, p, step);
+        has_changed = move_node(hybrid, p) || has_moved || has_changed;
         const bool is_moving = particle->share != particle->target ||
                                (particle->wanted >= 0) != (hybrid->node_of[p] >= 0);
         hybrid->is_fading = hybrid->is_fading || is_moving;
@@ -274,6 +279,7 @@ static void fade(ss_hybrid *hybrid, double step)
             ss_hybrid_remove_point(hybrid, p);
         }
     }
+    return has_changed;
 }
 
 /* ---- where the tools are ---------------------------------------------------------------------
@@ -430,19 +436,18 @@ bool ss_hybrid_wake(ss_hybrid *hybrid)
         return false;
     }
     look(hybrid);
-    const bool is_changing =
-        hybrid->is_fading || hybrid->drifting_count > 0 || hybrid->is_skin_fading;
+    bool has_changed = hybrid->drifting_count > 0;
     if (hybrid->is_fading) {
-        fade(hybrid, STEP);
+        has_changed = fade(hybrid, STEP) || has_changed;
     }
     if (hybrid->drifting_count > 0) {
         drift(hybrid);
     }
     if (hybrid->is_skin_fading) {
-        ss_hybrid_fade_skin(hybrid, (ss_real)STEP);
+        has_changed = ss_hybrid_fade_skin(hybrid, (ss_real)STEP) || has_changed;
     }
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
-    return is_changing;
+    return has_changed;
 }
 
 /* ---- all at once ----------------------------------------------------------------------------
@@ -451,10 +456,9 @@ bool ss_hybrid_wake(ss_hybrid *hybrid)
 static void settle_now(ss_hybrid *hybrid)
 {
     for (int32_t k = 0; k < 2 * PATIENCE && hybrid->is_fading; ++k) {
-        fade(hybrid, 1.0);
+        (void)fade(hybrid, 1.0);
     }
-    ss_hybrid_fade_skin(hybrid, 1);
-
+    (void)ss_hybrid_fade_skin(hybrid, 1);
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
 }
 
