@@ -27,6 +27,8 @@
 /* Defaults of the reaches, in spacings. */
 #define ACTIVATE_SPACINGS 4.0
 #define DEACTIVATE_RATIO  1.3
+/* Of a cell of the search grid: the reach within which max_active wake is a few. */
+#define GRID_SPACINGS 2.0
 /* Points for each particle that may be awake: its neighbours tied to the core around it. */
 enum { POINTS_PER_AWAKE = 4, SPARE_POINTS = 400 };
 
@@ -311,7 +313,8 @@ static bool create_particles(ss_hybrid *hybrid)
     }
     ss_hybrid_idle_all(hybrid);
     return ss_point_grid_init(&hybrid->grid, hybrid->layer->own_count,
-                              (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
+                              (const double(*)[3])hybrid->layer->rest,
+                              GRID_SPACINGS * hybrid->layer->spacing[0]);
 }
 
 /* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a

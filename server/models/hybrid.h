@@ -130,6 +130,7 @@ typedef struct ss_hybrid {
     ss_point_grid grid;              /* of own particles */
     double *distance;                /* by own particle: to the tools at the last scan, m */
     int32_t *found, found_count;     /* particles in reach at the last scan */
+    double let_reach;                /* m: nearer ones were not let go at the last look */
     double least_spacing, skin_edge; /* m; the edge is the mean one of the surface */
 
     /* step bound */
