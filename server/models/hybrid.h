@@ -43,6 +43,7 @@ typedef struct ss_hybrid_particle {
 typedef struct ss_hybrid_ride {
     ss_real theta;
     int32_t wanted; /* particles of its row that are wanted */
+    bool is_old;    /* its particles have changed since the row was made */
     int32_t count;  /* of its row over nodes; 0: asleep */
     int32_t *node;  /* room for its particles and all nodes that they are tied to */
     ss_real *weight;
@@ -200,7 +201,7 @@ double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, co
                              const ss_real *mobility);
 /* Every node of the mesh, skin included, now. */
 void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out);
-/* Particle p woke (+1) or fell asleep (-1) or changed its node (0). */
+/* Particle p woke (+1) or fell asleep (-1) or changed its node (0): before ss_hybrid_fade_skin. */
 void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change);
 /* Rows follow their particles by `step` of the way; false when all were there already. */
 bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);

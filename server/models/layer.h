@@ -47,6 +47,7 @@ typedef struct ss_layer {
     int32_t *pair_first; /* count + 1 */
     int32_t *neighbour;  /* of each pair, nearest first */
     ss_real *pair;       /* 4 a pair: w X (m), w, with X from the particle to the neighbour */
+    ss_real *pair_scale; /* 1/(w |X|^2), 1/m^2 */
     ss_real *moment;     /* 8 a particle: inverse of A = sum w X X^T as xx xy xz yy yz zz (1/m^2),
                             1 / sum w |X|^2, sum w */
     int32_t *tie_first;  /* count + 1 */
