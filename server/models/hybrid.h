@@ -3,8 +3,8 @@
 #pragma once
 /*
  * Inside `hybrid`: its state, shared by hybrid.c (the model), hybrid_layer.c (forces of the layer
- * and its share of the body), hybrid_wake.c (which particles are awake) and hybrid_bound.c (the
- * stable step).
+ * and its share of the body), hybrid_near.c (its rows where they are needed), hybrid_wake.c (which
+ * particles are awake) and hybrid_bound.c (the stable step).
  *
  * Three kinds of particle. Awake: a node of its own. Near: tied to the core, but its stiffness is
  * the layer's, wholly or in part. Asleep: its stiffness and mass are the core's. Nodes of the
@@ -93,7 +93,10 @@ typedef struct ss_hybrid {
     int32_t *wanted, wanted_count;
     int32_t *idle, idle_count;         /* nodes that no particle has */
     int32_t *drifting, drifting_count; /* particles with an offset */
-    ss_real *state, *particle_force;
+    ss_layer_near near_rows;           /* the near ones side by side */
+    bool is_near_old;                  /* which they are, and where they move, has changed */
+    int32_t *place_of;                 /* by particle: its place among them, while it is near */
+    ss_real *state, *particle_force;   /* as ss_layer_pass has them */
     int32_t awake_count;
     bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
     uint32_t beat;                  /* outer steps since all slept */
@@ -173,6 +176,15 @@ bool ss_hybrid_create_cells(ss_hybrid *hybrid);
 void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
 /* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
 bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
+
+/* ---- hybrid_near.c ----------------------------------------------------------------------------
+ */
+
+/* Room for the near particles; false when out of memory. Thread: set-up only. */
+bool ss_hybrid_create_near(ss_hybrid *hybrid);
+void ss_hybrid_destroy_near(ss_hybrid *hybrid);
+/* Brings near_rows up to date. */
+void ss_hybrid_gather_near(ss_hybrid *hybrid);
 
 /* ---- hybrid_wake.c ----------------------------------------------------------------------------
  */

@@ -94,6 +94,7 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
         hybrid->offset[4 * (ptrdiff_t)p + a] = 0;
     }
     hybrid->node_of[p] = node;
+    hybrid->is_near_old = true;
     ++hybrid->awake_count;
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
@@ -123,6 +124,7 @@ static void lie_down(ss_hybrid *hybrid, int32_t p)
     hybrid->drifting[hybrid->drifting_count++] = p;
     hybrid->idle[hybrid->idle_count++] = node;
     hybrid->node_of[p] = -1;
+    hybrid->is_near_old = true;
     --hybrid->awake_count;
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
@@ -141,6 +143,7 @@ static double straying(const ss_hybrid *hybrid, int32_t p)
 
 static void drift(ss_hybrid *hybrid)
 {
+    hybrid->is_near_old = true;
     for (int32_t k = hybrid->drifting_count - 1; k >= 0; --k) {
         const int32_t p = hybrid->drifting[k];
         ss_real *offset = hybrid->offset + 4 * (ptrdiff_t)p;
@@ -534,6 +537,7 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         }
     }
     settle_now(hybrid);
+    hybrid->is_near_old = true;
     while (hybrid->drifting_count > 0) {
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);

@@ -408,9 +408,9 @@ static bool join_neighbours(builder *b)
     }
     const size_t pairs = first != NULL ? (size_t)first[layer->count] : 0;
     int32_t *all = ss_memory_get(pairs, sizeof *all);
-    layer->neighbour = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->neighbour);
-    layer->pair = ss_memory_get(4 * (pairs + SS_LAYER_SPARE_PAIRS), sizeof *layer->pair);
-    layer->pair_scale = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->pair_scale);
+    layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);
+    layer->pair = ss_memory_get(4 * pairs, sizeof *layer->pair);
+    layer->pair_scale = ss_memory_get(pairs, sizeof *layer->pair_scale);
     const bool is_good = first != NULL && all != NULL && layer->neighbour != NULL &&
                          layer->pair != NULL && layer->pair_scale != NULL;
     for (int32_t p = 0; is_good && p < layer->count; ++p) {

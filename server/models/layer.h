@@ -25,10 +25,9 @@
 #define SS_LAYER_CUT     0.8
 
 enum {
-    SS_LAYER_TIE = 16,        /* nodes of a particle's tie outside the core */
-    SS_LAYER_SKIN = 16,       /* particles of a skin node's row */
-    SS_LAYER_MAX_PAIRS = 192, /* neighbours of a particle; more are where spacings differ */
-    SS_LAYER_SPARE_PAIRS = 8  /* zeros after the last pair, for kernels that take eight at a time */
+    SS_LAYER_TIE = 16,       /* nodes of a particle's tie outside the core */
+    SS_LAYER_SKIN = 16,      /* particles of a skin node's row */
+    SS_LAYER_MAX_PAIRS = 192 /* neighbours of a particle; more are where spacings differ */
 };
 
 typedef struct ss_layer_plan {

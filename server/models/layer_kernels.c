@@ -41,21 +41,21 @@
 /* State of particle p from its node, or from its tie. */
 SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v)
 {
-    const ss_layer *layer = pass->layer;
+    const ss_layer_near *near = pass->near;
     const ss_real *all_u = pass->u;
     const ss_real *all_v = pass->v;
-    const ptrdiff_t node = pass->node_of[p];
+    const ptrdiff_t node = near->node_of[p];
     ss_quad u;
     ss_quad v = ss_quad_all(0);
     if (node >= 0) {
         u = ss_quad_load(all_u + 4 * node);
         v = has_v ? ss_quad_load(all_v + 4 * node) : v;
     } else {
-        const int32_t first = layer->tie_first[p];
-        const int32_t count = layer->tie_first[p + 1] - first;
-        const int32_t *tie_node = layer->tie_node + first;
-        const ss_real *tie = layer->tie + first;
-        u = ss_quad_load(pass->offset + 4 * p);
+        const int32_t first = near->tie_first[p];
+        const int32_t count = near->tie_first[p + 1] - first;
+        const int32_t *tie_node = near->tie_node + first;
+        const ss_real *tie = near->tie + first;
+        u = ss_quad_load(near->offset + 4 * p);
         for (int32_t t = 0; t < count; ++t) {
             const ptrdiff_t n = 4 * (ptrdiff_t)tie_node[t];
             const ss_quad share = ss_quad_all(tie[t]);
@@ -71,33 +71,32 @@ SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v
 static void place(const ss_layer_pass *pass)
 {
     if (pass->v != NULL) {
-        for (int32_t k = 0; k < pass->near_count; ++k) {
-            place_particle(pass, pass->near[k], true);
+        for (int32_t k = 0; k < pass->near->count; ++k) {
+            place_particle(pass, k, true);
         }
     } else {
-        for (int32_t k = 0; k < pass->near_count; ++k) {
-            place_particle(pass, pass->near[k], false);
+        for (int32_t k = 0; k < pass->near->count; ++k) {
+            place_particle(pass, k, false);
         }
     }
 }
 
 static void give(const ss_layer_pass *pass)
 {
-    const ss_layer *layer = pass->layer;
+    const ss_layer_near *near = pass->near;
     ss_real *force = pass->force;
-    for (int32_t k = 0; k < pass->near_count; ++k) {
-        const ptrdiff_t p = pass->near[k];
-        const ptrdiff_t node = pass->node_of[p];
-        const ss_quad f = ss_quad_load(pass->particle_force + 4 * p);
+    for (ptrdiff_t k = 0; k < near->count; ++k) {
+        const ptrdiff_t node = near->node_of[k];
+        const ss_quad f = ss_quad_load(pass->particle_force + 4 * k);
         if (node >= 0) {
             ss_real *at = force + 4 * node;
             ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));
             continue;
         }
-        const int32_t first = layer->tie_first[p];
-        const int32_t count = layer->tie_first[p + 1] - first;
-        const int32_t *tie_node = layer->tie_node + first;
-        const ss_real *tie = layer->tie + first;
+        const int32_t first = near->tie_first[k];
+        const int32_t count = near->tie_first[k + 1] - first;
+        const int32_t *tie_node = near->tie_node + first;
+        const ss_real *tie = near->tie + first;
         for (int32_t t = 0; t < count; ++t) {
             ss_real *at = force + 4 * (ptrdiff_t)tie_node[t];
             ss_quad_store(at, ss_quad_fma(ss_quad_all(tie[t]), f, ss_quad_load(at)));
@@ -110,21 +109,20 @@ static const int moment_at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 /* Columns of H and Hdot of point k, of displacements and velocities side by side. */
 static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const ss_pair own = ss_pair_load(pass->state + 8 * p);
+    const ss_layer_near *near = pass->near;
+    const ss_pair own = ss_pair_load(pass->state + 8 * k);
     ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
     ss_pair spread = ss_pair_all(0);
-    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-        const ss_real *row = layer->pair + 4 * t;
+    for (ptrdiff_t t = near->pair_first[k]; t < near->pair_first[k + 1]; ++t) {
+        const ss_real *row = near->pair + 4 * t;
         const ss_pair d =
-            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
+            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)near->neighbour[t]), own);
         for (int c = 0; c < 3; ++c) {
             b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
         }
         spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
     }
-    const ss_real *a = layer->moment + 8 * p;
+    const ss_real *a = near->moment + 8 * k;
     for (int c = 0; c < 3; ++c) {
         ss_pair h = ss_pair_mul(ss_pair_all(a[moment_at[0][c]]), b[0]);
         h = ss_pair_fma(ss_pair_all(a[moment_at[1][c]]), b[1], h);
@@ -138,12 +136,11 @@ static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
 /* Of displacements alone, two neighbours at a time. */
 static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
-    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
-    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
-    const ss_quad own = ss_quad_load(pass->state + 8 * p);
+    const ss_layer_near *near = pass->near;
+    const int32_t *neighbour = near->neighbour + near->pair_first[k];
+    const ss_real *pair = near->pair + 4 * (ptrdiff_t)near->pair_first[k];
+    const int32_t count = near->pair_first[k + 1] - near->pair_first[k];
+    const ss_quad own = ss_quad_load(pass->state + 8 * k);
     const ss_pair twice = ss_pair_twice(own);
     ss_pair two[4] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
     for (int32_t t = 0; t + 1 < count; t += 2) {
@@ -169,7 +166,7 @@ static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
         }
         b[3] = ss_quad_fma(ss_quad_mul(ss_quad_all(row[3]), d), d, b[3]);
     }
-    const ss_real *a = layer->moment + 8 * p;
+    const ss_real *a = near->moment + 8 * k;
     for (int c = 0; c < 3; ++c) {
         ss_quad h = ss_quad_mul(ss_quad_all(a[moment_at[0][c]]), b[0]);
         h = ss_quad_fma(ss_quad_all(a[moment_at[1][c]]), b[1], h);
@@ -182,7 +179,7 @@ static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
 
 static void strain(const ss_layer_pass *pass)
 {
-    for (ptrdiff_t k = 0; k < pass->point_count; ++k) {
+    for (ptrdiff_t k = 0; k < pass->near->point_count; ++k) {
         if (pass->v != NULL) {
             strain_both(pass, k);
         } else {
@@ -248,8 +245,7 @@ typedef struct point_of {
 
 SS_INLINE void point_at(const ss_layer_pass *pass, ptrdiff_t k, point_of *out)
 {
-    const ptrdiff_t p = pass->point[k];
-    const ss_real *a = pass->layer->moment + 8 * p;
+    const ss_real *a = pass->near->moment + 8 * k;
     const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
     const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
     const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
@@ -260,7 +256,7 @@ SS_INLINE void point_at(const ss_layer_pass *pass, ptrdiff_t k, point_of *out)
         }
         ss_quad_store(out->m + 4 * c, m);
     }
-    out->own = ss_quad_load(pass->state + 8 * p);
+    out->own = ss_quad_load(pass->state + 8 * k);
     out->kappa = ss_pair_all(pass->coefficient[2 * k]);
     out->e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
 }
@@ -338,15 +334,14 @@ SS_INLINE void push_eight(const pairs_of *of, const point_of *point, int32_t lef
 SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohesive,
                             bool wants_energy)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const ptrdiff_t first = layer->pair_first[p];
-    pairs_of of = {.neighbour = layer->neighbour + first,
-                   .pair = layer->pair + 4 * first,
-                   .scale = layer->pair_scale + first,
+    const ss_layer_near *near = pass->near;
+    const ptrdiff_t first = near->pair_first[k];
+    pairs_of of = {.neighbour = near->neighbour + first,
+                   .pair = near->pair + 4 * first,
+                   .scale = near->pair_scale + first,
                    .state = pass->state,
                    .force = pass->particle_force};
-    int32_t left = layer->pair_first[p + 1] - layer->pair_first[p];
+    int32_t left = near->pair_first[k + 1] - near->pair_first[k];
     ss_pair sum = ss_pair_all(0);
     ss_pair depth = ss_pair_all(0);
     point_of point;
@@ -360,7 +355,7 @@ SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohe
     if (left > 0) {
         push_eight(&of, &point, left, is_cohesive, wants_energy, &sum, &depth);
     }
-    ss_real *at = of.force + 4 * p;
+    ss_real *at = of.force + 4 * k;
     ss_quad_store(at, ss_quad_add(ss_quad_load(at), ss_pair_both(sum)));
     return 0.5 * (double)pass->coefficient[2 * k + 1] * ss_pair_sum(depth);
 }
@@ -368,7 +363,7 @@ SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohe
 SS_INLINE double push_points(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
 {
     double energy = 0.0;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
+    for (int32_t k = 0; k < pass->near->point_count; ++k) {
         energy += push_point(pass, k, is_cohesive, wants_energy);
     }
     return energy;
