@@ -8,8 +8,9 @@
  * cheaply and a mesh-free layer gives the touched place detail. What the paper leaves open is
  * closed in layer.c (rows that are exact for affine maps), layer_kernels.c (forces), hybrid_layer.c
  * (one volume shared by both: collar and sleeping skin), hybrid_skin.c (the surface that is
- * touched), hybrid_wake.c (activation), hybrid_bound.c (the stable step). Law, viscosity and
- * materials are those of `fem`; time, loads, tools and the ledger the body's.
+ * touched), hybrid_wake.c (activation), hybrid_bound.c (the stable step); hybrid_near.c gathers
+ * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
+ * tools and the ledger the body's.
  */
 #include <math.h>
 #include <stdio.h>

@@ -94,7 +94,7 @@ typedef struct ss_hybrid {
     int32_t *idle, idle_count;         /* nodes that no particle has */
     int32_t *drifting, drifting_count; /* particles with an offset */
     ss_layer_near near_rows;           /* the near ones side by side */
-    bool is_near_old;                  /* which they are, and where they move, has changed */
+    bool is_near_old;                  /* one came or went since they were gathered */
     int32_t *place_of;                 /* by particle: its place among them, while it is near */
     ss_real *state, *particle_force;   /* as ss_layer_pass has them */
     int32_t awake_count;
@@ -183,6 +183,8 @@ bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out)
 /* Room for the near particles; false when out of memory. Thread: set-up only. */
 bool ss_hybrid_create_near(ss_hybrid *hybrid);
 void ss_hybrid_destroy_near(ss_hybrid *hybrid);
+/* Particle p, near or not, changed its node or its offset. */
+void ss_hybrid_move_near(ss_hybrid *hybrid, int32_t p);
 /* Brings near_rows up to date. */
 void ss_hybrid_gather_near(ss_hybrid *hybrid);
 

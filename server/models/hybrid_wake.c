@@ -94,7 +94,7 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
         hybrid->offset[4 * (ptrdiff_t)p + a] = 0;
     }
     hybrid->node_of[p] = node;
-    hybrid->is_near_old = true;
+    ss_hybrid_move_near(hybrid, p);
     ++hybrid->awake_count;
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
@@ -124,7 +124,7 @@ static void lie_down(ss_hybrid *hybrid, int32_t p)
     hybrid->drifting[hybrid->drifting_count++] = p;
     hybrid->idle[hybrid->idle_count++] = node;
     hybrid->node_of[p] = -1;
-    hybrid->is_near_old = true;
+    ss_hybrid_move_near(hybrid, p);
     --hybrid->awake_count;
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
@@ -143,7 +143,6 @@ static double straying(const ss_hybrid *hybrid, int32_t p)
 
 static void drift(ss_hybrid *hybrid)
 {
-    hybrid->is_near_old = true;
     for (int32_t k = hybrid->drifting_count - 1; k >= 0; --k) {
         const int32_t p = hybrid->drifting[k];
         ss_real *offset = hybrid->offset + 4 * (ptrdiff_t)p;
@@ -157,6 +156,7 @@ static void drift(ss_hybrid *hybrid)
             memset(offset, 0, 3 * sizeof *offset);
             hybrid->drifting[k] = hybrid->drifting[--hybrid->drifting_count];
         }
+        ss_hybrid_move_near(hybrid, p);
     }
 }
 

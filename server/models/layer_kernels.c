@@ -331,6 +331,47 @@ SS_INLINE void push_eight(const pairs_of *of, const point_of *point, int32_t lef
     }
 }
 
+/* The same of one or two pairs, which eights leave over in the middle of a lattice: side by side.
+ */
+SS_INLINE void push_two(const pairs_of *of, const point_of *point, int32_t left, bool is_cohesive,
+                        bool wants_energy, ss_pair *sum, ss_pair *depth)
+{
+    static const _Alignas(32) ss_real none[4] = {0};
+    static const _Alignas(32) ss_real once[8] = {1, 0, 0, 0, 1, 0, 0, 0};
+    _Alignas(32) ss_real own[4];
+    ss_quad_store(own, point->own);
+    const ss_pair row = ss_pair_join(of->pair, left > 1 ? of->pair + 4 : none);
+    const ss_pair there =
+        ss_pair_join(of->state + 8 * (ptrdiff_t)of->neighbour[0],
+                     left > 1 ? of->state + 8 * (ptrdiff_t)of->neighbour[1] : own);
+    const ss_pair u = ss_pair_sub(there, ss_pair_twice(point->own));
+    const ss_pair w = ss_pair_last(row);
+    ss_pair apart = ss_pair_mul(w, point->kappa);
+    ss_pair along = ss_pair_all(0);
+    if (is_cohesive) {
+        const ss_pair scale = ss_pair_each(of->scale);
+        const ss_pair by_axis = ss_pair_mul(u, ss_pair_fma(w, u, ss_pair_add(row, row)));
+        const ss_pair q =
+            ss_pair_mul(ss_pair_add(ss_pair_add(ss_pair_lane(by_axis, 0), ss_pair_lane(by_axis, 1)),
+                                    ss_pair_lane(by_axis, 2)),
+                        scale);
+        along = ss_pair_mul(ss_pair_mul(point->e, cohesion(q)), scale);
+        apart = ss_pair_fma(w, along, apart);
+        *depth = wants_energy ? ss_pair_fma(ss_pair_load(once), well(q), *depth) : *depth;
+    }
+    ss_pair f = ss_pair_mul(apart, u);
+    for (int c = 0; c < 3; ++c) {
+        f = ss_pair_fma(ss_pair_lane(row, c),
+                        ss_pair_twice(ss_quad_load(point->m + (ptrdiff_t)4 * c)), f);
+    }
+    f = is_cohesive ? ss_pair_fma(along, ss_pair_xyz(row), f) : f;
+    *sum = ss_pair_add(*sum, f);
+    take(of->force + 4 * (ptrdiff_t)of->neighbour[0], ss_pair_first(f));
+    if (left > 1) {
+        take(of->force + 4 * (ptrdiff_t)of->neighbour[1], ss_pair_second(f));
+    }
+}
+
 SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohesive,
                             bool wants_energy)
 {
@@ -352,8 +393,10 @@ SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohe
         of.pair += 32;
         of.scale += 8;
     }
-    if (left > 0) {
+    if (left > 2) {
         push_eight(&of, &point, left, is_cohesive, wants_energy, &sum, &depth);
+    } else if (left > 0) {
+        push_two(&of, &point, left, is_cohesive, wants_energy, &sum, &depth);
     }
     ss_real *at = of.force + 4 * k;
     ss_quad_store(at, ss_quad_add(ss_quad_load(at), ss_pair_both(sum)));

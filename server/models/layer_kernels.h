@@ -21,7 +21,7 @@ typedef struct ss_layer_near {
     int32_t count, point_count;
     int32_t *node_of;   /* node when it moves by itself, -1 when tied */
     ss_real *offset;    /* quads: a tied one is there beside its tie, m */
-    int32_t *tie_first; /* count + 1; none of those that move by themselves */
+    int32_t *tie_first; /* count + 1 */
     int32_t *tie_node;
     ss_real *tie;
     int32_t *pair_first; /* point_count + 1 */
