@@ -40,10 +40,9 @@
 #define LOOK_MOVE  0.25 /* spacings */
 #define SCAN_RATIO 1.1  /* of the reach of the last look: how far the next one looks */
 #define FULL       0.85 /* of max_awake; the rest is for those that may sleep but do not yet */
-/* Outer steps from change to change: forces are evaluated anew after each. Changes half as large
- * every other step were as smooth: in a slide over HM1's wall the force jumps by 0.9 % at most
- * from step to step, and by 1.0 % over half a spacing, with both; with the renewal of forces that
- * is saved a step under a moving tool takes a tenth less. */
+/* Outer steps from change to change: forces are evaluated anew after each. Half as much every other
+ * step was as smooth, and needed twice as many evaluations: in a slide over HM1's wall the force
+ * jumps by 0.9 % at most from step to step, and by 1 % over half a spacing, with both. */
 enum { EVERY = 4 };
 enum { BINS = 64, PATIENCE = 16 };
 
