@@ -8,8 +8,9 @@
  * cheaply and a mesh-free layer gives the touched place detail. What the paper leaves open is
  * closed in layer.c (rows that are exact for affine maps), layer_kernels.c (forces), hybrid_layer.c
  * (one volume shared by both: collar and sleeping skin), hybrid_skin.c (the surface that is
- * touched), hybrid_wake.c (activation), hybrid_bound.c (the stable step). Law, viscosity and
- * materials are those of `fem`; time, loads, tools and the ledger the body's.
+ * touched), hybrid_wake.c (activation), hybrid_bound.c (the stable step); hybrid_near.c gathers
+ * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
+ * tools and the ledger the body's.
  */
 #include <math.h>
 #include <stdio.h>
@@ -27,6 +28,8 @@
 /* Defaults of the reaches, in spacings. */
 #define ACTIVATE_SPACINGS 4.0
 #define DEACTIVATE_RATIO  1.3
+/* Of a cell of the search grid: the reach within which max_active wake is a few. */
+#define GRID_SPACINGS 2.0
 /* Points for each particle that may be awake: its neighbours tied to the core around it. */
 enum { POINTS_PER_AWAKE = 4, SPARE_POINTS = 400 };
 
@@ -294,14 +297,12 @@ static bool create_particles(ss_hybrid *hybrid)
     hybrid->wanted = ss_memory_get(awake, sizeof *hybrid->wanted);
     hybrid->idle = ss_memory_get(awake, sizeof *hybrid->idle);
     hybrid->drifting = ss_memory_get(n, sizeof *hybrid->drifting);
-    hybrid->state = ss_memory_get(8 * n, sizeof *hybrid->state);
-    hybrid->particle_force = ss_memory_get(4 * n, sizeof *hybrid->particle_force);
     hybrid->distance = ss_memory_get(n, sizeof *hybrid->distance);
     hybrid->found = ss_memory_get(n, sizeof *hybrid->found);
     if (hybrid->particle == NULL || hybrid->node_of == NULL || hybrid->is_held == NULL ||
         hybrid->offset == NULL || hybrid->near == NULL || hybrid->wanted == NULL ||
-        hybrid->idle == NULL || hybrid->drifting == NULL || hybrid->state == NULL ||
-        hybrid->particle_force == NULL || hybrid->distance == NULL || hybrid->found == NULL) {
+        hybrid->idle == NULL || hybrid->drifting == NULL || hybrid->distance == NULL ||
+        hybrid->found == NULL) {
         return false;
     }
     for (size_t p = 0; p < n; ++p) {
@@ -311,7 +312,8 @@ static bool create_particles(ss_hybrid *hybrid)
     }
     ss_hybrid_idle_all(hybrid);
     return ss_point_grid_init(&hybrid->grid, hybrid->layer->own_count,
-                              (const double(*)[3])hybrid->layer->rest, hybrid->wake_reach);
+                              (const double(*)[3])hybrid->layer->rest,
+                              GRID_SPACINGS * hybrid->layer->spacing[0]);
 }
 
 /* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a
@@ -596,7 +598,7 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     hybrid->fixed = ss_memory_get(nodes, 1);
     if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
         !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) || !create_particles(hybrid) ||
-        !create_skin(hybrid)) {
+        !ss_hybrid_create_near(hybrid) || !create_skin(hybrid)) {
         return SOFTSIM_ERROR_MEMORY;
     }
     memcpy(hybrid->fixed, plan->fixed, nodes);
@@ -626,17 +628,18 @@ static void destroy(ss_model *model)
     ss_fem_blocks_fini(&hybrid->points);
     ss_point_grid_fini(&hybrid->grid);
     ss_hybrid_destroy_cells(hybrid);
+    ss_hybrid_destroy_near(hybrid);
     void *const owned[] = {
-        hybrid->lane,           hybrid->volume,      hybrid->particle,  hybrid->node_of,
-        hybrid->is_held,        hybrid->offset,      hybrid->point,     hybrid->coefficient,
-        hybrid->gradient,       hybrid->spread,      hybrid->stress,    hybrid->near,
-        hybrid->wanted,         hybrid->idle,        hybrid->drifting,  hybrid->state,
-        hybrid->particle_force, hybrid->rider_first, hybrid->rider,     hybrid->ride,
-        hybrid->riding,         hybrid->riding_at,   hybrid->mark,      hybrid->shown,
-        hybrid->shown_v,        hybrid->laid,        hybrid->distance,  hybrid->found,
-        hybrid->mode,           hybrid->product,     hybrid->fixed,     hybrid->mass_asleep,
-        hybrid->load,           hybrid->swing,       hybrid->close,     hybrid->around,
-        hybrid->core_node,      hybrid->span,        hybrid->ride_node, hybrid->ride_weight};
+        hybrid->lane,      hybrid->volume,      hybrid->particle,  hybrid->node_of,
+        hybrid->is_held,   hybrid->offset,      hybrid->point,     hybrid->coefficient,
+        hybrid->gradient,  hybrid->spread,      hybrid->stress,    hybrid->near,
+        hybrid->wanted,    hybrid->idle,        hybrid->drifting,  hybrid->rider_first,
+        hybrid->rider,     hybrid->ride,        hybrid->riding,    hybrid->riding_at,
+        hybrid->mark,      hybrid->shown,       hybrid->shown_v,   hybrid->laid,
+        hybrid->distance,  hybrid->found,       hybrid->mode,      hybrid->product,
+        hybrid->fixed,     hybrid->mass_asleep, hybrid->load,      hybrid->swing,
+        hybrid->close,     hybrid->around,      hybrid->core_node, hybrid->span,
+        hybrid->ride_node, hybrid->ride_weight};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
         ss_memory_free(owned[k]);
     }

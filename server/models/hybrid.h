@@ -3,8 +3,8 @@
 #pragma once
 /*
  * Inside `hybrid`: its state, shared by hybrid.c (the model), hybrid_layer.c (forces of the layer
- * and its share of the body), hybrid_wake.c (which particles are awake) and hybrid_bound.c (the
- * stable step).
+ * and its share of the body), hybrid_near.c (its rows where they are needed), hybrid_wake.c (which
+ * particles are awake) and hybrid_bound.c (the stable step).
  *
  * Three kinds of particle. Awake: a node of its own. Near: tied to the core, but its stiffness is
  * the layer's, wholly or in part. Asleep: its stiffness and mass are the core's. Nodes of the
@@ -43,6 +43,7 @@ typedef struct ss_hybrid_particle {
 typedef struct ss_hybrid_ride {
     ss_real theta;
     int32_t wanted; /* particles of its row that are wanted */
+    bool is_old;    /* its particles have changed since the row was made */
     int32_t count;  /* of its row over nodes; 0: asleep */
     int32_t *node;  /* room for its particles and all nodes that they are tied to */
     ss_real *weight;
@@ -92,7 +93,10 @@ typedef struct ss_hybrid {
     int32_t *wanted, wanted_count;
     int32_t *idle, idle_count;         /* nodes that no particle has */
     int32_t *drifting, drifting_count; /* particles with an offset */
-    ss_real *state, *particle_force;
+    ss_layer_near near_rows;           /* the near ones side by side */
+    bool is_near_old;                  /* one came or went since they were gathered */
+    int32_t *place_of;                 /* by particle: its place among them, while it is near */
+    ss_real *state, *particle_force;   /* as ss_layer_pass has them */
     int32_t awake_count;
     bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
     uint32_t beat;                  /* outer steps since all slept */
@@ -130,6 +134,7 @@ typedef struct ss_hybrid {
     ss_point_grid grid;              /* of own particles */
     double *distance;                /* by own particle: to the tools at the last scan, m */
     int32_t *found, found_count;     /* particles in reach at the last scan */
+    double let_reach;                /* m: nearer ones were not let go at the last look */
     double least_spacing, skin_edge; /* m; the edge is the mean one of the surface */
 
     /* step bound */
@@ -172,6 +177,17 @@ void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
 /* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
 bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
 
+/* ---- hybrid_near.c ----------------------------------------------------------------------------
+ */
+
+/* Room for the near particles; false when out of memory. Thread: set-up only. */
+bool ss_hybrid_create_near(ss_hybrid *hybrid);
+void ss_hybrid_destroy_near(ss_hybrid *hybrid);
+/* Particle p, near or not, changed its node or its offset. */
+void ss_hybrid_move_near(ss_hybrid *hybrid, int32_t p);
+/* Brings near_rows up to date. */
+void ss_hybrid_gather_near(ss_hybrid *hybrid);
+
 /* ---- hybrid_wake.c ----------------------------------------------------------------------------
  */
 
@@ -199,10 +215,10 @@ double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, co
                              const ss_real *mobility);
 /* Every node of the mesh, skin included, now. */
 void ss_hybrid_show(const ss_hybrid *hybrid, const ss_real *u, ss_real *out);
-/* Particle p woke (+1) or fell asleep (-1) or changed its node (0). */
+/* Particle p woke (+1) or fell asleep (-1) or changed its node (0): before ss_hybrid_fade_skin. */
 void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change);
-/* Rows follow their particles by `step` of the way. */
-void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
+/* Rows follow their particles by `step` of the way; false when all were there already. */
+bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 
 /* ---- hybrid_bound.c ---------------------------------------------------------------------------
  */

@@ -166,6 +166,7 @@ void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p)
 {
     const ss_layer *layer = hybrid->layer;
     const int32_t k = hybrid->point_count++;
+    hybrid->is_near_old = true;
     hybrid->point[k] = p;
     hybrid->particle[p].point = k;
     hybrid->particle[p].share = 0;
@@ -183,6 +184,7 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
     const ss_layer *layer = hybrid->layer;
     const int32_t k = hybrid->particle[p].point;
     const int32_t last = --hybrid->point_count;
+    hybrid->is_near_old = true;
     ss_hybrid_set_share(hybrid, p, 0.0);
     hybrid->particle[p].point = -1;
     if (k != last) {
@@ -206,18 +208,13 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
 
 static ss_layer_pass pass_of(ss_hybrid *hybrid, const ss_real *u, const ss_real *v, ss_real *force)
 {
-    return (ss_layer_pass){.layer = hybrid->layer,
+    ss_hybrid_gather_near(hybrid);
+    return (ss_layer_pass){.near = &hybrid->near_rows,
                            .u = u,
                            .v = v,
                            .force = force,
-                           .near_count = hybrid->near_count,
-                           .near = hybrid->near,
-                           .node_of = hybrid->node_of,
-                           .offset = hybrid->offset,
                            .state = hybrid->state,
                            .particle_force = hybrid->particle_force,
-                           .point_count = hybrid->point_count,
-                           .point = hybrid->point,
                            .coefficient = hybrid->coefficient,
                            .gradient = hybrid->gradient,
                            .spread = hybrid->spread,
@@ -312,22 +309,21 @@ void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *f
 /* Cohesion's stiffness at rest, 3 e/r0^2 along each pair, of which a point has half. */
 static void add_cohesion_tangent(ss_hybrid *hybrid)
 {
-    const ss_layer *layer = hybrid->layer;
-    for (int32_t k = 0; k < hybrid->point_count; ++k) {
-        const ptrdiff_t p = hybrid->point[k];
-        for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-            const ptrdiff_t q = layer->neighbour[t];
-            const ss_real *row = layer->pair + 4 * t; /* w X: only its direction counts */
+    const ss_layer_near *near = &hybrid->near_rows;
+    for (ptrdiff_t k = 0; k < near->point_count; ++k) {
+        for (ptrdiff_t t = near->pair_first[k]; t < near->pair_first[k + 1]; ++t) {
+            const ptrdiff_t q = near->neighbour[t];
+            const ss_real *row = near->pair + 4 * t; /* w X: only its direction counts */
             const ss_real square = row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
             ss_real along = 0;
             for (int a = 0; a < 3; ++a) {
-                along += row[a] * (hybrid->state[8 * q + a] - hybrid->state[8 * p + a]);
+                along += row[a] * (hybrid->state[8 * q + a] - hybrid->state[8 * k + a]);
             }
             const ss_real stiffness = (ss_real)1.5 * hybrid->coefficient[2 * k + 1] * row[3] *
                                       row[3] / square; /* e/r0^2 */
             for (int a = 0; a < 3; ++a) {
                 const ss_real f = stiffness * along / square * row[a];
-                hybrid->particle_force[4 * p + a] += f;
+                hybrid->particle_force[4 * k + a] += f;
                 hybrid->particle_force[4 * q + a] -= f;
             }
         }
@@ -360,8 +356,8 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     points.x = hybrid->gradient + 4;
     points.out = hybrid->stress;
     hybrid->law->tangent(&points);
-    for (int32_t k = 0; k < hybrid->near_count; ++k) {
-        ss_real *state = hybrid->state + 8 * (ptrdiff_t)hybrid->near[k];
+    for (int32_t k = 0; k < hybrid->near_rows.count; ++k) {
+        ss_real *state = hybrid->state + 8 * (ptrdiff_t)k;
         memcpy(state, state + 4, 4 * sizeof *state);
     }
     for (ptrdiff_t c = 8; c < 8 * (ptrdiff_t)(1 + 3 * hybrid->point_count); c += 8) {
@@ -374,8 +370,8 @@ void ss_hybrid_tangent(void *owner, const ss_real *x, ss_real *out)
     if (hybrid->cohesion > 0.0) {
         add_cohesion_tangent(hybrid);
     }
-    for (int32_t k = 0; k < hybrid->near_count; ++k) {
-        ss_real *f = hybrid->particle_force + 4 * (ptrdiff_t)hybrid->near[k];
+    for (int32_t k = 0; k < hybrid->near_rows.count; ++k) {
+        ss_real *f = hybrid->particle_force + 4 * (ptrdiff_t)k;
         for (int a = 0; a < 3; ++a) {
             f[a] = -f[a];
         }

@@ -35,11 +35,20 @@ static ss_quad sum_row(int32_t count, const int32_t *node, const ss_real *weight
     return sum;
 }
 
+/* All the way: its tie to the core says nothing any more. */
+static bool is_riding(const ss_hybrid_ride *ride)
+{
+    return ride->count > 0 && !(ride->theta < 1);
+}
+
 static ss_quad place_of(const ss_hybrid *hybrid, int32_t s, const ss_real *u)
 {
     const ss_layer *layer = hybrid->layer;
     const ss_hybrid_ride *ride = &hybrid->ride[s];
     const int32_t first = layer->skin_tie_first[s];
+    if (is_riding(ride)) {
+        return sum_row(ride->count, ride->node, ride->weight, u);
+    }
     const ss_quad tied = sum_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
                                  layer->skin_tie + first, u);
     if (ride->count == 0 || !(ride->theta > 0)) {
@@ -190,8 +199,10 @@ void ss_hybrid_carry(void *owner, int32_t count, const int32_t *node, const ss_r
         const ss_hybrid_ride *ride = &hybrid->ride[s];
         const ss_real theta = ride->count > 0 ? ride->theta : 0;
         const int32_t first = layer->skin_tie_first[s];
-        give_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
-                 layer->skin_tie + first, ss_quad_mul(ss_quad_all(1 - theta), f), force);
+        if (!is_riding(ride)) {
+            give_row(layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
+                     layer->skin_tie + first, ss_quad_mul(ss_quad_all(1 - theta), f), force);
+        }
         give_row(ride->count, ride->node, ride->weight, ss_quad_mul(ss_quad_all(theta), f), force);
     }
 }
@@ -260,9 +271,14 @@ static int rows_of(const ss_hybrid *hybrid, const int32_t *node, skin_row out[2]
     const ss_hybrid_ride *ride = &hybrid->ride[s];
     const double theta = ride->count > 0 ? (double)ride->theta : 0.0;
     const int32_t first = layer->skin_tie_first[s];
+    const skin_row riding = {ride->count, ride->node, ride->weight, theta};
+    if (is_riding(ride)) {
+        out[0] = riding;
+        return 1;
+    }
     out[0] = (skin_row){layer->skin_tie_first[s + 1] - first, layer->skin_tie_node + first,
                         layer->skin_tie + first, 1.0 - theta};
-    out[1] = (skin_row){ride->count, ride->node, ride->weight, theta};
+    out[1] = riding;
     return theta > 0.0 ? 2 : 1;
 }
 
@@ -332,6 +348,7 @@ static void make_row(ss_hybrid *hybrid, int32_t s)
     const ss_layer *layer = hybrid->layer;
     ss_hybrid_ride *ride = &hybrid->ride[s];
     ride->count = 0;
+    ride->is_old = false;
     for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
         const int32_t p = layer->skin_particle[k];
         if (hybrid->node_of[p] >= 0) {
@@ -357,22 +374,25 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change)
             hybrid->riding_at[s] = hybrid->riding_count;
             hybrid->riding[hybrid->riding_count++] = s;
         }
-        if (hybrid->riding_at[s] >= 0) {
-            make_row(hybrid, s);
-        }
+        hybrid->ride[s].is_old = true;
     }
 }
 
-void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
+bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
 {
+    bool has_changed = false;
     hybrid->is_skin_fading = false;
     for (int32_t k = hybrid->riding_count - 1; k >= 0; --k) {
         const int32_t s = hybrid->riding[k];
         ss_hybrid_ride *ride = &hybrid->ride[s];
+        const ss_real before = ride->theta;
+        if (ride->is_old) {
+            make_row(hybrid, s);
+        }
         if (ride->wanted > 0) {
-            ride->theta = ride->theta + step < 1 ? ride->theta + step : 1;
+            ride->theta = before + step < 1 ? before + step : 1;
             hybrid->is_skin_fading = hybrid->is_skin_fading || ride->theta < 1;
-        } else if (ride->theta > step) {
+        } else if (before > step) {
             ride->theta -= step;
             hybrid->is_skin_fading = true;
         } else {
@@ -383,5 +403,7 @@ void ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step)
             ride->theta = 0;
             ride->count = 0;
         }
+        has_changed = has_changed || ride->theta != before;
     }
+    return has_changed;
 }

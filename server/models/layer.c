@@ -392,6 +392,7 @@ static void fill_pairs(ss_layer *layer, int32_t p, int32_t count, const int32_t 
             layer->pair[4 * at + i] = (ss_real)(w * (layer->rest[q][i] - layer->rest[p][i]));
         }
         layer->pair[4 * at + 3] = (ss_real)w;
+        layer->pair_scale[at] = (ss_real)(1.0 / (w * square[k]));
     }
     layer->pair_first[p + 1] = layer->pair_first[p] + count;
 }
@@ -407,10 +408,11 @@ static bool join_neighbours(builder *b)
     }
     const size_t pairs = first != NULL ? (size_t)first[layer->count] : 0;
     int32_t *all = ss_memory_get(pairs, sizeof *all);
-    layer->neighbour = ss_memory_get(pairs + SS_LAYER_SPARE_PAIRS, sizeof *layer->neighbour);
-    layer->pair = ss_memory_get(4 * (pairs + SS_LAYER_SPARE_PAIRS), sizeof *layer->pair);
-    const bool is_good =
-        first != NULL && all != NULL && layer->neighbour != NULL && layer->pair != NULL;
+    layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);
+    layer->pair = ss_memory_get(4 * pairs, sizeof *layer->pair);
+    layer->pair_scale = ss_memory_get(pairs, sizeof *layer->pair_scale);
+    const bool is_good = first != NULL && all != NULL && layer->neighbour != NULL &&
+                         layer->pair != NULL && layer->pair_scale != NULL;
     for (int32_t p = 0; is_good && p < layer->count; ++p) {
         const int32_t count = find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
         memcpy(all + first[p], neighbour, (size_t)count * sizeof *all);
@@ -740,6 +742,7 @@ void ss_layer_destroy(ss_layer **layer_pointer)
     ss_memory_free(layer->pair_first);
     ss_memory_free(layer->neighbour);
     ss_memory_free(layer->pair);
+    ss_memory_free(layer->pair_scale);
     ss_memory_free(layer->moment);
     ss_memory_free(layer->tie_first);
     ss_memory_free(layer->tie_node);

@@ -25,10 +25,9 @@
 #define SS_LAYER_CUT     0.8
 
 enum {
-    SS_LAYER_TIE = 16,        /* nodes of a particle's tie outside the core */
-    SS_LAYER_SKIN = 16,       /* particles of a skin node's row */
-    SS_LAYER_MAX_PAIRS = 192, /* neighbours of a particle; more are where spacings differ */
-    SS_LAYER_SPARE_PAIRS = 8  /* zeros after the last pair, for kernels that take eight at a time */
+    SS_LAYER_TIE = 16,       /* nodes of a particle's tie outside the core */
+    SS_LAYER_SKIN = 16,      /* particles of a skin node's row */
+    SS_LAYER_MAX_PAIRS = 192 /* neighbours of a particle; more are where spacings differ */
 };
 
 typedef struct ss_layer_plan {
@@ -47,6 +46,7 @@ typedef struct ss_layer {
     int32_t *pair_first; /* count + 1 */
     int32_t *neighbour;  /* of each pair, nearest first */
     ss_real *pair;       /* 4 a pair: w X (m), w, with X from the particle to the neighbour */
+    ss_real *pair_scale; /* 1/(w |X|^2), 1/m^2 */
     ss_real *moment;     /* 8 a particle: inverse of A = sum w X X^T as xx xy xz yy yz zz (1/m^2),
                             1 / sum w |X|^2, sum w */
     int32_t *tie_first;  /* count + 1 */

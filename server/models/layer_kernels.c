@@ -23,9 +23,9 @@
  *   f_ij = 3 e/(2 r0^2) g/s x_ij,  g = s^-2 - s^-4 = q/(1 + q)^2
  *
  * of which each end gives the half, b w x_ij = b (w X_ij + w u_ij) with b = 3 e/(4 w r0^2) g/s: a
- * share more of w X and of w u in the sum above, so that a pair is walked through once. Eight b are
- * worked out at a time. Below s = 0.7 g goes on as a line, above root 2 it stays. As printed,
- * without rest distances and with the well at root 3, the layer bursts.
+ * share more of w X and of w u in the sum above, so that a pair is walked through once. Eight
+ * pairs are worked out at a time. Below s = 0.7 g goes on as a line, above root 2 it stays. As
+ * printed, without rest distances and with the well at root 3, the layer bursts.
  *
  * Displacements and velocities of a particle lie side by side: where a pair is one register, the
  * velocity gradient comes with the other at no cost; without viscosity two neighbours lie there.
@@ -41,21 +41,21 @@
 /* State of particle p from its node, or from its tie. */
 SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v)
 {
-    const ss_layer *layer = pass->layer;
+    const ss_layer_near *near = pass->near;
     const ss_real *all_u = pass->u;
     const ss_real *all_v = pass->v;
-    const ptrdiff_t node = pass->node_of[p];
+    const ptrdiff_t node = near->node_of[p];
     ss_quad u;
     ss_quad v = ss_quad_all(0);
     if (node >= 0) {
         u = ss_quad_load(all_u + 4 * node);
         v = has_v ? ss_quad_load(all_v + 4 * node) : v;
     } else {
-        const int32_t first = layer->tie_first[p];
-        const int32_t count = layer->tie_first[p + 1] - first;
-        const int32_t *tie_node = layer->tie_node + first;
-        const ss_real *tie = layer->tie + first;
-        u = ss_quad_load(pass->offset + 4 * p);
+        const int32_t first = near->tie_first[p];
+        const int32_t count = near->tie_first[p + 1] - first;
+        const int32_t *tie_node = near->tie_node + first;
+        const ss_real *tie = near->tie + first;
+        u = ss_quad_load(near->offset + 4 * p);
         for (int32_t t = 0; t < count; ++t) {
             const ptrdiff_t n = 4 * (ptrdiff_t)tie_node[t];
             const ss_quad share = ss_quad_all(tie[t]);
@@ -71,33 +71,32 @@ SS_INLINE void place_particle(const ss_layer_pass *pass, ptrdiff_t p, bool has_v
 static void place(const ss_layer_pass *pass)
 {
     if (pass->v != NULL) {
-        for (int32_t k = 0; k < pass->near_count; ++k) {
-            place_particle(pass, pass->near[k], true);
+        for (int32_t k = 0; k < pass->near->count; ++k) {
+            place_particle(pass, k, true);
         }
     } else {
-        for (int32_t k = 0; k < pass->near_count; ++k) {
-            place_particle(pass, pass->near[k], false);
+        for (int32_t k = 0; k < pass->near->count; ++k) {
+            place_particle(pass, k, false);
         }
     }
 }
 
 static void give(const ss_layer_pass *pass)
 {
-    const ss_layer *layer = pass->layer;
+    const ss_layer_near *near = pass->near;
     ss_real *force = pass->force;
-    for (int32_t k = 0; k < pass->near_count; ++k) {
-        const ptrdiff_t p = pass->near[k];
-        const ptrdiff_t node = pass->node_of[p];
-        const ss_quad f = ss_quad_load(pass->particle_force + 4 * p);
+    for (ptrdiff_t k = 0; k < near->count; ++k) {
+        const ptrdiff_t node = near->node_of[k];
+        const ss_quad f = ss_quad_load(pass->particle_force + 4 * k);
         if (node >= 0) {
             ss_real *at = force + 4 * node;
             ss_quad_store(at, ss_quad_add(ss_quad_load(at), f));
             continue;
         }
-        const int32_t first = layer->tie_first[p];
-        const int32_t count = layer->tie_first[p + 1] - first;
-        const int32_t *tie_node = layer->tie_node + first;
-        const ss_real *tie = layer->tie + first;
+        const int32_t first = near->tie_first[k];
+        const int32_t count = near->tie_first[k + 1] - first;
+        const int32_t *tie_node = near->tie_node + first;
+        const ss_real *tie = near->tie + first;
         for (int32_t t = 0; t < count; ++t) {
             ss_real *at = force + 4 * (ptrdiff_t)tie_node[t];
             ss_quad_store(at, ss_quad_fma(ss_quad_all(tie[t]), f, ss_quad_load(at)));
@@ -110,21 +109,20 @@ static const int moment_at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 /* Columns of H and Hdot of point k, of displacements and velocities side by side. */
 static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const ss_pair own = ss_pair_load(pass->state + 8 * p);
+    const ss_layer_near *near = pass->near;
+    const ss_pair own = ss_pair_load(pass->state + 8 * k);
     ss_pair b[3] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
     ss_pair spread = ss_pair_all(0);
-    for (ptrdiff_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
-        const ss_real *row = layer->pair + 4 * t;
+    for (ptrdiff_t t = near->pair_first[k]; t < near->pair_first[k + 1]; ++t) {
+        const ss_real *row = near->pair + 4 * t;
         const ss_pair d =
-            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)layer->neighbour[t]), own);
+            ss_pair_sub(ss_pair_load(pass->state + 8 * (ptrdiff_t)near->neighbour[t]), own);
         for (int c = 0; c < 3; ++c) {
             b[c] = ss_pair_fma(ss_pair_all(row[c]), d, b[c]);
         }
         spread = ss_pair_fma(ss_pair_mul(ss_pair_all(row[3]), d), d, spread);
     }
-    const ss_real *a = layer->moment + 8 * p;
+    const ss_real *a = near->moment + 8 * k;
     for (int c = 0; c < 3; ++c) {
         ss_pair h = ss_pair_mul(ss_pair_all(a[moment_at[0][c]]), b[0]);
         h = ss_pair_fma(ss_pair_all(a[moment_at[1][c]]), b[1], h);
@@ -138,12 +136,11 @@ static inline void strain_both(const ss_layer_pass *pass, ptrdiff_t k)
 /* Of displacements alone, two neighbours at a time. */
 static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
-    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
-    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
-    const ss_quad own = ss_quad_load(pass->state + 8 * p);
+    const ss_layer_near *near = pass->near;
+    const int32_t *neighbour = near->neighbour + near->pair_first[k];
+    const ss_real *pair = near->pair + 4 * (ptrdiff_t)near->pair_first[k];
+    const int32_t count = near->pair_first[k + 1] - near->pair_first[k];
+    const ss_quad own = ss_quad_load(pass->state + 8 * k);
     const ss_pair twice = ss_pair_twice(own);
     ss_pair two[4] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
     for (int32_t t = 0; t + 1 < count; t += 2) {
@@ -169,7 +166,7 @@ static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
         }
         b[3] = ss_quad_fma(ss_quad_mul(ss_quad_all(row[3]), d), d, b[3]);
     }
-    const ss_real *a = layer->moment + 8 * p;
+    const ss_real *a = near->moment + 8 * k;
     for (int c = 0; c < 3; ++c) {
         ss_quad h = ss_quad_mul(ss_quad_all(a[moment_at[0][c]]), b[0]);
         h = ss_quad_fma(ss_quad_all(a[moment_at[1][c]]), b[1], h);
@@ -182,7 +179,7 @@ static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
 
 static void strain(const ss_layer_pass *pass)
 {
-    for (ptrdiff_t k = 0; k < pass->point_count; ++k) {
+    for (ptrdiff_t k = 0; k < pass->near->point_count; ++k) {
         if (pass->v != NULL) {
             strain_both(pass, k);
         } else {
@@ -235,137 +232,181 @@ static inline ss_pair well(ss_pair q)
 
 /* ---- forces of the points --------------------------------------------------------------------
  *
- * A point's pairs go in eights, in a register two each: first and second, third and fourth, and so
- * on, so that what is worked out eight at a time lies where those two find it by their lanes.
+ * A point's pairs go in eights. A register has the fourths of them, first and fifth, second and
+ * sixth, and so on: turned round, one component of all eight, in their order.
  */
 
-/* What the pairs of a point have in common; quads twice. */
+/* What the pairs of a point have in common. */
 typedef struct point_of {
-    ss_pair own, kappa, e, m[3];
+    _Alignas(32) ss_real m[12]; /* columns of M, quads */
+    ss_quad own;
+    ss_pair kappa, e;
 } point_of;
 
-static inline point_of point_at(const ss_layer_pass *pass, ptrdiff_t k)
+SS_INLINE void point_at(const ss_layer_pass *pass, ptrdiff_t k, point_of *out)
 {
-    const ptrdiff_t p = pass->point[k];
-    const ss_real *a = pass->layer->moment + 8 * p;
+    const ss_real *a = pass->near->moment + 8 * k;
     const ss_real *stress = pass->stress + 8 * (1 + 3 * k);
     const ss_real *gradient = pass->gradient + 8 * (1 + 3 * k);
     const ss_quad kappa = ss_quad_all(pass->coefficient[2 * k]);
-    point_of point = {.own = ss_pair_twice(ss_quad_load(pass->state + 8 * p)),
-                      .kappa = ss_pair_twice(kappa),
-                      .e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1])};
     for (int c = 0; c < 3; ++c) {
         ss_quad m = ss_quad_fnma(kappa, ss_quad_load(gradient + 8 * c), ss_quad_all(0));
         for (int d = 0; d < 3; ++d) {
             m = ss_quad_fnma(ss_quad_all(a[moment_at[d][c]]), ss_quad_load(stress + 8 * d), m);
         }
-        point.m[c] = ss_pair_twice(m);
+        ss_quad_store(out->m + 4 * c, m);
     }
-    return point;
+    out->own = ss_quad_load(pass->state + 8 * k);
+    out->kappa = ss_pair_all(pass->coefficient[2 * k]);
+    out->e = ss_pair_all((ss_real)0.75 * pass->coefficient[2 * k + 1]);
 }
 
-/* q and 1/(w r0^2) of eight pairs from w X, w and u. */
-static inline ss_pair stretch(const ss_pair pair[4], const ss_pair d[4], ss_pair *out_inverse)
-{
-    ss_pair row[4] = {pair[0], pair[1], pair[2], pair[3]};
-    ss_pair u[4] = {d[0], d[1], d[2], d[3]};
-    ss_pair rest2 = ss_pair_all(0); /* w^2 r0^2 */
-    ss_pair q = ss_pair_all(0);
-    ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
-    ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
-    for (int c = 0; c < 3; ++c) {
-        rest2 = ss_pair_fma(row[c], row[c], rest2);
-        q = ss_pair_fma(u[c], ss_pair_fma(row[3], u[c], ss_pair_add(row[c], row[c])), q);
-    }
-    *out_inverse = ss_pair_div(row[3], rest2);
-    return ss_pair_mul(q, *out_inverse);
-}
+/* Where the pairs of a point are; locals, since stores to forces could be to anything. */
+typedef struct pairs_of {
+    const int32_t *neighbour;
+    const ss_real *pair, *scale, *state;
+    ss_real *force; /* of the particles */
+} pairs_of;
 
-static inline void take(ss_real *at, ss_quad f)
+SS_INLINE void take(ss_real *at, ss_quad f)
 {
     ss_quad_store(at, ss_quad_sub(ss_quad_load(at), f));
 }
 
-/* The pairs 2 j and 2 j + 1 of eight, as far as there are `left` from the first on: their force on
- * the point, w (M X + kappa u) + b (w X + w u), which the neighbours lose. */
-SS_INLINE void push_two(const ss_layer_pass *pass, const point_of *point, const int32_t *neighbour,
-                        ss_pair row, ss_pair d, ss_pair b, int j, bool is_cohesive, int32_t left,
-                        ss_pair *sum)
+/* Eight pairs, of which there are `left`: their force on the point, w (M X + kappa u) + b (w X +
+ * w u), which the neighbours lose, and to *depth their wells. Pairs that are not there have no
+ * w X, w and u, and come to nothing. */
+SS_INLINE void push_eight(const pairs_of *of, const point_of *point, int32_t left, bool is_cohesive,
+                          bool wants_energy, ss_pair *sum, ss_pair *depth)
 {
-    if (left <= 2 * j) {
-        return;
+    static const _Alignas(32) ss_real none[4] = {0};
+    _Alignas(32) ss_real own[4];
+    ss_pair row[4];
+    ss_pair u[4];
+    ss_pair f[4];
+    ss_quad_store(own, point->own);
+    for (int j = 0; j < 4; ++j) {
+        const bool has_first = j < left;
+        const bool has_second = j + 4 < left;
+        row[j] = ss_pair_join(has_first ? of->pair + 4 * j : none,
+                              has_second ? of->pair + 4 * (j + 4) : none);
+        u[j] = ss_pair_join(has_first ? of->state + 8 * (ptrdiff_t)of->neighbour[j] : own,
+                            has_second ? of->state + 8 * (ptrdiff_t)of->neighbour[j + 4] : own);
+        u[j] = ss_pair_sub(u[j], ss_pair_twice(point->own));
     }
-    const ss_pair along = is_cohesive ? ss_pair_lane(b, j) : ss_pair_all(0);
-    const ss_pair apart = is_cohesive ? ss_pair_add(point->kappa, along) : point->kappa;
-    ss_pair f = ss_pair_mul(ss_pair_mul(ss_pair_last(row), apart), d);
-    for (int c = 0; c < 3; ++c) {
-        f = ss_pair_fma(ss_pair_lane(row, c), point->m[c], f);
-    }
+    ss_pair_transpose(&row[0], &row[1], &row[2], &row[3]);
+    ss_pair_transpose(&u[0], &u[1], &u[2], &u[3]);
+    ss_pair apart = ss_pair_mul(row[3], point->kappa);
+    ss_pair along = ss_pair_all(0); /* b */
     if (is_cohesive) {
-        f = ss_pair_fma(along, ss_pair_xyz(row), f);
+        const ss_pair scale = ss_pair_load_any(of->scale);
+        ss_pair q = ss_pair_all(0);
+        for (int c = 0; c < 3; ++c) {
+            q = ss_pair_fma(u[c], ss_pair_fma(row[3], u[c], ss_pair_add(row[c], row[c])), q);
+        }
+        q = ss_pair_mul(q, scale);
+        along = ss_pair_mul(ss_pair_mul(point->e, cohesion(q)), scale);
+        apart = ss_pair_fma(row[3], along, apart);
+        *depth = wants_energy ? ss_pair_add(*depth, well(q)) : *depth;
     }
-    take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j], ss_pair_first(f));
-    if (left > 2 * j + 1) {
-        take(pass->particle_force + 4 * (ptrdiff_t)neighbour[2 * j + 1], ss_pair_second(f));
-        *sum = ss_pair_add(*sum, f);
-    } else {
-        const ss_quad none = ss_quad_all(0);
-        _Alignas(32) ss_real alone[8];
-        ss_quad_store(alone, ss_pair_first(f));
-        ss_quad_store(alone + 4, none);
-        *sum = ss_pair_add(*sum, ss_pair_load(alone));
+    for (int c = 0; c < 3; ++c) {
+        f[c] = ss_pair_mul(apart, u[c]);
+        for (int d = 0; d < 3; ++d) {
+            f[c] = ss_pair_fma(row[d], ss_pair_all(point->m[4 * d + c]), f[c]);
+        }
+        f[c] = is_cohesive ? ss_pair_fma(along, row[c], f[c]) : f[c];
+    }
+    f[3] = ss_pair_all(0);
+    ss_pair_transpose(&f[0], &f[1], &f[2], &f[3]);
+    *sum = ss_pair_add(*sum, ss_pair_add(ss_pair_add(f[0], f[1]), ss_pair_add(f[2], f[3])));
+    for (int j = 0; j < 4; ++j) {
+        if (j < left) {
+            take(of->force + 4 * (ptrdiff_t)of->neighbour[j], ss_pair_first(f[j]));
+        }
+    }
+    for (int j = 0; j < 4; ++j) {
+        if (j + 4 < left) {
+            take(of->force + 4 * (ptrdiff_t)of->neighbour[j + 4], ss_pair_second(f[j]));
+        }
     }
 }
 
-/* Beyond a point's last pair those of the next one are read, and come to nothing. */
+/* The same of one or two pairs, which eights leave over in the middle of a lattice: side by side.
+ */
+SS_INLINE void push_two(const pairs_of *of, const point_of *point, int32_t left, bool is_cohesive,
+                        bool wants_energy, ss_pair *sum, ss_pair *depth)
+{
+    static const _Alignas(32) ss_real none[4] = {0};
+    static const _Alignas(32) ss_real once[8] = {1, 0, 0, 0, 1, 0, 0, 0};
+    _Alignas(32) ss_real own[4];
+    ss_quad_store(own, point->own);
+    const ss_pair row = ss_pair_join(of->pair, left > 1 ? of->pair + 4 : none);
+    const ss_pair there =
+        ss_pair_join(of->state + 8 * (ptrdiff_t)of->neighbour[0],
+                     left > 1 ? of->state + 8 * (ptrdiff_t)of->neighbour[1] : own);
+    const ss_pair u = ss_pair_sub(there, ss_pair_twice(point->own));
+    const ss_pair w = ss_pair_last(row);
+    ss_pair apart = ss_pair_mul(w, point->kappa);
+    ss_pair along = ss_pair_all(0);
+    if (is_cohesive) {
+        const ss_pair scale = ss_pair_each(of->scale);
+        const ss_pair by_axis = ss_pair_mul(u, ss_pair_fma(w, u, ss_pair_add(row, row)));
+        const ss_pair q =
+            ss_pair_mul(ss_pair_add(ss_pair_add(ss_pair_lane(by_axis, 0), ss_pair_lane(by_axis, 1)),
+                                    ss_pair_lane(by_axis, 2)),
+                        scale);
+        along = ss_pair_mul(ss_pair_mul(point->e, cohesion(q)), scale);
+        apart = ss_pair_fma(w, along, apart);
+        *depth = wants_energy ? ss_pair_fma(ss_pair_load(once), well(q), *depth) : *depth;
+    }
+    ss_pair f = ss_pair_mul(apart, u);
+    for (int c = 0; c < 3; ++c) {
+        f = ss_pair_fma(ss_pair_lane(row, c),
+                        ss_pair_twice(ss_quad_load(point->m + (ptrdiff_t)4 * c)), f);
+    }
+    f = is_cohesive ? ss_pair_fma(along, ss_pair_xyz(row), f) : f;
+    *sum = ss_pair_add(*sum, f);
+    take(of->force + 4 * (ptrdiff_t)of->neighbour[0], ss_pair_first(f));
+    if (left > 1) {
+        take(of->force + 4 * (ptrdiff_t)of->neighbour[1], ss_pair_second(f));
+    }
+}
+
 SS_INLINE double push_point(const ss_layer_pass *pass, ptrdiff_t k, bool is_cohesive,
                             bool wants_energy)
 {
-    const ss_layer *layer = pass->layer;
-    const ptrdiff_t p = pass->point[k];
-    const int32_t *neighbour = layer->neighbour + layer->pair_first[p];
-    const ss_real *pair = layer->pair + 4 * (ptrdiff_t)layer->pair_first[p];
-    const int32_t count = layer->pair_first[p + 1] - layer->pair_first[p];
-    const point_of point = point_at(pass, k);
-    double depth = 0.0;
+    const ss_layer_near *near = pass->near;
+    const ptrdiff_t first = near->pair_first[k];
+    pairs_of of = {.neighbour = near->neighbour + first,
+                   .pair = near->pair + 4 * first,
+                   .scale = near->pair_scale + first,
+                   .state = pass->state,
+                   .force = pass->particle_force};
+    int32_t left = near->pair_first[k + 1] - near->pair_first[k];
     ss_pair sum = ss_pair_all(0);
-    for (int32_t t = 0; t < count; t += 8) {
-        ss_pair b = ss_pair_all(0);
-        ss_pair row[4];
-        ss_pair d[4];
-        for (int j = 0; j < 4; ++j) {
-            row[j] = ss_pair_load_quads(pair + 4 * (t + 2 * j));
-            d[j] = ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j],
-                                pass->state + 8 * (ptrdiff_t)neighbour[t + 2 * j + 1]);
-            d[j] = ss_pair_sub(d[j], point.own);
-        }
-        if (is_cohesive) {
-            ss_pair inverse;
-            const ss_pair q = stretch(row, d, &inverse);
-            b = ss_pair_mul(ss_pair_mul(point.e, cohesion(q)), inverse);
-            if (wants_energy) {
-                _Alignas(32) ss_real well_of[8];
-                ss_pair_store(well_of, well(q));
-                for (int l = 0; l < 8 && t + l < count; ++l) {
-                    depth += (double)well_of[l / 2 + 4 * (l % 2)];
-                }
-            }
-        }
-        const int32_t *to = neighbour + t;
-        push_two(pass, &point, to, row[0], d[0], b, 0, is_cohesive, count - t, &sum);
-        push_two(pass, &point, to, row[1], d[1], b, 1, is_cohesive, count - t, &sum);
-        push_two(pass, &point, to, row[2], d[2], b, 2, is_cohesive, count - t, &sum);
-        push_two(pass, &point, to, row[3], d[3], b, 3, is_cohesive, count - t, &sum);
+    ss_pair depth = ss_pair_all(0);
+    point_of point;
+    point_at(pass, k, &point);
+    for (; left >= 8; left -= 8) {
+        push_eight(&of, &point, 8, is_cohesive, wants_energy, &sum, &depth);
+        of.neighbour += 8;
+        of.pair += 32;
+        of.scale += 8;
     }
-    ss_real *at = pass->particle_force + 4 * p;
+    if (left > 2) {
+        push_eight(&of, &point, left, is_cohesive, wants_energy, &sum, &depth);
+    } else if (left > 0) {
+        push_two(&of, &point, left, is_cohesive, wants_energy, &sum, &depth);
+    }
+    ss_real *at = of.force + 4 * k;
     ss_quad_store(at, ss_quad_add(ss_quad_load(at), ss_pair_both(sum)));
-    return 0.5 * (double)pass->coefficient[2 * k + 1] * depth;
+    return 0.5 * (double)pass->coefficient[2 * k + 1] * ss_pair_sum(depth);
 }
 
 SS_INLINE double push_points(const ss_layer_pass *pass, bool is_cohesive, bool wants_energy)
 {
     double energy = 0.0;
-    for (int32_t k = 0; k < pass->point_count; ++k) {
+    for (int32_t k = 0; k < pass->near->point_count; ++k) {
         energy += push_point(pass, k, is_cohesive, wants_energy);
     }
     return energy;

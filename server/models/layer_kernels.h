@@ -16,18 +16,25 @@
 
 #include "models/layer.h"
 
+/* The near particles side by side, as rows of a layer have them: the points first. */
+typedef struct ss_layer_near {
+    int32_t count, point_count;
+    int32_t *node_of;   /* node when it moves by itself, -1 when tied */
+    ss_real *offset;    /* quads: a tied one is there beside its tie, m */
+    int32_t *tie_first; /* count + 1 */
+    int32_t *tie_node;
+    ss_real *tie;
+    int32_t *pair_first; /* point_count + 1 */
+    int32_t *neighbour;  /* by their places here */
+    ss_real *pair, *pair_scale, *moment;
+} ss_layer_near;
+
 typedef struct ss_layer_pass {
-    const ss_layer *layer;
-    const ss_real *u, *v; /* of the body's nodes; v may be NULL: velocities are left 0 */
-    ss_real *force;       /* of the body's nodes, added to */
-    int32_t near_count;
-    const int32_t *near;     /* particles */
-    const int32_t *node_of;  /* by particle: its node when it moves by itself, -1 when tied */
-    const ss_real *offset;   /* by particle, quads: a tied one is there beside its tie, m */
-    ss_real *state;          /* by particle, pairs: u, v */
-    ss_real *particle_force; /* by particle, quads */
-    int32_t point_count;
-    const int32_t *point;       /* particles */
+    const ss_layer_near *near;
+    const ss_real *u, *v;       /* of the body's nodes; v may be NULL: velocities are left 0 */
+    ss_real *force;             /* of the body's nodes, added to */
+    ss_real *state;             /* by near particle, pairs: u, v */
+    ss_real *particle_force;    /* by near particle, quads */
     const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
     ss_real *gradient;     /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
     ss_real *spread;       /* pairs, by point: sum w u^2, w v^2 by axis */

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "rt/real.h"
 
@@ -388,6 +389,11 @@ SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
 {
     return _mm256_loadu_ps(p);
 }
+/* Eight scalars from anywhere. */
+SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
+{
+    return _mm256_loadu_ps(p);
+}
 SS_INLINE ss_pair ss_pair_twice(ss_quad a)
 {
     return _mm256_set_m128(a, a);
@@ -509,6 +515,12 @@ SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
 SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
 {
     return ss_pair_load(p);
+}
+SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
+{
+    _Alignas(32) ss_real lane[8];
+    memcpy(lane, p, sizeof lane);
+    return ss_pair_load(lane);
 }
 SS_INLINE ss_pair ss_pair_twice(ss_quad a)
 {
