@@ -211,6 +211,22 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
     assert_null(strstr(out, "us of that estimate"));
 }
 
+/* --check tells that layer.max_active may bind, with how many particles; not where it cannot. */
+static void a_cap_on_particles_that_may_bind_is_told(void **state)
+{
+    (void)state;
+    char out[4096], command[512];
+    for (int k = 0; k < 2; ++k) {
+        (void)snprintf(command, sizeof command,
+                       BIN_DIR "/softsimd --check --set model.layer.max_active=%d " SOURCE_DIR
+                               "/server/scenes/hm1-tissue.yaml",
+                       k == 0 ? 150 : 600);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        assert_true((strstr(out, "layer.max_active wakes 127") != NULL) == (k == 0));
+        assert_true((strstr(out, "layer.max_active") != NULL) == (k == 0));
+    }
+}
+
 /* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
 static void standard_output_may_be_a_file(void **state)
 {
@@ -327,6 +343,7 @@ int main(void)
         cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
+        cmocka_unit_test(a_cap_on_particles_that_may_bind_is_told),
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
     };

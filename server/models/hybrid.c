@@ -710,6 +710,64 @@ static const ss_real *velocity(const ss_model *model)
     return hybrid->shown_v;
 }
 
+/* ---- words ----------------------------------------------------------------------------------
+ */
+
+enum { PRESSES = 64 }; /* places that are looked at, evenly over the skin */
+
+/* The most particles that a ball of radius `radius`, pressed in by half of it, comes nearer to than
+ * wake_reach. */
+static int32_t most_near(const ss_hybrid *hybrid, const double (*area)[3], double radius)
+{
+    const ss_layer *layer = hybrid->layer;
+    const double reach = radius + hybrid->wake_reach;
+    int32_t most = 0;
+    for (int32_t place = 0; place < PRESSES; ++place) {
+        const int32_t i = layer->skin_node[(int64_t)place * layer->skin_count / PRESSES];
+        double out[3], middle[3];
+        int32_t count = 0;
+        ss_copy3(out, area[i]);
+        if (!(ss_normalize3(out) > 0.0)) {
+            continue;
+        }
+        ss_madd3(middle, hybrid->mesh->position[i], 0.5 * radius, out);
+        for (int32_t p = 0; p < layer->own_count; ++p) {
+            double way[3];
+            ss_sub3(way, layer->rest[p], middle);
+            count += ss_dot3(way, way) < reach * reach;
+        }
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+static void explain_cap(const ss_hybrid *hybrid, void (*line)(void *sink, const char *text),
+                        void *sink)
+{
+    double(*area)[3] = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *area);
+    if (area == NULL || hybrid->is_all_awake) {
+        ss_memory_free(area);
+        return;
+    }
+    ss_mesh_node_area_vectors(hybrid->mesh, area);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        char text[256];
+        const double radius =
+            hybrid->shape[k].is_used ? ss_shape_inradius(&hybrid->shape[k].shape) : 0.0;
+        const int32_t near =
+            hybrid->shape[k].is_used ? most_near(hybrid, (const double(*)[3])area, radius) : 0;
+        if (near > SS_HYBRID_FULL * hybrid->max_awake) {
+            snprintf(text, sizeof text,
+                     "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
+                     "to %d particles, and layer.max_active wakes %.0f: the others follow the "
+                     "core; raise it, or wake from nearer",
+                     k, 0.5 * radius, near, floor(SS_HYBRID_FULL * hybrid->max_awake));
+            line(sink, text);
+        }
+    }
+    ss_memory_free(area);
+}
+
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
     const ss_hybrid *hybrid = (const ss_hybrid *)model;
@@ -735,6 +793,7 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
                  "with their neighbours; the rest is counted with the core",
                  hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake, hybrid->max_points);
         line(sink, text);
+        explain_cap(hybrid, line, sink);
     }
     snprintf(text, sizeof text,
              "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",

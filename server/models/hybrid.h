@@ -29,6 +29,9 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
+/* Of layer.max_active; the rest is for particles that may sleep but do not yet. */
+#define SS_HYBRID_FULL 0.85
+
 typedef struct ss_hybrid_particle {
     int32_t point;    /* its place among the points; -1: its stiffness is all the core's */
     int32_t near;     /* its place among the near particles, -1 */

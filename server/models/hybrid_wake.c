@@ -39,7 +39,6 @@
 #define NEAR_TIE   0.1  /* spacings */
 #define LOOK_MOVE  0.25 /* spacings */
 #define SCAN_RATIO 1.1  /* of the reach of the last look: how far the next one looks */
-#define FULL       0.85 /* of max_awake; the rest is for those that may sleep but do not yet */
 /* Outer steps from change to change: forces are evaluated anew after each. Half as much every other
  * step was as smooth, and needed twice as many evaluations: in a slide over HM1's wall the force
  * jumps by 0.9 % at most from step to step, and by 1 % over half a spacing, with both. */
@@ -362,10 +361,11 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3], double mo
     }
 }
 
-/* The reach within which particles wake: wake_reach, or less, so that FULL of max_awake are. */
+/* The reach within which particles wake: wake_reach, or less, so that SS_HYBRID_FULL of
+ * max_awake are. */
 static double fit_reach(const ss_hybrid *hybrid)
 {
-    const double most = FULL * hybrid->max_awake;
+    const double most = SS_HYBRID_FULL * hybrid->max_awake;
     int32_t bin[BINS] = {0};
     double low = hybrid->wake_reach;
     for (int32_t k = 0; k < hybrid->found_count; ++k) {
