@@ -16,11 +16,12 @@
  *
  * The error of a field u is max |u - u_direct| / max |u_direct| over all nodes. u_direct is the
  * equilibrium of the same body under the same load by the direct solves of static_cnn.h, in double,
- * network and shape alike; it shares nothing with the model but the scene. Under the sphere, which
- * by then stands still, the same load means: the source's weights are those of the touched cells,
- * and the touched nodes with their neighbours, on which the contact acts, stay where the model has
- * them. So the error holds what single precision, the steps, the window and what has not come to
- * rest yet make of the field, and is blind to the contact's own forces. Thread: main.
+ * network and shape alike; it shares nothing with the model but the scene and its mesh. Under the
+ * sphere, which by then stands still, the same load means: the source's weights are those of the
+ * touched cells, its share a is 1 (the sphere is pressed in), and the touched nodes with their
+ * neighbours, on which the contact acts, stay where the model has them. So the error holds what
+ * single precision, the steps, the window and what has not come to rest yet make of the field, and
+ * is blind to the contact's own forces. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -54,7 +55,8 @@ typedef struct ss_body_run {
     double (*displacement)[3]; /* m: at the end of a load or poke, before the sphere leaves; NULL */
     double direct_error;       /* of `displacement` against a direct solve, as above; NaN */
     softsim_verdict worst;
-    char reason[160]; /* of the worst verdict, or why the scene was refused */
+    char reason[160];        /* of the worst verdict, or why the scene was refused */
+    char direct_reason[160]; /* why there is no direct solution; empty: there is, or no field */
     bool is_refused;
 } ss_body_run;
 

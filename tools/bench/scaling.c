@@ -74,7 +74,7 @@ typedef struct row {
     double direct_error;                 /* of the field against a direct solve: body.h */
     double apart; /* from the same poke with all nodes active, over the largest displacement */
     char solver[160];
-    char verdict[192];
+    char verdict[384];
 } row;
 
 typedef struct report {
@@ -207,9 +207,10 @@ static void add_row(report *r, const char *name, int32_t points, ss_body_run *ru
                 .jump = run->jump,
                 .mean_force = run->mean_force,
                 .ledger = run->ledger};
-    snprintf(to->verdict, sizeof to->verdict, "%s%s%s",
+    snprintf(to->verdict, sizeof to->verdict, "%s%s%s%s%s",
              run->is_refused ? "refused" : verdicts[run->worst & 3],
-             run->reason[0] != '\0' ? ": " : "", run->reason);
+             run->reason[0] != '\0' ? ": " : "", run->reason,
+             run->direct_reason[0] != '\0' ? "; no field error: " : "", run->direct_reason);
 }
 
 /* The local poke with all nodes active and with the window, and how far apart they are. */

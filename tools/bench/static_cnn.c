@@ -8,12 +8,12 @@
  *   w_ij = (|m j'| + |m k'|) / L_ij          m the side's middle, j', k' its triangles' centroids
  *   sum_j w_ij (g_i - g_j) = S_c on cell c, 0 elsewhere; g = 0 where held
  *   kap  = sum_c w^_c q_c / Qhat_c,          q = |g_i - g_j| / L^2,  Qhat = sum |g_i - g_j|
- *   Pi   = a (E^ eps+^2 / 2 + T0 u.L u / 2) + 1/2 ks |u|^2 + 1/2 (B/V0) (N.u)^2 - F.u
+ *   Pi   = E^ eps+^2 / 2 + T0 u.L u / 2 + 1/2 ks |u|^2 + 1/2 (B/V0) (N.u)^2 - F.u
  *   eps  = u.b + u.L u / 2                   L the Laplacian of kap, b = L P0, r = b + L u
  *
- * Pi is convex, and Newton's method finds its one minimum: with A = a (E^ eps+ + T0) L + ks
+ * Pi is convex, and Newton's method finds its one minimum: with A = (E^ eps+ + T0) L + ks
  *
- *   (A + a E^ r r' [eps > 0] + (B/V0) N N') du = F - dPi/du
+ *   (A + E^ r r' [eps > 0] + (B/V0) N N') du = F - dPi/du
  *
  * A is the same for x, y and z, and the two terms of rank one are taken in by Woodbury's formula.
  * Both matrices are ordered (approximate minimum degree) and factored (L D L'); each solution is
@@ -430,14 +430,13 @@ static double evaluate(state *s, const vector *u)
         for (int k = 0; k < 3; ++k) {
             const double stretched = s->r[i][k];
             s->r[i][k] += s->b[i][k];
-            s->out_of_balance[i][k] =
-                (p->force != NULL ? p->force[i][k] : 0.0) - s->ks[i] * u[i][k] -
-                p->amplitude * (tension * s->r[i][k] + p->pretension * stretched) -
-                pressure * s->normal[i][k];
+            s->out_of_balance[i][k] = (p->force != NULL ? p->force[i][k] : 0.0) -
+                                      s->ks[i] * u[i][k] - tension * s->r[i][k] -
+                                      p->pretension * stretched - pressure * s->normal[i][k];
         }
     }
     for (int32_t e = 0; e < s->edge_count; ++e) {
-        s->tension[e] = p->amplitude * (tension + p->pretension) * s->kap[e];
+        s->tension[e] = (tension + p->pretension) * s->kap[e];
     }
     return eps;
 }
@@ -478,7 +477,7 @@ static double step(state *s, vector *u)
         return (double)NAN;
     }
     /* du = x0 - x1 y1 - x2 y2 with y_k = d_k (U_k.du), x_k = A^-1 of the columns. */
-    const double d1 = eps > 0.0 ? p->amplitude * p->modulus : 0.0, d2 = s->bulk_rate;
+    const double d1 = eps > 0.0 ? p->modulus : 0.0, d2 = s->bulk_rate;
     const double m11 = 1.0 + d1 * product(s, s->column[1], (const vector *)s->r);
     const double m12 = d1 * product(s, s->column[2], (const vector *)s->r);
     const double m21 = d2 * product(s, s->column[1], (const vector *)s->normal);
