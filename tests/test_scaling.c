@@ -21,6 +21,7 @@
 
 #include "assay.h"
 #include "body.h"
+#include "rt/vec.h"
 #include "static_cnn.h"
 #include "table.h"
 
@@ -29,7 +30,7 @@ static char folder[] = "/tmp/test_scaling_XXXXXX";
 #include "folder_fixture.h"
 
 /* What a field may be off, of the largest displacement. */
-#define FIELD_TOLERANCE 1e-4
+#define FIELD_TOLERANCE 1e-5
 
 static const char *cell(const ss_table *table, int32_t row, const char *name)
 {
@@ -90,11 +91,20 @@ static void assert_exact(const char *what, const ss_body_run *run)
     }
 }
 
+static double highest(const ss_body_run *run)
+{
+    double length = 0.0;
+    for (int32_t i = 0; i < run->nodes; ++i) {
+        length = fmax(length, ss_norm3(run->displacement[i]));
+    }
+    return length;
+}
+
 static void fields_are_those_of_a_direct_solve(void **state)
 {
     (void)state;
     ss_body body;
-    ss_body_run load, all, part;
+    ss_body_run load, all, part, pull;
     softsim_error error = {.status = SOFTSIM_OK};
     assert_int_equal(ss_body_open(&body, &error), SOFTSIM_OK);
     snprintf(body.bin, sizeof body.bin, "%s", BIN_DIR);
@@ -102,11 +112,15 @@ static void fields_are_those_of_a_direct_solve(void **state)
     assert_int_equal(ss_body_load(&body, &load, &error), SOFTSIM_OK);
     assert_int_equal(ss_body_poke(&body, true, &all, &error), SOFTSIM_OK);
     assert_int_equal(ss_body_poke(&body, false, &part, &error), SOFTSIM_OK);
+    assert_int_equal(ss_body_pull(&body, &pull, &error), SOFTSIM_OK);
     assert_exact("load", &load);
     assert_exact("poke with all nodes active", &all);
-    assert_exact("poke", &part);
+    assert_exact("pull", &pull);
     assert_true(part.active_nodes < part.nodes);
-    assert_true(part.direct_error > 10.0 * all.direct_error); /* what the window leaves out */
+    assert_true(part.direct_error > 10.0 * all.direct_error); /* what the window leaves out, */
+    assert_true(fabs(part.direct_error - ss_body_apart(&part, &all)) < FIELD_TOLERANCE);
+    assert_true(highest(&pull) < 4.0 * highest(&all)); /* five times the force: modulus acts */
+    ss_body_run_fini(&pull);
     ss_body_run_fini(&load);
     ss_body_run_fini(&all);
     ss_body_run_fini(&part);

@@ -26,7 +26,7 @@ static const double settle_s = 0.5; /* under the sphere that has stopped */
 static const double load_s = 1.0, load_ramp_s = 0.2, load_n = 0.2;
 static const double short_load_s = 0.2, short_ramp_s = 0.02;
 /* The local poke: m of the loaded patch, N, s; a surface larger than this has the same edges. */
-static const double patch_radius = 0.010, poke_n = 0.1, poke_s = 0.6;
+static const double patch_radius = 0.010, poke_n = 0.1, pull_n = 0.5, poke_s = 0.6;
 static const double poke_pretension_j = 0.05;
 /* The material; the level below which the body is held, m before scaling. */
 static const double modulus_j = 5.0, pretension_j = 0.5, enclosed_bulk_pa = 2000.0;
@@ -101,7 +101,7 @@ static softsim_status write_scene(const ss_body *body, const deed *what, softsim
             what->pretension_j, enclosed_bulk_pa, rest_stiffness);
     fprintf(output.file, "%s%s%s", what->is_whole ? "  window_tolerance: 0\n" : "", model_text,
             what->action != NULL ? what->action : "");
-    if (what->force_n > 0.0) {
+    if (what->force_n != 0.0) {
         write_load(output.file, body, what);
     }
     return ss_output_commit(&output, error);
@@ -684,16 +684,28 @@ softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *erro
     return run_load(body, &what, is_long ? short_load_s : load_s, out, error);
 }
 
-softsim_status ss_body_poke(ss_body *body, bool is_whole, ss_body_run *out, softsim_error *error)
+static softsim_status load_patch(const ss_body *body, bool is_whole, double down_n,
+                                 ss_body_run *out, softsim_error *error)
 {
     const deed what = {.name = "load.yaml",
                        .scale = fmax(1.0, sqrt((double)body->points / POKE_POINTS)),
                        .pretension_j = poke_pretension_j,
                        .is_whole = is_whole,
-                       .force_n = poke_n,
+                       .force_n = down_n,
                        .reach = patch_radius,
                        .ramp_s = load_ramp_s};
     return run_load(body, &what, poke_s, out, error);
+}
+
+softsim_status ss_body_poke(const ss_body *body, bool is_whole, ss_body_run *out,
+                            softsim_error *error)
+{
+    return load_patch(body, is_whole, poke_n, out, error);
+}
+
+softsim_status ss_body_pull(const ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    return load_patch(body, true, -pull_n, out, error);
 }
 
 double ss_body_apart(const ss_body_run *a, const ss_body_run *b)
