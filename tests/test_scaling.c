@@ -186,10 +186,13 @@ static void make_fan(fan *f)
                                          .force = (const double(*)[3])f->force};
 }
 
-/* How high the centre comes, from a field where it is at `start`. */
+/* How high the centre comes, from a field where all nodes are at `start`. */
 static double fan_height(const fan *f, double start)
 {
-    double u[RIM + 1][3] = {{0.0, 0.0, start}};
+    double u[RIM + 1][3];
+    for (int i = 0; i <= RIM; ++i) {
+        ss_set3(u[i], 0.0, 0.0, start);
+    }
     softsim_error error = {.status = SOFTSIM_OK};
     if (ss_static_cnn_solve(&f->problem, u, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
