@@ -723,7 +723,7 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
         "Field error: the largest distance between the model's displacements and others, over "
         "the largest of these. Against a direct solve: the equilibrium of the same body under "
         "the same load, assembled anew from the mesh in double and solved with sparse factors "
-        "of its own, potentials and shape, their residuals checked; of load and poke at the "
+        "of its own, potentials and shape, their residuals checked; of load, pull and poke at the "
         "end of the run, of slide when the sphere, pressed in, has stood still for half a "
         "second. There the direct solve is given the displacements of what the sphere touches "
         "and of the neighbours, and finds all others: it does not judge the contact itself. "
@@ -731,7 +731,7 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
         "surface is pressed in it shortens before it stretches, and the network answers by its "
         "pretension alone: pull is the row in which the modulus acts at every size. Against all "
         "nodes active: the field of poke against that of poke all, what the active window "
-        "costs. A refused case has no field.");
+        "costs. A refused case has no field; where the direct solve fails, the verdict says why.");
     return status;
 }
 
