@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "child.h"
+#include "norms.h"
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
@@ -25,7 +26,7 @@ static const double settle_s = 0.5; /* under the sphere that has stopped */
 static const double load_s = 1.0, load_ramp_s = 0.2, load_n = 0.2;
 static const double short_load_s = 0.2, short_ramp_s = 0.02;
 /* The local poke: m of the loaded patch, N, s; a surface larger than this has the same edges. */
-static const double patch_radius = 0.010, poke_n = 0.1, poke_s = 0.6;
+static const double patch_radius = 0.010, poke_n = 0.1, pull_n = 0.5, poke_s = 0.6;
 static const double poke_pretension_j = 0.05;
 /* The material; the level below which the body is held, m before scaling. */
 static const double modulus_j = 5.0, pretension_j = 0.5, enclosed_bulk_pa = 2000.0;
@@ -100,7 +101,7 @@ static softsim_status write_scene(const ss_body *body, const deed *what, softsim
             what->pretension_j, enclosed_bulk_pa, rest_stiffness);
     fprintf(output.file, "%s%s%s", what->is_whole ? "  window_tolerance: 0\n" : "", model_text,
             what->action != NULL ? what->action : "");
-    if (what->force_n > 0.0) {
+    if (what->force_n != 0.0) {
         write_load(output.file, body, what);
     }
     return ss_output_commit(&output, error);
@@ -470,23 +471,11 @@ static softsim_status init_twin(twin *t, const ss_body *body, double scale, cons
     return SOFTSIM_OK;
 }
 
-/* The largest distance of two fields over the largest displacement of `b`. */
-static double field_apart(int32_t count, const double (*a)[3], const double (*b)[3])
+/* Weights to a sum of 1, the direct solution, and how far the run is from it, or why there is none:
+ * one that fails is a result too. */
+static void compare(twin *t, const ss_body *body, double tension_j, ss_body_run *run)
 {
-    double apart = 0.0, largest = 0.0;
-    for (int32_t i = 0; i < count; ++i) {
-        double way[3];
-        ss_sub3(way, a[i], b[i]);
-        apart = fmax(apart, ss_norm3(way));
-        largest = fmax(largest, ss_norm3(b[i]));
-    }
-    return apart / largest;
-}
-
-/* Weights to a sum of 1, the direct solution, and how far the run is from it. */
-static softsim_status compare(twin *t, const ss_body *body, double tension_j, double amplitude,
-                              ss_body_run *run, softsim_error *error)
-{
+    softsim_error failure = {.status = SOFTSIM_OK};
     double sum = 0.0;
     for (int32_t i = 0; i < body->node_count; ++i) {
         sum += t->weight[i];
@@ -505,14 +494,15 @@ static softsim_status compare(twin *t, const ss_body *body, double tension_j, do
                                            .is_held = t->is_held,
                                            .is_given = t->is_given,
                                            .weight = t->weight,
-                                           .amplitude = amplitude,
                                            .force = (const double(*)[3])t->force};
-    const softsim_status status = ss_static_cnn_solve(&problem, t->u, error);
-    if (status == SOFTSIM_OK) {
-        run->direct_error = field_apart(body->node_count, (const double(*)[3])run->displacement,
-                                        (const double(*)[3])t->u);
+    if (ss_static_cnn_solve(&problem, t->u, &failure) != SOFTSIM_OK) {
+        keep_first_line(run->direct_reason, sizeof run->direct_reason, failure.text);
+        return;
     }
-    return status;
+    run->direct_error =
+        ss_norms_compute(body->node_count, NULL, (const double(*)[3])run->displacement,
+                         (const double(*)[3])t->u)
+            .peak;
 }
 
 /* The nodes of `what`, the force shared by them, each a cell of the source. */
@@ -520,7 +510,7 @@ static softsim_status compare_load(const ss_body *body, const deed *what, ss_bod
                                    softsim_error *error)
 {
     twin t = {.rest = NULL};
-    softsim_status status = init_twin(&t, body, what->scale, run, error);
+    const softsim_status status = init_twin(&t, body, what->scale, run, error);
     if (status == SOFTSIM_OK) {
         int32_t count = 0;
         for (int32_t i = 0; i < body->node_count; ++i) {
@@ -530,7 +520,7 @@ static softsim_status compare_load(const ss_body *body, const deed *what, ss_bod
         for (int32_t i = 0; i < body->node_count; ++i) {
             t.force[i][2] = -what->force_n * t.weight[i] / count;
         }
-        status = compare(&t, body, what->pretension_j, 1.0, run, error);
+        compare(&t, body, what->pretension_j, run);
     }
     fini_twin(&t);
     return status;
@@ -553,14 +543,13 @@ static double mean_edge(const ss_body *body)
 
 /* Weights of the cells under the sphere, as server/contact/contact.h has them: four samples a
  * triangle, A/4 (1 - d/delta)+^2 each; they are touched, and so may be their neighbours, on which
- * the smooth surface under the sphere leans. Returns W. */
-static double weigh_sphere(const ss_body *body, const double sphere[3], double reach, twin *t)
+ * the smooth surface under the sphere leans. */
+static void weigh_sphere(const ss_body *body, const double sphere[3], double reach, twin *t)
 {
     static const double row[4][3] = {{2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0},
                                      {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0},
                                      {1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0},
                                      {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
-    double sum = 0.0;
     for (int32_t f = 0; f < body->triangle_count; ++f) {
         const int32_t *c = body->triangle[f];
         double u[3], v[3], n[3];
@@ -578,7 +567,6 @@ static double weigh_sphere(const ss_body *body, const double sphere[3], double r
             for (int k = 0; k < 3; ++k) {
                 const double w = t->is_held[c[k]] ? 0.0 : 0.125 * ss_norm3(n) * g * g * row[s][k];
                 t->weight[c[k]] += w;
-                sum += w;
             }
         }
     }
@@ -589,7 +577,6 @@ static double weigh_sphere(const ss_body *body, const double sphere[3], double r
             t->is_given[c[k]] = t->is_given[c[k]] || w > 0.0;
         }
     }
-    return sum;
 }
 
 /* What the sphere touches stays where the run has it; the direct solve finds all the rest. */
@@ -597,12 +584,10 @@ static softsim_status compare_slide(const ss_body *body, const double sphere[3],
                                     softsim_error *error)
 {
     twin t = {.rest = NULL};
-    softsim_status status = init_twin(&t, body, 1.0, run, error);
+    const softsim_status status = init_twin(&t, body, 1.0, run, error);
     if (status == SOFTSIM_OK) {
-        const double reach = fmax(mean_edge(body), 0.5 * radius);
-        const double weight = weigh_sphere(body, sphere, reach, &t);
-        const double z = fmin(1.0, weight / (3.14159265358979323846 * radius * reach / 3.0));
-        status = compare(&t, body, pretension_j, z * z * (3.0 - 2.0 * z), run, error);
+        weigh_sphere(body, sphere, fmax(mean_edge(body), 0.5 * radius), &t);
+        compare(&t, body, pretension_j, run);
     }
     fini_twin(&t);
     return status;
@@ -699,24 +684,37 @@ softsim_status ss_body_load(ss_body *body, ss_body_run *out, softsim_error *erro
     return run_load(body, &what, is_long ? short_load_s : load_s, out, error);
 }
 
-softsim_status ss_body_poke(ss_body *body, bool is_whole, ss_body_run *out, softsim_error *error)
+static softsim_status load_patch(const ss_body *body, bool is_whole, double down_n,
+                                 ss_body_run *out, softsim_error *error)
 {
     const deed what = {.name = "load.yaml",
                        .scale = fmax(1.0, sqrt((double)body->points / POKE_POINTS)),
                        .pretension_j = poke_pretension_j,
                        .is_whole = is_whole,
-                       .force_n = poke_n,
+                       .force_n = down_n,
                        .reach = patch_radius,
                        .ramp_s = load_ramp_s};
     return run_load(body, &what, poke_s, out, error);
+}
+
+softsim_status ss_body_poke(const ss_body *body, bool is_whole, ss_body_run *out,
+                            softsim_error *error)
+{
+    return load_patch(body, is_whole, poke_n, out, error);
+}
+
+softsim_status ss_body_pull(const ss_body *body, ss_body_run *out, softsim_error *error)
+{
+    return load_patch(body, true, -pull_n, out, error);
 }
 
 double ss_body_apart(const ss_body_run *a, const ss_body_run *b)
 {
     return a->displacement == NULL || b->displacement == NULL
                ? (double)NAN
-               : field_apart(a->nodes, (const double(*)[3])a->displacement,
-                             (const double(*)[3])b->displacement);
+               : ss_norms_compute(a->nodes, NULL, (const double(*)[3])a->displacement,
+                                  (const double(*)[3])b->displacement)
+                     .peak;
 }
 
 void ss_body_run_fini(ss_body_run *run)

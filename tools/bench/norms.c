@@ -3,6 +3,7 @@
 #include "norms.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "rt/vec.h"
 
@@ -33,10 +34,11 @@ double ss_norms_apart(int32_t count, const double *weight, const double (*a)[3],
 {
     double error = 0.0, size = 0.0;
     for (int32_t i = 0; i < count; ++i) {
+        const double w = weight != NULL ? weight[i] : 1.0;
         double d[3];
         ss_sub3(d, a[i], b[i]);
-        error += weight[i] * square(d);
-        size += weight[i] * square(b[i]);
+        error += w * square(d);
+        size += w * square(b[i]);
     }
     return size > 0.0 && isfinite(error) ? sqrt(error / size) : (double)NAN;
 }

@@ -33,7 +33,7 @@ enum {
     MOST_POINTS = 1000000,
     LARGEST_ELLIPSOID = 100000, /* larger ones take longer to make than to measure */
     MAX_BLOCKS = 1024,
-    CASES = 4,
+    CASES = 5,
     WINDOW_POINTS = 4096 /* smaller bodies have no window */
 };
 static const char standard_points[] =
@@ -74,7 +74,7 @@ typedef struct row {
     double direct_error;                 /* of the field against a direct solve: body.h */
     double apart; /* from the same poke with all nodes active, over the largest displacement */
     char solver[160];
-    char verdict[192];
+    char verdict[384];
 } row;
 
 typedef struct report {
@@ -207,9 +207,10 @@ static void add_row(report *r, const char *name, int32_t points, ss_body_run *ru
                 .jump = run->jump,
                 .mean_force = run->mean_force,
                 .ledger = run->ledger};
-    snprintf(to->verdict, sizeof to->verdict, "%s%s%s",
+    snprintf(to->verdict, sizeof to->verdict, "%s%s%s%s%s",
              run->is_refused ? "refused" : verdicts[run->worst & 3],
-             run->reason[0] != '\0' ? ": " : "", run->reason);
+             run->reason[0] != '\0' ? ": " : "", run->reason,
+             run->direct_reason[0] != '\0' ? "; no field error: " : "", run->direct_reason);
 }
 
 /* The local poke with all nodes active and with the window, and how far apart they are. */
@@ -233,7 +234,7 @@ static softsim_status measure_pokes(report *r, ss_body *body, softsim_error *err
 static softsim_status measure_size(report *r, ss_body *body, int32_t points, bool *out_refused,
                                    softsim_error *error)
 {
-    ss_body_run slide = {0}, load = {0};
+    ss_body_run slide = {0}, load = {0}, pull = {0};
     softsim_status status = ss_body_make(body, points, error);
     if (status == SOFTSIM_OK) {
         status = ss_body_slide(body, &slide, error);
@@ -246,11 +247,18 @@ static softsim_status measure_size(report *r, ss_body *body, int32_t points, boo
         add_row(r, "load", points, &load, NAN);
         *out_refused = slide.is_refused && load.is_refused;
     }
+    if (status == SOFTSIM_OK && !load.is_refused) {
+        status = ss_body_pull(body, &pull, error);
+        if (status == SOFTSIM_OK) {
+            add_row(r, "pull", points, &pull, NAN);
+        }
+    }
     if (status == SOFTSIM_OK && !load.is_refused && points >= WINDOW_POINTS) {
         status = measure_pokes(r, body, error);
     }
     ss_body_run_fini(&slide);
     ss_body_run_fini(&load);
+    ss_body_run_fini(&pull);
     return status;
 }
 
@@ -698,7 +706,8 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
         "node, no tool, all nodes active. slide: a sphere of 5 mm pressed 6 mm deep, moved 30 "
         "mm at 50 mm/s, released. poke: the same ellipsoid, larger, so that its edges are 4 "
         "mm long at every size, pretension 0.05 J; 0.1 N on the nodes within 10 mm of the "
-        "top; with all nodes active (poke all), and with the active window.");
+        "top; with all nodes active (poke all), and with the active window. pull: 0.5 N "
+        "upwards on the body of poke, all nodes active.");
     const softsim_status status = plot_times(r, page, error);
     put_table(page, r);
     ss_page_text(page, "p50, p99: thread CPU time of whole ticks (model step, contact and haptic "
@@ -714,13 +723,15 @@ static softsim_status put_ellipsoids(ss_page *page, const report *r, softsim_err
         "Field error: the largest distance between the model's displacements and others, over "
         "the largest of these. Against a direct solve: the equilibrium of the same body under "
         "the same load, assembled anew from the mesh in double and solved with sparse factors "
-        "of its own, potentials and shape, their residuals checked; of load and poke at the "
+        "of its own, potentials and shape, their residuals checked; of load, pull and poke at the "
         "end of the run, of slide when the sphere, pressed in, has stood still for half a "
         "second. There the direct solve is given the displacements of what the sphere touches "
         "and of the neighbours, and finds all others: it does not judge the contact itself. "
-        "Nor does it judge how far a field in motion is from its equilibrium. Against all "
+        "Nor does it judge how far a field in motion is from its equilibrium. Where the round "
+        "surface is pressed in it shortens before it stretches, and the network answers by its "
+        "pretension alone: pull is the row in which the modulus acts at every size. Against all "
         "nodes active: the field of poke against that of poke all, what the active window "
-        "costs. A refused case has no field.");
+        "costs. A refused case has no field; where the direct solve fails, the verdict says why.");
     return status;
 }
 

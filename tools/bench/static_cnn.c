@@ -8,18 +8,18 @@
  *   w_ij = (|m j'| + |m k'|) / L_ij          m the side's middle, j', k' its triangles' centroids
  *   sum_j w_ij (g_i - g_j) = S_c on cell c, 0 elsewhere; g = 0 where held
  *   kap  = sum_c w^_c q_c / Qhat_c,          q = |g_i - g_j| / L^2,  Qhat = sum |g_i - g_j|
- *   Pi   = a (E^ eps+^2 / 2 + T0 u.L u / 2) + 1/2 ks |u|^2 + 1/2 (B/V0) (N.u)^2 - F.u
+ *   Pi   = E^ eps+^2 / 2 + T0 u.L u / 2 + 1/2 ks |u|^2 + 1/2 (B/V0) (N.u)^2 - F.u
  *   eps  = u.b + u.L u / 2                   L the Laplacian of kap, b = L P0, r = b + L u
  *
- * Pi is convex, and Newton's method finds its one minimum: with A = a (E^ eps+ + T0) L + ks
+ * Pi is convex, and Newton's method finds its one minimum: with A = (E^ eps+ + T0) L + ks
  *
- *   (A + a E^ r r' [eps > 0] + (B/V0) N N') du = F - dPi/du
+ *   (A + E^ r r' [eps > 0] + (B/V0) N N') du = F - dPi/du
  *
  * A is the same for x, y and z, and the two terms of rank one are taken in by Woodbury's formula.
- * Both matrices are ordered (approximate minimum degree) and factored (L D L'); each solution is
- * refined once with the residual, taken over the edges, and refused where more than rounding is
- * left. Rejected: dense algebra as in zhong_net.c, a third of n^3; the model's own factor, whose
- * faults would then be in both fields.
+ * The potentials' matrix and A have one pattern: it is ordered once (approximate minimum degree),
+ * and each is factored (L D L'); each solution is refined once with the residual, taken over the
+ * edges, and refused where more than rounding is left. Rejected: dense algebra as in zhong_net.c, a
+ * third of n^3; the model's own factor, whose faults would then be in both fields.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -42,25 +42,25 @@ typedef double vector[3];
 
 /* ---- matrices of a graph -------------------------------------------------------------------- */
 
-/* diag(d) + Laplacian(w) of the nodes that are unknown. */
+/* diag(d) + Laplacian(w) of the nodes that are free, and rows of the identity for the others, so
+ * that one pattern and one order serve every choice of them. */
 typedef struct matrix {
-    int32_t node_count, edge_count;
-    const int32_t (*edge)[2];
     int n;
-    int *unknown;                  /* node to its place, -1 */
+    int32_t edge_count;
+    const int32_t (*edge)[2];
     int *column, *row;             /* both halves */
     int *order, *inverse, *parent; /* of the elimination */
     int *lower_column, *lower_row, *count, *flag, *pattern;
-    double *value, *lower, *pivot, *scratch, *rest; /* the last two n each */
-    const double *weight, *diagonal;                /* of the factor: edges; nodes, NULL: 0 */
+    double *value, *lower, *pivot, *scratch, *rest;
+    const double *weight, *diagonal; /* of the factor: edges; nodes, NULL: 0 */
+    const uint8_t *is_still;         /* likewise: nodes that are not free */
 } matrix;
 
 static void fini_matrix(matrix *m)
 {
-    void *const parts[] = {m->unknown, m->column,  m->row,          m->order,
-                           m->inverse, m->parent,  m->count,        m->flag,
-                           m->value,   m->pattern, m->lower_column, m->lower_row,
-                           m->lower,   m->pivot,   m->scratch,      m->rest};
+    void *const parts[] = {m->column, m->row,     m->order,   m->inverse,      m->parent,
+                           m->count,  m->flag,    m->pattern, m->lower_column, m->lower_row,
+                           m->value,  m->scratch, m->pivot,   m->rest,         m->lower};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; ++k) {
         free(parts[k]);
     }
@@ -70,11 +70,8 @@ static void fini_matrix(matrix *m)
 static void place_entries(matrix *m)
 {
     for (int32_t e = 0; e < m->edge_count; ++e) {
-        const int i = m->unknown[m->edge[e][0]], j = m->unknown[m->edge[e][1]];
-        if (i >= 0 && j >= 0) {
-            ++m->column[i + 1];
-            ++m->column[j + 1];
-        }
+        ++m->column[m->edge[e][0] + 1];
+        ++m->column[m->edge[e][1] + 1];
     }
     for (int k = 0; k < m->n; ++k) {
         m->column[k + 1] += m->column[k] + 1;
@@ -82,29 +79,25 @@ static void place_entries(matrix *m)
         m->count[k] = m->column[k] + 1;
     }
     for (int32_t e = 0; e < m->edge_count; ++e) {
-        const int i = m->unknown[m->edge[e][0]], j = m->unknown[m->edge[e][1]];
-        if (i >= 0 && j >= 0) {
-            m->row[m->count[i]++] = j;
-            m->row[m->count[j]++] = i;
-        }
+        const int i = m->edge[e][0], j = m->edge[e][1];
+        m->row[m->count[i]++] = j;
+        m->row[m->count[j]++] = i;
     }
 }
 
-/* Everything but the numbers. `is_out` and `is_out_too` (may be NULL): no unknowns. */
+/* Everything but the numbers. */
 static softsim_status init_matrix(matrix *m, int32_t node_count, int32_t edge_count,
-                                  const int32_t (*edge)[2], const uint8_t *is_out,
-                                  const uint8_t *is_out_too)
+                                  const int32_t (*edge)[2])
 {
-    *m = (matrix){.node_count = node_count, .edge_count = edge_count, .edge = edge};
+    *m = (matrix){.n = node_count, .edge_count = edge_count, .edge = edge};
     const size_t nodes = (size_t)node_count, entries = nodes + 2 * (size_t)edge_count;
-    m->unknown = calloc(nodes, sizeof *m->unknown);
     m->column = calloc(nodes + 1, sizeof *m->column);
     m->row = calloc(entries, sizeof *m->row);
     m->value = calloc(entries, sizeof *m->value);
     m->lower_column = calloc(nodes + 1, sizeof *m->lower_column);
     int **const integers[] = {&m->order, &m->inverse, &m->parent, &m->count, &m->flag, &m->pattern};
     double **const reals[] = {&m->pivot, &m->scratch, &m->rest};
-    bool is_good = m->unknown && m->column && m->row && m->value && m->lower_column;
+    bool is_good = m->column && m->row && m->value && m->lower_column;
     for (size_t k = 0; k < sizeof integers / sizeof *integers; ++k) {
         *integers[k] = calloc(nodes, sizeof **integers[k]);
         is_good = is_good && *integers[k] != NULL;
@@ -116,11 +109,8 @@ static softsim_status init_matrix(matrix *m, int32_t node_count, int32_t edge_co
     if (!is_good) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    for (int32_t i = 0; i < node_count; ++i) {
-        m->unknown[i] = is_out[i] || (is_out_too != NULL && is_out_too[i]) ? -1 : m->n++;
-    }
     place_entries(m);
-    if (m->n > 0 && amd_order(m->n, m->column, m->row, m->order, NULL, NULL) < 0) {
+    if (amd_order(m->n, m->column, m->row, m->order, NULL, NULL) < 0) {
         return SOFTSIM_ERROR_MEMORY;
     }
     ldl_symbolic(m->n, m->column, m->row, m->lower_column, m->parent, m->count, m->flag, m->order,
@@ -132,40 +122,33 @@ static softsim_status init_matrix(matrix *m, int32_t node_count, int32_t edge_co
 }
 
 /* The factor for these numbers, which stay the caller's; false: not positive definite. */
-static bool factorise(matrix *m, const double *weight, const double *diagonal)
+static bool factorise(matrix *m, const double *weight, const double *diagonal,
+                      const uint8_t *is_still)
 {
+    double largest = 0.0;
     m->weight = weight;
     m->diagonal = diagonal;
-    for (int32_t i = 0; i < m->node_count; ++i) {
-        const int k = m->unknown[i];
-        if (k >= 0) {
-            m->value[m->column[k]] = diagonal != NULL ? diagonal[i] : 0.0;
-            m->count[k] = m->column[k] + 1;
-        }
+    m->is_still = is_still;
+    for (int i = 0; i < m->n; ++i) {
+        m->value[m->column[i]] = is_still[i] ? 1.0 : diagonal != NULL ? diagonal[i] : 0.0;
+        m->count[i] = m->column[i] + 1;
     }
     for (int32_t e = 0; e < m->edge_count; ++e) {
-        const int i = m->unknown[m->edge[e][0]], j = m->unknown[m->edge[e][1]];
-        if (i >= 0) {
-            m->value[m->column[i]] += weight[e];
-        }
-        if (j >= 0) {
-            m->value[m->column[j]] += weight[e];
-        }
-        if (i >= 0 && j >= 0) {
-            m->value[m->count[i]++] = -weight[e];
-            m->value[m->count[j]++] = -weight[e];
-        }
+        const int i = m->edge[e][0], j = m->edge[e][1];
+        const double between = is_still[i] || is_still[j] ? 0.0 : -weight[e];
+        m->value[m->column[i]] += is_still[i] ? 0.0 : weight[e];
+        m->value[m->column[j]] += is_still[j] ? 0.0 : weight[e];
+        m->value[m->count[i]++] = between;
+        m->value[m->count[j]++] = between;
     }
-    const int done = ldl_numeric(m->n, m->column, m->row, m->value, m->lower_column, m->parent,
-                                 m->count, m->lower_row, m->lower, m->pivot, m->scratch, m->pattern,
-                                 m->flag, m->order, m->inverse);
-    bool is_positive = done == m->n;
-    double largest = 0.0;
-    for (int k = 0; k < m->n; ++k) {
-        largest = fmax(largest, m->value[m->column[k]]);
+    for (int i = 0; i < m->n; ++i) {
+        largest = fmax(largest, is_still[i] ? 0.0 : m->value[m->column[i]]);
     }
+    bool is_positive = ldl_numeric(m->n, m->column, m->row, m->value, m->lower_column, m->parent,
+                                   m->count, m->lower_row, m->lower, m->pivot, m->scratch,
+                                   m->pattern, m->flag, m->order, m->inverse) == m->n;
     for (int k = 0; is_positive && k < m->n; ++k) {
-        is_positive = m->pivot[k] > FLAT * largest;
+        is_positive = is_still[m->order[k]] || m->pivot[k] > FLAT * largest;
     }
     return is_positive;
 }
@@ -178,42 +161,36 @@ static void add_solution(matrix *m, double *x)
     ldl_dsolve(m->n, m->scratch, m->pivot);
     ldl_ltsolve(m->n, m->scratch, m->lower_column, m->lower_row, m->lower);
     ldl_permt(m->n, m->rest, m->scratch, m->order);
-    for (int32_t i = 0; i < m->node_count; ++i) {
-        x[i] += m->unknown[i] >= 0 ? m->rest[m->unknown[i]] : 0.0;
+    for (int i = 0; i < m->n; ++i) {
+        x[i] += m->rest[i];
     }
 }
 
-/* rest = b - A x; returns its length over b's. */
+/* rest = b - A x where nodes are free, else 0; returns its length over b's. */
 static double find_rest(matrix *m, const double *b, const double *x)
 {
     double whole = 0.0, left = 0.0; /* sums of squares: what is no number stays */
-    for (int32_t i = 0; i < m->node_count; ++i) {
-        const int k = m->unknown[i];
-        if (k >= 0) {
-            m->rest[k] = b[i] - (m->diagonal != NULL ? m->diagonal[i] * x[i] : 0.0);
-            whole += b[i] * b[i];
-        }
+    for (int i = 0; i < m->n; ++i) {
+        m->rest[i] = b[i] - (m->diagonal != NULL ? m->diagonal[i] * x[i] : 0.0);
+        whole += m->is_still[i] ? 0.0 : b[i] * b[i];
     }
     for (int32_t e = 0; e < m->edge_count; ++e) {
-        const int32_t a = m->edge[e][0], c = m->edge[e][1];
-        const double flow = m->weight[e] * (x[a] - x[c]);
-        if (m->unknown[a] >= 0) {
-            m->rest[m->unknown[a]] -= flow;
-        }
-        if (m->unknown[c] >= 0) {
-            m->rest[m->unknown[c]] += flow;
-        }
+        const int i = m->edge[e][0], j = m->edge[e][1];
+        const double flow = m->weight[e] * (x[i] - x[j]);
+        m->rest[i] -= flow;
+        m->rest[j] += flow;
     }
-    for (int k = 0; k < m->n; ++k) {
-        left += m->rest[k] * m->rest[k];
+    for (int i = 0; i < m->n; ++i) {
+        m->rest[i] = m->is_still[i] ? 0.0 : m->rest[i];
+        left += m->rest[i] * m->rest[i];
     }
     return left == 0.0 ? 0.0 : sqrt(left / whole);
 }
 
-/* A x = b by node, x = 0 where nothing is unknown; false when more than rounding is left. */
+/* A x = b where nodes are free, else x = 0; false when more than rounding is left. */
 static bool solve(matrix *m, const double *b, double *x)
 {
-    memset(x, 0, (size_t)m->node_count * sizeof *x);
+    memset(x, 0, (size_t)m->n * sizeof *x);
     for (int pass = 0; pass < 2; ++pass) {
         find_rest(m, b, x);
         add_solution(m, x);
@@ -238,8 +215,9 @@ typedef struct state {
     vector *normal;                               /* N_i, m^2 */
     double volume, bulk_rate;                     /* m^3; B/V0, Pa/m^3 */
     side *side;                                   /* of all triangles */
-    matrix poisson, shape;
-    double *source, *potential; /* nodes */
+    matrix matrix;                                /* of the potentials, then of the shape */
+    uint8_t *is_still;                            /* nodes that are held or given */
+    double *source, *potential;                   /* nodes */
     vector *b, *r, *out_of_balance;
     double *column[3][3]; /* A^-1 of what is out of balance, of r and of N, by axis */
 } state;
@@ -255,8 +233,8 @@ static void fini(state *s)
     for (int k = 0; k < 9; ++k) {
         free(s->column[k / 3][k % 3]);
     }
-    fini_matrix(&s->poisson);
-    fini_matrix(&s->shape);
+    free(s->is_still);
+    fini_matrix(&s->matrix);
 }
 
 static bool allocate(state *s)
@@ -268,7 +246,8 @@ static bool allocate(state *s)
     vector **const vectors[] = {&s->normal, &s->b, &s->r, &s->out_of_balance};
     s->side = calloc(sides, sizeof *s->side);
     s->edge = calloc(sides, sizeof *s->edge);
-    bool is_good = s->side != NULL && s->edge != NULL;
+    s->is_still = calloc(n, sizeof *s->is_still);
+    bool is_good = s->side != NULL && s->edge != NULL && s->is_still != NULL;
     for (size_t k = 0; k < 4; ++k) {
         *by_side[k] = calloc(sides, sizeof **by_side[k]);
         *by_node[k] = calloc(n, sizeof **by_node[k]);
@@ -365,7 +344,7 @@ static softsim_status refuse(softsim_status status, const char *text, softsim_er
 static softsim_status spread(state *s, softsim_error *error)
 {
     const ss_static_cnn_problem *p = s->problem;
-    if (!factorise(&s->poisson, s->conductance, NULL)) {
+    if (!factorise(&s->matrix, s->conductance, NULL, p->is_held)) {
         return refuse(SOFTSIM_ERROR_MESH, "a part of the surface is not held", error);
     }
     for (int32_t c = 0; c < p->node_count; ++c) {
@@ -374,7 +353,7 @@ static softsim_status spread(state *s, softsim_error *error)
         }
         double whole = 0.0;
         s->source[c] = s->area[c];
-        if (!solve(&s->poisson, s->source, s->potential)) {
+        if (!solve(&s->matrix, s->source, s->potential)) {
             return refuse(SOFTSIM_ERROR_SYSTEM, "the potentials are no solution", error);
         }
         s->source[c] = 0.0;
@@ -401,14 +380,10 @@ static softsim_status build(state *s, softsim_error *error)
     join_sides(s);
     for (int32_t i = 0; i < p->node_count; ++i) {
         s->ks[i] = p->rest_stiffness * s->area[i];
+        s->is_still[i] = p->is_held[i] || (p->is_given != NULL && p->is_given[i]);
     }
-    const int32_t(*edge)[2] = (const int32_t(*)[2])s->edge;
-    softsim_status status =
-        init_matrix(&s->poisson, p->node_count, s->edge_count, edge, p->is_held, NULL);
-    if (status == SOFTSIM_OK) {
-        status =
-            init_matrix(&s->shape, p->node_count, s->edge_count, edge, p->is_held, p->is_given);
-    }
+    const softsim_status status =
+        init_matrix(&s->matrix, p->node_count, s->edge_count, (const int32_t(*)[2])s->edge);
     return status == SOFTSIM_OK ? spread(s, error) : status;
 }
 
@@ -430,24 +405,23 @@ static double evaluate(state *s, const vector *u)
         for (int k = 0; k < 3; ++k) {
             const double stretched = s->r[i][k];
             s->r[i][k] += s->b[i][k];
-            s->out_of_balance[i][k] =
-                (p->force != NULL ? p->force[i][k] : 0.0) - s->ks[i] * u[i][k] -
-                p->amplitude * (tension * s->r[i][k] + p->pretension * stretched) -
-                pressure * s->normal[i][k];
+            s->out_of_balance[i][k] = (p->force != NULL ? p->force[i][k] : 0.0) -
+                                      s->ks[i] * u[i][k] - tension * s->r[i][k] -
+                                      p->pretension * stretched - pressure * s->normal[i][k];
         }
     }
     for (int32_t e = 0; e < s->edge_count; ++e) {
-        s->tension[e] = p->amplitude * (tension + p->pretension) * s->kap[e];
+        s->tension[e] = (tension + p->pretension) * s->kap[e];
     }
     return eps;
 }
 
-/* Sum over nodes that may move; x by axis. */
+/* x.y; x by axis, 0 where nodes are still. */
 static double product(const state *s, double *const x[3], const vector *y)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < s->problem->node_count; ++i) {
-        for (int k = 0; k < 3 && s->shape.unknown[i] >= 0; ++k) {
+        for (int k = 0; k < 3; ++k) {
             sum += x[k][i] * y[i][k];
         }
     }
@@ -462,7 +436,7 @@ static bool solve_columns(state *s)
         for (int32_t i = 0; i < s->problem->node_count; ++i) {
             s->source[i] = right[k / 3][i][k % 3];
         }
-        if (!solve(&s->shape, s->source, s->column[k / 3][k % 3])) {
+        if (!solve(&s->matrix, s->source, s->column[k / 3][k % 3])) {
             return false;
         }
     }
@@ -474,11 +448,11 @@ static double step(state *s, vector *u)
 {
     const ss_static_cnn_problem *p = s->problem;
     const double eps = evaluate(s, (const vector *)u);
-    if (!factorise(&s->shape, s->tension, s->ks) || !solve_columns(s)) {
+    if (!factorise(&s->matrix, s->tension, s->ks, s->is_still) || !solve_columns(s)) {
         return (double)NAN;
     }
     /* du = x0 - x1 y1 - x2 y2 with y_k = d_k (U_k.du), x_k = A^-1 of the columns. */
-    const double d1 = eps > 0.0 ? p->amplitude * p->modulus : 0.0, d2 = s->bulk_rate;
+    const double d1 = eps > 0.0 ? p->modulus : 0.0, d2 = s->bulk_rate;
     const double m11 = 1.0 + d1 * product(s, s->column[1], (const vector *)s->r);
     const double m12 = d1 * product(s, s->column[2], (const vector *)s->r);
     const double m21 = d2 * product(s, s->column[1], (const vector *)s->normal);
@@ -506,6 +480,11 @@ softsim_status ss_static_cnn_solve(const ss_static_cnn_problem *problem, double 
     state s = {.problem = problem};
     softsim_status status = build(&s, error);
     double change = (double)INFINITY;
+    for (int32_t i = 0; i < problem->node_count; ++i) { /* wherever the search begins */
+        if (problem->is_held[i]) {
+            ss_set3(inout_u[i], 0.0, 0.0, 0.0);
+        }
+    }
     for (int k = 0; status == SOFTSIM_OK && k < MAX_STEPS && change > NEWTON_TOLERANCE; ++k) {
         change = step(&s, inout_u);
     }

@@ -21,10 +21,9 @@ typedef struct ss_static_cnn_problem {
     double modulus, pretension;   /* J: E^ and T0 */
     double bulk;                  /* Pa: B, of the enclosed volume */
     double rest_stiffness;        /* N/m^3: ks = rest_stiffness S_i */
-    const uint8_t *is_held;       /* cells at zero, nodes that stay; one at least */
+    const uint8_t *is_held;       /* cells at zero, nodes at rest; one at least */
     const uint8_t *is_given;      /* nodes that stay where inout_u has them; NULL: none */
     const double *weight;         /* w^_i of the source's cells, none of them held; sum 1 */
-    double amplitude;             /* a of the source */
     const double (*force)[3];     /* N, dead; NULL: none */
 } ss_static_cnn_problem;
 
