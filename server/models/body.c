@@ -414,10 +414,9 @@ static void explain_tool(const ss_body *body, int index, const ss_printer *out)
     ss_say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
            index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
     if (depth > 0.2 * tool->radius) {
-        ss_say(out,
-               "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
-               "contact.working_force_n, or the rate or stiffness that limit the contact",
-               index, depth / tool->radius);
+        ss_say(out, "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
+               index, depth / tool->radius,
+               ss_plan_contact_remedy(&body->plan, tool->stiffness, tool->radius));
     }
     const double edge = ss_surface_mean_edge(body->surface);
     if (tool->radius < 0.5 * edge) {

@@ -66,6 +66,9 @@ double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
  * than a penetration of a tenth of R at the working force. */
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);
+/* What to do about a tool of radius R (m) that sinks in too far with this contact stiffness
+ * (N/m^3): it depends on what limits the stiffness. Static text. */
+const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, double radius);
 
 /* Adds -p times a third of each triangle's area vector, as it lies displaced by `u`, to `force`. */
 void ss_plan_add_pressure(const ss_mesh *mesh, int32_t count, const int32_t *triangle,
