@@ -170,6 +170,21 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
     assert_null(strstr(out, "us of that estimate"));
 }
 
+static void a_full_disk_ends_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    if (access("/dev/full", W_OK) != 0) {
+        skip();
+    }
+    assert_int_equal(run("timeout 60 " BIN_DIR
+                         "/softsim-run --duration 1000000 --csv /dev/full scene.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "/dev/full: cannot write"));
+}
+
 /* A shell has opened the file behind /dev/fd/1: it is written there, before what is printed. */
 static void standard_output_may_be_a_file(void **state)
 {
@@ -279,6 +294,7 @@ int main(void)
         cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
+        cmocka_unit_test(a_full_disk_ends_a_run),
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
     };
