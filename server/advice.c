@@ -78,11 +78,11 @@ static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
     }
 }
 
-/* What the model's plan warns of its tools, for those who do not ask it to explain itself. */
+/* What the model's plan warns of, for those who do not ask it to explain itself. */
 static void doubt_plan(void *sink, const char *text)
 {
     static const char mark[] = "warning: ";
-    if (strncmp(text, mark, sizeof mark - 1) == 0 && strstr(text, "tool") != NULL) {
+    if (strncmp(text, mark, sizeof mark - 1) == 0) {
         say(sink, "%s", text + sizeof mark - 1);
     }
 }

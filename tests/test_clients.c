@@ -506,9 +506,12 @@ static void log_poses_keep_their_times(void **state)
         int64_t utime_us;
         int64_t time_us; /* expected */
         bool is_noted;
-    } cases[] = {{5000, 0, false},        {6000, 1000, false},     {5500, 1000, true},
-                 {6500, 2000, false},     {90000000, 2000, true},  {90001000, 3000, false},
-                 {INT64_MIN, 3000, true}, {INT64_MAX, 3000, true}, {INT64_MAX, 3000, false}};
+    } cases[] = {{205000, 0, false},      {206000, 1000, false},
+                 {205500, 1000, false}, /* two senders' poses crossed: no time lost or gained */
+                 {207000, 2000, false},   {106999, 2000, true},
+                 {107999, 3000, false},   {90000000, 3000, true},
+                 {90001000, 4000, false}, {INT64_MIN, 4000, true},
+                 {INT64_MAX, 4000, true}, {INT64_MAX, 4000, false}};
     const int count = sizeof cases / sizeof cases[0];
     assert_int_equal(softsim_log_create(path, &writer, &error), SOFTSIM_OK);
     for (int i = 0; i < count; ++i) {

@@ -474,6 +474,31 @@ static void the_explanation_names_what_is_used_and_left_out(void **state)
     setup_fini(&s);
 }
 
+/* What it names is what limits the contact, so that doing it helps. */
+static void a_soft_contact_is_told_with_what_limits_it(void **state)
+{
+    (void)state;
+    static const struct {
+        double working_force, given;
+        const char *remedy;
+    } cases[] = {{1e-3, 0.0, "force: raise contact.working_force_n, or lower haptic.max_force_n"},
+                 {1e9, 0.0, "force: lower haptic.max_force_n: no stiffer contact is stable"},
+                 {2.0, 1e3, "force: raise contact.stiffness_n_per_m3, or lower"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        setup s;
+        int32_t top;
+        char text[8192] = "";
+        setup_whole(&s, &top);
+        s.plan.max_force = 1e6;
+        s.plan.working_force = cases[i].working_force;
+        s.plan.contact_stiffness = cases[i].given;
+        assert_int_equal(setup_create(&s), SOFTSIM_OK);
+        s.class->explain(s.model, join_lines, text);
+        assert_non_null(strstr(text, cases[i].remedy));
+        setup_fini(&s);
+    }
+}
+
 static void explain_all(setup *s, char text[8192])
 {
     text[0] = '\0';
@@ -692,6 +717,7 @@ int main(void)
         cmocka_unit_test(nodes_outside_a_renumbered_mesh_are_named_as_given),
         cmocka_unit_test(short_edges_and_loose_nodes_are_refused),
         cmocka_unit_test(the_explanation_names_what_is_used_and_left_out),
+        cmocka_unit_test(a_soft_contact_is_told_with_what_limits_it),
         cmocka_unit_test(the_explanation_tells_what_carries_the_cells),
         cmocka_unit_test(the_step_cost_grows_with_nodes_and_tools),
         cmocka_unit_test(creating_and_destroying_leaves_no_memory_behind),

@@ -211,6 +211,49 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
     assert_null(strstr(out, "us of that estimate"));
 }
 
+static void a_full_disk_ends_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    if (access("/dev/full", W_OK) != 0) {
+        skip();
+    }
+    assert_int_equal(run("timeout 60 " BIN_DIR
+                         "/softsim-run --duration 1000000 --csv /dev/full scene.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "/dev/full: cannot write"));
+}
+
+/* --check tells what makes a scene that is valid one to regret. */
+static void what_a_model_doubts_is_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set, *doubt;
+    } cases[] = {
+        {"model.density_kg_m3=1e-6", "more than the 64 of simulation.max_substeps"},
+        {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", "it falls"},
+        {"model.name=corotational' --set 'model.poisson_ratio=0.49", "lock above"},
+    };
+    char out[4096], command[512];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsimd --check scene.yaml", out, sizeof out), 0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        if (strstr(out, cases[k].doubt) != NULL) {
+            fail_msg("told without cause: %s", out);
+        }
+    }
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsimd --check --set '%s' scene.yaml",
+                       cases[k].set);
+        if (run(command, out, sizeof out) != 0 || strstr(out, cases[k].doubt) == NULL) {
+            fail_msg("%s: %s", cases[k].set, out);
+        }
+    }
+}
+
 /* --check tells that layer.max_active may bind, with how many particles; not where it cannot. */
 static void a_cap_on_particles_that_may_bind_is_told(void **state)
 {
@@ -344,6 +387,8 @@ int main(void)
         cmocka_unit_test(what_an_option_cannot_do_is_refused),
         cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
         cmocka_unit_test(a_cap_on_particles_that_may_bind_is_told),
+        cmocka_unit_test(what_a_model_doubts_is_told),
+        cmocka_unit_test(a_full_disk_ends_a_run),
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
     };

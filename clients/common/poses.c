@@ -4,9 +4,11 @@
  * Poses from an event log or a pose CSV, as one sequence.
  *
  * The time of a log's pose is the logger's receipt of it: that is the one clock that all senders
- * of a log share. It is made never to decrease, and a step of more than max_gap_us (a log put
- * together from several, a clock that was set) counts as none and is noted, so that no player
- * waits for it.
+ * of a log share. It is made never to decrease. Poses of several senders may be a little out of
+ * order, since the kernel stamps each packet on its way in: one that is back by no more than
+ * max_crossing_us has the time of the newest before it. A step further back, or of more than
+ * max_gap_us (a log put together from several, a clock that was set), counts as none and is noted,
+ * so that no player waits for it.
  */
 #include <errno.h>
 #include <inttypes.h>
@@ -19,12 +21,13 @@
 #include "softsim/log.h"
 
 static const int64_t max_gap_us = 60 * 1000 * 1000;
+static const int64_t max_crossing_us = 100 * 1000;
 
 struct softsim_poses {
     softsim_log *log; /* one of the two */
     softsim_path *path;
 
-    /* Of a log: the last pose's time. */
+    /* Of a log: the time of its newest pose. */
     bool has_time;
     int64_t log_utime_us, time_us;
     bool has_pending; /* a pose that waits behind a note */
@@ -144,6 +147,9 @@ static bool advance_time(softsim_poses *poses, int64_t utime_us)
     /* Unsigned, because two hostile times may be further apart than int64 reaches. */
     const uint64_t step = (uint64_t)utime_us - (uint64_t)poses->log_utime_us;
     const bool is_back = poses->has_time && utime_us < poses->log_utime_us;
+    if (is_back && 0 - step <= (uint64_t)max_crossing_us) {
+        return false;
+    }
     const bool is_odd = poses->has_time && (is_back || step > (uint64_t)max_gap_us);
     if (poses->has_time && !is_odd) {
         poses->time_us += (int64_t)step;
@@ -200,7 +206,8 @@ static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event
         if (is_odd) {
             poses->pending = *out;
             poses->has_pending = true;
-            snprintf(note, note_size, "the log's clock jumps at byte %" PRId64 ", played without",
+            snprintf(note, note_size,
+                     "the log's clock jumps at byte %" PRId64 ", the jump is left out",
                      event.offset);
             return SOFTSIM_POSES_NOTE;
         }

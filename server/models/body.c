@@ -414,10 +414,9 @@ static void explain_tool(const ss_body *body, int index, const ss_printer *out)
     ss_say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
            index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
     if (depth > 0.2 * tool->radius) {
-        ss_say(out,
-               "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
-               "contact.working_force_n, or the rate or stiffness that limit the contact",
-               index, depth / tool->radius);
+        ss_say(out, "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
+               index, depth / tool->radius,
+               ss_plan_contact_remedy(&body->plan, tool->stiffness, tool->radius));
     }
     const double edge = ss_surface_mean_edge(body->surface);
     if (tool->radius < 0.5 * edge) {
@@ -443,9 +442,11 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
         ss_say(&out, "stable step at rest %.4g s, sub-steps of at most %.2g of it", body->bound,
                body->own.step_share);
     }
-    if (body->is_explicit && body->plan.step > share) {
-        ss_say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", body->plan.step,
-               ceil(body->plan.step / share));
+    if (body->is_explicit) {
+        ss_plan_say_substeps(&body->plan, share, &out);
+    }
+    if (!body->is_held && body->has_gravity) {
+        ss_say(&out, "warning: gravity acts and supports do not hold the body: it falls");
     }
     if (!(body->own.mass_damping > 0.0)) {
         ss_say(&out, "left out: mass damping (mass_damping_per_s is 0)");

@@ -292,11 +292,10 @@ static void explain_tools(const ss_model *model, const ss_printer *out)
                "%.4g N/m at rest",
                k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
         if (depth > 0.2 * tool->radius) {
-            ss_say(
-                out,
-                "warning: tool %d would sink in by %.2g of its radius at the largest force: raise "
-                "contact.working_force_n or the rate",
-                k, depth / tool->radius);
+            ss_say(out,
+                   "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
+                   k, depth / tool->radius,
+                   ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
         }
         if (tool->radius < 0.5 * model->network->mean_edge) {
             ss_say(
@@ -323,8 +322,5 @@ void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_say(&out,
            "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
            model->source_count, model->bound);
-    if (model->plan.step > 0.7 * model->bound) {
-        ss_say(&out, "warning: a step of %.4g s needs %.0f sub-steps at rest", model->plan.step,
-               ceil(model->plan.step / (0.7 * model->bound)));
-    }
+    ss_plan_say_substeps(&model->plan, 0.7 * model->bound, &out);
 }

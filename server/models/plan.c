@@ -369,13 +369,43 @@ double ss_plan_smallest_tool(const ss_model_plan *plan)
     return smallest;
 }
 
+static double working_stiffness(const ss_model_plan *plan, double radius)
+{
+    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
+    return working / (0.03 * radius * radius * radius);
+}
+
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius)
 {
     if (plan->contact_stiffness > 0.0) {
         return plan->contact_stiffness;
     }
-    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
-    return fmin(stable, working / (0.03 * radius * radius * radius));
+    return fmin(stable, working_stiffness(plan, radius));
+}
+
+const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, double radius)
+{
+    if (plan->contact_stiffness > 0.0) {
+        return "raise contact.stiffness_n_per_m3, or lower haptic.max_force_n";
+    }
+    if (stiffness >= working_stiffness(plan, radius)) {
+        return "raise contact.working_force_n, or lower haptic.max_force_n";
+    }
+    return "lower haptic.max_force_n: no stiffer contact is stable with the sub-steps planned";
+}
+
+void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_printer *out)
+{
+    const double count = ceil(plan->step / longest);
+    if (count > plan->max_substeps) {
+        ss_say(out,
+               "warning: a step of %.4g s needs %.0f sub-steps at rest, more than the %d of "
+               "simulation.max_substeps: slower than real time; raise it, the density or the size "
+               "of the smallest elements, or lower the stiffness",
+               plan->step, count, plan->max_substeps);
+    } else if (count > 1.0) {
+        ss_say(out, "a step of %.4g s takes %.0f sub-steps at rest", plan->step, count);
+    }
 }
 
 /* ---- pressure ----------------------------------------------------------------------------- */

@@ -7,6 +7,7 @@
  * refused. Thread: set-up only where marked; the rest any thread, RT-safe.
  */
 #include "models/model.h"
+#include "models/printer.h"
 
 /* The first few numbers of a fault, for its message: "3, 17, 20". */
 typedef struct ss_number_list {
@@ -66,6 +67,12 @@ double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
  * than a penetration of a tenth of R at the working force. */
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);
+/* What to do about a tool of radius R (m) that sinks in too far with this contact stiffness
+ * (N/m^3): it depends on what limits the stiffness. Static text. */
+const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, double radius);
+
+/* How many sub-steps of at most `longest` (s) a step takes, where it takes several. */
+void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_printer *out);
 
 /* Adds -p times a third of each triangle's area vector, as it lies displaced by `u`, to `force`. */
 void ss_plan_add_pressure(const ss_mesh *mesh, int32_t count, const int32_t *triangle,

@@ -311,6 +311,13 @@ static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
     return count;
 }
 
+/* A full disk ends a run when it is met, however much of the run is left. */
+static bool is_written(const run *r)
+{
+    return !(r->csv.file && ferror(r->csv.file)) &&
+           !(r->reactions.file && ferror(r->reactions.file));
+}
+
 static softsim_status run_ticks(run *r, softsim_error *error)
 {
     softsim_pose pose[SOFTSIM_MAX_PROBES];
@@ -340,6 +347,9 @@ static softsim_status run_ticks(run *r, softsim_error *error)
         }
         if (r->reactions.file) {
             write_reactions(r);
+        }
+        if (!is_written(r)) {
+            break; /* what closes the files says why */
         }
         if (r->options.vtk && r->state.tick % r->options.every == 0 &&
             write_vtk(r, error) != SOFTSIM_OK) {
