@@ -93,6 +93,8 @@ static void no_output_is_an_input_or_another_output(void **state)
         {"softsim-bridge", "--device script --path poses.csv --csv link", "is the --path file"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out scene.yaml", "is the scene,"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out curve.csv", "is a --curve"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out none/f.yaml",
+         "none/f.yaml: No such"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted a", "what --out"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted block.msh",
          "a file of the scene"},

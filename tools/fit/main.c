@@ -305,34 +305,28 @@ static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *err
     return whole;
 }
 
-static softsim_status write_scene(const fit_options *o, const ss_fit *fit, softsim_error *error)
+static softsim_status write_scene(const fit_options *o, const ss_fit *fit, ss_output *output,
+                                  softsim_error *error)
 {
     char *text = compose(o, fit, error);
-    ss_output output = {0};
-    softsim_status status = text ? ss_output_open(&output, o->out, error) : SOFTSIM_ERROR_SCENE;
-    if (status == SOFTSIM_OK) {
-        fputs(text, output.file);
-        status = ss_output_commit(&output, error);
+    if (!text) {
+        return SOFTSIM_ERROR_SCENE;
     }
+    fputs(text, output->file);
     free(text);
-    return status;
+    return ss_output_commit(output, error);
 }
 
-static softsim_status write_fitted(const char *path, const ss_fit *fit, softsim_error *error)
+static softsim_status write_fitted(const ss_fit *fit, ss_output *output, softsim_error *error)
 {
-    ss_output output = {0};
-    const softsim_status status = ss_output_open(&output, path, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    fprintf(output.file, "curve,at,force_n,fitted_n\n");
+    fprintf(output->file, "curve,at,force_n,fitted_n\n");
     for (int32_t c = 0; c < fit->curve_count; ++c) {
         for (int32_t k = 0; k < fit->curve[c].count; ++k) {
-            fprintf(output.file, "%d,%.9g,%.9g,%.9g\n", c, fit->curve[c].at[k],
+            fprintf(output->file, "%d,%.9g,%.9g,%.9g\n", c, fit->curve[c].at[k],
                     fit->curve[c].force[k], fit->force[c][k]);
         }
     }
-    return ss_output_commit(&output, error);
+    return ss_output_commit(output, error);
 }
 
 int main(int argc, char **argv)
@@ -341,6 +335,7 @@ int main(int argc, char **argv)
     static ss_fit fit;
     static ss_fit_levels levels;
     fit_options options;
+    ss_output out = {0}, fitted = {0};
     switch (parse(argc, argv, &options, &error)) {
     case SS_ARGS_DONE:
         return 0;
@@ -356,6 +351,12 @@ int main(int argc, char **argv)
         show_progress(0, 0.0);
     }
     softsim_status status = plan(&options, &fit, &levels, &error);
+    if (status == SOFTSIM_OK) { /* before the work, so that it is not for nothing */
+        status = ss_output_open(&out, options.out, &error);
+    }
+    if (status == SOFTSIM_OK && options.fitted) {
+        status = ss_output_open(&fitted, options.fitted, &error);
+    }
     int exit_code = status == SOFTSIM_OK ? 0 : 2;
     if (status == SOFTSIM_OK) {
         status = ss_fit_run(&fit, &error);
@@ -365,10 +366,12 @@ int main(int argc, char **argv)
     if (status == SOFTSIM_OK) {
         ss_fit_tell(&fit, to_stderr, NULL);
         const bool is_written =
-            write_scene(&options, &fit, &error) == SOFTSIM_OK &&
-            (!options.fitted || write_fitted(options.fitted, &fit, &error) == SOFTSIM_OK);
+            write_scene(&options, &fit, &out, &error) == SOFTSIM_OK &&
+            (!options.fitted || write_fitted(&fit, &fitted, &error) == SOFTSIM_OK);
         exit_code = is_written && fit.solve.has_settled ? 0 : 1;
     }
+    ss_output_abandon(&out);
+    ss_output_abandon(&fitted);
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);
     }
