@@ -418,7 +418,8 @@ static void forget_found(ss_hybrid *hybrid)
 /* Finds the particles that wake (nearer than the reach that is returned) and those that may stay
  * awake (nearer than let_reach). Where max_active bounds both, a scan a little beyond the last
  * look's says the same as one to sleep_reach, which holds tens of times as many: counts below a
- * reach do not depend on what is further. */
+ * reach do not depend on what is further. (Only who of those in reach of two tools wakes first may
+ * be another: each is listed by the first tool whose scan it is in.) */
 static double find_near(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3],
                         const bool *is_near)
 {
