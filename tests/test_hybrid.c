@@ -724,6 +724,27 @@ static void what_makes_results_worse_is_told(void **state)
     }
 }
 
+/* Where there is room for all particles, all in reach wake, and no limit is told of. */
+static void room_for_all_is_no_limit(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        setup s;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES];
+        init_block(&s, k == 0 ? 300 : 1000000);
+        give_row(&s, SS_HYBRID_ACTIVATE, 1.2);
+        ss_hybrid *hybrid = start_hybrid(&s);
+        const int32_t all = hybrid->layer->own_count;
+        search of = {.word = "layer.max_active"};
+        s.class->explain(s.model, look_for, &of);
+        assert_true(of.is_found == (k == 0));
+        start_tool(tool, 0.5);
+        move(&s, tool, 0.5, 0.1, 60);
+        assert_true((hybrid->wanted_count == all) == (k == 1));
+        setup_fini(&s);
+    }
+}
+
 static void reset_begins_anew(void **state)
 {
     (void)state;
@@ -843,6 +864,7 @@ int main(void)
         cmocka_unit_test(touched_skin_is_laid),
         cmocka_unit_test(a_fault_freezes_the_surface),
         cmocka_unit_test(what_makes_results_worse_is_told),
+        cmocka_unit_test(room_for_all_is_no_limit),
         cmocka_unit_test(reset_begins_anew),
         cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),

@@ -361,11 +361,16 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3], double mo
     }
 }
 
-/* The reach within which particles wake: wake_reach, or less, so that SS_HYBRID_FULL of
- * max_awake are. */
+double ss_hybrid_most_wanted(const ss_hybrid *hybrid)
+{
+    return (hybrid->max_awake < hybrid->layer->own_count ? SS_HYBRID_FULL : 1.0) *
+           hybrid->max_awake;
+}
+
+/* The reach within which particles wake: wake_reach, or less, so that no more are than may be. */
 static double fit_reach(const ss_hybrid *hybrid)
 {
-    const double most = SS_HYBRID_FULL * hybrid->max_awake;
+    const double most = ss_hybrid_most_wanted(hybrid);
     int32_t bin[BINS] = {0};
     double low = hybrid->wake_reach;
     for (int32_t k = 0; k < hybrid->found_count; ++k) {
