@@ -29,7 +29,8 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
-/* Of layer.max_active; the rest is for particles that may sleep but do not yet. */
+/* Of layer.max_active, where that is not all; the rest is for particles that may sleep but do not
+ * yet. */
 #define SS_HYBRID_FULL 0.85
 
 typedef struct ss_hybrid_particle {

@@ -542,10 +542,10 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         }
     }
     settle_now(hybrid);
-    hybrid->is_near_old = true;
     while (hybrid->drifting_count > 0) {
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
+        ss_hybrid_move_near(hybrid, p);
     }
     if (hybrid->awake_count == 0) {
         begin_asleep(hybrid);
