@@ -140,3 +140,49 @@ static inline ss_real *forces_of(ss_hybrid *hybrid, double *out_energy)
     *out_energy = energy.elastic;
     return force;
 }
+
+static inline bool is_below(int i, int j, int k)
+{
+    (void)i;
+    (void)j;
+    return k < 2;
+}
+
+/* A block of 1 x 1 x 0.8, its upper half a layer, held below, under a ball of 0.25. */
+static inline void init_block(setup *s, int32_t max_active)
+{
+    setup_hybrid(s, make_bar((const int[3]){5, 5, 4}, 0.2, (const double[3]){0}, 0.2, is_below),
+                 0.08);
+    give_row(s, SS_HYBRID_ACTIVATE, 0.2);
+    give_row(s, SS_HYBRID_MAX_ACTIVE, max_active);
+    give_row(s, SS_FEM_MASS_DAMPING, 5.0);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        s->fixed[i] = s->mesh->position[i][2] == 0.0 ? 7 : 0;
+    }
+    add_sphere(s, 0, 0.25);
+    s->plan.working_force = 0.5;
+}
+
+/* Moves tool 0 in `steps` to x and `depth` below where it touches the block. */
+static inline void move(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth,
+                        int steps)
+{
+    const double to[3] = {x, 0.5, 1.05 - depth};
+    double from[3];
+    ss_copy3(from, tool[0].to.position);
+    for (int k = 1; k <= steps; ++k) {
+        tool[0].from = tool[0].to;
+        for (int a = 0; a < 3; ++a) {
+            tool[0].to.position[a] = from[a] + (to[a] - from[a]) * k / steps;
+        }
+        s->class->step(s->model, 0.0, 0.02, tool);
+    }
+}
+
+static inline void start_tool(ss_model_tool tool[SOFTSIM_MAX_PROBES], double x)
+{
+    memset(tool, 0, SOFTSIM_MAX_PROBES * sizeof *tool);
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {x, 0.5, 1.06}, .orientation = {1, 0, 0, 0}};
+    tool[0].from = tool[0].to;
+}

@@ -11,13 +11,6 @@
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
-static bool is_below(int i, int j, int k)
-{
-    (void)i;
-    (void)j;
-    return k < 2;
-}
-
 static bool is_at_ends(int i, int j, int k)
 {
     (void)j;
@@ -169,43 +162,6 @@ static void motion_keeps_energy_and_momentum(void **state)
 }
 
 /* ---- tools ---------------------------------------------------------------------------------- */
-
-/* A block of 1 x 1 x 0.8, its upper half a layer, held below, under a ball of 0.25. */
-static void init_block(setup *s, int32_t max_active)
-{
-    setup_hybrid(s, make_bar((const int[3]){5, 5, 4}, 0.2, origin, 0.2, is_below), 0.08);
-    give_row(s, SS_HYBRID_ACTIVATE, 0.2);
-    give_row(s, SS_HYBRID_MAX_ACTIVE, max_active);
-    give_row(s, SS_FEM_MASS_DAMPING, 5.0);
-    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
-        s->fixed[i] = s->mesh->position[i][2] == 0.0 ? 7 : 0;
-    }
-    add_sphere(s, 0, 0.25);
-    s->plan.working_force = 0.5;
-}
-
-static void move(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth,
-                 int steps)
-{
-    const double to[3] = {x, 0.5, 1.05 - depth};
-    double from[3];
-    ss_copy3(from, tool[0].to.position);
-    for (int k = 1; k <= steps; ++k) {
-        tool[0].from = tool[0].to;
-        for (int a = 0; a < 3; ++a) {
-            tool[0].to.position[a] = from[a] + (to[a] - from[a]) * k / steps;
-        }
-        s->class->step(s->model, 0.0, 0.02, tool);
-    }
-}
-
-static void start_tool(ss_model_tool tool[SOFTSIM_MAX_PROBES], double x)
-{
-    memset(tool, 0, SOFTSIM_MAX_PROBES * sizeof *tool);
-    tool[0].is_present = true;
-    tool[0].to = (ss_tool_pose){.position = {x, 0.5, 1.06}, .orientation = {1, 0, 0, 0}};
-    tool[0].from = tool[0].to;
-}
 
 static double felt(setup *s)
 {
@@ -400,100 +356,6 @@ static void switching_is_not_felt(void **state)
             assert_near(jump / force[1][k], 0.0, 0.02);
         }
     }
-}
-
-/* Rows of the near particles, where they are gathered, are those of the layer and of now. */
-static void assert_gathered(const ss_hybrid *hybrid)
-{
-    const ss_layer *layer = hybrid->layer;
-    const ss_layer_near *near = &hybrid->near_rows;
-    if (hybrid->is_near_old) {
-        return; /* they will be before they are read */
-    }
-    assert_int_equal(near->count, hybrid->near_count);
-    assert_int_equal(near->point_count, hybrid->point_count);
-    for (int32_t k = 0; k < hybrid->near_count; ++k) {
-        const int32_t p = hybrid->near[k];
-        const int32_t at = hybrid->place_of[p];
-        const int32_t ties = layer->tie_first[p + 1] - layer->tie_first[p];
-        assert_int_equal(near->node_of[at], hybrid->node_of[p]);
-        assert_memory_equal(near->offset + 4 * (ptrdiff_t)at, hybrid->offset + 4 * (ptrdiff_t)p,
-                            4 * sizeof *near->offset);
-        assert_int_equal(near->tie_first[at + 1] - near->tie_first[at], ties);
-        assert_memory_equal(near->tie + near->tie_first[at], layer->tie + layer->tie_first[p],
-                            (size_t)ties * sizeof *near->tie);
-    }
-    for (int32_t k = 0; k < hybrid->point_count; ++k) {
-        const int32_t p = hybrid->point[k];
-        const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
-        assert_int_equal(hybrid->place_of[p], k);
-        assert_int_equal(near->pair_first[k + 1] - near->pair_first[k], pairs);
-        for (int32_t t = 0; t < pairs; ++t) {
-            assert_int_equal(near->neighbour[near->pair_first[k] + t],
-                             hybrid->place_of[layer->neighbour[layer->pair_first[p] + t]]);
-        }
-    }
-}
-
-/* A tool that slides over more particles than may be awake: a look that stays near it finds what a
- * look at all within sleep_reach does, to the bit. */
-static void short_look_is_enough(void **state)
-{
-    (void)state;
-    enum { STEPS = 240 };
-    static uint64_t hash[2][STEPS];
-    int32_t shorter = 0;
-    for (int is_whole = 0; is_whole < 2; ++is_whole) {
-        setup s;
-        ss_model_tool tool[SOFTSIM_MAX_PROBES];
-        init_block(&s, 150);
-        give_row(&s, SS_HYBRID_ACTIVATE, 0.6);
-        ss_hybrid *hybrid = start_hybrid(&s);
-        start_tool(tool, 0.35);
-        move(&s, tool, 0.35, 0.1, 60);
-        for (int k = 0; k < STEPS; ++k) {
-            hybrid->let_reach = is_whole ? hybrid->sleep_reach : hybrid->let_reach;
-            move(&s, tool, 0.35 + 0.3 * sin(0.03 * k), 0.1, 1);
-            shorter += hybrid->let_reach < 0.5 * hybrid->sleep_reach;
-            assert_gathered(hybrid);
-            hash[is_whole][k] = s.class->hash(s.model, 1);
-        }
-        assert_true(hybrid->awake_count > 100);
-        setup_fini(&s);
-    }
-    assert_memory_equal(hash[0], hash[1], sizeof hash[0]);
-    assert_true(shorter > STEPS / 2);
-}
-
-/* Particles that are let go and wait for their tie under a dent cost no forces anew. */
-static void waiting_changes_nothing(void **state)
-{
-    (void)state;
-    setup s;
-    ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    int32_t waited = 0;
-    init_block(&s, 150);
-    ss_hybrid *hybrid = start_hybrid(&s);
-    start_tool(tool, 0.5);
-    move(&s, tool, 0.5, 0.15, 60);
-    assert_true(hybrid->awake_count > 50);
-    hybrid->wake_reach = 1e-3;
-    hybrid->let_reach = hybrid->sleep_reach = 2e-3;
-    memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
-    const int32_t most = hybrid->awake_count;
-    for (int k = 0; k < 40; ++k) {
-        const uint64_t before = s.class->hash(s.model, 1);
-        const int32_t awake = hybrid->awake_count;
-        hybrid->beat = 0; /* its turn */
-        if (!ss_hybrid_wake(hybrid)) {
-            assert_true(s.class->hash(s.model, 1) == before);
-            assert_int_equal(hybrid->awake_count, awake);
-            waited += hybrid->is_fading;
-        }
-    }
-    assert_true(waited > 0);
-    assert_true(hybrid->awake_count < most / 2);
-    setup_fini(&s);
 }
 
 /* omega^2 of the contact by power iteration, 1/s^2: its nodes' masses and exact tangent. */
@@ -817,8 +679,6 @@ int main(void)
         cmocka_unit_test(passing_tool_gives_no_energy),
         cmocka_unit_test(tool_wakes_what_it_touches),
         cmocka_unit_test(switching_is_not_felt),
-        cmocka_unit_test(short_look_is_enough),
-        cmocka_unit_test(waiting_changes_nothing),
         cmocka_unit_test(contact_bounds_the_substeps),
         cmocka_unit_test(rows_have_room),
         cmocka_unit_test(touched_skin_is_laid),

@@ -10,13 +10,6 @@
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
-static bool is_below(int i, int j, int k)
-{
-    (void)i;
-    (void)j;
-    return k < 2;
-}
-
 /* A block whose upper half is the layer. */
 static ss_mesh *make_block(const double low[3])
 {

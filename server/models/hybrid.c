@@ -756,12 +756,12 @@ static void explain_cap(const ss_hybrid *hybrid, void (*line)(void *sink, const 
             hybrid->shape[k].is_used ? ss_shape_inradius(&hybrid->shape[k].shape) : 0.0;
         const int32_t near =
             hybrid->shape[k].is_used ? most_near(hybrid, (const double(*)[3])area, radius) : 0;
-        if (near > SS_HYBRID_FULL * hybrid->max_awake) {
+        if (near > ss_hybrid_most_wanted(hybrid)) {
             snprintf(text, sizeof text,
                      "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
                      "to %d particles, and layer.max_active wakes %.0f: the others follow the "
                      "core; raise it, or wake from nearer",
-                     k, 0.5 * radius, near, floor(SS_HYBRID_FULL * hybrid->max_awake));
+                     k, 0.5 * radius, near, floor(ss_hybrid_most_wanted(hybrid)));
             line(sink, text);
         }
     }

@@ -29,7 +29,8 @@ enum {
     SS_HYBRID_ROW_COUNT
 };
 
-/* Of layer.max_active; the rest is for particles that may sleep but do not yet. */
+/* Of layer.max_active, where that is not all; the rest is for particles that may sleep but do not
+ * yet. */
 #define SS_HYBRID_FULL 0.85
 
 typedef struct ss_hybrid_particle {
@@ -198,6 +199,8 @@ void ss_hybrid_gather_near(ss_hybrid *hybrid);
 void ss_hybrid_idle_all(ss_hybrid *hybrid);
 /* All asleep, or all awake where nothing sleeps. */
 void ss_hybrid_settle(ss_hybrid *hybrid);
+/* How many are to be awake at once: all where there is room for all. */
+double ss_hybrid_most_wanted(const ss_hybrid *hybrid);
 /* Before every outer step; true when anything changed that forces depend on. */
 bool ss_hybrid_wake(ss_hybrid *hybrid);
 /* Wakes the up to max_awake particles nearest to skin node s, for measuring. */

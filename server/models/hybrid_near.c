@@ -7,9 +7,10 @@
  * What the kernels walk through of a layer of tens of thousands, ties, rows, moments and states of
  * some hundreds, lies scattered over megabytes: a few lines of memory here and there, of which the
  * smallest cache holds half. It is gathered whenever one came or went, which takes an eighth to a
- * half of an evaluation of forces and is seldom: points first, in the
- * order of their blocks, then those that are near alone, with neighbours by their places here. At
- * 230 awake of HM1's 28,000 the passes over particles take a sixth less time so.
+ * half of an evaluation of forces and is seldom; a node or an offset that changes is written where
+ * it lies. Points come first, in the order of their blocks, then those that are near alone, with
+ * neighbours by their places here. At 230 awake of HM1's 28,000 the passes over particles take a
+ * sixth less time so.
  */
 #include <string.h>
 

@@ -361,11 +361,16 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3], double mo
     }
 }
 
-/* The reach within which particles wake: wake_reach, or less, so that SS_HYBRID_FULL of
- * max_awake are. */
+double ss_hybrid_most_wanted(const ss_hybrid *hybrid)
+{
+    return (hybrid->max_awake < hybrid->layer->own_count ? SS_HYBRID_FULL : 1.0) *
+           hybrid->max_awake;
+}
+
+/* The reach within which particles wake: wake_reach, or less, so that no more are than may be. */
 static double fit_reach(const ss_hybrid *hybrid)
 {
-    const double most = SS_HYBRID_FULL * hybrid->max_awake;
+    const double most = ss_hybrid_most_wanted(hybrid);
     int32_t bin[BINS] = {0};
     double low = hybrid->wake_reach;
     for (int32_t k = 0; k < hybrid->found_count; ++k) {
@@ -418,7 +423,8 @@ static void forget_found(ss_hybrid *hybrid)
 /* Finds the particles that wake (nearer than the reach that is returned) and those that may stay
  * awake (nearer than let_reach). Where max_active bounds both, a scan a little beyond the last
  * look's says the same as one to sleep_reach, which holds tens of times as many: counts below a
- * reach do not depend on what is further. */
+ * reach do not depend on what is further. (Only who of those in reach of two tools wakes first may
+ * be another: each is listed by the first tool whose scan it is in.) */
 static double find_near(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3],
                         const bool *is_near)
 {
@@ -536,10 +542,10 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
         }
     }
     settle_now(hybrid);
-    hybrid->is_near_old = true;
     while (hybrid->drifting_count > 0) {
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
+        ss_hybrid_move_near(hybrid, p);
     }
     if (hybrid->awake_count == 0) {
         begin_asleep(hybrid);
