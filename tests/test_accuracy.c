@@ -604,11 +604,14 @@ static void find_floor(const ss_table *floor, const ss_accuracy_row *row, double
     }
 }
 
-/* At nu = 0.3 the element's own error to 1 %; at 0.45 no worse, since locking is cured. */
+/* At nu = 0.3 the element's own error to 1 %; at 0.45 no worse, and with the cure for locking
+ * better than any plain element can be. */
 static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
 {
     (void)state;
-    static const char *const run[][2] = {{"b_cantilever", "99"}, {"c_slab", "300"}};
+    static const char *const run[][3] = {{"b_cantilever", "99", "locking_cure=auto"},
+                                         {"c_slab", "300", "locking_cure=auto"},
+                                         {"c_slab", "300", "locking_cure=nodal-pressure"}};
     if (ss_model_find("fem") == NULL) {
         skip();
     }
@@ -619,9 +622,10 @@ static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
         softsim_error error = {.status = SOFTSIM_OK};
         snprintf(path, sizeof path, REFERENCE "/%s", run[k][0]);
         const char *out = in_folder(run[k][0]);
-        assert_int_equal(run_bench((const char *const[]){"--case", path, "--model", "fem", "--mesh",
-                                                         run[k][1], "--quick", "--out", out, NULL}),
-                         0);
+        assert_int_equal(
+            run_bench((const char *const[]){"--case", path, "--model", "fem", "--mesh", run[k][1],
+                                            "--set", run[k][2], "--quick", "--out", out, NULL}),
+            0);
         snprintf(csv, sizeof csv, "%s/accuracy.csv", run[k][0]);
         read_rows(csv, &rows);
         assert_int_equal(rows.count, 5);
@@ -632,7 +636,7 @@ static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
             double field, force;
             find_floor(&floor, row, &field, &force);
             assert_string_equal(row->calibrated, "no");
-            assert_true(row->error_l2 <= 1.01 * field);
+            assert_true(row->error_l2 <= (k == 2 ? 0.85 : 1.01) * field);
             assert_true(k > 0 || row->error_l2 >= 0.98 * field);
             assert_true(k == 0 || 1.0 + row->error_force <= 1.01 * (1.0 + force));
         }

@@ -345,6 +345,29 @@ static void a_mended_case_is_not_resumed(void **state)
     assert_int_not_equal(access(part, F_OK), 0);
 }
 
+/* A case's own constants, a key that no model has, no value: none can be set. */
+static void only_what_is_left_to_choose_can_be_set(void **state)
+{
+    (void)state;
+    static const char *const odd[] = {"youngs_modulus_pa=1", "lame_mu_pa=1", "depth=1",
+                                      "layer.spacing_m=1",   "name=xpbd",    "locking_cure",
+                                      "locking_cure=",       "=1",           ""};
+    if (ss_model_find("fem") == NULL) {
+        skip();
+    }
+    for (size_t k = 0; k < sizeof odd / sizeof *odd; ++k) {
+        int result = 0;
+        char *heard =
+            run_heard((const char *const[]){"--case", REFERENCE "/c_slab", "--model", "fem",
+                                            "--set", odd[k], "--out", in_folder("set"), NULL},
+                      &result);
+        if (result != 2 || strstr(heard, "--set") == NULL) {
+            fail_msg("'%s': %d: %s", odd[k], result, heard);
+        }
+        free(heard);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -353,6 +376,7 @@ int main(void)
         cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
         cmocka_unit_test(an_odd_row_of_another_program_is_refused),
         cmocka_unit_test(a_scene_that_cannot_be_run_leaves_nothing),
+        cmocka_unit_test(only_what_is_left_to_choose_can_be_set),
         cmocka_unit_test(every_row_of_another_program_is_on_the_page),
         cmocka_unit_test(a_mended_case_is_not_resumed),
     };

@@ -32,7 +32,7 @@ static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
 static const char standard_folder[] = "tests/reference";
 
 typedef struct options {
-    ss_arg_list cases, compare;
+    ss_arg_list cases, compare, set;
     const char *scene, *model, *mesh, *out;
     double budget_us;
     int64_t jobs;
@@ -81,6 +81,9 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
          "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
          "reference is made by refinement, and judged"},
         {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
+        {"--set", SS_ARG_LIST, &o.set, 0, 0, "KEY=VALUE",
+         "a parameter of physical models that the case does not give, as "
+         "locking_cure=nodal-pressure; may be given again"},
         {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
         {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
          "the two coarsest meshes, up to 2000 nodes, and the first and last level"},
@@ -145,6 +148,29 @@ static void check_models(const options *o, softsim_error *error)
                               known);
         }
         at = at[length] == ',' ? at + length + 1 : NULL;
+    }
+}
+
+/* Each must be a parameter of a model that is to run. */
+static void check_sets(const options *o, softsim_error *error)
+{
+    for (int32_t i = 0; i < o->set.count; ++i) {
+        const char *set = o->set.value[i];
+        const char *equals = strchr(set, '=');
+        int32_t count = 0, takers = 0;
+        const ss_model_class *const *table = ss_model_table(&count);
+        for (int32_t k = 0; k < count; ++k) {
+            const ss_accuracy_model *model = ss_accuracy_model_find(table[k]->name);
+            takers += model != NULL && is_listed(o->model, model->name) &&
+                      ss_accuracy_model_takes(model, set);
+        }
+        if (equals == NULL || equals[1] == '\0' || strpbrk(set, "\n\r#") != NULL || takers == 0) {
+            softsim_error_add(
+                error, SOFTSIM_ERROR_ARGUMENT,
+                "--set: '%s' is not KEY=VALUE with a parameter that is left to choose "
+                "of a physical model that runs; softsimd --print-config shows them",
+                set);
+        }
     }
 }
 
@@ -232,10 +258,14 @@ static uint64_t add_meshes(uint64_t hash, const ss_case *c, bool on_surface, boo
     return hash;
 }
 
-/* Of all that a case says. `has_solution` false: but for what follows from the rest. */
-static uint64_t digest_of(const ss_case *c, bool has_solution)
+/* Of all that a case says, and of what is set beside it. `has_solution` false: but for what follows
+ * from the rest. */
+static uint64_t digest_of(const ss_case *c, bool has_solution, const ss_arg_list *set)
 {
     uint64_t hash = add_file(0, c->folder, "case.yaml");
+    for (int32_t i = 0; i < set->count; ++i) {
+        hash = ss_world_fnv(hash, set->value[i], strlen(set->value[i]) + 1);
+    }
     hash = add_file(hash, c->mesh_folder, "case.yaml");
     hash = add_meshes(add_meshes(hash, c, false, has_solution), c, true, has_solution);
     for (int32_t i = 0; i < c->level_count && has_solution; ++i) {
@@ -283,7 +313,8 @@ static softsim_status load_cases(report *r, softsim_error *error)
         }
         /* What a scene's case has for a solution is made anew by every start, and may be rounded
          * otherwise by another machine. */
-        r->plan.digest[k] = error->fault_count == 0 ? digest_of(c, r->o.scene == NULL) : 0;
+        r->plan.digest[k] =
+            error->fault_count == 0 ? digest_of(c, r->o.scene == NULL, &r->o.set) : 0;
     }
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
@@ -383,6 +414,7 @@ static softsim_status list_jobs(report *r, softsim_error *error)
     softsim_status status = SOFTSIM_OK;
     r->plan.folder = r->o.out;
     r->plan.is_quick = r->o.is_quick;
+    r->plan.set = &r->o.set;
     r->plan.longest_cpu_s = r->o.is_quick ? quick_cpu_s : full_cpu_s;
     r->dynamic = r->plan;
     for (int32_t k = 0; k < r->plan.case_count; ++k) {
@@ -704,6 +736,9 @@ static softsim_status write_page(report *r, softsim_error *error)
     ss_page_text(&page, "Calibrated: what a model leaves free was fitted on the first level of "
                         "each material and mesh, the field first, then the force; its other levels "
                         "are predictions, its first is not.");
+    for (int32_t i = 0; i < r->o.set.count; ++i) {
+        ss_page_text(&page, "Set, for models that have it: %s", r->o.set.value[i]);
+    }
     if (r->o.scene != NULL) {
         printf("%s\n", r->worth.text);
         ss_page_text(&page, "%s: %s", r->o.scene, r->worth.taken);
@@ -819,6 +854,7 @@ int ss_bench_accuracy(int argc, char **argv)
     const ss_args_result parsed = parse(argc, argv, &r->o, &error);
     if (parsed == SS_ARGS_RUN) {
         check_models(&r->o, &error);
+        check_sets(&r->o, &error);
         ss_process_catch_stop();
     }
     int exit_status = parsed == SS_ARGS_DONE ? EXIT_SUCCESS : EXIT_BAD_INPUT;

@@ -34,8 +34,9 @@ typedef struct ss_accuracy_plan {
     uint64_t digest[SS_ACCURACY_MAX_CASES]; /* of each case's files */
     ss_accuracy_job *job;
     int32_t job_count;
-    bool is_quick;        /* of a material the first and the last level */
-    double longest_cpu_s; /* of a level */
+    bool is_quick;          /* of a material the first and the last level */
+    const ss_arg_list *set; /* as ss_accuracy_knobs has it */
+    double longest_cpu_s;   /* of a level */
 } ss_accuracy_plan;
 
 /* case_material_model_mesh, as files are called. */

@@ -425,7 +425,7 @@ static void begin(work *w, const ss_accuracy_plan *plan, int32_t index, softsim_
            w->c->level[w->first].material != job->material) {
         ++w->first;
     }
-    w->knobs = (ss_accuracy_knobs){.body = &w->size, .scale = 1.0};
+    w->knobs = (ss_accuracy_knobs){.body = &w->size, .scale = 1.0, .set = w->plan->set};
     if (w->model != NULL) {
         w->knobs.material = ss_accuracy_model_material(
             w->model, job->material >= 0 ? w->c->material[job->material] : "stvk");

@@ -3,6 +3,7 @@
 #include "accuracy_models.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,6 +38,19 @@ static void write_physical(FILE *file, const ss_model_class *class, const ss_acc
             fprintf(file, "  %s: %.9g\n", row[i].name, row[i].value);
         }
     }
+}
+
+/* What write_physical gives, and what one line cannot. */
+static bool is_given(const char *key, size_t length)
+{
+    static const char *const given[] = {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3",
+                                        "mass_damping_per_s", "material"};
+    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) {
+        if (strlen(given[i]) == length && memcmp(given[i], key, length) == 0) {
+            return true;
+        }
+    }
+    return memchr(key, '.', length) != NULL || strncmp(key, "lame_", 5) == 0;
 }
 
 /* A thin layer outside the body's surface, so that the core has the case's nodes, all of them; it
@@ -227,6 +241,16 @@ ss_accuracy_body ss_accuracy_body_of(const ss_case *c, const ss_mesh *mesh)
     return body;
 }
 
+bool ss_accuracy_model_takes(const ss_accuracy_model *model, const char *key)
+{
+    const size_t length = strcspn(key, "=");
+    const ss_model_class *class = ss_model_find(model->name);
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)length, key);
+    return length > 0 && length < sizeof name && class != NULL &&
+           ss_accuracy_model_is_physical(model) && !is_given(key, length) && has_row(class, name);
+}
+
 char *ss_accuracy_model_text(const ss_accuracy_model *model, const ss_accuracy_knobs *knobs)
 {
     char *text = NULL;
@@ -237,6 +261,13 @@ char *ss_accuracy_model_text(const ss_accuracy_model *model, const ss_accuracy_k
     }
     fprintf(file, "  name: %s\n", model->name);
     model->write(file, ss_model_find(model->name), knobs);
+    for (int32_t i = 0; knobs->set != NULL && i < knobs->set->count; ++i) {
+        const char *set = knobs->set->value[i];
+        if (ss_accuracy_model_takes(model, set)) {
+            const int length = (int)strcspn(set, "=");
+            fprintf(file, "  %.*s: %s\n", length, set, set + length + 1);
+        }
+    }
     if (fclose(file) != 0) {
         free(text);
         return NULL;

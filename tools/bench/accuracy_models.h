@@ -16,6 +16,7 @@
 #include <stdio.h>
 
 #include "case.h"
+#include "rt/args.h"
 
 enum { SS_ACCURACY_MAX_FREE = 3 };
 
@@ -34,7 +35,8 @@ typedef struct ss_accuracy_knobs {
     const char *material; /* as scenes call it; NULL: the model takes none */
     double free[SS_ACCURACY_MAX_FREE];
     double scale;
-    double damping; /* 1/s, of motion in proportion to mass */
+    double damping;         /* 1/s, of motion in proportion to mass */
+    const ss_arg_list *set; /* KEY=VALUE for models with that parameter; NULL: none */
 } ss_accuracy_knobs;
 
 typedef struct ss_accuracy_free {
@@ -68,3 +70,6 @@ const char *ss_accuracy_model_material(const ss_accuracy_model *model, const cha
 ss_accuracy_body ss_accuracy_body_of(const ss_case *c, const ss_mesh *mesh);
 /* The lines as a text, to be freed; NULL when out of memory. */
 char *ss_accuracy_model_text(const ss_accuracy_model *model, const ss_accuracy_knobs *knobs);
+/* May `key`, without what is after its '=', be set: a parameter of a physical model that the case
+ * does not give. */
+bool ss_accuracy_model_takes(const ss_accuracy_model *model, const char *key);
