@@ -13,9 +13,9 @@
  * tools and the ledger the body's.
  */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "models/printer.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -741,28 +741,26 @@ static int32_t most_near(const ss_hybrid *hybrid, const double (*area)[3], doubl
     return most;
 }
 
-static void explain_cap(const ss_hybrid *hybrid, void (*line)(void *sink, const char *text),
-                        void *sink)
+/* Where max_active may leave particles near a tool asleep. */
+static void explain_cap(const ss_hybrid *hybrid, const ss_printer *out)
 {
+    const double limit = ss_hybrid_most_wanted(hybrid);
     double(*area)[3] = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *area);
-    if (area == NULL || hybrid->is_all_awake) {
-        ss_memory_free(area);
-        return;
+    if (area != NULL) {
+        ss_mesh_node_area_vectors(hybrid->mesh, area);
     }
-    ss_mesh_node_area_vectors(hybrid->mesh, area);
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        char text[256];
-        const double radius =
-            hybrid->shape[k].is_used ? ss_shape_inradius(&hybrid->shape[k].shape) : 0.0;
-        const int32_t near =
-            hybrid->shape[k].is_used ? most_near(hybrid, (const double(*)[3])area, radius) : 0;
-        if (near > ss_hybrid_most_wanted(hybrid)) {
-            snprintf(text, sizeof text,
-                     "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
-                     "to %d particles, and layer.max_active wakes %.0f: the others follow the "
-                     "core; raise it, or wake from nearer",
-                     k, 0.5 * radius, near, floor(ss_hybrid_most_wanted(hybrid)));
-            line(sink, text);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES && area != NULL; ++k) {
+        if (!hybrid->shape[k].is_used) {
+            continue;
+        }
+        const double radius = ss_shape_inradius(&hybrid->shape[k].shape);
+        const int32_t near = most_near(hybrid, (const double(*)[3])area, radius);
+        if (near > limit) {
+            ss_say(out,
+                   "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
+                   "to %d particles, and layer.max_active wakes %.0f: the others follow the "
+                   "core; raise it, or wake from nearer",
+                   k, 0.5 * radius, near, floor(limit));
         }
     }
     ss_memory_free(area);
@@ -772,53 +770,48 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
 {
     const ss_hybrid *hybrid = (const ss_hybrid *)model;
     const ss_layer *layer = hybrid->layer;
-    char text[256];
-    snprintf(text, sizeof text,
-             "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
-             "kernels %s",
-             layer->own_count, hybrid->cells.count, layer->count - layer->own_count,
-             layer->spacing[0], hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
-             layer->pair_first[layer->count], hybrid->kernels->name);
-    line(sink, text);
+    const ss_printer out = {line, sink};
+    ss_say(&out,
+           "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
+           "kernels %s",
+           layer->own_count, hybrid->cells.count, layer->count - layer->own_count,
+           layer->spacing[0], hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
+           layer->pair_first[layer->count], hybrid->kernels->name);
     if (layer->dropped_count > 0) {
-        snprintf(text, sizeof text, "layer: %d places with too few neighbours were left empty",
-                 layer->dropped_count);
-        line(sink, text);
+        ss_say(&out, "layer: %d places with too few neighbours were left empty",
+               layer->dropped_count);
     }
     if (hybrid->is_all_awake) {
-        line(sink, "activation: none, all particles are awake always");
+        ss_say(&out, "activation: none, all particles are awake always");
     } else {
-        snprintf(text, sizeof text,
-                 "activation: within %.4g m of a tool, until %.4g m, at most %d particles and %d "
-                 "with their neighbours; the rest is counted with the core",
-                 hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake, hybrid->max_points);
-        line(sink, text);
-        explain_cap(hybrid, line, sink);
+        ss_say(&out,
+               "activation: within %.4g m of a tool, until %.4g m, at most %d particles and %d "
+               "with their neighbours; the rest is counted with the core",
+               hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake, hybrid->max_points);
+        explain_cap(hybrid, &out);
     }
-    snprintf(text, sizeof text,
-             "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",
-             layer->skin_count,
-             hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
-             ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
-                                hybrid->material.viscous_time, hybrid->material.mass_damping));
-    line(sink, text);
+    ss_say(&out, "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",
+           layer->skin_count,
+           hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
+           ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                              hybrid->material.viscous_time, hybrid->material.mass_damping));
     if (layer->far_count > 0) {
-        snprintf(text, sizeof text,
-                 "warning: %d of %d nodes of the surface are so far from the core's small elements "
-                 "that they repeat its motion up to %.0f-fold; make the core coarser or the layer "
-                 "thinner",
-                 layer->far_count, layer->skin_count, layer->farthest_tie);
-        line(sink, text);
+        ss_say(&out,
+               "warning: %d of %d nodes of the surface are so far from the core's small elements "
+               "that they repeat its motion up to %.0f-fold; make the core coarser or the layer "
+               "thinner",
+               layer->far_count, layer->skin_count, layer->farthest_tie);
     }
     if (hybrid->is_locking) {
-        line(sink, "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
-                   "cure is for whole volumes, and the layer takes part of the core's: left out");
+        ss_say(&out,
+               "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
+               "cure is for whole volumes, and the layer takes part of the core's: left out");
     }
     if (!(hybrid->cohesion > 0.0)) {
-        line(sink, "left out: cohesion (lennard_jones_share 0)");
+        ss_say(&out, "left out: cohesion (lennard_jones_share 0)");
     }
     if (hybrid->material.phi == NULL) {
-        line(sink, "left out: velocity gradients (no viscosity)");
+        ss_say(&out, "left out: velocity gradients (no viscosity)");
     }
     ss_body_explain(hybrid->body, line, sink);
 }

@@ -30,6 +30,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/dispatch.h"
 #include "models/wide.h"
 
 /* ---- lanes ----------------------------------------------------------------------------------
@@ -443,25 +444,7 @@ void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double
 /* ---- the path, and the pair curve ------------------------------------------------------------
  */
 
-extern const ss_layer_kernels ss_layer_kernels_baseline;
-#ifdef SS_HAS_AVX2
-extern const ss_layer_kernels ss_layer_kernels_avx2;
-#endif
-
-const ss_layer_kernels *ss_layer_kernels_path(int32_t index)
-{
-#ifdef SS_HAS_AVX2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        return index == 0 ? &ss_layer_kernels_avx2 : index == 1 ? &ss_layer_kernels_baseline : NULL;
-    }
-#endif
-    return index == 0 ? &ss_layer_kernels_baseline : NULL;
-}
-
-const ss_layer_kernels *ss_layer_kernels_get(void)
-{
-    return ss_layer_kernels_path(0);
-}
+SS_KERNEL_PATHS(ss_layer_kernels)
 
 double ss_layer_pair_potential(double s, double *out_slope)
 {

@@ -7,7 +7,7 @@
 
 void ss_say(const ss_printer *out, const char *format, ...)
 {
-    char text[512];
+    char text[1024];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);

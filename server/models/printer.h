@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Lines of --explain, as a model writes them. Thread: set-up only. */
+/* Lines of --explain and of reports in words, one at a time. Thread: set-up only. */
 
-/* What a model's explain is called with. */
+/* Where they go: what a model's explain is called with. */
 typedef struct ss_printer {
     void (*line)(void *sink, const char *text);
     void *sink;
 } ss_printer;
 
-/* One line of at most 511 characters; what is beyond is cut off. */
+/* One line of at most 1023 characters; what is beyond is cut off. */
 void __attribute__((format(printf, 2, 3))) ss_say(const ss_printer *out, const char *format, ...);

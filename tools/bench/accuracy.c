@@ -452,10 +452,12 @@ static softsim_status prepare(report *r, softsim_error *error)
 {
     if (r->o.scene != NULL) {
         ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
-        if (c != NULL) {
-            ss_accuracy_scene_outline(c);
-            check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
+        if (c == NULL) {
+            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+            return SOFTSIM_ERROR_MEMORY;
         }
+        ss_accuracy_scene_outline(c);
+        check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
         free(c);
         if (error->fault_count > 0) {
             return error->status;

@@ -21,36 +21,34 @@ static bool has_row(const ss_model_class *class, const char *name)
     return false;
 }
 
+/* What a case gives, beside the material. */
+enum { GIVEN_COUNT = 4 };
+static const char *const given[GIVEN_COUNT] = {"youngs_modulus_pa", "poisson_ratio",
+                                               "density_kg_m3", "mass_damping_per_s"};
+
 static void write_physical(FILE *file, const ss_model_class *class, const ss_accuracy_knobs *k)
 {
-    const struct {
-        const char *name;
-        double value;
-    } row[] = {{"youngs_modulus_pa", k->body->youngs_modulus},
-               {"poisson_ratio", k->body->poisson_ratio},
-               {"density_kg_m3", k->body->density},
-               {"mass_damping_per_s", k->damping}};
+    const double value[GIVEN_COUNT] = {k->body->youngs_modulus, k->body->poisson_ratio,
+                                       k->body->density, k->damping};
     if (k->material != NULL && has_row(class, "material")) {
         fprintf(file, "  material: %s\n", k->material);
     }
-    for (size_t i = 0; i < sizeof row / sizeof *row; ++i) {
-        if (has_row(class, row[i].name)) {
-            fprintf(file, "  %s: %.9g\n", row[i].name, row[i].value);
+    for (int i = 0; i < GIVEN_COUNT; ++i) {
+        if (has_row(class, given[i])) {
+            fprintf(file, "  %s: %.9g\n", given[i], value[i]);
         }
     }
 }
 
-/* What write_physical gives, and what one line cannot. */
-static bool is_given(const char *key, size_t length)
+/* Given by the case, by another name too, or more than a line of its own can say. */
+static bool is_given(const char *name)
 {
-    static const char *const given[] = {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3",
-                                        "mass_damping_per_s", "material"};
-    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) {
-        if (strlen(given[i]) == length && memcmp(given[i], key, length) == 0) {
-            return true;
-        }
+    bool is = strcmp(name, "material") == 0 || strncmp(name, "lame_", 5) == 0 ||
+              strchr(name, '.') != NULL;
+    for (int i = 0; i < GIVEN_COUNT; ++i) {
+        is = is || strcmp(name, given[i]) == 0;
     }
-    return memchr(key, '.', length) != NULL || strncmp(key, "lame_", 5) == 0;
+    return is;
 }
 
 /* A thin layer outside the body's surface, so that the core has the case's nodes, all of them; it
@@ -248,7 +246,7 @@ bool ss_accuracy_model_takes(const ss_accuracy_model *model, const char *key)
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)length, key);
     return length > 0 && length < sizeof name && class != NULL &&
-           ss_accuracy_model_is_physical(model) && !is_given(key, length) && has_row(class, name);
+           ss_accuracy_model_is_physical(model) && !is_given(name) && has_row(class, name);
 }
 
 char *ss_accuracy_model_text(const ss_accuracy_model *model, const ss_accuracy_knobs *knobs)

@@ -619,8 +619,8 @@ softsim_status ss_body_slide(ss_body *body, ss_body_run *out, softsim_error *err
 /* From the body with nothing done to it. */
 static softsim_status read_rest_alone(ss_body *body, ss_body_run *out, softsim_error *error)
 {
-    static const deed alone = {
-        .name = "load.yaml", .scale = 1.0, .pretension_j = 0.5, .is_whole = true};
+    const deed alone = {
+        .name = "load.yaml", .scale = 1.0, .pretension_j = pretension_j, .is_whole = true};
     runner r = {.world = NULL};
     softsim_status status = write_scene(body, &alone, error);
     if (status == SOFTSIM_OK) {

@@ -12,8 +12,8 @@
  * sin^2 t), and the sphere's centre is p + (R - d) n.
  *
  * The local poke is on a larger body of the same resolution, scaled by sqrt(points / 1192) so that
- * edges are 4 mm long: 0.1 N on the nodes within 10 mm of the top, 3 to 5 mm deep. The pull is 0.5 N
- * upwards: pressed in, a round surface shortens at first, eps < 0, and the network answers by its
+ * edges are 4 mm long: 0.1 N on the nodes within 10 mm of the top, 3 to 5 mm deep. The pull is 0.5
+ * N upwards: pressed in, a round surface shortens at first, eps < 0, and the network answers by its
  * pretension alone; pulled out, it stretches, and the modulus acts.
  *
  * The error of a field u is max |u - u_direct| / max |u_direct| over all nodes. u_direct is the

@@ -3,10 +3,11 @@
 #include "fit.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "models/printer.h"
 
 enum { MAX_SETS = 128 };
 static const double FLOOR = 0.005;         /* of the rms force: no curve is known better */
@@ -198,23 +199,7 @@ void ss_fit_fini(ss_fit *fit)
 /* ---- in words ---------------------------------------------------------------------------------
  */
 
-typedef struct teller {
-    void (*line)(void *sink, const char *text);
-    void *sink;
-} teller;
-
-static void say(const teller *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void say(const teller *t, const char *format, ...)
-{
-    char text[1024];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    t->line(t->sink, text);
-}
-
-static void tell_parameter(const ss_fit *fit, const teller *t, int32_t i)
+static void tell_parameter(const ss_fit *fit, const ss_printer *t, int32_t i)
 {
     const ss_solve *s = &fit->solve;
     const ss_fit_parameter *p = &fit->parameter[i];
@@ -226,27 +211,27 @@ static void tell_parameter(const ss_fit *fit, const teller *t, int32_t i)
     } else {
         snprintf(known, sizeof known, "within a factor of %.2g", exp(s->spread[i]));
     }
-    say(t, "%s = %.6g (from %.6g): %s", p->path, fit->value[i], p->start, known);
+    ss_say(t, "%s = %.6g (from %.6g): %s", p->path, fit->value[i], p->start, known);
     if (s->at_bound[i] != 0) {
         const double bound = s->at_bound[i] > 0 ? p->max : p->min;
-        say(t,
-            "%s is at its %s bound, %.6g: the curve asks for more than the model takes, or "
-            "than a factor of 10,000 from the start",
-            p->path, s->at_bound[i] > 0 ? "upper" : "lower", bound);
+        ss_say(t,
+               "%s is at its %s bound, %.6g: the curve asks for more than the model takes, or "
+               "than a factor of 10,000 from the start",
+               p->path, s->at_bound[i] > 0 ? "upper" : "lower", bound);
     }
 }
 
 /* What a flat direction means. */
-static void tell_flat(const ss_fit *fit, const teller *t, int32_t k)
+static void tell_flat(const ss_fit *fit, const ss_printer *t, int32_t k)
 {
     const ss_solve *s = &fit->solve;
     const int32_t alone = ss_solve_alone(s, k);
     if (alone >= 0) {
         const ss_fit_parameter *p = &fit->parameter[alone];
         const bool is_alpha = strstr(p->path, ".alpha") != NULL;
-        say(t, "the data cannot tell %s: anything from %.3g to %.3g fits as well%s", p->path,
-            exp(s->low[alone]), exp(s->high[alone]),
-            is_alpha ? " (a curve tells it only by its toe: a soft beginning)" : "");
+        ss_say(t, "the data cannot tell %s: anything from %.3g to %.3g fits as well%s", p->path,
+               exp(s->low[alone]), exp(s->high[alone]),
+               is_alpha ? " (a curve tells it only by its toe: a soft beginning)" : "");
         return;
     }
     char list[768] = "";
@@ -259,26 +244,26 @@ static void tell_flat(const ss_fit *fit, const teller *t, int32_t k)
             used += length > 0 ? (size_t)length : 0;
         }
     }
-    say(t,
-        "the data cannot tell these apart: %s together fit as well; fix one with --set and "
-        "leave it out of --parameter, or give a curve that tells",
-        list);
+    ss_say(t,
+           "the data cannot tell these apart: %s together fit as well; fix one with --set and "
+           "leave it out of --parameter, or give a curve that tells",
+           list);
 }
 
-static void tell_levels(const ss_fit_levels *levels, const teller *t)
+static void tell_levels(const ss_fit_levels *levels, const ss_printer *t)
 {
     char force[64] = "its forces are not known";
     if (!isnan(levels->force_misfit)) {
         snprintf(force, sizeof force, "of the force %.2g %%", 100.0 * levels->force_misfit);
     }
-    say(t, "%s, %s, mesh %s, %d levels: misfit of the field %.2g %%, %s", levels->c.name,
-        levels->c.material[levels->material], levels->mesh, levels->level_count,
-        100.0 * levels->field_misfit, force);
+    ss_say(t, "%s, %s, mesh %s, %d levels: misfit of the field %.2g %%, %s", levels->c.name,
+           levels->c.material[levels->material], levels->mesh, levels->level_count,
+           100.0 * levels->field_misfit, force);
 }
 
 void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), void *sink)
 {
-    const teller t = {line, sink};
+    const ss_printer t = {line, sink};
     const ss_solve *s = &fit->solve;
     if (fit->levels) {
         tell_levels(fit->levels, &t);
@@ -292,12 +277,12 @@ void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), 
             sum += miss * miss;
         }
         const double rms = sqrt(sum / curve->count);
-        say(&t,
-            "%s: %d points, misfit %.3g N rms, %.2g %% of the rms force; pressed at "
-            "%.4g %.4g %.4g m by %s, %.4g m in %.4g s",
-            curve->path, curve->count, rms, 100.0 * rms / curve->rms, press->point[0],
-            press->point[1], press->point[2], press->probe < 0 ? "a patch" : "the tool",
-            press->depth, press->press_s);
+        ss_say(&t,
+               "%s: %d points, misfit %.3g N rms, %.2g %% of the rms force; pressed at "
+               "%.4g %.4g %.4g m by %s, %.4g m in %.4g s",
+               curve->path, curve->count, rms, 100.0 * rms / curve->rms, press->point[0],
+               press->point[1], press->point[2], press->probe < 0 ? "a patch" : "the tool",
+               press->depth, press->press_s);
     }
     for (int32_t i = 0; i < s->n; ++i) {
         tell_parameter(fit, &t, i);
@@ -308,14 +293,14 @@ void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), 
         }
     }
     if (s->misfit > MISFIT_WARNING) {
-        say(&t, "the model does not repeat the data: it has another shape, whatever the "
-                "parameters");
+        ss_say(&t, "the model does not repeat the data: it has another shape, whatever the "
+                   "parameters");
     }
     if (fit->run.verdict > SOFTSIM_VERDICT_GOOD) {
-        say(&t, "the model's own verdict in these runs: %s", fit->run.reason);
+        ss_say(&t, "the model's own verdict in these runs: %s", fit->run.reason);
     }
     if (!s->has_settled) {
-        say(&t, "not settled after %d evaluations: allow more with --max-evaluations",
-            s->evaluations);
+        ss_say(&t, "not settled after %d evaluations: allow more with --max-evaluations",
+               s->evaluations);
     }
 }
