@@ -54,11 +54,11 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
            scene->simulation_rate_hz > 0.0 ? "as given" : "chosen from counted work",
            world->step_cost_us);
     if (world->used_probes) {
-        ss_say(
-            &out,
-            "contact: %.3g us of that estimate; a tool on a mesh that is fine for its size takes "
-            "more, which step_us of a run shows",
-            contact_cost_us(world));
+        ss_say(&out,
+               "cost of contact: %.3g us of that estimate; a tool on a mesh that is fine for its "
+               "size takes "
+               "more, which step_us of a run shows",
+               contact_cost_us(world));
     }
     ss_say(&out, "haptic: %.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",
            1.0 / world->period, scene->max_force_n, scene->coupling_stiffness_n_per_m);

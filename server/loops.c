@@ -409,7 +409,6 @@ static void send_status(ss_loops *loops)
 /* When the verdict gets to degraded or worse: once, until it was better in between. */
 static void log_verdict(ss_loops *loops, const ss_opinion *opinion, int64_t now_ns)
 {
-    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     if (opinion->verdict < SOFTSIM_VERDICT_DEGRADED) {
         loops->logged_verdict = SOFTSIM_VERDICT_GOOD;
         return;
@@ -418,7 +417,8 @@ static void log_verdict(ss_loops *loops, const ss_opinion *opinion, int64_t now_
         (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < loops->next_verdict_log_ns)) {
         return;
     }
-    fprintf(stderr, "softsimd: warning: %s: %s\n", verdicts[opinion->verdict], opinion->reason);
+    fprintf(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
+            opinion->reason);
     loops->logged_verdict = opinion->verdict;
     loops->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
 }
@@ -438,9 +438,6 @@ static void log_rival(ss_loops *loops, const ss_opinion *opinion)
 /* At most once a second: how many poses were refused since, by reason. */
 static void log_refusals(ss_loops *loops, int64_t now_ns)
 {
-    static const char *const reasons[SOFTSIM_REFUSED_COUNT] = {
-        "malformed", "wrong type",   "not finite",  "stale",
-        "jump",      "other sender", "wrong probe", "other"};
     if (now_ns < loops->next_log_ns) {
         return;
     }
@@ -457,7 +454,7 @@ static void log_refusals(ss_loops *loops, int64_t now_ns)
     fprintf(stderr, "softsimd: warning: %lld messages refused so far:", (long long)total);
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         if (counts.refused[i] > 0) {
-            fprintf(stderr, " %s %lld", reasons[i], (long long)counts.refused[i]);
+            fprintf(stderr, " %s %lld", softsim_refusal_name(i), (long long)counts.refused[i]);
         }
     }
     fprintf(stderr, "\n");

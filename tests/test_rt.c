@@ -424,6 +424,17 @@ static void status_has_a_name_and_a_text(void **state)
     assert_non_null(softsim_status_text((softsim_status)77));
 }
 
+static void verdicts_and_refusals_have_names(void **state)
+{
+    (void)state;
+    assert_string_equal(softsim_verdict_name(SOFTSIM_VERDICT_GUARDED), "guarded");
+    assert_string_equal(softsim_verdict_name((softsim_verdict)4), "unknown");
+    assert_string_equal(softsim_refusal_name(SOFTSIM_REFUSED_JUMP), "jump");
+    assert_string_equal(softsim_refusal_name(SOFTSIM_REFUSED_OTHER), "other");
+    assert_string_equal(softsim_refusal_name(SOFTSIM_REFUSED_COUNT), "unknown");
+    assert_string_equal(softsim_refusal_name(SOFTSIM_ACCEPTED), "unknown");
+}
+
 static void errors_keep_every_line_and_the_first_status(void **state)
 {
     (void)state;
@@ -492,6 +503,7 @@ int main(void)
         cmocka_unit_test(fifo_is_had_or_its_refusal_is_said),
         cmocka_unit_test(wake_is_seen_by_poll_until_drained),
         cmocka_unit_test(status_has_a_name_and_a_text),
+        cmocka_unit_test(verdicts_and_refusals_have_names),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),

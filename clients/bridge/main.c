@@ -221,7 +221,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
     if (o->csv != NULL && ss_output_open(&csv, o->csv, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
         device.destroy(device.state);
-        return EXIT_FAILURE;
+        return EXIT_BAD_INPUT;
     }
     const ss_bridge_config config = {
         .probe = (int32_t)o->probe,

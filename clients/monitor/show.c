@@ -7,16 +7,6 @@
 
 #include "softsim/types.h"
 
-static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
-static const char *const refusals[SOFTSIM_REFUSED_COUNT] = {
-    "malformed", "type hash",    "not finite",  "stale",
-    "jump",      "other sender", "wrong probe", "other"};
-
-static const char *verdict_name(int32_t verdict)
-{
-    return verdict >= 0 && verdict < 4 ? verdicts[verdict] : "unknown";
-}
-
 /* ---- JSON ----------------------------------------------------------------------------------- */
 
 static void json_text(FILE *out, const char *name, const char *text)
@@ -152,9 +142,9 @@ void ss_show_line(FILE *out, const softsim_server_status_t *s)
             "%.1f s %s: step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
             "poses %" PRId64 " refused %" PRId64 "; forces %" PRId64 " missed %" PRId64
             "; energy %.3g J",
-            s->uptime_s, verdict_name(s->verdict), s->step, s->simulation_rate_hz, s->step_us[0],
-            s->step_us[1], s->lateness_us[1], s->poses_received, sum(s->poses_refused, 8),
-            sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
+            s->uptime_s, softsim_verdict_name(s->verdict), s->step, s->simulation_rate_hz,
+            s->step_us[0], s->step_us[1], s->lateness_us[1], s->poses_received,
+            sum(s->poses_refused, 8), sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
     if (s->reason[0] != '\0') {
         fputs(" - ", out);
         ss_show_text(out, s->reason);
@@ -187,7 +177,8 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
     ss_show_text(out, s->scene);
     fputs("\nmodel       ", out);
     ss_show_text(out, s->model);
-    fprintf(out, "\nverdict     %s%s", verdict_name(s->verdict), s->reason[0] != '\0' ? ": " : "");
+    fprintf(out, "\nverdict     %s%s", softsim_verdict_name(s->verdict),
+            s->reason[0] != '\0' ? ": " : "");
     ss_show_text(out, s->reason);
     fprintf(out,
             "\nup          %.1f s, %d threads, %.1f MB\n"
@@ -209,7 +200,8 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
             s->poses_superseded);
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         if (s->poses_refused[i] != 0) {
-            fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[i], refusals[i]);
+            fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[i],
+                    softsim_refusal_name(i));
         }
     }
     fputs("\n\n", out);

@@ -117,7 +117,7 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
     softsim_log_writer *writer = NULL;
     if (softsim_log_create(o->output, &writer, &error) != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
-        return EXIT_FAILURE;
+        return EXIT_BAD_INPUT;
     }
     const char *prefix = o->prefix != NULL ? o->prefix : SOFTSIM_DEFAULT_PREFIX;
     softsim_pose_event event;
@@ -193,19 +193,24 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     if (!o->is_lockstep) {
         ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
     }
-    softsim_status status = softsim_client_open(&config, &replay.client, &error);
-    if (status == SOFTSIM_OK && o->record != NULL) {
+    softsim_status status = SOFTSIM_OK;
+    if (o->record != NULL) {
         status = softsim_log_create(o->record, &replay.record, &error);
     }
     if (status == SOFTSIM_OK && o->csv != NULL) {
         status = ss_output_open(&csv, o->csv, &error);
         replay.csv = csv.file;
     }
+    if (status == SOFTSIM_OK) {
+        status = softsim_client_open(&config, &replay.client, &error);
+    }
     if (status != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
         softsim_log_abandon(&replay.record);
+        ss_output_abandon(&csv);
         softsim_client_close(&replay.client);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+        return status == SOFTSIM_ERROR_ARGUMENT || status == SOFTSIM_ERROR_FILE ? EXIT_BAD_INPUT
+                                                                                : EXIT_FAILURE;
     }
     if (replay.csv != NULL) {
         fputs(ss_replay_csv_header, replay.csv);

@@ -101,30 +101,46 @@ typedef struct softsim_force {
     double stiffness; /* N/m, felt dF/dx along the normal; 0 when free, limited or ramping */
 } softsim_force;
 
-/* Reasons for refusing a pose, the index into poses_refused. */
+/* Reasons for refusing a pose, the index into poses_refused. Not finite: also a quaternion that is
+ * not a unit one. One list gives the enum and the names. */
+#define SOFTSIM_REFUSAL_LIST(X)                                                                    \
+    X(MALFORMED, "malformed")                                                                      \
+    X(TYPE_HASH, "wrong type")                                                                     \
+    X(NOT_FINITE, "not finite")                                                                    \
+    X(STALE, "stale")                                                                              \
+    X(JUMP, "jump")                                                                                \
+    X(OTHER_SENDER, "other sender")                                                                \
+    X(WRONG_PROBE, "wrong probe")                                                                  \
+    X(OTHER, "other")
+
 typedef enum softsim_refusal {
-    SOFTSIM_REFUSED_MALFORMED = 0,
-    SOFTSIM_REFUSED_TYPE_HASH,
-    SOFTSIM_REFUSED_NOT_FINITE, /* also a quaternion that is not a unit one */
-    SOFTSIM_REFUSED_STALE,
-    SOFTSIM_REFUSED_JUMP,
-    SOFTSIM_REFUSED_OTHER_SENDER,
-    SOFTSIM_REFUSED_WRONG_PROBE,
-    SOFTSIM_REFUSED_OTHER,
-    SOFTSIM_REFUSED_COUNT,
+#define X(name, text) SOFTSIM_REFUSED_##name,
+    SOFTSIM_REFUSAL_LIST(X)
+#undef X
+        SOFTSIM_REFUSED_COUNT,
     SOFTSIM_ACCEPTED = -1
 } softsim_refusal;
 
+/* Guarded: sub-stepped or clamped, result trusted. Degraded: slower than real time, or damped.
+ * Fault: non-finite; last good state restored, force ramped to zero. */
+#define SOFTSIM_VERDICT_LIST(X)                                                                    \
+    X(GOOD, 0, "good")                                                                             \
+    X(GUARDED, 1, "guarded")                                                                       \
+    X(DEGRADED, 2, "degraded")                                                                     \
+    X(FAULT, 3, "fault")
+
 typedef enum softsim_verdict {
-    SOFTSIM_VERDICT_GOOD = 0,
-    SOFTSIM_VERDICT_GUARDED = 1,  /* sub-stepped or clamped, result trusted */
-    SOFTSIM_VERDICT_DEGRADED = 2, /* slower than real time, or damped */
-    SOFTSIM_VERDICT_FAULT = 3     /* non-finite: last good state restored, force ramped to zero */
+#define X(name, value, text) SOFTSIM_VERDICT_##name = (value),
+    SOFTSIM_VERDICT_LIST(X)
+#undef X
 } softsim_verdict;
 
 /* Name ("ERROR_MESH") and text of a status. Thread: any; RT-safe. */
 const char *softsim_status_name(softsim_status status);
 const char *softsim_status_text(softsim_status status);
+/* "guarded", "wrong probe"; "unknown" for what is none. Thread: any; RT-safe. */
+const char *softsim_verdict_name(softsim_verdict verdict);
+const char *softsim_refusal_name(softsim_refusal refusal);
 
 /* Appends one fault line (printf form) to `error` and sets its status when it had none. NULL is
  * accepted and does nothing. Thread: set-up only. */

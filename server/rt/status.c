@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* Status names and texts, and the list of faults that a set-up function hands back. */
+/* Names and texts of statuses, verdicts and refusals, and the list of faults that a set-up function
+ * hands back. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,6 +34,28 @@ const char *softsim_status_text(softsim_status status)
 #undef X
     }
     return "unknown status";
+}
+
+const char *softsim_verdict_name(softsim_verdict verdict)
+{
+    switch (verdict) {
+#define X(name, value, text)                                                                       \
+    case SOFTSIM_VERDICT_##name:                                                                   \
+        return text;
+        SOFTSIM_VERDICT_LIST(X)
+#undef X
+    }
+    return "unknown";
+}
+
+const char *softsim_refusal_name(softsim_refusal refusal)
+{
+    static const char *const names[SOFTSIM_REFUSED_COUNT] = {
+#define X(name, text) text,
+        SOFTSIM_REFUSAL_LIST(X)
+#undef X
+    };
+    return refusal >= 0 && refusal < SOFTSIM_REFUSED_COUNT ? names[refusal] : "unknown";
 }
 
 /* The number in the last line when that line is the "more" line, else 0; *out_start is where the

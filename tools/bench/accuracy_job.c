@@ -585,15 +585,13 @@ __attribute__((format(printf, 2, 3))) static void add_swing_note(swing *s, const
     va_end(list);
 }
 
-enum { FAULT = 3 };
-
-/* How bad a verdict is. */
+/* How bad a verdict is; refused is worse than any. */
 static int severity(const char *verdict)
 {
-    static const char *const names[] = {"good", "guarded", "degraded", "fault", "refused"};
-    int k = FAULT + 1;
-    while (k > 0 && strncmp(verdict, names[k], strlen(names[k])) != 0) {
-        --k;
+    const char *name = "refused";
+    int k = SOFTSIM_VERDICT_FAULT + 1;
+    while (k > 0 && strncmp(verdict, name, strlen(name)) != 0) {
+        name = softsim_verdict_name(--k);
     }
     return k;
 }
@@ -616,7 +614,7 @@ static softsim_status swing_run(work *w, const double gravity[3], int32_t count,
     if (out->verdict[0] == '\0' || severity(verdict) > severity(out->verdict)) {
         snprintf(out->verdict, sizeof out->verdict, "%s", verdict);
     }
-    return status == SOFTSIM_OK && (done < count || severity(verdict) >= FAULT)
+    return status == SOFTSIM_OK && (done < count || severity(verdict) >= SOFTSIM_VERDICT_FAULT)
                ? SOFTSIM_ERROR_UNSUPPORTED
                : status;
 }

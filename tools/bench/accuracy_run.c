@@ -332,10 +332,10 @@ static softsim_status run_to_rest(settling *s, softsim_state *state, bool *out_i
 static void judge(const settling *s, const softsim_state *state, bool is_settled,
                   ss_static_run *out)
 {
-    static const char *const names[] = {"good", "guarded", "degraded", "fault"};
     char *text = out->verdict;
     const size_t size = sizeof out->verdict;
-    snprintf(text, size, "%s%s%.200s", out->is_good ? names[state->worst_verdict & 3] : "diverged",
+    snprintf(text, size, "%s%s%.200s",
+             out->is_good ? softsim_verdict_name(state->worst_verdict) : "diverged",
              *state->worst_reason != '\0' ? ": " : "", state->worst_reason);
     if (!out->is_good && *state->worst_reason == '\0') {
         snprintf(text, size, "diverged: a node is further than %g body sizes from its place",
@@ -536,7 +536,6 @@ softsim_status ss_static_swing(const ss_static_plan *plan, const double gravity[
                                int32_t count, double (*out_u)[3], int32_t *out_count,
                                char out_verdict[320], softsim_error *error)
 {
-    static const char *const names[] = {"good", "guarded", "degraded", "fault"};
     softsim_world *world = NULL;
     softsim_state state;
     double(*u)[3] = NULL;
@@ -556,7 +555,7 @@ softsim_status ss_static_swing(const ss_static_plan *plan, const double gravity[
     }
     if (status == SOFTSIM_OK && world != NULL) {
         softsim_read(world, &state);
-        snprintf(out_verdict, 320, "%s%s%.200s", names[state.worst_verdict & 3],
+        snprintf(out_verdict, 320, "%s%s%.200s", softsim_verdict_name(state.worst_verdict),
                  *state.worst_reason != '\0' ? ": " : "", state.worst_reason);
     }
     softsim_destroy(&world);

@@ -122,7 +122,6 @@ static void refuse(const softsim_error *refusal, ss_block_run *out)
 
 static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)
 {
-    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_state state;
     double spent_s = 0.0, largest_j = 0.0;
@@ -143,7 +142,7 @@ static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)
         largest_j > 0.0
             ? (state.kinetic_j + state.elastic_j + state.dissipated_j - state.work_j) / largest_j
             : (double)NAN;
-    snprintf(out->verdict, sizeof out->verdict, "%s%s%s", verdicts[state.worst_verdict & 3],
+    snprintf(out->verdict, sizeof out->verdict, "%s%s%s", softsim_verdict_name(state.worst_verdict),
              state.worst_reason[0] != '\0' ? ": " : "", state.worst_reason);
 }
 

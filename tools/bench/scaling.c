@@ -186,7 +186,6 @@ static double prototype_us(int32_t points)
 
 static void add_row(report *r, const char *name, int32_t points, ss_body_run *run, double apart)
 {
-    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     row *to = &r->row[r->row_count++];
     *to = (row){.points = points,
                 .nodes = run->nodes,
@@ -208,7 +207,7 @@ static void add_row(report *r, const char *name, int32_t points, ss_body_run *ru
                 .mean_force = run->mean_force,
                 .ledger = run->ledger};
     snprintf(to->verdict, sizeof to->verdict, "%s%s%s%s%s",
-             run->is_refused ? "refused" : verdicts[run->worst & 3],
+             run->is_refused ? "refused" : softsim_verdict_name(run->worst),
              run->reason[0] != '\0' ? ": " : "", run->reason,
              run->direct_reason[0] != '\0' ? "; no field error: " : "", run->direct_reason);
 }

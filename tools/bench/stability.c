@@ -173,12 +173,6 @@ static void put_number(FILE *file, double value)
     }
 }
 
-static const char *verdict_name(softsim_verdict verdict)
-{
-    static const char *const name[] = {"good", "guarded", "degraded", "fault"};
-    return name[verdict & 3];
-}
-
 softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, softsim_error *error)
 {
     const ss_stability *list = context;
@@ -194,7 +188,7 @@ softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, s
     ss_stability_label(context, index, label);
     ss_audit_text(r.found, found, (int32_t)sizeof found);
     fprintf(out, "%s,%s,%s,", label, ss_assay_outcome_name(r.outcome),
-            is_refused ? "" : verdict_name(r.verdict));
+            is_refused ? "" : softsim_verdict_name(r.verdict));
     ss_csv_text(out, r.acted);
     fputc(',', out);
     ss_csv_text(out, found);

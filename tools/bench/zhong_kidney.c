@@ -160,7 +160,6 @@ static double reach(const session *s, int phase, const double direction[3])
 static void kidney_claims(ss_paper *paper, const session *s)
 {
     static const double down[3] = {0, 0, -1}, up[3] = {0, 0, 1}, along[3] = {1, 0, 0};
-    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     char text[96];
     const softsim_state *end = &s->state;
     ss_claim_at_least(paper, "Fig. 12", KIDNEY_TICKS, (double)s->answered,
@@ -190,7 +189,7 @@ static void kidney_claims(ss_paper *paper, const session *s)
                          s->largest_j,
                      "the hand's work is all accounted for (elastic + kinetic + dissipated - work "
                      "over the largest stored energy, fraction)");
-    snprintf(text, sizeof text, "%s; %.2f N at most", verdicts[s->worst & 3], s->peak_n);
+    snprintf(text, sizeof text, "%s; %.2f N at most", softsim_verdict_name(s->worst), s->peak_n);
     ss_claim_add(paper, "Fig. 13",
                  s->worst <= SOFTSIM_VERDICT_GUARDED ? SS_CLAIM_PASS : SS_CLAIM_FAIL,
                  "good or guarded", text, "the server's own verdict throughout");

@@ -40,7 +40,7 @@ typedef struct run {
     double path_begin, path_end;
     int64_t sender;
     int32_t seq[SOFTSIM_MAX_PROBES];
-    ss_output csv, reactions;
+    ss_output csv, reactions, nodes;
     double (*position)[3], (*displacement)[3];
     double peak_force;
 } run;
@@ -186,26 +186,20 @@ static void write_reactions(run *r)
     }
 }
 
-static softsim_status write_nodes(run *r, softsim_error *error)
+static void write_nodes(run *r)
 {
-    ss_output output = {0};
-    const softsim_status status = ss_output_open(&output, r->options.nodes, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
+    FILE *file = r->nodes.file;
     softsim_read_nodes(r->world, r->position, r->displacement, NULL);
-    fprintf(output.file, "node,x,y,z,ux,uy,uz\n");
     for (int32_t i = 0; i < r->state.node_count; ++i) {
-        fprintf(output.file, "%d", i);
+        fprintf(file, "%d", i);
         for (int axis = 0; axis < 3; ++axis) {
-            print_real(output.file, r->position[i][axis]);
+            print_real(file, r->position[i][axis]);
         }
         for (int axis = 0; axis < 3; ++axis) {
-            print_real(output.file, r->displacement[i][axis]);
+            print_real(file, r->displacement[i][axis]);
         }
-        fputc('\n', output.file);
+        fputc('\n', file);
     }
-    return ss_output_commit(&output, error);
 }
 
 /* Legacy VTK, ASCII POLYDATA: the deformed surface with its displacement. */
@@ -242,20 +236,28 @@ static softsim_status write_vtk(run *r, softsim_error *error)
     return ss_output_commit(&output, error);
 }
 
+/* Nothing where no path is given. */
+static softsim_status open_output(ss_output *output, const char *path, const char *header,
+                                  softsim_error *error)
+{
+    const softsim_status status = path ? ss_output_open(output, path, error) : SOFTSIM_OK;
+    if (status == SOFTSIM_OK && path) {
+        fputs(header, output->file);
+    }
+    return status;
+}
+
+/* Before the first tick, so that a run is not for nothing. */
 static softsim_status open_outputs(run *r, softsim_error *error)
 {
-    softsim_status status = SOFTSIM_OK;
-    if (r->options.csv) {
-        status = ss_output_open(&r->csv, r->options.csv, error);
-        if (status == SOFTSIM_OK) {
-            fprintf(r->csv.file, "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict\n");
-        }
+    softsim_status status = open_output(
+        &r->csv, r->options.csv, "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict\n", error);
+    if (status == SOFTSIM_OK) {
+        status =
+            open_output(&r->reactions, r->options.reactions, "step,time_s,set,fx,fy,fz\n", error);
     }
-    if (status == SOFTSIM_OK && r->options.reactions) {
-        status = ss_output_open(&r->reactions, r->options.reactions, error);
-        if (status == SOFTSIM_OK) {
-            fprintf(r->reactions.file, "step,time_s,set,fx,fy,fz\n");
-        }
+    if (status == SOFTSIM_OK) {
+        status = open_output(&r->nodes, r->options.nodes, "node,x,y,z,ux,uy,uz\n", error);
     }
     if (status == SOFTSIM_OK && r->options.vtk && mkdir(r->options.vtk, 0777) != 0 &&
         errno != EEXIST) {
@@ -368,19 +370,27 @@ static softsim_status run_ticks(run *r, softsim_error *error)
 
 static void print_summary(const run *r)
 {
-    static const char *const verdicts[] = {"good", "guarded", "degraded", "fault"};
     const softsim_state *s = &r->state;
     int64_t refused = 0;
+    fprintf(stderr,
+            "softsim-run: %lld ticks, %lld steps of %.6g ms, %.6g s simulated; %lld poses, ",
+            (long long)s->tick, (long long)s->step, 1e3 * s->simulation_period_s, s->time_s,
+            (long long)s->poses_received);
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         refused += s->poses_refused[i];
     }
-    fprintf(stderr,
-            "softsim-run: %lld ticks, %lld steps of %.6g ms, %.6g s simulated; %lld poses, %lld "
-            "refused; peak force %.4g N; step us p50 %.1f p99 %.1f; worst verdict %s%s%s\n",
-            (long long)s->tick, (long long)s->step, 1e3 * s->simulation_period_s, s->time_s,
-            (long long)s->poses_received, (long long)refused, r->peak_force, s->step_us[0],
-            s->step_us[1], verdicts[s->worst_verdict], *s->worst_reason ? ": " : "",
-            s->worst_reason);
+    fprintf(stderr, "%lld refused", (long long)refused);
+    const char *before = " (";
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        if (s->poses_refused[i] != 0) {
+            fprintf(stderr, "%s%s %lld", before, softsim_refusal_name(i),
+                    (long long)s->poses_refused[i]);
+            before = ", ";
+        }
+    }
+    fprintf(stderr, "%s; peak force %.4g N; step us p50 %.1f p99 %.1f; worst verdict %s%s%s\n",
+            refused != 0 ? ")" : "", r->peak_force, s->step_us[0], s->step_us[1],
+            softsim_verdict_name(s->worst_verdict), *s->worst_reason ? ": " : "", s->worst_reason);
     fprintf(stderr, "softsim-run: energy J kinetic %.4g elastic %.4g dissipated %.4g work %.4g\n",
             s->kinetic_j, s->elastic_j, s->dissipated_j, s->work_j);
 }
@@ -449,7 +459,8 @@ static softsim_status finish(run *r, softsim_error *error)
         status = ss_output_commit(&r->reactions, error);
     }
     if (status == SOFTSIM_OK && r->options.nodes) {
-        status = write_nodes(r, error);
+        write_nodes(r);
+        status = ss_output_commit(&r->nodes, error);
     }
     return status;
 }
@@ -485,6 +496,7 @@ int main(int argc, char **argv)
     }
     ss_output_abandon(&r.csv);
     ss_output_abandon(&r.reactions);
+    ss_output_abandon(&r.nodes);
     softsim_poses_close(&r.log);
     softsim_path_free(&r.path);
     softsim_destroy(&r.world);
