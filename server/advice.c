@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rt/printer.h"
 #include "world.h"
 
 static const double SMALLEST_BODY_M = 1e-3;
@@ -19,19 +20,17 @@ static const double LARGEST_TOOL_SHARE = 1.0;
 
 typedef struct doubts {
     const char *path; /* of the scene */
-    void (*line)(void *sink, const char *text);
-    void *sink;
+    ss_printer out;
 } doubts;
 
 __attribute__((format(printf, 2, 3))) static void say(const doubts *to, const char *format, ...)
 {
-    char text[1536], what[512];
+    char what[SS_LINE_SIZE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    snprintf(text, sizeof text, "%s: %s", to->path, what);
-    to->line(to->sink, text);
+    ss_say(&to->out, "%s: %s", to->path, what);
 }
 
 static void doubt_tool(const doubts *to, int32_t p, const ss_shape *shape, double diagonal)
@@ -90,7 +89,7 @@ static void doubt_plan(void *sink, const char *text)
 void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
 {
     const ss_scene *scene = world->scene;
-    const doubts to = {.path = scene->path, .line = line, .sink = sink};
+    const doubts to = {.path = scene->path, .out = {line, sink}};
     const double diagonal = ss_mesh_diagonal(scene->mesh);
     tell_repairs(&to, &scene->repairs);
     if (diagonal < SMALLEST_BODY_M || diagonal > LARGEST_BODY_M) {

@@ -3,8 +3,8 @@
 /* The plan of a world in words, for --explain: one line per fact. */
 #include <math.h>
 
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 #include "world.h"
 
 /* What of the estimated cost of a step is there because of the tools. */
@@ -56,8 +56,7 @@ void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char
     if (world->used_probes) {
         ss_say(&out,
                "cost of contact: %.3g us of that estimate; a tool on a mesh that is fine for its "
-               "size takes "
-               "more, which step_us of a run shows",
+               "size takes more, which step_us of a run shows",
                contact_cost_us(world));
     }
     ss_say(&out, "haptic: %.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",

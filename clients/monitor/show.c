@@ -142,9 +142,10 @@ void ss_show_line(FILE *out, const softsim_server_status_t *s)
             "%.1f s %s: step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
             "poses %" PRId64 " refused %" PRId64 "; forces %" PRId64 " missed %" PRId64
             "; energy %.3g J",
-            s->uptime_s, softsim_verdict_name(s->verdict), s->step, s->simulation_rate_hz,
-            s->step_us[0], s->step_us[1], s->lateness_us[1], s->poses_received,
-            sum(s->poses_refused, 8), sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
+            s->uptime_s, softsim_verdict_name((softsim_verdict)s->verdict), s->step,
+            s->simulation_rate_hz, s->step_us[0], s->step_us[1], s->lateness_us[1],
+            s->poses_received, sum(s->poses_refused, 8), sum(s->probe_forces, 8),
+            sum(s->probe_missed, 8), s->total_j);
     if (s->reason[0] != '\0') {
         fputs(" - ", out);
         ss_show_text(out, s->reason);
@@ -177,7 +178,7 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
     ss_show_text(out, s->scene);
     fputs("\nmodel       ", out);
     ss_show_text(out, s->model);
-    fprintf(out, "\nverdict     %s%s", softsim_verdict_name(s->verdict),
+    fprintf(out, "\nverdict     %s%s", softsim_verdict_name((softsim_verdict)s->verdict),
             s->reason[0] != '\0' ? ": " : "");
     ss_show_text(out, s->reason);
     fprintf(out,

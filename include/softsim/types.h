@@ -101,24 +101,24 @@ typedef struct softsim_force {
     double stiffness; /* N/m, felt dF/dx along the normal; 0 when free, limited or ramping */
 } softsim_force;
 
-/* Reasons for refusing a pose, the index into poses_refused. Not finite: also a quaternion that is
- * not a unit one. One list gives the enum and the names. */
+/* Reasons for refusing a pose, the index into poses_refused, on the wire too. Not finite: also a
+ * quaternion that is not a unit one. One list gives the enum and the names. */
 #define SOFTSIM_REFUSAL_LIST(X)                                                                    \
-    X(MALFORMED, "malformed")                                                                      \
-    X(TYPE_HASH, "wrong type")                                                                     \
-    X(NOT_FINITE, "not finite")                                                                    \
-    X(STALE, "stale")                                                                              \
-    X(JUMP, "jump")                                                                                \
-    X(OTHER_SENDER, "other sender")                                                                \
-    X(WRONG_PROBE, "wrong probe")                                                                  \
-    X(OTHER, "other")
+    X(MALFORMED, 0, "malformed")                                                                   \
+    X(TYPE_HASH, 1, "wrong type")                                                                  \
+    X(NOT_FINITE, 2, "not finite")                                                                 \
+    X(STALE, 3, "stale")                                                                           \
+    X(JUMP, 4, "jump")                                                                             \
+    X(OTHER_SENDER, 5, "other sender")                                                             \
+    X(WRONG_PROBE, 6, "wrong probe")                                                               \
+    X(OTHER, 7, "other")
 
 typedef enum softsim_refusal {
-#define X(name, text) SOFTSIM_REFUSED_##name,
+    SOFTSIM_ACCEPTED = -1,
+#define X(name, value, text) SOFTSIM_REFUSED_##name = (value),
     SOFTSIM_REFUSAL_LIST(X)
 #undef X
-        SOFTSIM_REFUSED_COUNT,
-    SOFTSIM_ACCEPTED = -1
+        SOFTSIM_REFUSED_COUNT
 } softsim_refusal;
 
 /* Guarded: sub-stepped or clamped, result trusted. Degraded: slower than real time, or damped.
@@ -135,6 +135,10 @@ typedef enum softsim_verdict {
 #undef X
 } softsim_verdict;
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Name ("ERROR_MESH") and text of a status. Thread: any; RT-safe. */
 const char *softsim_status_name(softsim_status status);
 const char *softsim_status_text(softsim_status status);
@@ -146,3 +150,7 @@ const char *softsim_refusal_name(softsim_refusal refusal);
  * accepted and does nothing. Thread: set-up only. */
 void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+#ifdef __cplusplus
+}
+#endif

@@ -14,8 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 #include "rt/vec.h"
 
 /* ---- masses and lengths --------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
  */
 #include <math.h>
 
-#include "models/printer.h"
+#include "rt/printer.h"
 
 /* Microseconds a step, a link and a node in a sub-step, the coarse level and a node in it, a
  * tetrahedron looked at, a tool in a sub-step and in a step. */

@@ -28,8 +28,8 @@
 #include "models/chain_net.h"
 #include "models/grasp.h"
 #include "models/plan.h"
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 #include "rt/vec.h"
 
 enum { ALPHA, BETA, BAND, ORDER, RELAXATION_ITERATIONS, ROW_COUNT };

@@ -9,7 +9,7 @@
  */
 #include <math.h>
 
-#include "models/printer.h"
+#include "rt/printer.h"
 #include "rt/vec.h"
 
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a

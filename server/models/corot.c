@@ -12,9 +12,9 @@
 
 #include "models/dispatch.h"
 #include "models/grasp.h"
-#include "models/printer.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 
 SS_KERNEL_PATHS(ss_corot_kernels)
 

@@ -7,8 +7,8 @@
 #include <math.h>
 
 #include "models/dispatch.h"
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 
 SS_KERNEL_PATHS(ss_fem_kernels)
 

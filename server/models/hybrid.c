@@ -15,9 +15,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/printer.h"
 #include "models/tetrahedron.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 #include "rt/vec.h"
 
 /* Of the stable step that sub-steps take. */

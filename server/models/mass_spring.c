@@ -40,8 +40,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 #include "rt/vec.h"
 
 /* ---- parameters --------------------------------------------------------------------------- */

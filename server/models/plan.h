@@ -7,7 +7,7 @@
  * refused. Thread: set-up only where marked; the rest any thread, RT-safe.
  */
 #include "models/model.h"
-#include "models/printer.h"
+#include "rt/printer.h"
 
 /* The first few numbers of a fault, for its message: "3, 17, 20". */
 typedef struct ss_number_list {

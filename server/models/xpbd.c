@@ -31,8 +31,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/printer.h"
 #include "rt/memory.h"
+#include "rt/printer.h"
 
 /* The rows of elasticity and density, then these. */
 enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEP, ROW_COUNT };

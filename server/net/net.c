@@ -162,6 +162,8 @@ bool ss_net_send_status(ss_net *net, const ss_report *report)
         wire.worst_contact_j[i] = report->worst_contact_j[i];
         wire.stiffness_limit_n_per_m[i] = report->stiffness_limit_n_per_m[i];
     }
+    _Static_assert(sizeof wire.poses_refused / sizeof *wire.poses_refused == SOFTSIM_REFUSED_COUNT,
+                   "server_status_t.poses_refused");
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         wire.poses_refused[i] = report->poses_refused[i];
     }

@@ -51,7 +51,7 @@ const char *softsim_verdict_name(softsim_verdict verdict)
 const char *softsim_refusal_name(softsim_refusal refusal)
 {
     static const char *const names[SOFTSIM_REFUSED_COUNT] = {
-#define X(name, text) text,
+#define X(name, value, text) [SOFTSIM_REFUSED_##name] = (text),
         SOFTSIM_REFUSAL_LIST(X)
 #undef X
     };

@@ -82,15 +82,18 @@ softsim_status ss_accuracy_check_bodies(const ss_accuracy_plan *plan,
 
 enum { MAX_BAD_ROWS = 10 }; /* then the file is something else */
 
+static bool starts_as(const char *text, const char *word)
+{
+    const size_t length = strlen(word);
+    return strncmp(text, word, length) == 0 && strchr(":; ", text[length]) != NULL;
+}
+
 /* "good", "degraded: why", "refused; why"; empty: the program has none. */
 static bool is_verdict(const char *text)
 {
-    static const char *const words[] = {"good",  "guarded",  "degraded",
-                                        "fault", "diverged", "refused"};
-    bool is_known = text[0] == '\0';
-    for (size_t k = 0; k < sizeof words / sizeof *words && !is_known; ++k) {
-        const size_t length = strlen(words[k]);
-        is_known = strncmp(text, words[k], length) == 0 && strchr(":; ", text[length]) != NULL;
+    bool is_known = text[0] == '\0' || starts_as(text, "diverged") || starts_as(text, "refused");
+    for (int k = 0; k <= SOFTSIM_VERDICT_FAULT; ++k) {
+        is_known = is_known || starts_as(text, softsim_verdict_name((softsim_verdict)k));
     }
     return is_known;
 }

@@ -591,7 +591,7 @@ static int severity(const char *verdict)
     const char *name = "refused";
     int k = SOFTSIM_VERDICT_FAULT + 1;
     while (k > 0 && strncmp(verdict, name, strlen(name)) != 0) {
-        name = softsim_verdict_name(--k);
+        name = softsim_verdict_name((softsim_verdict)--k);
     }
     return k;
 }

@@ -22,14 +22,18 @@ static bool has_row(const ss_model_class *class, const char *name)
 }
 
 /* What a case gives, beside the material. */
-enum { GIVEN_COUNT = 4 };
-static const char *const given[GIVEN_COUNT] = {"youngs_modulus_pa", "poisson_ratio",
-                                               "density_kg_m3", "mass_damping_per_s"};
+enum { YOUNGS_MODULUS, POISSON_RATIO, DENSITY, DAMPING, GIVEN_COUNT };
+static const char *const given[GIVEN_COUNT] = {[YOUNGS_MODULUS] = "youngs_modulus_pa",
+                                               [POISSON_RATIO] = "poisson_ratio",
+                                               [DENSITY] = "density_kg_m3",
+                                               [DAMPING] = "mass_damping_per_s"};
 
 static void write_physical(FILE *file, const ss_model_class *class, const ss_accuracy_knobs *k)
 {
-    const double value[GIVEN_COUNT] = {k->body->youngs_modulus, k->body->poisson_ratio,
-                                       k->body->density, k->damping};
+    const double value[GIVEN_COUNT] = {[YOUNGS_MODULUS] = k->body->youngs_modulus,
+                                       [POISSON_RATIO] = k->body->poisson_ratio,
+                                       [DENSITY] = k->body->density,
+                                       [DAMPING] = k->damping};
     if (k->material != NULL && has_row(class, "material")) {
         fprintf(file, "  material: %s\n", k->material);
     }
@@ -40,7 +44,8 @@ static void write_physical(FILE *file, const ss_model_class *class, const ss_acc
     }
 }
 
-/* Given by the case, by another name too, or more than a line of its own can say. */
+/* Given by the case, as Lame's constants too, or a key of a table ("layer.spacing_m"), which a line
+ * of its own cannot say. */
 static bool is_given(const char *name)
 {
     bool is = strcmp(name, "material") == 0 || strncmp(name, "lame_", 5) == 0 ||

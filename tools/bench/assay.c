@@ -265,9 +265,6 @@ static void play(runner *r)
 /* What the world says about itself, and what the audit found. */
 static void judge(runner *r)
 {
-    static const char *const refusals[SOFTSIM_REFUSED_COUNT] = {
-        "malformed", "type hash",    "not finite",  "stale",
-        "jump",      "other sender", "wrong probe", "other"};
     ss_assay_result *out = r->out;
     softsim_state state;
     softsim_read(r->world, &state);
@@ -286,7 +283,7 @@ static void judge(runner *r)
         const size_t used = strlen(out->acted);
         if (state.poses_refused[k] > 0) {
             snprintf(out->acted + used, sizeof out->acted - used, "%spose refused: %s",
-                     used > 0 ? "; " : "", refusals[k]);
+                     used > 0 ? "; " : "", softsim_refusal_name(k));
         }
     }
     const bool is_apart = (out->found & (SS_AUDIT_NOT_FINITE | SS_AUDIT_FAR | SS_AUDIT_GROWS)) != 0;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "models/printer.h"
+#include "rt/printer.h"
 
 enum { MAX_SETS = 128 };
 static const double FLOOR = 0.005;         /* of the rms force: no curve is known better */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/printer.h"
+#include "rt/printer.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 
 void ss_say(const ss_printer *out, const char *format, ...)
 {
-    char text[1024];
+    char text[SS_LINE_SIZE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
