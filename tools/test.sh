@@ -19,7 +19,7 @@ case "${1:-}" in
 esac
 tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
 started=$SECONDS
-jobs=$(($(nproc) + 1)) # process tests mostly wait
+jobs=$(($(nproc) + 2)) # process tests mostly wait
 say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
 
 build_and_test() { # preset, target, ctest arguments

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What the real daemon says to those who ask or watch: commands, topology, status, and packets that
+ * are none of its own.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <arpa/inet.h>
+#include <cmocka.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <poll.h>
+
+#include "daemon_fixture.h"
+#include "softsim_mesh_topology_t.h"
+
+static void send_command(watch *w, int id, char *name, char *argument)
+{
+    const softsim_command_t command = {.sender = 7, .id = id, .name = name, .argument = argument};
+    softsim_command_t_publish(w->lcm, "SOFTSIM_COMMAND", &command);
+}
+
+/* Not while it is let in, nor let go. */ static bool has_reply(const watch *w)
+{
+    return w->replies > 0;
+}
+
+static void expect_reply(watch *w, char *name, char *argument, int code)
+{
+    w->replies = 0;
+    send_command(w, 1, name, argument);
+    watch_until(w, has_reply, name);
+    if (w->reply_code != code) {
+        fail_msg("%s %s: code %d, text %s", name, argument, w->reply_code, w->reply);
+    }
+}
+
+static void obeys_commands(void **state)
+{
+    (void)state;
+    watch w;
+    start_daemon(NULL);
+    watch_open(&w);
+    expect_reply(&w, "pause", "", 0);
+    expect_reply(&w, "resume", "", 0);
+    expect_reply(&w, "reset", "", 0);
+    expect_reply(&w, "refresh", "", 0);
+    expect_reply(&w, "status", "", 0);
+    expect_reply(&w, "set", "haptic.max_force_n=3", 0);
+    expect_reply(&w, "set", "haptic.max_force_n=-3", 2);
+    expect_reply(&w, "set", "object.mesh=other.obj", 2);
+    expect_reply(&w, "dance", "", 2);
+    expect_reply(&w, "shutdown", "", 0);
+    assert_int_equal(process_finish(&daemon_process), 0);
+
+    const char *const closed[] = {"--no-commands", NULL};
+    start_daemon(closed);
+    expect_reply(&w, "status", "", 0);
+    expect_reply(&w, "shutdown", "", 1);
+    watch_close(&w);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- the topology ------------------------------------------------------------------------------
+ */
+
+enum { GRID_ROWS = 15, GRID_COLUMNS = 24, GRID_NODES = GRID_ROWS * GRID_COLUMNS };
+
+typedef struct topology {
+    int node_count;
+    int seen[GRID_NODES]; /* by the file's number */
+    int moved;            /* nodes whose number on the wire is another */
+    double worst;         /* m, from where that node of the file lies */
+    int wrong_flags;
+} topology;
+
+static void on_topology(const lcm_recv_buf_t *buffer, const char *channel,
+                        const softsim_mesh_topology_t *m, void *user)
+{
+    (void)buffer;
+    (void)channel;
+    topology *t = user;
+    t->node_count = m->node_count;
+    for (int k = 0; k < m->node_chunk; ++k) {
+        const int file = m->file_node[k];
+        if (file < 0 || file >= GRID_NODES) {
+            t->worst = INFINITY;
+            return;
+        }
+        const int ring = file / GRID_COLUMNS;
+        const double phi = 2.0 * 3.14159265358979323846 * (file % GRID_COLUMNS) / GRID_COLUMNS;
+        const double x[3] = {cos(phi), sin(phi), 4.0 * ring / (GRID_ROWS - 1) - 2.0};
+        for (int axis = 0; axis < 3; ++axis) {
+            t->worst = fmax(t->worst, fabs((double)m->rest[3 * k + axis] - x[axis]));
+        }
+        t->seen[file] = 1;
+        t->moved += file != m->first_node + k;
+        t->wrong_flags += (m->node_flag[k] & 1) != (ring == 0 || ring == GRID_ROWS - 1);
+    }
+}
+
+/* The body is numbered by place inside; on the wire each node says its number in the file. */
+static void the_topology_leads_back_to_the_files_numbers(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsimd", SCENES "cylinder-grid.yaml", NULL};
+    topology t = {0};
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    softsim_mesh_topology_t_subscription_t *subscription =
+        softsim_mesh_topology_t_subscribe(lcm, "SOFTSIM_MESH_TOPOLOGY", on_topology, &t);
+    process_start(&daemon_process, argv, NULL);
+    assert_true(process_wait_for(&daemon_process, "softsimd: ready"));
+    int seen = 0;
+    for (int tries = 0; tries < 100 && seen < GRID_NODES; ++tries) {
+        lcm_handle_timeout(lcm, 200);
+        seen = 0;
+        for (int i = 0; i < GRID_NODES; ++i) {
+            seen += t.seen[i];
+        }
+    }
+    softsim_mesh_topology_t_unsubscribe(lcm, subscription);
+    lcm_destroy(lcm);
+    assert_int_equal(stop_daemon(), 0);
+    assert_int_equal(t.node_count, GRID_NODES);
+    assert_int_equal(seen, GRID_NODES);
+    assert_true(t.worst < 1e-6);
+    assert_true(t.moved > GRID_NODES / 2);
+    assert_int_equal(t.wrong_flags, 0);
+}
+
+static void monitor_sends_commands(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command, *said;
+        int status;
+    } cases[] = {{"pause", "done\n", 0},
+                 {"resume", "done\n", 0},
+                 {"set haptic.max_force_n=5", "done\n", 0},
+                 {"set haptic.max_force_n=-5", "haptic.max_force_n is -5", 2},
+                 {"dance", "unknown command 'dance'", 2}};
+    start_daemon(NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *const argv[] = {"softsim-monitor", "--command", cases[i].command, NULL};
+        const int status = process_run(&client, argv);
+        if (status != cases[i].status || !strstr(client.out, cases[i].said)) {
+            fail_msg("%s: %d: %s%s", cases[i].command, status, client.out, client.err);
+        }
+    }
+    /* A pose for a probe that the scene has no tool for: the status knows why nothing answers. */
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--probe", "5",
+                                  "--ticks",        "50",       NULL};
+    assert_int_equal(process_run(&client, bridge), 1);
+    assert_non_null(strstr(client.err, "(wrong probe); has its scene a tool for probe 5"));
+    assert_int_equal(stop_daemon(), 0);
+
+    const char *const closed[] = {"--no-commands", NULL};
+    const char *const argv[] = {"softsim-monitor", "--command", "pause", NULL};
+    start_daemon(closed);
+    assert_int_equal(process_run(&client, argv), 1);
+    assert_non_null(strstr(client.out, "refused"));
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- what the server says of itself
+ * ------------------------------------------------------------------------------------------ */
+
+static bool is_warm(const watch *w)
+{
+    return w->statuses > 0 && w->status.uptime_s > 1.0;
+}
+
+static bool is_later(const watch *w)
+{
+    return w->status.uptime_s > 2.2;
+}
+
+/* So light and so stiff that a quarter of a millisecond takes some dozens of sub-steps. */
+static void a_slow_server_says_so(void **state)
+{
+    (void)state;
+    const char *const slow[] = {
+        "--set", "haptic.rate_hz=4000",           "--set", "simulation.rate_hz=4000",
+        "--set", "model.area_density_kg_m2=1e-6", "--set", "model.damping_n_s_per_m3=1",
+        "--set", "simulation.max_substeps=1000",  NULL};
+    watch w;
+    start_daemon(slow);
+    watch_open(&w);
+    watch_until(&w, is_warm, "a status");
+    const softsim_server_status_t first = w.status;
+    watch_until(&w, is_later, "a status");
+    const double done = (double)(w.status.step - first.step) / (w.status.uptime_s - first.uptime_s);
+    print_message("%.0f steps a second, said to be %.0f\n", done, w.status.simulation_rate_hz);
+    assert_true(w.status.simulation_rate_hz < 3000.0);
+    assert_true(fabs(w.status.simulation_rate_hz / done - 1.0) < 0.3);
+    assert_int_equal(w.status.verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(w.reason, "slower than real time"));
+    assert_non_null(strstr(w.reason, "of 4000 steps a second"));
+    watch_close(&w);
+    assert_int_equal(stop_daemon(), 0);
+    const char *said = strstr(daemon_process.err, "warning: degraded: the simulation is slower");
+    assert_non_null(said);
+    assert_null(strstr(said + 1, "warning: degraded")); /* once */
+}
+
+static void two_servers_on_one_prefix_are_told(void **state)
+{
+    (void)state;
+    const char *const elsewhere[] = {"softsimd", KIDNEY, "--prefix", "ELSEWHERE", NULL};
+    start_daemon(NULL);
+    process_start(&other, elsewhere, NULL);
+    assert_true(process_wait_for(&other, "softsimd: ready"));
+    const char *const watching[] = {"softsim-monitor", "--duration", "1", NULL};
+    assert_int_equal(process_run(&client, watching), 0);
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+    assert_null(strstr(other.err, "another server"));
+    const char *const here[] = {"softsimd", KIDNEY, NULL};
+    process_start(&other, here, NULL);
+    assert_true(process_wait_for(&other, "another server answers on prefix SOFTSIM"));
+    assert_true(process_wait_for(&daemon_process, "another server answers on prefix SOFTSIM"));
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void monitor_prints_one_status(void **state)
+{
+    (void)state;
+    start_daemon(NULL);
+    const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
+    assert_int_equal(process_run(&client, monitor), 0);
+    assert_non_null(strstr(client.out, "\"model\": \"cnn-energy\""));
+    assert_non_null(strstr(client.out, "\"verdict\""));
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- packets
+ * ------------------------------------------------------------------------------------------- */
+
+/* A fragment whose offset and size wrap in 32 bits, as LCM adds them. */
+static void send_wrapping_fragment(int fd)
+{
+    static const uint8_t packet[] = "LC03\0\0\0\1\0\0\0\144\xff\xff\xff\xf0\0\0\0\1"
+                                    "SOFTSIM_PROBE_0\0........................................";
+    const struct sockaddr_in group = {.sin_family = AF_INET,
+                                      .sin_port = htons(7667),
+                                      .sin_addr.s_addr = inet_addr("239.255.76.67")};
+    assert_int_equal(
+        sendto(fd, packet, sizeof packet - 1, 0, (const struct sockaddr *)&group, sizeof group),
+        sizeof packet - 1);
+}
+
+static void no_fragment_crashes_server_or_client(void **state)
+{
+    (void)state;
+    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    assert_true(fd >= 0);
+    start_daemon(NULL);
+    const char *const monitor[] = {"softsim-monitor", NULL};
+    process_start(&client, monitor, NULL);
+    assert_true(process_wait_for(&client, "step"));
+    for (int i = 0; i < 20; ++i) {
+        send_wrapping_fragment(fd);
+    }
+    close(fd);
+    /* Both still talk: a status that was sent after the fragments. */
+    const char *const once[] = {"softsim-monitor", "--once", "--json", NULL};
+    assert_int_equal(process_run(&other, once), 0);
+    process_signal(&client, SIGINT);
+    assert_int_equal(process_finish(&client), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+int main(void)
+{
+    if (!process_isolate()) {
+        fprintf(stderr, "skipped: no private network namespace allowed here\n");
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(obeys_commands, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, make_folder,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(monitor_sends_commands, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(a_slow_server_says_so, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(monitor_prints_one_status, make_folder, tear_down),
+        cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, make_folder,
+                                        tear_down),
+    };
+    return cmocka_run_group_tests_name("serve", tests, NULL, NULL);
+}
