@@ -57,10 +57,12 @@ static inline int stop_daemon(void)
     }
     return status;
 }
+
 static inline double magnitude(const double v[3])
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
+
 /* ---- what a test client sees
  * -------------------------------------------------------------------------- */
 

@@ -148,6 +148,7 @@ static void replays_bit_for_bit(void **state)
 /* ---- silence and death
  * ----------------------------------------------------------------------------------------- */
 
+/* Not while it is let in, nor let go. */
 static bool is_pressed(const watch *w)
 {
     return w->forces > 0 && magnitude(w->force.force) > 0.3 &&

@@ -30,7 +30,7 @@ static void send_command(watch *w, int id, char *name, char *argument)
     softsim_command_t_publish(w->lcm, "SOFTSIM_COMMAND", &command);
 }
 
-/* Not while it is let in, nor let go. */ static bool has_reply(const watch *w)
+static bool has_reply(const watch *w)
 {
     return w->replies > 0;
 }
