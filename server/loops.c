@@ -74,6 +74,7 @@ typedef struct ss_loops {
 
     /* net thread */
     ss_net *net;
+    bool takes_commands;
     softsim_status open_status; /* main reads it from is_listening on */
     softsim_status net_status;  /* main reads it after the thread's end */
     softsim_error net_error;
@@ -169,7 +170,7 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
     if (refusal == SOFTSIM_ACCEPTED) {
         loops->queue_refused += !ss_ring_push(world->probe[channel].poses, &record);
     } else if (refusal == SOFTSIM_REFUSED_OTHER_SENDER &&
-               ss_gate_may_answer_other(world->gate, channel, receive_ns)) {
+               ss_gate_may_answer_other(world->gate, pose, channel, receive_ns)) {
         softsim_force force = {.sender = pose->sender,
                                .probe = channel,
                                .pose_seq = pose->seq,
@@ -192,9 +193,12 @@ static int32_t handle_command(void *context, const char *name, const char *argum
                               int32_t text_size)
 {
     ss_loops *loops = context;
-    if (loops->options->no_commands && strcmp(name, "refresh") != 0 &&
-        strcmp(name, "status") != 0) {
-        snprintf(out_text, (size_t)text_size, "refused: the server was started with --no-commands");
+    if (!loops->takes_commands && strcmp(name, "refresh") != 0 && strcmp(name, "status") != 0) {
+        snprintf(out_text, (size_t)text_size,
+                 loops->options->no_commands
+                     ? "refused: the server was started with --no-commands"
+                     : "refused: a server with an LCM URL of its user's own takes commands only "
+                       "when started with --allow-commands");
         return 1;
     }
     ss_command_record record;
@@ -641,7 +645,7 @@ static softsim_status start_loop(ss_loops *loops, const char *name, int priority
     return status;
 }
 
-/* The net thread opens LCM itself: LCM's reader inherits its scheduling class. */
+/* The net thread opens LCM itself: it alone uses it. */
 static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softsim_error *error)
 {
     const softsim_status status =
@@ -758,6 +762,8 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     }
     loops->world = world;
     loops->options = options;
+    loops->takes_commands =
+        !options->no_commands && (options->allow_commands || !ss_net_is_own_url(options->lcm_url));
     loops->period_ns = (int64_t)llround(world->period * 1e9);
     loops->step_period_ns = loops->period_ns * world->step_ticks;
     loops->wake_fd = ss_wake_open();

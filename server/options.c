@@ -23,7 +23,9 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
          "ends S seconds after ready (simulated seconds in lockstep)"},
         {"--no-commands", SS_ARG_FLAG, &o.no_commands, 0, 0, "",
-         "refuses every command but refresh and status"},
+         "refuses every command but refresh and status (default with an LCM URL of your own)"},
+        {"--allow-commands", SS_ARG_FLAG, &o.allow_commands, 0, 0, "",
+         "takes every command (default without an LCM URL of your own)"},
         {"--realtime", SS_ARG_CHOICE, &realtime, 0, 0, "auto|fifo|off",
          "SCHED_FIFO for the loops: where allowed, always, never (default auto)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N",
@@ -41,6 +43,11 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
         "Simulates the scene's soft object; takes probe poses and publishes contact "
         "forces over LCM.",
         rows, (int32_t)(sizeof rows / sizeof *rows), &o.scene_path, 1, 1, &positional_count, error);
+    if (result == SS_ARGS_RUN && o.no_commands && o.allow_commands) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--no-commands and --allow-commands: give one of them");
+        return SS_ARGS_BAD;
+    }
     o.realtime = (ss_realtime)realtime;
     o.log_level = (ss_log_level)log_level;
     *out_options = o;

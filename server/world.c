@@ -781,6 +781,17 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
                  "publish.mesh_rate_hz: starting or ending the mesh publisher needs a restart");
         return 1;
     }
+    const ss_scene *scene = world->scene;
+    if ((record->key == SS_LIVE_MAX_FORCE && record->value > scene->max_force_n) ||
+        (record->key == SS_LIVE_MAX_SLEW && record->value > scene->max_slew_n_per_s)) {
+        snprintf(out_text, (size_t)text_size,
+                 "refused: no command raises %s above the scene's %g, for what the hand feels is "
+                 "decided where the scene is; start the server with another --set",
+                 record->key == SS_LIVE_MAX_FORCE ? "haptic.max_force_n"
+                                                  : "haptic.max_slew_n_per_s",
+                 record->key == SS_LIVE_MAX_FORCE ? scene->max_force_n : scene->max_slew_n_per_s);
+        return 1;
+    }
     if (record->key == SS_LIVE_MAX_JUMP) {
         ss_gate_set_max_jump(world->gate, record->value);
     }

@@ -513,25 +513,52 @@ static void hostile_times_overflow_nothing(void **state)
     }
 }
 
+/* Every force tells the holder's number to all who listen; its address is its own. */
+static void a_holder_is_its_address_too(void **state)
+{
+    (void)state;
+    const bool lockstep[] = {false, true};
+    for (int i = 0; i < 2; ++i) {
+        ss_gate *gate = gate_make(lockstep[i]);
+        softsim_pose holder = pose_make(ALICE, 1, 5 * MS);
+        holder.source = 0x7f000001aaaa;
+        assert_int_equal(judge(gate, &holder, 5 * MS), SOFTSIM_ACCEPTED);
+        softsim_pose liar = pose_make(ALICE, 1000000000, 6 * MS);
+        liar.source = 0x7f000001bbbb;
+        assert_int_equal(judge(gate, &liar, 6 * MS), SOFTSIM_REFUSED_OTHER_SENDER);
+        /* An answer to it would tell the holder that somebody else holds its probe. */
+        assert_false(ss_gate_may_answer_other(gate, &liar, 0, 6 * MS));
+        holder.seq = 2;
+        holder.utime_us += 2000;
+        assert_int_equal(judge(gate, &holder, 7 * MS), SOFTSIM_ACCEPTED);
+        /* A client that is started again on another port waits as any other does. */
+        assert_int_equal(judge(gate, &liar, 400 * MS), SOFTSIM_REFUSED_OTHER_SENDER);
+        liar.utime_us += 600000;
+        assert_int_equal(judge(gate, &liar, 606 * MS), SOFTSIM_ACCEPTED);
+        ss_gate_destroy(&gate);
+    }
+}
+
 static void other_senders_are_answered_ten_times_a_second(void **state)
 {
     (void)state;
     ss_gate *gate = gate_make(false);
+    const softsim_pose other = pose_make(BOB, 1, 0);
     int answers[SOFTSIM_MAX_PROBES] = {0};
     for (int64_t ms = 0; ms < 2000; ++ms) {
         for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-            answers[p] += ss_gate_may_answer_other(gate, p, ms * MS);
+            answers[p] += ss_gate_may_answer_other(gate, &other, p, ms * MS);
         }
     }
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         assert_int_equal(answers[p], 20);
     }
-    assert_false(ss_gate_may_answer_other(gate, -1, 0));
-    assert_false(ss_gate_may_answer_other(gate, 8, 0));
+    assert_false(ss_gate_may_answer_other(gate, &other, -1, 0));
+    assert_false(ss_gate_may_answer_other(gate, &other, 8, 0));
     ss_gate_destroy(&gate);
     gate = gate_make(true);
-    assert_true(ss_gate_may_answer_other(gate, 0, 1));
-    assert_true(ss_gate_may_answer_other(gate, 0, 2));
+    assert_true(ss_gate_may_answer_other(gate, &other, 0, 1));
+    assert_true(ss_gate_may_answer_other(gate, &other, 0, 2));
     ss_gate_destroy(&gate);
 }
 
@@ -555,6 +582,7 @@ int main(void)
         cmocka_unit_test(one_timely_pose_ends_the_count_to_a_fresh_start),
         cmocka_unit_test(a_log_played_twice_by_the_same_sender_gets_in_again),
         cmocka_unit_test(hostile_times_overflow_nothing),
+        cmocka_unit_test(a_holder_is_its_address_too),
         cmocka_unit_test(other_senders_are_answered_ten_times_a_second),
     };
     return cmocka_run_group_tests_name("softsim.gate", tests, NULL, NULL);

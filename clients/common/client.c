@@ -1,24 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Raw subscriptions, because generated ones decode before anything can be checked: a length field
- * of a hostile status message would be trusted. LCM keeps the first messages of a full queue and
- * drops the newest, so the queue is made long and always emptied.
+ * Messages are checked before anything is decoded: a generated decoder would trust a length field
+ * of a hostile status. They come by the receiver that the server has (server/net/receiver.c);
+ * poses and commands go out by LCM.
  */
 #include "softsim/client.h"
 
-#include <errno.h>
 #include <lcm/lcm.h>
 #include <math.h>
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 
+#include "net/receiver.h"
 #include "net/wire.h"
 #include "rt/clock.h"
-#include "rt/packets.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_command_t.h"
@@ -27,15 +25,20 @@
 #include "wire.h"
 
 enum {
-    QUEUE_LENGTH = 2000, /* two seconds of forces at 1 kHz, 216 B each */
-    MAX_HANDLED = 4096,  /* messages a call of softsim_client_wait, so that it returns */
-    NAME_SIZE = 32,      /* of a command, as the server takes it */
+    MAX_MESSAGE = 16384,   /* bytes, more than any status or reply has */
+    LANE_BUFFER = 2097152, /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
+    FORCES_PER_MS = 100,
+    FORCE_BURST = 2000,
+    OTHERS_PER_MS = 4, /* statuses and replies */
+    OTHER_BURST = 64,
+    NAME_SIZE = 32, /* of a command, as the server takes it */
     ARGUMENT_SIZE = 1024
 };
 
 struct softsim_client {
     softsim_client_config config;
-    lcm_t *lcm;
+    lcm_t *lcm; /* sends */
+    ss_receiver *receiver;
     int64_t sender;
     softsim_client_counts counts;
     char probe_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
@@ -64,15 +67,13 @@ static bool is_finite_force(const softsim_force *force)
            isfinite(force->depth) && isfinite(force->stiffness);
 }
 
-static void receive_force(const lcm_recv_buf_t *buffer, const char *channel, void *context)
+static void receive_force(void *context, const ss_packet *packet)
 {
     softsim_client *client = context;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_force force;
-    const int32_t probe = channel[strlen(channel) - 1] - '0'; /* as subscribed: [0-7] */
-    if (buffer->data_size != SS_WIRE_FORCE_SIZE ||
-        !softsim_log_decode_force(buffer->data, SS_WIRE_FORCE_SIZE, &force) ||
-        force.probe != probe || !is_finite_force(&force)) {
+    if (!softsim_log_decode_force(packet->data, packet->size, &force) ||
+        force.probe != packet->digit || !is_finite_force(&force)) {
         ++client->counts.malformed;
     } else if (force.sender != client->sender) {
         ++client->counts.foreign;
@@ -107,15 +108,12 @@ static bool has_good_strings(const uint8_t *data, size_t size, size_t at, int co
     return at == size;
 }
 
-static void receive_status(const lcm_recv_buf_t *buffer, const char *channel, void *context)
+static void receive_status(softsim_client *client, const ss_packet *packet)
 {
-    (void)channel;
-    softsim_client *client = context;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_server_status_t status;
-    if (buffer->data_size > SOFTSIM_LOG_MAX_DATA ||
-        !has_good_strings(buffer->data, buffer->data_size, status_fixed_size(), 3) ||
-        softsim_server_status_t_decode(buffer->data, 0, (int)buffer->data_size, &status) < 0) {
+    if (!has_good_strings(packet->data, (size_t)packet->size, status_fixed_size(), 3) ||
+        softsim_server_status_t_decode(packet->data, 0, packet->size, &status) < 0) {
         ++client->counts.malformed;
         return;
     }
@@ -123,17 +121,14 @@ static void receive_status(const lcm_recv_buf_t *buffer, const char *channel, vo
     softsim_server_status_t_decode_cleanup(&status);
 }
 
-static void receive_reply(const lcm_recv_buf_t *buffer, const char *channel, void *context)
+static void receive_reply(softsim_client *client, const ss_packet *packet)
 {
-    (void)channel;
-    softsim_client *client = context;
     static char empty[] = "";
     const softsim_reply_t none = {.text = empty};
     const size_t fixed = (size_t)softsim_reply_t_encoded_size(&none) - sizeof(int32_t) - 1;
     softsim_reply_t reply;
-    if (buffer->data_size > SOFTSIM_LOG_MAX_DATA ||
-        !has_good_strings(buffer->data, buffer->data_size, fixed, 1) ||
-        softsim_reply_t_decode(buffer->data, 0, (int)buffer->data_size, &reply) < 0) {
+    if (!has_good_strings(packet->data, (size_t)packet->size, fixed, 1) ||
+        softsim_reply_t_decode(packet->data, 0, packet->size, &reply) < 0) {
         ++client->counts.malformed;
         return;
     }
@@ -155,64 +150,43 @@ static int64_t draw_sender(void)
     return number != 0 ? (int64_t)number : 1;
 }
 
-/* One regular expression, one queue. False when LCM refuses. */
-static bool subscribe(softsim_client *client, const char *pattern, lcm_msg_handler_t handler)
+/* Names as in the lane below. */
+static void receive_other(void *context, const ss_packet *packet)
 {
-    lcm_subscription_t *subscription = lcm_subscribe(client->lcm, pattern, handler, client);
-    return subscription != NULL &&
-           lcm_subscription_set_queue_capacity(subscription, QUEUE_LENGTH) == 0;
-}
-
-/* LCM reads a channel to subscribe to as a regular expression; of a prefix's characters only the
- * dot means something in one. */
-static void escape(const char *prefix, char out_regex[2 * SS_WIRE_MAX_PREFIX + 1])
-{
-    for (; *prefix != '\0'; ++prefix) {
-        if (*prefix == '.') {
-            *out_regex++ = '\\';
-        }
-        *out_regex++ = *prefix;
+    softsim_client *client = context;
+    if (packet->name == 0 && client->config.handle_status != NULL) {
+        receive_status(client, packet);
+    } else if (packet->name == 1 && client->config.handle_reply != NULL) {
+        receive_reply(client, packet);
     }
-    *out_regex = '\0';
 }
 
-static bool join(softsim_client *client, const char *prefix, softsim_error *error)
+static const ss_lane lanes[] = {{.suffix = {"_STATUS", "_REPLY"},
+                                 .max_size = MAX_MESSAGE,
+                                 .buffer = LANE_BUFFER,
+                                 .per_ms = OTHERS_PER_MS,
+                                 .burst = OTHER_BURST,
+                                 .receive = receive_other},
+                                {.suffix = {"_FORCE_#"},
+                                 .max_size = MAX_MESSAGE,
+                                 .buffer = LANE_BUFFER,
+                                 .per_ms = FORCES_PER_MS,
+                                 .burst = FORCE_BURST,
+                                 .receive = receive_force}};
+
+static softsim_status join(softsim_client *client, const char *prefix, softsim_error *error)
 {
-    char escaped[2 * SS_WIRE_MAX_PREFIX + 1];
-    char pattern[sizeof escaped + 16];
-    escape(prefix, escaped);
     client->lcm = ss_wire_open(client->config.lcm_url, error);
     if (client->lcm == NULL) {
-        return false;
+        return error->status;
     }
-    ss_packets_mark mark;
-    ss_packets_remember(&mark);
-    bool is_good = true;
-    if (client->config.handle_force != NULL) {
-        snprintf(pattern, sizeof pattern, "%s_FORCE_[0-7]", escaped);
-        is_good = subscribe(client, pattern, receive_force);
-    }
-    if (is_good && client->config.handle_status != NULL) {
-        snprintf(pattern, sizeof pattern, "%s_STATUS", escaped);
-        is_good = subscribe(client, pattern, receive_status);
-    }
-    if (is_good && client->config.handle_reply != NULL) {
-        snprintf(pattern, sizeof pattern, "%s_REPLY", escaped);
-        is_good = subscribe(client, pattern, receive_reply);
-    }
-    if (!is_good) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "LCM hears none of its own packets: a firewall drops multicast; allow "
-                          "UDP to 239.255.76.67 port 7667, or give another --lcm-url");
-        return false;
-    }
-    if (ss_packets_refuse_fragments(&mark) < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "the kernel takes no packet filter, without which one fragment can crash "
-                          "LCM; allow SO_ATTACH_FILTER");
-        return false;
-    }
-    return true;
+    const ss_receiver_config receiver = {.lcm_url = client->config.lcm_url,
+                                         .lcm = client->lcm,
+                                         .prefix = prefix,
+                                         .lane = lanes,
+                                         .lane_count = client->config.handle_force != NULL ? 2 : 1,
+                                         .context = client};
+    return ss_receiver_open(&receiver, &client->receiver, error);
 }
 
 softsim_status softsim_client_open(const softsim_client_config *config, softsim_client **out_client,
@@ -235,9 +209,10 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
         snprintf(client->force_channel[p], SOFTSIM_LOG_CHANNEL_SIZE, "%s_FORCE_%d", prefix, p);
     }
     snprintf(client->command_channel, SOFTSIM_LOG_CHANNEL_SIZE, "%s_COMMAND", prefix);
-    if (!join(client, prefix, error)) {
+    const softsim_status status = join(client, prefix, error);
+    if (status != SOFTSIM_OK) {
         softsim_client_close(&client);
-        return error->status;
+        return status;
     }
     *out_client = client;
     return SOFTSIM_OK;
@@ -246,6 +221,7 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
 void softsim_client_close(softsim_client **client)
 {
     if (*client != NULL) {
+        ss_receiver_close(&(*client)->receiver);
         if ((*client)->lcm != NULL) {
             lcm_destroy((*client)->lcm);
         }
@@ -319,26 +295,7 @@ int32_t softsim_client_send_command(softsim_client *client, const char *name, co
 
 int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns)
 {
-    struct pollfd ready = {.fd = lcm_get_fileno(client->lcm), .events = POLLIN};
-    int32_t handled = 0;
-    while (handled < MAX_HANDLED) {
-        int64_t rest_ns = handled > 0 ? 0 : deadline_ns - ss_clock_now_ns();
-        rest_ns = rest_ns > 0 ? rest_ns : 0;
-        const struct timespec timeout = {.tv_sec = (time_t)(rest_ns / 1000000000),
-                                         .tv_nsec = (long)(rest_ns % 1000000000)};
-        const int result = ppoll(&ready, 1, &timeout, NULL);
-        if (result < 0) {
-            return errno == EINTR ? handled : -1;
-        }
-        if (result == 0) {
-            return handled;
-        }
-        if (lcm_handle(client->lcm) != 0) {
-            return -1;
-        }
-        ++handled;
-    }
-    return handled;
+    return ss_receiver_wait(client->receiver, -1, deadline_ns);
 }
 
 softsim_client_counts softsim_client_read_counts(const softsim_client *client)

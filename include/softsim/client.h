@@ -8,9 +8,8 @@
  *
  * What arrives is checked before it is decoded: exact size, type hash, finite values, and forces
  * only when they answer this client's own sender number. Messages are handled by callbacks from
- * softsim_client_wait, every one that is there, so that no queue grows.
- * Thread: a client belongs to one thread; LCM's own reader thread takes over the scheduling class
- * that the caller of softsim_client_open has.
+ * softsim_client_wait, every one that is there, up to a hundred a millisecond.
+ * Thread: a client belongs to one thread, and has none of its own.
  */
 #include <stdbool.h>
 #include <stdint.h>

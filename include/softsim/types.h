@@ -57,6 +57,7 @@ typedef struct softsim_pose {
     int64_t utime_us; /* the sender's own clock; compared with itself only */
     int64_t sender;
     int64_t receive_ns; /* our monotonic clock at receipt; 0 in lockstep and headless runs */
+    uint64_t source;    /* address and port that it came from; 0 where there is none */
     int32_t seq;
     int32_t probe;
     int32_t buttons;

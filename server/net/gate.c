@@ -10,7 +10,9 @@
  *                  infinite or only partly NaN (NaN as a whole means unknown)
  *   other          velocity or force beyond any device (1 km/s, 1 MN)
  *   other sender   somebody else holds the probe: the first sender keeps it until no finite pose
- *                  of it came for 0.5 s and then a good one of another sender does
+ *                  of it came for 0.5 s and then a good one of another sender does. A sender is its
+ *                  number and the address that its poses come from: every force tells the number
+ *                  to all who listen
  *   other          seq not newer than the last accepted one (UDP may repeat and reorder)
  *   stale          older than 50 ms. The clocks of two hosts differ by an unknown offset, so age
  *                  is measured against the quickest pose seen: with d = receive time - utime,
@@ -57,6 +59,7 @@ typedef struct age_bucket {
 typedef struct gate_probe {
     bool has_holder;
     int64_t sender;
+    uint64_t source;
     int64_t seen_ns; /* its last finite pose, accepted or not */
     uint32_t epoch;
     /* The last accepted pose. */
@@ -204,7 +207,8 @@ static softsim_refusal judge_holder(const ss_gate *gate, gate_probe *probe,
 static softsim_refusal judge_probe(const ss_gate *gate, gate_probe *probe, const softsim_pose *pose,
                                    int64_t now_ns)
 {
-    const bool is_holder = probe->has_holder && pose->sender == probe->sender;
+    const bool is_holder =
+        probe->has_holder && pose->sender == probe->sender && pose->source == probe->source;
     if (is_holder) {
         probe->seen_ns = now_ns;
     } else if (probe->has_holder && now_ns - probe->seen_ns < HOLD_NS) {
@@ -222,6 +226,7 @@ static softsim_refusal judge_probe(const ss_gate *gate, gate_probe *probe, const
     }
     judged->has_holder = true;
     judged->sender = pose->sender;
+    judged->source = pose->source;
     judged->seen_ns = now_ns;
     judged->accepted_ns = now_ns;
     judged->seq = pose->seq;
@@ -258,14 +263,16 @@ void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m)
     gate->config.max_jump_m = max_jump_m;
 }
 
-bool ss_gate_may_answer_other(ss_gate *gate, int32_t channel_probe, int64_t now_ns)
+bool ss_gate_may_answer_other(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
+                              int64_t now_ns)
 {
     if (channel_probe < 0 || channel_probe >= SOFTSIM_MAX_PROBES) {
         return false;
     }
     gate_probe *probe = &gate->probe[channel_probe];
-    if (!gate->config.is_lockstep && probe->has_answered &&
-        now_ns - probe->answered_ns < ANSWER_NS) {
+    if ((probe->has_holder && pose->sender == probe->sender) ||
+        (!gate->config.is_lockstep && probe->has_answered &&
+         now_ns - probe->answered_ns < ANSWER_NS)) {
         return false;
     }
     probe->has_answered = true;

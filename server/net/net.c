@@ -3,23 +3,22 @@
 /*
  * The net thread's side of LCM: probe poses and commands in, forces, status and replies out.
  *
- * Raw subscriptions, one per probe channel, so that a flood on one starves no other; LCM keeps the
- * first messages of a full queue and drops the newest, so everything is drained at each wake and
- * the queues are long enough for a stall of a quarter second at 1 kHz. Messages are encoded into
- * one fixed buffer (the generated publish functions allocate). Nothing here is called by the
- * real-time loops: lcm_publish locks.
+ * Poses come in one lane of the receiver, commands and statuses in another, so that a flood of one
+ * starves not the other; everything is drained at each wake, as far as the budgets go. They hold
+ * the net thread under a fifth of a core in any flood: a pose or a status costs it 1 to 2 us, a
+ * command with its reply up to 50. Messages are encoded into one fixed buffer (the generated
+ * publish functions allocate). Nothing here is called by the real-time loops: lcm_publish locks.
  */
-#include <errno.h>
-#include <poll.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "net/net.h"
+#include "net/receiver.h"
 #include "net/wire.h"
+#include "rt/budget.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
-#include "rt/packets.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
@@ -28,24 +27,26 @@
 #include "softsim_server_status_t.h"
 
 enum {
-    QUEUE_LENGTH = 256,
-    MAX_DRAIN = 4096,     /* messages a wake, so that status goes out in a flood too */
+    MAX_MESSAGE = 2048,   /* bytes; poses have 148, commands at most 1096 */
+    LANE_BUFFER = 212992, /* bytes in the kernel, which doubles it: 554 poses, 5.5 ms of them */
+    POSES_PER_MS = 100,   /* eight probes at 10 kHz, and room */
+    POSE_BURST = 256,     /* a stall of a quarter second at 1 kHz */
+    OTHERS_PER_MS = 4,    /* statuses, ours too, and commands */
+    OTHER_BURST = 64,
+    COMMANDS_PER_S = 100,
+    COMMAND_BURST = 50,
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
     REPLY_TEXT_SIZE = 8192,
     STATUS_TEXT_SIZE = 1024
 };
 
-typedef struct probe_channel {
-    ss_net *net;
-    int32_t probe;
-    char force_channel[SS_WIRE_CHANNEL_SIZE];
-} probe_channel;
-
 struct ss_net {
-    lcm_t *lcm;
+    lcm_t *lcm; /* sends */
+    ss_receiver *receiver;
     ss_net_calls calls;
     bool is_lockstep;
-    probe_channel probe[SOFTSIM_MAX_PROBES];
+    ss_budget commands;
+    char force_channel[SOFTSIM_MAX_PROBES][SS_WIRE_CHANNEL_SIZE];
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
     int32_t status_seq;
@@ -98,7 +99,7 @@ bool ss_net_send_force(ss_net *net, const softsim_force *force)
     ss_copy3(wire.normal, force->normal);
     ss_copy3(wire.proxy, force->proxy);
     const int size = softsim_contact_force_t_encode(net->buffer, 0, sizeof net->buffer, &wire);
-    return publish(net, net->probe[force->probe].force_channel, size);
+    return publish(net, net->force_channel[force->probe], size);
 }
 
 static void send_reply(ss_net *net, const ss_net_command *command, int32_t code)
@@ -187,33 +188,34 @@ int64_t ss_net_foreign(const ss_net *net)
 
 /* ---- in ----------------------------------------------------------------------------------- */
 
-static void receive_pose(const lcm_recv_buf_t *message, const char *channel, void *user)
+static void receive_pose(void *context, const ss_packet *packet)
 {
-    (void)channel;
-    const probe_channel *probe = user;
-    ss_net *net = probe->net;
+    ss_net *net = context;
     const int64_t receive_ns = net->is_lockstep ? 0 : ss_clock_now_ns();
     softsim_pose pose;
     const softsim_refusal refusal =
-        ss_net_decode_pose(message->data, message->data_size, receive_ns, &pose);
+        ss_net_decode_pose(packet->data, packet->size, receive_ns, &pose);
     if (refusal != SOFTSIM_ACCEPTED) {
-        net->calls.handle_refusal(net->calls.context, refusal, probe->probe);
+        net->calls.handle_refusal(net->calls.context, refusal, packet->digit);
         return;
     }
-    net->calls.handle_pose(net->calls.context, &pose, probe->probe, receive_ns);
+    pose.source = packet->source;
+    net->calls.handle_pose(net->calls.context, &pose, packet->digit, receive_ns);
 }
 
-static void receive_command(const lcm_recv_buf_t *message, const char *channel, void *user)
+static void receive_command(ss_net *net, const ss_packet *packet)
 {
-    (void)channel;
-    ss_net *net = user;
     ss_net_command command;
-    const softsim_refusal refusal =
-        ss_net_decode_command(message->data, message->data_size, &command);
+    const int64_t now_ns = ss_clock_now_ns();
+    softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
+    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(&net->commands, now_ns) < 1) {
+        refusal = SOFTSIM_REFUSED_OTHER; /* too many to answer */
+    }
     if (refusal != SOFTSIM_ACCEPTED) {
         net->calls.handle_refusal(net->calls.context, refusal, -1);
         return;
     }
+    ss_budget_spend(&net->commands, 1);
     net->reply_text[0] = '\0';
     const int32_t code =
         net->calls.handle_command(net->calls.context, command.name, command.argument,
@@ -223,39 +225,43 @@ static void receive_command(const lcm_recv_buf_t *message, const char *channel, 
 }
 
 /* Multicast brings our own status back too; any other is another server's. */
-static void receive_status(const lcm_recv_buf_t *message, const char *channel, void *user)
+static void receive_status(ss_net *net, const ss_packet *packet)
 {
-    (void)channel;
-    ss_net *net = user;
     int64_t utime = 0;
     int32_t seq = 0;
-    if (ss_net_decode_status(message->data, message->data_size, &utime, &seq) == SOFTSIM_ACCEPTED &&
+    if (ss_net_decode_status(packet->data, packet->size, &utime, &seq) == SOFTSIM_ACCEPTED &&
         net->status_utime[(uint32_t)seq % STATUS_MEMORY] != utime) {
         atomic_fetch_add_explicit(&net->foreign, 1, memory_order_relaxed);
     }
 }
 
+/* Names as in the lane below. */
+static void receive_other(void *context, const ss_packet *packet)
+{
+    if (packet->name == 0) {
+        receive_command(context, packet);
+    } else {
+        receive_status(context, packet);
+    }
+}
+
+static const ss_lane lanes[] = {{.suffix = {"_PROBE_#"},
+                                 .max_size = MAX_MESSAGE,
+                                 .buffer = LANE_BUFFER,
+                                 .per_ms = POSES_PER_MS,
+                                 .burst = POSE_BURST,
+                                 .receive = receive_pose},
+                                {.suffix = {"_COMMAND", "_STATUS"},
+                                 .max_size = MAX_MESSAGE,
+                                 .buffer = LANE_BUFFER,
+                                 .per_ms = OTHERS_PER_MS,
+                                 .burst = OTHER_BURST,
+                                 .receive = receive_other}};
+
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
 {
-    /* poll passes over a negative descriptor. */
-    struct pollfd waiting[2] = {{.fd = lcm_get_fileno(net->lcm), .events = POLLIN},
-                                {.fd = wake_fd, .events = POLLIN}};
-    if (poll(waiting, 2, timeout_ms > 0 ? timeout_ms : 0) < 0) {
-        return errno == EINTR;
-    }
-    if ((waiting[1].revents & POLLIN) != 0) {
-        ss_wake_drain(wake_fd);
-    }
-    /* lcm_handle dispatches one message, and would block without one. A signal that comes meanwhile
-     * ends the call and stays for the next one: a flood must not keep the forces waiting. */
-    bool is_signalled = false;
-    for (int i = 0; i < MAX_DRAIN && !is_signalled && (waiting[0].revents & POLLIN) != 0; ++i) {
-        if (lcm_handle(net->lcm) != 0 || (poll(waiting, 2, 0) < 0 && errno != EINTR)) {
-            return false;
-        }
-        is_signalled = (waiting[1].revents & POLLIN) != 0;
-    }
-    return (waiting[0].revents & (POLLERR | POLLHUP | POLLNVAL)) == 0;
+    const int64_t wait_ns = timeout_ms > 0 ? timeout_ms * (int64_t)1000000 : 0;
+    return ss_receiver_wait(net->receiver, wake_fd, ss_clock_now_ns() + wait_ns) >= 0;
 }
 
 /* ---- opening ------------------------------------------------------------------------------ */
@@ -270,64 +276,13 @@ static void compute_hashes(void)
     __softsim_reply_t_get_hash();
 }
 
-/* LCM reads a channel to subscribe to as a regular expression; of our characters only the dot
- * means something in one. */
-static void escape(const char *text, char out_regex[2 * SS_WIRE_CHANNEL_SIZE])
+static void name_channels(ss_net *net, const char *prefix)
 {
-    for (; *text != '\0'; ++text) {
-        if (*text == '.') {
-            *out_regex++ = '\\';
-        }
-        *out_regex++ = *text;
-    }
-    *out_regex = '\0';
-}
-
-static bool subscribe(ss_net *net, const char *channel, lcm_msg_handler_t handler, void *user,
-                      softsim_error *error)
-{
-    char regex[2 * SS_WIRE_CHANNEL_SIZE];
-    escape(channel, regex);
-    lcm_subscription_t *subscription = lcm_subscribe(net->lcm, regex, handler, user);
-    if (subscription == NULL || lcm_subscription_set_queue_capacity(subscription, QUEUE_LENGTH)) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "channel %s: LCM cannot subscribe, its own test message did not come "
-                          "back; look for a packet filter on the multicast group and port",
-                          channel);
-        return false;
-    }
-    return true;
-}
-
-static bool subscribe_all(ss_net *net, const char *prefix, softsim_error *error)
-{
-    char channel[SS_WIRE_CHANNEL_SIZE];
-    ss_packets_mark mark;
-    ss_packets_remember(&mark);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        probe_channel *probe = &net->probe[p];
-        probe->net = net;
-        probe->probe = p;
-        snprintf(probe->force_channel, sizeof probe->force_channel, "%s_FORCE_%d", prefix, p);
-        snprintf(channel, sizeof channel, "%s_PROBE_%d", prefix, p);
-        if (!subscribe(net, channel, receive_pose, probe, error)) {
-            return false;
-        }
+        snprintf(net->force_channel[p], SS_WIRE_CHANNEL_SIZE, "%s_FORCE_%d", prefix, p);
     }
     snprintf(net->status_channel, sizeof net->status_channel, "%s_STATUS", prefix);
     snprintf(net->reply_channel, sizeof net->reply_channel, "%s_REPLY", prefix);
-    snprintf(channel, sizeof channel, "%s_COMMAND", prefix);
-    if (!subscribe(net, channel, receive_command, net, error) ||
-        !subscribe(net, net->status_channel, receive_status, net, error)) {
-        return false;
-    }
-    if (ss_packets_refuse_fragments(&mark) < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "the kernel takes no packet filter, without which one fragment can crash "
-                          "LCM; allow SO_ATTACH_FILTER");
-        return false;
-    }
-    return true;
 }
 
 void ss_net_close(ss_net **net)
@@ -335,6 +290,7 @@ void ss_net_close(ss_net **net)
     if (*net == NULL) {
         return;
     }
+    ss_receiver_close(&(*net)->receiver);
     if ((*net)->lcm != NULL) {
         lcm_destroy((*net)->lcm);
     }
@@ -362,18 +318,25 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     }
     net->calls = *calls;
     net->is_lockstep = config->is_lockstep;
+    net->commands = (ss_budget){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
     compute_hashes();
-    status = SOFTSIM_ERROR_NETWORK;
+    name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);
-    if (net->lcm == NULL || !subscribe_all(net, config->prefix, error)) {
-        goto fail;
+    if (net->lcm != NULL) {
+        const ss_receiver_config receiver = {.lcm_url = config->lcm_url,
+                                             .lcm = net->lcm,
+                                             .prefix = config->prefix,
+                                             .lane = lanes,
+                                             .lane_count = sizeof lanes / sizeof *lanes,
+                                             .context = net};
+        status = ss_receiver_open(&receiver, &net->receiver, error);
+    } else {
+        status = error->status;
+    }
+    if (status != SOFTSIM_OK) {
+        ss_net_close(&net);
+        return status;
     }
     *out_net = net;
     return SOFTSIM_OK;
-fail:
-    if (error != NULL && error->status != SOFTSIM_OK) {
-        status = error->status;
-    }
-    ss_net_close(&net);
-    return status;
 }

@@ -40,8 +40,10 @@ void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m);
 softsim_refusal ss_gate_judge(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
                               int64_t now_ns, uint32_t *out_epoch);
 /* True at most ten times a second per probe (in lockstep always: there every pose is answered): a
- * foreign sender may be told so (zero force, flag 32). Thread: net. */
-bool ss_gate_may_answer_other(ss_gate *gate, int32_t channel_probe, int64_t now_ns);
+ * foreign sender may be told so (zero force, flag 32). Never who uses the holder's number from
+ * another address: the answer would reach the holder. Thread: net. */
+bool ss_gate_may_answer_other(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
+                              int64_t now_ns);
 /* Scales an orientation that passes for a unit quaternion to length 1; leaves any other for
  * ss_gate_judge to refuse. Every pose passes here once before it is judged, whatever its source,
  * so that all runs of a log agree; decoding calls it. RT-safe. */
@@ -113,9 +115,12 @@ softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_com
 softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *out_utime_us,
                                      int32_t *out_seq);
 
+/* Did the user name a url, by argument or by LCM_DEFAULT_URL? Thread: set-up only. */
+bool ss_net_is_own_url(const char *lcm_url);
+
 typedef struct ss_net_config {
-    /* NULL or "": LCM_DEFAULT_URL, else local multicast with a large buffer. Only udpm:// and
-     * memq:// (one process, for tests) are accepted. */
+    /* NULL or "": LCM_DEFAULT_URL, else multicast on this host. Only udpm:// and memq:// (one
+     * process, for tests) are accepted. */
     const char *lcm_url;
     const char *prefix; /* 1..40 characters of A-Z a-z 0-9 _ . - */
     bool is_lockstep;
@@ -137,14 +142,13 @@ typedef struct ss_net_calls {
 
 typedef struct ss_net ss_net;
 
-/* Opens LCM and subscribes. The thread that calls it lends its scheduling class to LCM's reader
- * thread, so call it from the net thread. On failure the error says what to do. */
+/* Opens LCM and the receiver. On failure the error says what to do. Thread: net. */
 softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *calls, ss_net **out_net,
                            softsim_error *error);
 void ss_net_close(ss_net **net);
-/* Waits at most `timeout_ms` for a message or a signal on `wake_fd` (-1: none) and handles every
- * message that is there, up to the next signal. Drains the first signal, so that what was signalled
- * is to be looked for after the return. False when LCM is broken. Thread: net. */
+/* Waits at most `timeout_ms` for a message or a signal on `wake_fd` (-1: none) and handles what is
+ * there, as far as the budget of messages goes; with a signal one batch, so that what was signalled
+ * is looked for without delay. Drains the signal. False when the network is broken. Thread: net. */
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
 /* Stamps `utime` where the force has none. False (counted in ss_net_dropped) when the message
  * could not be sent. Thread: net. */

@@ -4,8 +4,9 @@
  * LCM opened with care, and raw messages decoded with none of its trust.
  *
  * LCM 1.3.1 needs looking after: tcpq:// without its hub aborts the process at the first wait,
- * a missing multicast route is told by four lines of which one reads freed memory, and asking for
- * more receive buffer than the kernel grants warns on stderr. So the url is checked here first.
+ * a missing multicast route is told by four lines of which one reads freed memory, and a ttl that
+ * is no number of 0 to 255 is cut to one that is. So the url is read here first, and LCM is given
+ * one that is written anew. LCM sends; what is received comes by receiver.c.
  * Generated decoders trust length fields (a 40-byte message can overflow the heap): poses are of
  * one exact size and decoded by the generated code after that was checked; commands, which hold
  * strings, are read by the bounded reader below.
@@ -26,44 +27,29 @@
 #include "softsim_probe_pose_t.h"
 #include "softsim_server_status_t.h"
 
-enum {
-    WANTED_BUFFER = 2097152, /* bytes: holds half a second of mesh at the default cap */
-    STOCK_BUFFER = 212992,   /* the kernel's default limit */
-    POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8,
-    HASH_SIZE = 8
-};
+enum { POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8, HASH_SIZE = 8 };
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-static int allowed_buffer(void)
+/* Digits alone, within limits; LCM itself reads -1 and 999999999999 as a ttl of 255. */
+static bool read_count(const char *text, int least, int most, int *out_value)
 {
-    int allowed = STOCK_BUFFER;
-    FILE *file = fopen("/proc/sys/net/core/rmem_max", "r");
-    if (file != NULL) {
-        if (fscanf(file, "%d", &allowed) != 1 || allowed <= 0) {
-            allowed = STOCK_BUFFER;
-        }
-        fclose(file);
-    }
-    return allowed < WANTED_BUFFER ? allowed : WANTED_BUFFER;
-}
-
-/* Reads ADDRESS[:PORT] of a udpm url; empty means LCM's own default. */
-static bool read_group(const char *url, struct sockaddr_in *out_group)
-{
-    char text[64] = "";
-    const size_t length = strcspn(url, "?");
-    if (length >= sizeof text) {
+    const size_t length = strlen(text);
+    if (length < 1 || length > 9 || strspn(text, "0123456789") != length) {
         return false;
     }
-    memcpy(text, url, length);
-    long port = 7667;
+    *out_value = atoi(text);
+    return *out_value >= least && *out_value <= most;
+}
+
+/* ADDRESS[:PORT]; a part left out is LCM's own default. Changes `text`. */
+static bool read_group(char *text, struct sockaddr_in *out_group)
+{
+    int port = 7667;
     char *colon = strchr(text, ':');
     if (colon != NULL) {
-        char *end = NULL;
         *colon = '\0';
-        port = strtol(colon + 1, &end, 10);
-        if (end == colon + 1 || *end != '\0' || port < 1 || port > 65535) {
+        if (!read_count(colon + 1, 1, 65535, &port)) {
             return false;
         }
     }
@@ -71,6 +57,78 @@ static bool read_group(const char *url, struct sockaddr_in *out_group)
     const char *address = text[0] != '\0' ? text : "239.255.76.67";
     return inet_pton(AF_INET, address, &out_group->sin_addr) == 1 &&
            IN_MULTICAST(ntohl(out_group->sin_addr.s_addr));
+}
+
+/* NAME=VALUE&NAME=VALUE. Changes `text`. NULL, or what is wrong. */
+static const char *read_options(char *text, ss_wire_url *url)
+{
+    char *rest = NULL;
+    for (char *option = strtok_r(text, "&", &rest); option != NULL;
+         option = strtok_r(NULL, "&", &rest)) {
+        static const char ttl[] = "ttl=", buffer[] = "recv_buf_size=";
+        if (strncmp(option, ttl, sizeof ttl - 1) == 0) {
+            if (!read_count(option + sizeof ttl - 1, 0, 255, &url->ttl)) {
+                return "ttl is a whole number from 0, this host only, to 255";
+            }
+        } else if (strncmp(option, buffer, sizeof buffer - 1) == 0) {
+            if (!read_count(option + sizeof buffer - 1, 4096, 1 << 29, &url->buffer)) {
+                return "recv_buf_size is a whole number of bytes from 4096 to 536870912";
+            }
+        } else {
+            return "its options are ttl and recv_buf_size";
+        }
+    }
+    return NULL;
+}
+
+/* The url that holds: the argument, LCM's environment variable, or "" for neither. */
+static const char *choose_url(const char *lcm_url)
+{
+    const char *url = lcm_url;
+    if (url == NULL || url[0] == '\0') {
+        url = getenv("LCM_DEFAULT_URL");
+    }
+    return url != NULL ? url : "";
+}
+
+bool ss_net_is_own_url(const char *lcm_url)
+{
+    return choose_url(lcm_url)[0] != '\0';
+}
+
+bool ss_wire_read_url(const char *lcm_url, ss_wire_url *out_url, softsim_error *error)
+{
+    static const char udpm[] = "udpm://", memq[] = "memq://";
+    const char *url = choose_url(lcm_url);
+    url = url[0] != '\0' ? url : udpm;
+    *out_url = (ss_wire_url){.is_memq = strncmp(url, memq, sizeof memq - 1) == 0};
+    if (out_url->is_memq) {
+        return true;
+    }
+    const char *fault = NULL;
+    char text[128] = "";
+    if (strncmp(url, udpm, sizeof udpm - 1) != 0) {
+        fault = "only udpm:// is served (tcpq:// aborts without its hub; play a log with "
+                "softsim-replay)";
+    } else if (snprintf(text, sizeof text, "%s", url + sizeof udpm - 1) >= (int)sizeof text) {
+        fault = "longer than any multicast address and port with options";
+    } else {
+        char *options = strchr(text, '?');
+        if (options != NULL) {
+            *options++ = '\0';
+        }
+        fault = read_group(text, &out_url->group) ? NULL : "not a multicast address and port";
+        if (fault == NULL && options != NULL) {
+            fault = read_options(options, out_url);
+        }
+    }
+    if (fault != NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "LCM url '%.200s': %s; use for example "
+                          "udpm://239.255.76.67:7667?ttl=0",
+                          url, fault);
+    }
+    return fault == NULL;
 }
 
 /* Connecting a UDP socket sends nothing and tells whether there is a route. */
@@ -88,48 +146,29 @@ static bool has_route(const struct sockaddr_in *group)
 
 lcm_t *ss_wire_open(const char *lcm_url, softsim_error *error)
 {
-    char fallback[96];
-    const char *url = lcm_url;
-    if (url == NULL || url[0] == '\0') {
-        url = getenv("LCM_DEFAULT_URL");
-    }
-    if (url == NULL || url[0] == '\0') {
-        snprintf(fallback, sizeof fallback, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=%d",
-                 allowed_buffer());
-        url = fallback;
-    }
-    static const char udpm[] = "udpm://";
-    static const char memq[] = "memq://";
-    const bool is_udpm = strncmp(url, udpm, sizeof udpm - 1) == 0;
-    if (!is_udpm && strncmp(url, memq, sizeof memq - 1) != 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "LCM url '%.200s': only udpm:// is served (tcpq:// aborts without its "
-                          "hub; play a log with softsim-replay); use for example "
-                          "udpm://239.255.76.67:7667?ttl=0",
-                          url);
+    ss_wire_url url;
+    char address[INET_ADDRSTRLEN] = "", text[96] = "memq://";
+    if (!ss_wire_read_url(lcm_url, &url, error)) {
         return NULL;
     }
-    struct sockaddr_in group;
-    if (is_udpm && !read_group(url + sizeof udpm - 1, &group)) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "LCM url '%.200s': not a multicast address and port; use for example "
-                          "udpm://239.255.76.67:7667?ttl=0",
-                          url);
-        return NULL;
+    if (!url.is_memq) {
+        inet_ntop(AF_INET, &url.group.sin_addr, address, sizeof address);
+        snprintf(text, sizeof text, "udpm://%s:%d?ttl=%d", address, ntohs(url.group.sin_port),
+                 url.ttl);
+        if (!has_route(&url.group)) {
+            softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                              "LCM url '%s': this machine has no route for multicast; allow it on "
+                              "the loopback device with: ip route add 224.0.0.0/4 dev lo",
+                              text);
+            return NULL;
+        }
     }
-    if (is_udpm && !has_route(&group)) {
-        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "LCM url '%.200s': this machine has no route for multicast; allow it on "
-                          "the loopback device with: ip route add 224.0.0.0/4 dev lo",
-                          url);
-        return NULL;
-    }
-    lcm_t *lcm = lcm_create(url);
+    lcm_t *lcm = lcm_create(text);
     if (lcm == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                          "LCM url '%.200s': LCM cannot open it; check its options, and that this "
-                          "machine has a multicast route (ip route add 224.0.0.0/4 dev lo)",
-                          url);
+                          "LCM url '%s': LCM cannot open it; check that this machine has a "
+                          "multicast route (ip route add 224.0.0.0/4 dev lo)",
+                          text);
     }
     return lcm;
 }

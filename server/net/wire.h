@@ -6,6 +6,7 @@
  * for the rest of server/. Tests need the LCM object because memq:// is private to it.
  */
 #include <lcm/lcm.h>
+#include <netinet/in.h>
 
 #include "net/net.h"
 
@@ -15,9 +16,18 @@ enum {
     SS_WIRE_CHANNEL_SIZE = 64
 };
 
-/* Opens LCM after checking what it would abort or mumble about: the kind of url, the multicast
- * route, the receive buffer that the kernel allows. NULL with a line in `error` otherwise.
- * Thread: set-up only. */
+/* What an LCM url says. */
+typedef struct ss_wire_url {
+    bool is_memq;
+    struct sockaddr_in group;
+    int ttl;    /* 0: this host only */
+    int buffer; /* bytes, of recv_buf_size; 0: not given */
+} ss_wire_url;
+/* NULL or "": LCM_DEFAULT_URL, else local multicast. False with a line in `error` when the url is
+ * not one that is served, in every part of it. Thread: set-up only. */
+bool ss_wire_read_url(const char *lcm_url, ss_wire_url *out_url, softsim_error *error);
+/* Opens LCM after checking what it would abort or mumble about: the url and the multicast route.
+ * NULL with a line in `error` otherwise. Thread: set-up only. */
 lcm_t *ss_wire_open(const char *lcm_url, softsim_error *error);
 /* False with a line in `error` when `prefix` cannot begin a channel name. Thread: set-up only. */
 bool ss_wire_check_prefix(const char *prefix, softsim_error *error);

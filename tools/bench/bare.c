@@ -5,35 +5,37 @@
  * the same way: the absolute clock, whole periods that are over are skipped, and a wake-up more
  * than one period late is a missed period. The sender has a client's priority and sends a message
  * as long as an encoded pose every millisecond; the echoer has the server's net priority and sends
- * back one as long as a force. The first threads of LCM inherit these classes, so each end is
- * opened on its own thread.
+ * back one as long as a force. Both send by LCM and receive as our programs do (net/receiver.h), so
+ * that what the chain adds is judged against its own transport, and no fragment crashes it.
  */
 #include "bare.h"
 
 #include <lcm/lcm.h>
-#include <poll.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "net/receiver.h"
+#include "net/wire.h"
 #include "rt/clock.h"
 #include "rt/thread.h"
 #include "wire.h"
 
 enum { LOOP_PRIORITY = 80, ECHO_PRIORITY = 78, SEND_PRIORITY = 60, CHANNEL_SIZE = 64 };
+static const char out_suffix[] = "_ECHO", back_suffix[] = "_ECHO_BACK";
 static const int64_t look_ns = 100000000; /* between looks at the end */
 
 typedef struct echo_end {
     lcm_t *lcm;
-    lcm_subscription_t *subscription;
+    ss_receiver *receiver;
     atomic_int state; /* 0 opening, 1 open, -1 failed */
 } echo_end;
 
 struct ss_bare {
     /* parameters */
-    const char *lcm_url;
+    const char *lcm_url, *prefix;
     char out_channel[CHANNEL_SIZE], back_channel[CHANNEL_SIZE];
     int64_t tick_capacity;
     /* state */
@@ -81,72 +83,70 @@ static void *loop_body(void *argument)
 /* ---- the echo ----------------------------------------------------------------------------------
  */
 
-static void handle_sent(const lcm_recv_buf_t *received, const char *channel, void *context)
+static void handle_sent(void *context, const ss_packet *packet)
 {
     ss_bare *bare = context;
     uint8_t answer[SS_WIRE_FORCE_SIZE] = {0};
-    (void)channel;
-    if (received->data_size == SS_WIRE_POSE_SIZE) {
-        memcpy(answer, received->data, sizeof(int64_t));
+    if (packet->size == SS_WIRE_POSE_SIZE) {
+        memcpy(answer, packet->data, sizeof(int64_t));
         lcm_publish(bare->echo_end.lcm, bare->back_channel, answer, sizeof answer);
     }
 }
 
-static void handle_back(const lcm_recv_buf_t *received, const char *channel, void *context)
+static void handle_back(void *context, const ss_packet *packet)
 {
     ss_bare *bare = context;
     int64_t sent_ns = 0;
-    (void)channel;
-    if (received->data_size == SS_WIRE_FORCE_SIZE) {
-        memcpy(&sent_ns, received->data, sizeof sent_ns);
+    if (packet->size == SS_WIRE_FORCE_SIZE) {
+        memcpy(&sent_ns, packet->data, sizeof sent_ns);
         ss_samples_add(&bare->echo_us, 1e-3 * (double)(ss_clock_now_ns() - sent_ns));
     }
 }
 
-static void open_end(ss_bare *bare, echo_end *end, const char *channel, lcm_msg_handler_t handler)
+static void open_end(ss_bare *bare, echo_end *end, const char *suffix,
+                     void (*receive)(void *context, const ss_packet *packet))
 {
-    end->lcm = lcm_create(bare->lcm_url);
-    end->subscription = end->lcm != NULL ? lcm_subscribe(end->lcm, channel, handler, bare) : NULL;
-    if (end->subscription != NULL) {
-        lcm_subscription_set_queue_capacity(end->subscription, 4096);
-    }
-    atomic_store_explicit(&end->state, end->subscription != NULL ? 1 : -1, memory_order_release);
+    const ss_lane lane = {.suffix = {suffix},
+                          .max_size = 2 * SS_WIRE_FORCE_SIZE,
+                          .buffer = 212992, /* as the server's */
+                          .per_ms = 100,
+                          .burst = 4096,
+                          .receive = receive};
+    softsim_error error = {.status = SOFTSIM_OK};
+    end->lcm = ss_wire_open(bare->lcm_url, &error);
+    const ss_receiver_config config = {.lcm_url = bare->lcm_url,
+                                       .lcm = end->lcm,
+                                       .prefix = bare->prefix,
+                                       .lane = &lane,
+                                       .lane_count = 1,
+                                       .context = bare};
+    const bool is_open =
+        end->lcm != NULL && ss_receiver_open(&config, &end->receiver, &error) == SOFTSIM_OK;
+    atomic_store_explicit(&end->state, is_open ? 1 : -1, memory_order_release);
 }
 
 static void close_end(echo_end *end)
 {
-    if (end->subscription != NULL) {
-        lcm_unsubscribe(end->lcm, end->subscription);
-    }
+    ss_receiver_close(&end->receiver);
     if (end->lcm != NULL) {
         lcm_destroy(end->lcm);
     }
 }
 
 /* Handles what comes until `deadline_ns`. */
-static void handle_until(lcm_t *lcm, int64_t deadline_ns)
+static void handle_until(ss_receiver *receiver, int64_t deadline_ns)
 {
-    for (;;) {
-        const int64_t left_ns = deadline_ns - ss_clock_now_ns();
-        if (left_ns <= 0) {
-            return;
-        }
-        struct pollfd wait = {.fd = lcm_get_fileno(lcm), .events = POLLIN};
-        const struct timespec timeout = {.tv_sec = left_ns / 1000000000,
-                                         .tv_nsec = left_ns % 1000000000};
-        if (ppoll(&wait, 1, &timeout, NULL) > 0 && lcm_handle(lcm) < 0) {
-            return;
-        }
+    while (ss_clock_now_ns() < deadline_ns && ss_receiver_wait(receiver, -1, deadline_ns) >= 0) {
     }
 }
 
 static void *echo_body(void *argument)
 {
     ss_bare *bare = argument;
-    open_end(bare, &bare->echo_end, bare->out_channel, handle_sent);
-    while (bare->echo_end.subscription != NULL &&
+    open_end(bare, &bare->echo_end, out_suffix, handle_sent);
+    while (bare->echo_end.receiver != NULL &&
            !atomic_load_explicit(&bare->is_sending_over, memory_order_acquire)) {
-        handle_until(bare->echo_end.lcm, ss_clock_now_ns() + look_ns);
+        handle_until(bare->echo_end.receiver, ss_clock_now_ns() + look_ns);
     }
     close_end(&bare->echo_end);
     return NULL;
@@ -156,13 +156,13 @@ static void *send_body(void *argument)
 {
     ss_bare *bare = argument;
     uint8_t message[SS_WIRE_POSE_SIZE] = {0};
-    open_end(bare, &bare->send_end, bare->back_channel, handle_back);
+    open_end(bare, &bare->send_end, back_suffix, handle_back);
     int64_t due_ns = ss_clock_now_ns();
-    while (bare->send_end.subscription != NULL &&
+    while (bare->send_end.receiver != NULL &&
            !atomic_load_explicit(&bare->is_ending, memory_order_acquire)) {
         int64_t skipped = 0;
         due_ns = next_due(due_ns, &skipped);
-        handle_until(bare->send_end.lcm, due_ns);
+        handle_until(bare->send_end.receiver, due_ns);
         if (atomic_load_explicit(&bare->echo_end.state, memory_order_acquire) != 1) {
             continue; /* nobody there yet */
         }
@@ -171,8 +171,8 @@ static void *send_body(void *argument)
         bare->echo_sent +=
             lcm_publish(bare->send_end.lcm, bare->out_channel, message, sizeof message) == 0;
     }
-    if (bare->send_end.subscription != NULL) {
-        handle_until(bare->send_end.lcm, ss_clock_now_ns() + look_ns); /* the last ones */
+    if (bare->send_end.receiver != NULL) {
+        handle_until(bare->send_end.receiver, ss_clock_now_ns() + look_ns); /* the last ones */
     }
     close_end(&bare->send_end);
     return NULL;
@@ -211,7 +211,7 @@ static bool wait_for_ends(ss_bare *bare)
         if (sender > 0 && echoer > 0) {
             return true;
         }
-        ss_clock_sleep_until(ss_clock_now_ns() + 1000000); /* LCM itself gives up after 10 s */
+        ss_clock_sleep_until(ss_clock_now_ns() + 1000000); /* opening gives up after 10 s */
     }
 }
 
@@ -230,9 +230,10 @@ softsim_status ss_bare_start(const char *lcm_url, const char *prefix, double sec
     memset(bare->tick, 0xff, (size_t)capacity * sizeof *bare->tick); /* touched: no page faults */
     bare->tick_capacity = capacity;
     bare->lcm_url = lcm_url;
+    bare->prefix = prefix;
     bare->is_fifo = true;
-    snprintf(bare->out_channel, sizeof bare->out_channel, "%.48s_ECHO", prefix);
-    snprintf(bare->back_channel, sizeof bare->back_channel, "%.48s_ECHO_BACK", prefix);
+    snprintf(bare->out_channel, sizeof bare->out_channel, "%.40s%s", prefix, out_suffix);
+    snprintf(bare->back_channel, sizeof bare->back_channel, "%.40s%s", prefix, back_suffix);
     softsim_status status =
         start_thread(bare, "bare-echo", ECHO_PRIORITY, echo_body, &bare->echoer);
     if (status == SOFTSIM_OK) {

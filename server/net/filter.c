@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * A datagram passes when all of this holds, the first that fails drops it in the kernel, before it
+ * costs one of our threads anything:
+ *   local   IP TTL 0, and looped back by the kernel (packet type LOOPBACK: what this host sends to
+ *           a group on any device) or arrived on a loopback device (hardware type LOOPBACK). Either
+ *           alone does not do: the kernel does send TTL 0 out of a host on which nobody has joined
+ *           the group, and a neighbour can write any TTL into a packet of its own, but only the
+ *           receiving kernel gives the packet type.
+ *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
+ *   channel exactly one of the names, with its NUL
+ * Layout, from the UDP header on: 8 bytes UDP; 4 magic; 4 sequence number; channel; NUL; message.
+ * A load beyond the end of a datagram drops it.
+ */
+#include "net/filter.h"
+
+#include <linux/filter.h>
+#include <linux/if_arp.h>
+#include <linux/if_packet.h>
+#include <string.h>
+#include <sys/socket.h>
+
+enum {
+    MAGIC_AT = 8,
+    CHANNEL_AT = 16,
+    IP_TTL_AT = 8,
+    OPEN = 255,
+    MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 48 /* a name of 63 bytes takes 39 */
+};
+static const uint32_t WHOLE_MESSAGE = 0x4c433032; /* "LC02" */
+
+/* A program as it is written. */
+typedef struct program {
+    struct sock_filter code[MAX_CODE];
+    uint16_t count;
+} program;
+
+static void load(program *p, uint16_t size, uint32_t at)
+{
+    p->code[p->count++] = (struct sock_filter)BPF_STMT((uint16_t)(BPF_LD | BPF_ABS | size), at);
+}
+
+/* Jumps by `met` or `unmet` instructions; OPEN ones go where `land` will say. */
+static void compare(program *p, uint16_t comparison, uint32_t value, uint8_t met, uint8_t unmet)
+{
+    p->code[p->count++] =
+        (struct sock_filter)BPF_JUMP((uint16_t)(BPF_JMP | comparison | BPF_K), value, met, unmet);
+}
+
+/* Every open jump since `first` goes to the next instruction. */
+static void land(program *p, uint16_t first)
+{
+    for (uint16_t i = first; i < p->count; ++i) {
+        struct sock_filter *code = &p->code[i];
+        const uint8_t way = (uint8_t)(p->count - i - 1);
+        if (BPF_CLASS(code->code) == BPF_JMP) {
+            code->jt = code->jt == OPEN ? way : code->jt;
+            code->jf = code->jf == OPEN ? way : code->jf;
+        }
+    }
+}
+
+static void finish(program *p, uint32_t bytes_kept)
+{
+    p->code[p->count++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, bytes_kept);
+}
+
+static void demand_local(program *p)
+{
+    load(p, BPF_B, (uint32_t)(SKF_NET_OFF + IP_TTL_AT));
+    compare(p, BPF_JEQ, 0, 0, OPEN);
+    load(p, BPF_W, (uint32_t)(SKF_AD_OFF + SKF_AD_PKTTYPE));
+    compare(p, BPF_JEQ, PACKET_LOOPBACK, 2, 0); /* over the question for the device */
+    load(p, BPF_W, (uint32_t)(SKF_AD_OFF + SKF_AD_HATYPE));
+    compare(p, BPF_JEQ, ARPHRD_LOOPBACK, 0, OPEN);
+}
+
+static uint32_t read_word(const char *text)
+{
+    const unsigned char *byte = (const unsigned char *)text;
+    return (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3];
+}
+
+/* The channel is `name`, its NUL included. */
+static void demand_name(program *p, const char *name)
+{
+    const uint32_t size = (uint32_t)strlen(name) + 1;
+    for (uint32_t at = 0; at < size;) {
+        const char *digit = memchr(name + at, '#', size - at);
+        const uint32_t plain = digit != NULL ? (uint32_t)(digit - name) - at : size - at;
+        if (plain >= 4) {
+            load(p, BPF_W, CHANNEL_AT + at);
+            compare(p, BPF_JEQ, read_word(name + at), 0, OPEN);
+            at += 4;
+            continue;
+        }
+        load(p, BPF_B, CHANNEL_AT + at);
+        if (plain > 0) {
+            compare(p, BPF_JEQ, (unsigned char)name[at], 0, OPEN);
+        } else {
+            compare(p, BPF_JGE, '0', 0, OPEN);
+            compare(p, BPF_JGT, '7', OPEN, 0);
+        }
+        ++at;
+    }
+}
+
+bool ss_filter_attach(const ss_filter *filter, int fd)
+{
+    program p = {.count = 0};
+    if (filter->is_local) {
+        demand_local(&p);
+    }
+    load(&p, BPF_W, MAGIC_AT);
+    compare(&p, BPF_JEQ, WHOLE_MESSAGE, 1, 0);
+    land(&p, 0);
+    finish(&p, 0); /* passed over when all holds so far */
+    for (int32_t i = 0; i < filter->name_count; ++i) {
+        const uint16_t first = p.count;
+        demand_name(&p, filter->names[i]);
+        finish(&p, UINT32_MAX);
+        land(&p, first);
+    }
+    finish(&p, 0);
+    const struct sock_fprog attached = {.len = p.count, .filter = p.code};
+    return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached) == 0;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Which datagrams the kernel lets into a socket of ours: a classic BPF program. Thread: set-up
+ * only.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { SS_FILTER_MAX_NAMES = 4 };
+
+typedef struct ss_filter {
+    bool is_local; /* only what never left this host */
+    /* Channels; '#' stands for one digit 0 to 7. At most SS_FILTER_MAX_NAMES, each shorter than 64
+     * bytes. */
+    const char *const *names;
+    int32_t name_count;
+} ss_filter;
+
+/* Attaches the filter to a UDP socket that is not bound yet, so that nothing can be there that has
+ * not passed it. False when the kernel refuses, with errno. */
+bool ss_filter_attach(const ss_filter *filter, int fd);

@@ -1,0 +1,460 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * LCM's own receive path does not stand an open network. Its reader starts at once, on a bound
+ * socket of which nobody else gets hold; it puts fragments together with
+ *   if (fragment_offset + fragment_size > message_size) refuse
+ * in 32 bits, so that one datagram with an offset near 2^32 makes it write 4 GB behind its buffer;
+ * it takes what is sent to the host as well as to the group; it reads as fast as anybody sends, at
+ * the priority of our net thread; and it does not say who sent. So we send by LCM and receive here:
+ *
+ *   socket, filter (filter.c), bind to the group, join
+ *
+ * in this order: before the bind nothing can be queued, and after it nothing that the filter has
+ * not passed. Bound to the group's address, the socket gets nothing that was sent to the host. All
+ * our messages fit one datagram (wire.h), so fragments are not for us at all.
+ *
+ * A lane is one socket with its channels and its token bucket. When the bucket is empty the lane
+ * is not read until a batch of tokens has come; the kernel keeps a buffer of some hundred messages
+ * and drops what does not fit, which costs our threads nothing. A pose thus waits a few
+ * milliseconds at most in the worst flood.
+ *
+ * Alternatives rejected: LCM with `bind` interposed to attach the filter, which cures fragments
+ * but neither the reader's appetite nor the missing address, and works only where liblcm is linked
+ * dynamically; a filter attached after lcm_subscribe, which leaves the milliseconds of LCM's self
+ * test open: at 1000 fragments a second 28 of 30 programs died in them.
+ * memq:// (one process, for tests) still comes through LCM, and has no budget.
+ */
+#include "net/receiver.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "net/wire.h"
+#include "rt/budget.h"
+#include "rt/clock.h"
+#include "rt/memory.h"
+#include "rt/thread.h"
+
+enum {
+    BATCH = 32,            /* messages a system call */
+    MAX_HANDLED = 4096,    /* a call of ss_receiver_wait, so that it returns */
+    HEADER_SIZE = 8,       /* magic, sequence number */
+    MAX_CHANNEL = 64,      /* its NUL included */
+    STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
+    TEST_TRIES = 100
+};
+static const int64_t NS_PER_MS = 1000000;
+static const int64_t NS_PER_S = 1000000000;
+static const int64_t TEST_WAIT_NS = 100000000;      /* ten seconds in all, as LCM's own */
+static const char TEST_CHANNEL[] = "LCM_SELF_TEST"; /* LCM's, so that spies know it */
+
+typedef struct lane_state {
+    ss_lane lane;
+    ss_receiver *receiver;
+    int fd; /* -1 in memq:// */
+    ss_budget budget;
+} lane_state;
+
+struct ss_receiver {
+    lcm_t *lcm; /* borrowed */
+    char prefix[SS_WIRE_MAX_PREFIX + 1];
+    void *context;
+    bool is_memq;
+    lane_state lane[SS_RECEIVER_MAX_LANES];
+    int32_t lane_count;
+    /* scratch: one batch */
+    int32_t slot_size;
+    uint8_t *slots;
+    struct mmsghdr header[BATCH];
+    struct iovec vector[BATCH];
+    struct sockaddr_in source[BATCH];
+};
+
+/* ---- a datagram ------------------------------------------------------------------------------ */
+
+/* Which name of the lane, or -1. */
+static int32_t find_name(const ss_lane *lane, const char *prefix, const char *channel,
+                         int32_t *out_digit)
+{
+    const size_t prefix_length = strlen(prefix);
+    *out_digit = -1;
+    if (strncmp(channel, prefix, prefix_length) != 0) {
+        return -1;
+    }
+    const char *rest = channel + prefix_length;
+    for (int32_t i = 0; i < SS_FILTER_MAX_NAMES && lane->suffix[i] != NULL; ++i) {
+        const size_t plain = strcspn(lane->suffix[i], "#");
+        const bool has_digit = lane->suffix[i][plain] == '#';
+        if (strncmp(rest, lane->suffix[i], plain) != 0) {
+            continue;
+        }
+        if (!has_digit && rest[plain] == '\0') {
+            return i;
+        }
+        if (has_digit && rest[plain] >= '0' && rest[plain] <= '7' && rest[plain + 1] == '\0') {
+            *out_digit = rest[plain] - '0';
+            return i;
+        }
+    }
+    return -1;
+}
+
+bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *datagram,
+                       int32_t size, ss_packet *out_packet)
+{
+    if (size <= HEADER_SIZE || memcmp(datagram, "LC02", 4) != 0) {
+        return false;
+    }
+    const char *channel = (const char *)datagram + HEADER_SIZE;
+    const size_t room = (size_t)(size - HEADER_SIZE);
+    const size_t length = strnlen(channel, room < MAX_CHANNEL ? room : MAX_CHANNEL);
+    if (length == room || length == MAX_CHANNEL) {
+        return false;
+    }
+    *out_packet = (ss_packet){.channel = channel,
+                              .data = datagram + HEADER_SIZE + length + 1,
+                              .size = size - HEADER_SIZE - (int32_t)length - 1};
+    out_packet->name = find_name(lane, prefix, channel, &out_packet->digit);
+    return out_packet->name >= 0;
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+static uint64_t number_source(const struct sockaddr_in *source)
+{
+    return (uint64_t)ntohl(source->sin_addr.s_addr) << 16 | ntohs(source->sin_port);
+}
+
+/* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */
+static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
+{
+    const int64_t left = ss_budget_left(&lane->budget, ss_clock_now_ns());
+    const unsigned wanted = left < BATCH ? (unsigned)left : BATCH;
+    for (unsigned i = 0; i < wanted; ++i) {
+        receiver->header[i].msg_hdr.msg_namelen = sizeof receiver->source[i];
+    }
+    const int count = recvmmsg(lane->fd, receiver->header, wanted, MSG_DONTWAIT, NULL);
+    if (count < 0) {
+        return errno == EAGAIN || errno == EINTR ? 0 : -1;
+    }
+    ss_budget_spend(&lane->budget, count);
+    for (int i = 0; i < count; ++i) {
+        ss_packet packet;
+        if (ss_receiver_parse(&lane->lane, receiver->prefix, receiver->vector[i].iov_base,
+                              (int32_t)receiver->header[i].msg_len, &packet)) {
+            packet.source = number_source(&receiver->source[i]);
+            lane->lane.receive(receiver->context, &packet);
+        }
+    }
+    return count;
+}
+
+/* LCM hands over one message and would block without one. */
+static int32_t read_memq(ss_receiver *receiver)
+{
+    return lcm_handle(receiver->lcm) == 0 ? 1 : -1;
+}
+
+static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    lane_state *lane = user;
+    ss_packet packet = {
+        .channel = channel, .data = buffer->data, .size = (int32_t)buffer->data_size};
+    packet.name = find_name(&lane->lane, lane->receiver->prefix, channel, &packet.digit);
+    if (packet.name >= 0) {
+        lane->lane.receive(lane->receiver->context, &packet);
+    }
+}
+
+/* What to wait for, and until when: a lane with an empty bucket waits for a batch of tokens, so
+ * that a flood does not cost a wake-up for every message. */
+static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
+                      struct pollfd waiting[])
+{
+    for (int32_t i = 0; i < receiver->lane_count; ++i) {
+        lane_state *lane = &receiver->lane[i];
+        const bool is_open = receiver->is_memq || ss_budget_left(&lane->budget, now_ns) > 0;
+        /* poll passes over a negative descriptor. */
+        waiting[i] = (struct pollfd){.fd = is_open ? lane->fd : -1, .events = POLLIN};
+        if (!is_open) {
+            const int64_t batch = lane->budget.burst < BATCH ? lane->budget.burst : BATCH;
+            const int64_t again_ns = ss_budget_when(&lane->budget, batch);
+            limit_ns = again_ns < limit_ns ? again_ns : limit_ns;
+        }
+    }
+    return limit_ns;
+}
+
+/* 1 something is there, 0 nothing until then or a signal to the process, -1 broken. */
+static int wait_until(struct pollfd waiting[], nfds_t count, int64_t until_ns)
+{
+    const int64_t left_ns = until_ns - ss_clock_now_ns();
+    const int64_t rest_ns = left_ns > 0 ? left_ns : 0;
+    const struct timespec timeout = {.tv_sec = (time_t)(rest_ns / NS_PER_S),
+                                     .tv_nsec = (long)(rest_ns % NS_PER_S)};
+    const int result = ppoll(waiting, count, &timeout, NULL);
+    if (result < 0) {
+        return errno == EINTR ? 0 : -1;
+    }
+    for (nfds_t i = 0; i < count; ++i) {
+        if ((waiting[i].revents & (POLLHUP | POLLNVAL)) != 0) {
+            return -1;
+        }
+    }
+    return result > 0;
+}
+
+/* A batch of every lane that has something. How many messages; -1 when a socket is broken. */
+static int32_t read_ready(ss_receiver *receiver, const struct pollfd waiting[])
+{
+    int32_t handled = 0;
+    for (int32_t i = 0; i < receiver->lane_count; ++i) {
+        if (waiting[i].revents == 0) {
+            continue;
+        }
+        const int32_t count =
+            receiver->is_memq ? read_memq(receiver) : read_lane(receiver, &receiver->lane[i]);
+        if (count < 0) {
+            return -1;
+        }
+        handled += count;
+    }
+    return handled;
+}
+
+int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns)
+{
+    struct pollfd waiting[SS_RECEIVER_MAX_LANES + 1];
+    const nfds_t lanes = (nfds_t)receiver->lane_count;
+    int32_t handled = 0;
+    bool is_signalled = false;
+    while (handled < MAX_HANDLED && !is_signalled) {
+        const int64_t now_ns = ss_clock_now_ns();
+        const int64_t limit_ns = handled > 0 ? now_ns : deadline_ns;
+        const int64_t until_ns = choose(receiver, now_ns, limit_ns, waiting);
+        waiting[lanes] = (struct pollfd){.fd = wake_fd, .events = POLLIN};
+        const int ready = wait_until(waiting, lanes + 1, until_ns);
+        if (ready < 0 || (ready == 0 && (until_ns >= limit_ns || handled > 0))) {
+            return ready < 0 ? -1 : handled;
+        }
+        if (waiting[lanes].revents != 0) {
+            if (handled > 0) {
+                return handled;
+            }
+            ss_wake_drain(wake_fd);
+            is_signalled = true;
+        }
+        const int32_t count = read_ready(receiver, waiting);
+        if (count < 0) {
+            return -1;
+        }
+        handled += count;
+    }
+    return handled;
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+/* An unbound socket has nothing in it: the filter comes first. -1 with errno. */
+static int open_socket(const ss_wire_url *url, const ss_filter *filter, int buffer)
+{
+    const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const int yes = 1;
+    const struct ip_mreq group = {.imr_multiaddr = url->group.sin_addr,
+                                  .imr_interface.s_addr = htonl(INADDR_ANY)};
+    if (fd < 0) {
+        return -1;
+    }
+    setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
+    if (!ss_filter_attach(filter, fd) ||
+        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
+        bind(fd, (const struct sockaddr *)&url->group, sizeof url->group) != 0 ||
+        setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) != 0) {
+        const int reason = errno;
+        close(fd);
+        errno = reason;
+        return -1;
+    }
+    return fd;
+}
+
+static softsim_status fail_socket(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                      "cannot join the multicast group: %s; another program may hold the port "
+                      "for itself, or the system forbids packet filters (SO_ATTACH_FILTER)",
+                      strerror(errno));
+    return SOFTSIM_ERROR_NETWORK;
+}
+
+/* Sends a number to itself until it comes back. */
+static bool hears_itself(lcm_t *lcm, int fd)
+{
+    uint64_t sent = 0, came = 0;
+    if (getrandom(&sent, sizeof sent, 0) != (ssize_t)sizeof sent) {
+        sent = (uint64_t)ss_clock_now_ns();
+    }
+    for (int i = 0; i < TEST_TRIES; ++i) {
+        const int64_t until_ns = ss_clock_now_ns() + TEST_WAIT_NS;
+        lcm_publish(lcm, TEST_CHANNEL, &sent, sizeof sent);
+        struct pollfd waiting = {.fd = fd, .events = POLLIN};
+        while (ss_clock_now_ns() < until_ns && wait_until(&waiting, 1, until_ns) > 0) {
+            uint8_t datagram[HEADER_SIZE + sizeof TEST_CHANNEL + sizeof sent];
+            const ssize_t size = recv(fd, datagram, sizeof datagram, 0);
+            if (size == (ssize_t)sizeof datagram) {
+                memcpy(&came, datagram + HEADER_SIZE + sizeof TEST_CHANNEL, sizeof came);
+            }
+            if (size == (ssize_t)sizeof datagram && came == sent) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static softsim_status test_group(const ss_receiver *receiver, const ss_wire_url *url,
+                                 softsim_error *error)
+{
+    const char *const name = TEST_CHANNEL;
+    const ss_filter filter = {.is_local = url->ttl == 0, .names = &name, .name_count = 1};
+    const int fd = open_socket(url, &filter, STOCK_BUFFER);
+    if (fd < 0) {
+        return fail_socket(error);
+    }
+    const bool is_heard = hears_itself(receiver->lcm, fd);
+    close(fd);
+    if (!is_heard) {
+        char address[INET_ADDRSTRLEN] = "";
+        inet_ntop(AF_INET, &url->group.sin_addr, address, sizeof address);
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "LCM hears none of its own packets: a firewall drops multicast; allow "
+                          "UDP to %s port %d, or give another --lcm-url",
+                          address, ntohs(url->group.sin_port));
+        return SOFTSIM_ERROR_NETWORK;
+    }
+    return SOFTSIM_OK;
+}
+
+static softsim_status open_lane(ss_receiver *receiver, lane_state *lane, const ss_wire_url *url,
+                                softsim_error *error)
+{
+    char name[SS_FILTER_MAX_NAMES][SS_WIRE_CHANNEL_SIZE];
+    const char *names[SS_FILTER_MAX_NAMES];
+    ss_filter filter = {.is_local = url->ttl == 0, .names = names};
+    for (; filter.name_count < SS_FILTER_MAX_NAMES && lane->lane.suffix[filter.name_count];
+         ++filter.name_count) {
+        names[filter.name_count] = name[filter.name_count];
+        snprintf(name[filter.name_count], sizeof name[0], "%s%s", receiver->prefix,
+                 lane->lane.suffix[filter.name_count]);
+    }
+    lane->fd = open_socket(url, &filter, url->buffer > 0 ? url->buffer : lane->lane.buffer);
+    return lane->fd >= 0 ? SOFTSIM_OK : fail_socket(error);
+}
+
+/* LCM reads a channel to subscribe to as a regular expression; of our characters only the dot
+ * means something in one. */
+static softsim_status subscribe_memq(ss_receiver *receiver, lane_state *lane)
+{
+    for (int32_t i = 0; i < SS_FILTER_MAX_NAMES && lane->lane.suffix[i] != NULL; ++i) {
+        char name[SS_WIRE_CHANNEL_SIZE], regex[6 * SS_WIRE_CHANNEL_SIZE];
+        size_t length = 0;
+        snprintf(name, sizeof name, "%s%s", receiver->prefix, lane->lane.suffix[i]);
+        for (const char *at = name; *at != '\0'; ++at) {
+            const char *form = *at == '#' ? "[0-7]" : *at == '.' ? "\\." : NULL;
+            length += (size_t)snprintf(regex + length, sizeof regex - length, "%.*s",
+                                       form != NULL ? 5 : 1, form != NULL ? form : at);
+        }
+        if (lcm_subscribe(receiver->lcm, regex, receive_memq, lane) == NULL) {
+            return SOFTSIM_ERROR_MEMORY;
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+static void prepare_batch(ss_receiver *receiver)
+{
+    for (int32_t i = 0; i < BATCH; ++i) {
+        receiver->vector[i] =
+            (struct iovec){.iov_base = receiver->slots + (size_t)i * (size_t)receiver->slot_size,
+                           .iov_len = (size_t)receiver->slot_size};
+        receiver->header[i].msg_hdr = (struct msghdr){
+            .msg_name = &receiver->source[i], .msg_iov = &receiver->vector[i], .msg_iovlen = 1};
+    }
+}
+
+static softsim_status open_lanes(ss_receiver *receiver, const ss_receiver_config *config,
+                                 const ss_wire_url *url, softsim_error *error)
+{
+    softsim_status status = url->is_memq ? SOFTSIM_OK : test_group(receiver, url, error);
+    receiver->lane_count = url->is_memq ? 1 : config->lane_count; /* of those that are waited for */
+    for (int32_t i = 0; i < config->lane_count && status == SOFTSIM_OK; ++i) {
+        lane_state *lane = &receiver->lane[i];
+        lane->lane = config->lane[i];
+        lane->receiver = receiver;
+        lane->budget =
+            (ss_budget){.interval_ns = NS_PER_MS / lane->lane.per_ms, .burst = lane->lane.burst};
+        status =
+            url->is_memq ? subscribe_memq(receiver, lane) : open_lane(receiver, lane, url, error);
+        lane->fd = url->is_memq ? lcm_get_fileno(config->lcm) : lane->fd;
+    }
+    return status;
+}
+
+softsim_status ss_receiver_open(const ss_receiver_config *config, ss_receiver **out_receiver,
+                                softsim_error *error)
+{
+    ss_wire_url url;
+    *out_receiver = NULL;
+    if (!ss_wire_read_url(config->lcm_url, &url, error)) {
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    ss_receiver *receiver = ss_memory_get(1, sizeof *receiver);
+    if (receiver == NULL) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    receiver->lcm = config->lcm;
+    receiver->context = config->context;
+    receiver->is_memq = url.is_memq;
+    snprintf(receiver->prefix, sizeof receiver->prefix, "%s", config->prefix);
+    for (int32_t i = 0; i < SS_RECEIVER_MAX_LANES; ++i) {
+        receiver->lane[i].fd = -1;
+    }
+    for (int32_t i = 0; i < config->lane_count; ++i) {
+        const int32_t size = HEADER_SIZE + MAX_CHANNEL + config->lane[i].max_size;
+        receiver->slot_size = size > receiver->slot_size ? size : receiver->slot_size;
+    }
+    receiver->slots = ss_memory_get(BATCH, (size_t)receiver->slot_size);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (receiver->slots != NULL) {
+        prepare_batch(receiver);
+        status = open_lanes(receiver, config, &url, error);
+    }
+    if (status != SOFTSIM_OK) {
+        ss_receiver_close(&receiver);
+        return status;
+    }
+    *out_receiver = receiver;
+    return SOFTSIM_OK;
+}
+
+void ss_receiver_close(ss_receiver **receiver)
+{
+    if (*receiver == NULL) {
+        return;
+    }
+    for (int32_t i = 0; i < SS_RECEIVER_MAX_LANES && !(*receiver)->is_memq; ++i) {
+        if ((*receiver)->lane[i].fd >= 0) {
+            close((*receiver)->lane[i].fd);
+        }
+    }
+    ss_memory_free((*receiver)->slots);
+    ss_memory_free(*receiver);
+    *receiver = NULL;
+}

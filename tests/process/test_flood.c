@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Under a flood of hostile packets every program starts, the probe's holder keeps it and is
+ * answered, and nothing is lost count of. How late forces get depends on the machine and is not
+ * judged here: flood_report.sh measures it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "daemon_fixture.h"
+#include "softsim/client.h"
+
+static process flooder;
+
+static int end_all(void **state)
+{
+    process_signal(&flooder, SIGKILL);
+    process_finish(&flooder);
+    return tear_down(state);
+}
+
+static void start_flood(const char *kind, const char *rate, const char *seconds)
+{
+    const char *const argv[] = {"flood", kind, "--rate", rate, "--seconds", seconds, NULL};
+    process_start(&flooder, argv, NULL);
+}
+
+static void expect_run(const char *const *argv)
+{
+    if (process_run(&client, argv) != 0) {
+        fail_msg("%s: status %d: %s", argv[0], client.status, client.err);
+    }
+}
+
+/* LCM reads between its bind and any filter that is attached later: 18 of 30 servers died here. */
+static void every_program_starts_under_fragments(void **state)
+{
+    (void)state;
+    enum { STARTS = 4 };
+    const char *const server[] = {"softsimd", KIDNEY, "--duration", "0.05", NULL};
+    const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--ticks", "700", NULL};
+    FILE *file = open_file("still.csv");
+    fputs("time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,3,1,0,0,0,0\n0.7,0,0,0,3,1,0,0,0,0\n",
+          file);
+    fclose(file);
+    const char *const replay[] = {"softsim-replay", in_folder("still.csv"), NULL};
+    start_flood("fragment-wrap", "20000", "600");
+    for (int i = 0; i < STARTS; ++i) {
+        expect_run(server);
+    }
+    start_daemon(NULL);
+    for (int i = 0; i < STARTS; ++i) {
+        expect_run(monitor);
+    }
+    /* Each new sender waits half a second for the one before to let go. */
+    expect_run(bridge);
+    expect_run(replay);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- a server under flood
+ * ----------------------------------------------------------------------- */
+
+/* By a client of ours: LCM's own receiver would not live through this. */
+typedef struct listener {
+    softsim_client *client;
+    softsim_server_status_t status;
+} listener;
+
+static void take_status(void *context, const struct _softsim_server_status_t *status, int64_t now)
+{
+    listener *l = context;
+    (void)now;
+    l->status = *status;
+}
+
+static void listen_open(listener *l)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    *l = (listener){.client = NULL};
+    const softsim_client_config config = {.context = l, .handle_status = take_status};
+    assert_int_equal(softsim_client_open(&config, &l->client, &error), SOFTSIM_OK);
+}
+
+/* A status that was made after the call: one machine, one monotonic clock. Fails after a minute. */
+static const softsim_server_status_t *listen_next(listener *l)
+{
+    const int64_t called_us = softsim_client_now_us();
+    const int64_t deadline_ns = softsim_client_now_ns() + 60000000000;
+    while (l->status.utime <= called_us) {
+        assert_true(softsim_client_wait(l->client, deadline_ns) >= 0);
+        assert_true(softsim_client_now_ns() < deadline_ns);
+    }
+    return &l->status;
+}
+
+static int64_t accepted(const softsim_server_status_t *status)
+{
+    int64_t count = status->poses_received;
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        count -= status->poses_refused[i];
+    }
+    return count;
+}
+
+/* Until the server has taken `count` more poses. */
+static void listen_accepted(listener *l, int64_t count)
+{
+    const int64_t wanted = accepted(listen_next(l)) + count;
+    for (int tries = 0; accepted(listen_next(l)) < wanted; ++tries) {
+        assert_true(tries < 100);
+    }
+}
+
+static void start_bridge(listener *l)
+{
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
+    process_start(&client, bridge, NULL);
+    listen_accepted(l, 200);
+}
+
+static void stop_bridge(void)
+{
+    process_signal(&client, SIGINT);
+    if (process_finish(&client) != 0) {
+        fail_msg("softsim-bridge: %d: %s%s", client.status, client.out, client.err);
+    }
+    assert_null(strstr(client.err, "another sender holds"));
+}
+
+static void the_holder_is_answered_under_all_kinds_at_once(void **state)
+{
+    (void)state;
+    listener l;
+    start_daemon(NULL);
+    listen_open(&l);
+    start_bridge(&l);
+    start_flood("mixed", "10000", "2");
+    assert_int_equal(process_finish(&flooder), 0);
+    listen_accepted(&l, 200);
+    const int64_t *refused = l.status.poses_refused;
+    assert_true(refused[SOFTSIM_REFUSED_MALFORMED] > 0);
+    assert_true(refused[SOFTSIM_REFUSED_TYPE_HASH] > 0);
+    assert_true(refused[SOFTSIM_REFUSED_NOT_FINITE] > 0);
+    assert_true(refused[SOFTSIM_REFUSED_OTHER_SENDER] > 0);
+    assert_true(refused[SOFTSIM_REFUSED_WRONG_PROBE] > 0);
+    assert_true(l.status.probe_forces[0] > 0);
+    assert_int_equal(l.status.probe_forces[0] + l.status.probe_missed[0],
+                     l.status.probe_periods[0]);
+    stop_bridge();
+    softsim_client_close(&l.client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* Every force tells the holder's number to all; poses far ahead of it under that number from
+ * another address once took the probe: the holder's own were no longer the newer ones. */
+static void poses_under_the_holders_number_change_nothing(void **state)
+{
+    (void)state;
+    listener l;
+    start_daemon(NULL);
+    listen_open(&l);
+    start_bridge(&l);
+    start_flood("pose-holder", "1000", "1");
+    assert_int_equal(process_finish(&flooder), 0);
+    assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER_SENDER] > 0);
+    assert_int_equal(l.status.poses_refused[SOFTSIM_REFUSED_OTHER], 0);
+    listen_accepted(&l, 200);
+    stop_bridge();
+    softsim_client_close(&l.client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* What is beyond the budget is not answered, and what comes after is. */
+static void commands_have_a_budget(void **state)
+{
+    (void)state;
+    const char *const monitor[] = {"softsim-monitor", "--command", "status", NULL};
+    listener l;
+    start_daemon(NULL);
+    listen_open(&l);
+    start_flood("command-status", "2000", "1");
+    assert_int_equal(process_finish(&flooder), 0);
+    assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > 0);
+    expect_run(monitor);
+    softsim_client_close(&l.client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+int main(void)
+{
+    if (!process_isolate()) {
+        fprintf(stderr, "skipped: no private network namespace allowed here\n");
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_program_starts_under_fragments, make_folder, end_all),
+        cmocka_unit_test_setup_teardown(the_holder_is_answered_under_all_kinds_at_once, make_folder,
+                                        end_all),
+        cmocka_unit_test_setup_teardown(poses_under_the_holders_number_change_nothing, make_folder,
+                                        end_all),
+        cmocka_unit_test_setup_teardown(commands_have_a_budget, make_folder, end_all),
+    };
+    return cmocka_run_group_tests_name("flood", tests, NULL, NULL);
+}
