@@ -533,6 +533,13 @@ static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
         {"udpm://group.example:7667", "T", "multicast"},
         {"udpm://2399999999999999999999999999999999999999999999999999999999999999999999.1", "T",
          "multicast"},
+        {"udpm://239.255.76.67:7667?ttl=-1", "T", "ttl is a whole number"},
+        {"udpm://239.255.76.67:7667?ttl=999999999999", "T", "ttl is a whole number"},
+        {"udpm://239.255.76.67:7667?ttl=256", "T", "ttl is a whole number"},
+        {"udpm://239.255.76.67:7667?ttl=1.5", "T", "ttl is a whole number"},
+        {"udpm://239.255.76.67:7667?ttl=", "T", "ttl is a whole number"},
+        {"udpm://239.255.76.67:7667?ttl=0&recv_buf_size=-5", "T", "recv_buf_size is"},
+        {"udpm://239.255.76.67:7667?tll=0", "T", "its options are"},
         {"memq://", "", "prefix"},
         {"memq://", NULL, "prefix"},
         {"memq://", "A B", "prefix"},
@@ -557,6 +564,45 @@ static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
                          SOFTSIM_ERROR_ARGUMENT);
         assert_null(publisher);
     }
+}
+
+static void an_urls_parts_are_read(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *url;
+        int port, ttl, buffer;
+    } cases[] = {{"udpm://", 7667, 0, 0},
+                 {"udpm://239.1.2.3", 7667, 0, 0},
+                 {"udpm://:7000?ttl=3", 7000, 3, 0},
+                 {"udpm://239.255.76.67:7667?recv_buf_size=65536&ttl=255", 7667, 255, 65536}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        ss_wire_url url;
+        assert_true(ss_wire_read_url(cases[c].url, &url, &error));
+        assert_int_equal(ntohs(url.group.sin_port), cases[c].port);
+        assert_int_equal(url.ttl, cases[c].ttl);
+        assert_int_equal(url.buffer, cases[c].buffer);
+        assert_true(ss_net_is_own_url(cases[c].url));
+    }
+}
+
+/* Beyond the budget commands are counted and not answered. */
+static void commands_have_a_budget(void **state)
+{
+    (void)state;
+    static heard h;
+    uint8_t message[MESSAGE_SIZE];
+    ss_net *net = net_make(&h, false, "T");
+    const int size = encode_command(message, "status", "");
+    for (int i = 0; i < 5000; ++i) {
+        lcm_publish(ss_net_lcm(net), "T_COMMAND", message, (unsigned)size);
+        assert_true(ss_net_wait(net, -1, 0));
+    }
+    assert_true(h.commands >= 50);
+    assert_true(h.refusals[SOFTSIM_REFUSED_OTHER] > 0);
+    assert_int_equal(h.commands + h.refusals[SOFTSIM_REFUSED_OTHER], 5000);
+    ss_net_close(&net);
 }
 
 /* Forces must not wait behind a flood of poses. */
@@ -596,6 +642,8 @@ int main(void)
         cmocka_unit_test(a_force_is_sent_as_it_is),
         cmocka_unit_test(status_is_sent_as_it_is_and_its_texts_are_bounded),
         cmocka_unit_test(another_server_is_told_from_ourselves),
+        cmocka_unit_test(commands_have_a_budget),
+        cmocka_unit_test(an_urls_parts_are_read),
         cmocka_unit_test(bad_urls_and_prefixes_are_refused_with_a_hint),
     };
     return cmocka_run_group_tests_name("softsim.net", tests, NULL, NULL);

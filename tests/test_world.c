@@ -12,6 +12,7 @@
 #include <cmocka.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "world.h"
@@ -84,6 +85,37 @@ static void commands_are_taken_without_a_haptic_loop(void **state)
     ss_world_destroy(&world);
 }
 
+static int32_t set(ss_world *world, const char *argument, char *out_text, int32_t size)
+{
+    ss_command_record record;
+    return ss_world_command(world, "set", argument, &record, out_text, size);
+}
+
+/* What the hand may feel is decided where the scene is; a command may only lower it. */
+static void no_command_raises_a_limit_above_the_scenes(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", false);
+    char text[512], argument[128];
+    const struct {
+        const char *key;
+        double scene;
+    } cases[] = {{"haptic.max_force_n", world->scene->max_force_n},
+                 {"haptic.max_slew_n_per_s", world->scene->max_slew_n_per_s}};
+    for (int i = 0; i < 2; ++i) {
+        const double value[] = {0.5 * cases[i].scene, cases[i].scene};
+        for (int k = 0; k < 2; ++k) { /* and back up to it */
+            snprintf(argument, sizeof argument, "%s=%.17g", cases[i].key, value[k]);
+            assert_int_equal(set(world, argument, text, sizeof text), 0);
+        }
+        snprintf(argument, sizeof argument, "%s=%.17g", cases[i].key, 1.001 * cases[i].scene);
+        assert_int_equal(set(world, argument, text, sizeof text), 1);
+        assert_non_null(strstr(text, cases[i].key));
+        assert_non_null(strstr(text, "above the scene's"));
+    }
+    ss_world_destroy(&world);
+}
+
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
@@ -122,6 +154,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_world_is_set_up_without_denormals), /* first: the mode stays */
         cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
+        cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
     };

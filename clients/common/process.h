@@ -9,6 +9,5 @@ void ss_process_catch_stop(void);
 /* Has the program been asked to end? Thread: any; RT-safe. */
 bool ss_process_is_stopped(void);
 
-/* Moves the calling thread to SCHED_FIFO; false where that is not allowed. Call it before
- * softsim_client_open: LCM's reader thread inherits the class. */
+/* Moves the calling thread to SCHED_FIFO; false where that is not allowed. */
 bool ss_process_raise_priority(void);

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * net/receiver and net/filter, on real sockets in a private network namespace: what the kernel lets
+ * in, what a lane may take of a thread, and that a datagram is never read beyond its end.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <arpa/inet.h>
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "net/receiver.h"
+#include "net/wire.h"
+#include "process/process.h"
+#include "rt/budget.h"
+#include "rt/clock.h"
+#include "rt/thread.h"
+
+enum { SIZE = 100, PORT = 7667 };
+static const char GROUP[] = "239.255.76.67";
+
+/* ---- datagrams --------------------------------------------------------------------------------
+ */
+
+/* LCM's head, the channel with its NUL, `size` zeros. Returns the datagram's size. */
+static int make(uint8_t *out, const char *magic, const char *channel, int size)
+{
+    memset(out, 0, 8);
+    memcpy(out, magic, 4);
+    strcpy((char *)out + 8, channel);
+    const int head = 8 + (int)strlen(channel) + 1;
+    memset(out + head, 0, (size_t)size);
+    return head + size;
+}
+
+static int sender_open(int ttl)
+{
+    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(setsockopt(fd, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl), 0);
+    return fd;
+}
+
+static void send_to(int fd, const char *address, const void *data, int size)
+{
+    const struct sockaddr_in to = {
+        .sin_family = AF_INET, .sin_port = htons(PORT), .sin_addr.s_addr = inet_addr(address)};
+    assert_int_equal(sendto(fd, data, (size_t)size, 0, (const struct sockaddr *)&to, sizeof to),
+                     size);
+}
+
+static void send_message(int fd, const char *channel, int size)
+{
+    uint8_t datagram[4096];
+    send_to(fd, GROUP, datagram, make(datagram, "LC02", channel, size));
+}
+
+/* ---- a receiver that notes what it hears ------------------------------------------------------
+ */
+
+typedef struct heard {
+    int poses, others, digit, name, size;
+    uint64_t source;
+    char channel[64];
+} heard;
+
+static void note(heard *h, const ss_packet *packet)
+{
+    h->digit = packet->digit;
+    h->name = packet->name;
+    h->size = packet->size;
+    h->source = packet->source;
+    snprintf(h->channel, sizeof h->channel, "%s", packet->channel);
+}
+
+static void hear_pose(void *context, const ss_packet *packet)
+{
+    heard *h = context;
+    ++h->poses;
+    note(h, packet);
+}
+
+static void hear_other(void *context, const ss_packet *packet)
+{
+    heard *h = context;
+    ++h->others;
+    note(h, packet);
+}
+
+static const ss_lane lanes[] = {{.suffix = {"_PROBE_#"},
+                                 .max_size = SIZE,
+                                 .buffer = 2097152,
+                                 .per_ms = 10,
+                                 .burst = 20,
+                                 .receive = hear_pose},
+                                {.suffix = {"_COMMAND", "_STATUS"},
+                                 .max_size = SIZE,
+                                 .buffer = 212992,
+                                 .per_ms = 4,
+                                 .burst = 64,
+                                 .receive = hear_other}};
+
+static lcm_t *lcm;
+
+static ss_receiver *open_receiver(heard *h, const char *url, const char *prefix)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_receiver *receiver = NULL;
+    memset(h, 0, sizeof *h);
+    lcm = ss_wire_open(url, &error);
+    const ss_receiver_config config = {
+        .lcm_url = url, .lcm = lcm, .prefix = prefix, .lane = lanes, .lane_count = 2, .context = h};
+    if (lcm == NULL || ss_receiver_open(&config, &receiver, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    return receiver;
+}
+
+static void close_receiver(ss_receiver **receiver)
+{
+    ss_receiver_close(receiver);
+    assert_null(*receiver);
+    lcm_destroy(lcm);
+}
+
+/* Sent last, read last: what was sent before it and was not heard was not let in. */
+static void hear_last(ss_receiver *receiver, heard *h, int fd)
+{
+    const int before = h->others;
+    send_message(fd, "T_STATUS", SIZE);
+    while (h->others == before) {
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) > 0);
+    }
+}
+
+/* ---- what the kernel lets in ------------------------------------------------------------------
+ */
+
+static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *magic, *channel;
+        int size;
+        bool is_ours;
+    } cases[] = {
+        {"LC02", "T_PROBE_0", SIZE, true},   {"LC02", "T_PROBE_7", SIZE, true},
+        {"LC02", "T_PROBE_3", 0, true},      {"LC02", "T_COMMAND", SIZE, true},
+        {"LC02", "T_COMMAND", 0, true},      {"LC02", "T_PROBE_8", SIZE, false},
+        {"LC02", "T_PROBE_/", SIZE, false},  {"LC02", "T_PROBE_", SIZE, false},
+        {"LC02", "T_PROBE_00", SIZE, false}, {"LC02", "U_PROBE_0", SIZE, false},
+        {"LC02", "TT_PROBE_0", SIZE, false}, {"LC02", "T_COMMANDS", SIZE, false},
+        {"LC02", "T_COMMAN", SIZE, false},   {"LC02", "", SIZE, false},
+        {"LC02", "LCM_SELF_TEST", 8, false}, {"LC03", "T_PROBE_0", SIZE, false},
+        {"LC01", "T_PROBE_0", SIZE, false},  {"\0\0\0\0", "T_PROBE_0", SIZE, false},
+    };
+    heard h;
+    ss_receiver *receiver = open_receiver(&h, NULL, "T");
+    const int fd = sender_open(0);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        uint8_t datagram[512];
+        const int size = make(datagram, cases[c].magic, cases[c].channel, cases[c].size);
+        const int before = h.poses + h.others;
+        send_to(fd, GROUP, datagram, size);
+        hear_last(receiver, &h, fd);
+        if (h.poses + h.others - before - 1 != cases[c].is_ours) {
+            fail_msg("%s %s", cases[c].magic, cases[c].channel);
+        }
+    }
+    /* Cut anywhere, a message is none, or one with less in it; no byte is read that is not there.
+     */
+    uint8_t datagram[512];
+    const int whole = make(datagram, "LC02", "T_PROBE_5", 4);
+    for (int size = 0; size <= whole; ++size) {
+        const int before = h.poses;
+        send_to(fd, GROUP, datagram, size);
+        hear_last(receiver, &h, fd);
+        assert_int_equal(h.poses - before, size >= whole - 4);
+    }
+    close(fd);
+    close_receiver(&receiver);
+}
+
+static void a_message_says_what_it_is_and_who_sent_it(void **state)
+{
+    (void)state;
+    heard h;
+    ss_receiver *receiver = open_receiver(&h, NULL, "T");
+    const int fd[] = {sender_open(0), sender_open(0)};
+    uint64_t source[2];
+    for (int i = 0; i < 2; ++i) {
+        send_message(fd[i], "T_PROBE_6", 10 + i);
+        while (h.poses == i) {
+            assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) >= 0);
+        }
+        assert_string_equal(h.channel, "T_PROBE_6");
+        assert_int_equal(h.digit, 6);
+        assert_int_equal(h.name, 0);
+        assert_int_equal(h.size, 10 + i);
+        struct sockaddr_in own;
+        socklen_t own_size = sizeof own;
+        assert_int_equal(getsockname(fd[i], (struct sockaddr *)&own, &own_size), 0);
+        assert_int_equal(h.source & 0xffff, ntohs(own.sin_port));
+        source[i] = h.source;
+    }
+    assert_true(source[0] != source[1]);
+    hear_last(receiver, &h, fd[0]);
+    assert_int_equal(h.name, 1);
+    assert_int_equal(h.digit, -1);
+    assert_true(h.source == source[0]);
+    /* Longer than any good one: cut, and still longer than any good one. */
+    send_message(fd[0], "T_PROBE_0", 3000);
+    hear_last(receiver, &h, fd[0]);
+    assert_int_equal(h.poses, 3);
+    close(fd[0]);
+    close(fd[1]);
+    close_receiver(&receiver);
+}
+
+static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
+{
+    (void)state;
+    heard h;
+    const int fd = sender_open(0), far = sender_open(1);
+    uint8_t datagram[512];
+    const int size = make(datagram, "LC02", "T_PROBE_0", SIZE);
+    ss_receiver *receiver = open_receiver(&h, NULL, "T");
+    send_message(far, "T_PROBE_0", SIZE);
+    send_to(fd, "127.0.0.1", datagram, size);
+    hear_last(receiver, &h, fd);
+    assert_int_equal(h.poses, 0);
+    close_receiver(&receiver);
+    receiver = open_receiver(&h, "udpm://239.255.76.67:7667?ttl=1", "T");
+    send_to(fd, "127.0.0.1", datagram, size); /* never what was not sent to the group */
+    send_message(far, "T_PROBE_0", SIZE);
+    hear_last(receiver, &h, fd);
+    assert_int_equal(h.poses, 1);
+    close_receiver(&receiver);
+    close(fd);
+    close(far);
+}
+
+/* ---- budgets ----------------------------------------------------------------------------------
+ */
+
+static void a_budget_fills_up_and_no_further(void **state)
+{
+    (void)state;
+    ss_budget budget = {.interval_ns = 100, .burst = 5};
+    assert_int_equal(ss_budget_left(&budget, 1000000), 5);
+    ss_budget_spend(&budget, 5);
+    assert_int_equal(ss_budget_left(&budget, 1000000), 0);
+    assert_int_equal(ss_budget_left(&budget, 1000099), 0);
+    assert_int_equal(ss_budget_when(&budget, 1), 1000100);
+    assert_int_equal(ss_budget_left(&budget, 1000100), 1);
+    assert_int_equal(ss_budget_left(&budget, 1000399), 3);
+    ss_budget_spend(&budget, 2);
+    assert_int_equal(ss_budget_left(&budget, 1000399), 1);
+    assert_int_equal(ss_budget_left(&budget, 9000000), 5);
+}
+
+static void a_flood_is_read_no_faster_than_the_budget(void **state)
+{
+    (void)state;
+    enum { FLOOD = 2000 };
+    heard h;
+    ss_receiver *receiver = open_receiver(&h, NULL, "T");
+    const int fd = sender_open(0);
+    for (int i = 0; i < FLOOD; ++i) {
+        send_message(fd, "T_PROBE_0", SIZE);
+    }
+    const int64_t start_ns = ss_clock_now_ns();
+    while (h.poses < 300) {
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) >= 0);
+        const int64_t took_ms = (ss_clock_now_ns() - start_ns) / 1000000;
+        assert_true(h.poses <= 20 + 10 * (took_ms + 1));
+    }
+    /* The flood waits; another lane does not wait behind it. */
+    h.poses = 0;
+    hear_last(receiver, &h, fd);
+    assert_true(h.poses < FLOOD - 300);
+    close(fd);
+    close_receiver(&receiver);
+}
+
+static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
+{
+    (void)state;
+    heard h;
+    ss_receiver *receiver = open_receiver(&h, NULL, "T");
+    const int fd = sender_open(0), wake_fd = ss_wake_open();
+    for (int i = 0; i < 500; ++i) {
+        send_message(fd, "T_PROBE_0", SIZE);
+    }
+    for (int i = 0; i < 10; ++i) {
+        ss_wake_signal(wake_fd);
+        /* One batch at most; without the signal it would wait for a minute. */
+        assert_in_range(ss_receiver_wait(receiver, wake_fd, ss_clock_now_ns() + 60000000000), 0,
+                        32);
+    }
+    close(fd);
+    close(wake_fd);
+    close_receiver(&receiver);
+}
+
+/* ---- parsing ----------------------------------------------------------------------------------
+ */
+
+static void nothing_is_read_beyond_a_datagram(void **state)
+{
+    (void)state;
+    uint8_t datagram[512];
+    ss_packet packet;
+    const int whole = make(datagram, "LC02", "T_PROBE_5", 4);
+    for (int size = 0; size <= whole; ++size) {
+        uint8_t *copy = malloc(size > 0 ? (size_t)size : 1); /* for a sanitizer to watch */
+        memcpy(copy, datagram, (size_t)size);
+        const bool is_message = ss_receiver_parse(&lanes[0], "T", copy, size, &packet);
+        assert_int_equal(is_message, size >= whole - 4);
+        assert_true(!is_message || packet.size == size - (whole - 4));
+        free(copy);
+    }
+    memset(datagram + 8, 'T', sizeof datagram - 8); /* a channel without an end */
+    assert_false(ss_receiver_parse(&lanes[0], "T", datagram, sizeof datagram, &packet));
+}
+
+int main(void)
+{
+    if (!process_isolate()) {
+        fprintf(stderr, "skipped: no private network namespace allowed here\n");
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_budget_fills_up_and_no_further),
+        cmocka_unit_test(nothing_is_read_beyond_a_datagram),
+        cmocka_unit_test(the_kernel_lets_in_whole_messages_of_our_channels),
+        cmocka_unit_test(a_message_says_what_it_is_and_who_sent_it),
+        cmocka_unit_test(only_this_host_is_heard_with_a_ttl_of_zero),
+        cmocka_unit_test(a_flood_is_read_no_faster_than_the_budget),
+        cmocka_unit_test(a_signal_is_not_kept_waiting_by_a_flood),
+    };
+    return cmocka_run_group_tests_name("receiver", tests, NULL, NULL);
+}
