@@ -25,12 +25,12 @@
 #include "wire.h"
 
 enum {
-    MAX_MESSAGE = 16384,   /* bytes, more than any status or reply has */
-    LANE_BUFFER = 2097152, /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
-    FORCES_PER_MS = 100,
-    FORCE_BURST = 2000,
-    OTHERS_PER_MS = 4, /* statuses and replies */
-    OTHER_BURST = 64,
+    MAX_MESSAGE = 16384,     /* bytes, more than any status or reply has */
+    LANE_BUFFER = 2097152,   /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
+    FORCE_WORK_PER_MS = 100, /* the receiver's units: 89 forces in batches */
+    FORCE_WORK_BURST = 4096,
+    OTHER_WORK_PER_MS = 20, /* statuses and replies */
+    OTHER_WORK_BURST = 256,
     NAME_SIZE = 32, /* of a command, as the server takes it */
     ARGUMENT_SIZE = 1024
 };
@@ -164,14 +164,14 @@ static void receive_other(void *context, const ss_packet *packet)
 static const ss_lane lanes[] = {{.suffix = {"_STATUS", "_REPLY"},
                                  .max_size = MAX_MESSAGE,
                                  .buffer = LANE_BUFFER,
-                                 .per_ms = OTHERS_PER_MS,
-                                 .burst = OTHER_BURST,
+                                 .per_ms = OTHER_WORK_PER_MS,
+                                 .burst = OTHER_WORK_BURST,
                                  .receive = receive_other},
                                 {.suffix = {"_FORCE_#"},
                                  .max_size = MAX_MESSAGE,
                                  .buffer = LANE_BUFFER,
-                                 .per_ms = FORCES_PER_MS,
-                                 .burst = FORCE_BURST,
+                                 .per_ms = FORCE_WORK_PER_MS,
+                                 .burst = FORCE_WORK_BURST,
                                  .receive = receive_force}};
 
 static softsim_status join(softsim_client *client, const char *prefix, softsim_error *error)

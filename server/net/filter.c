@@ -119,7 +119,7 @@ bool ss_filter_attach(const ss_filter *filter, int fd)
     for (int32_t i = 0; i < filter->name_count; ++i) {
         const uint16_t first = p.count;
         demand_name(&p, filter->names[i]);
-        finish(&p, UINT32_MAX);
+        finish(&p, filter->bytes_kept);
         land(&p, first);
     }
     finish(&p, 0);

@@ -16,6 +16,7 @@ typedef struct ss_filter {
      * bytes. */
     const char *const *names;
     int32_t name_count;
+    uint32_t bytes_kept; /* of a datagram, UDP header included; the kernel lets go of the rest */
 } ss_filter;
 
 /* Attaches the filter to a UDP socket that is not bound yet, so that nothing can be there that has

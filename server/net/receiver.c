@@ -14,10 +14,12 @@
  * not passed. Bound to the group's address, the socket gets nothing that was sent to the host. All
  * our messages fit one datagram (wire.h), so fragments are not for us at all.
  *
- * A lane is one socket with its channels and its token bucket. When the bucket is empty the lane
- * is not read until a batch of tokens has come; the kernel keeps a buffer of some hundred messages
- * and drops what does not fit, which costs our threads nothing. A pose thus waits a few
- * milliseconds at most in the worst flood.
+ * A lane is one socket with its channels and a budget of work, in units of about 1.5 us: a wake-up
+ * with its read is READ_COST of them, a message one, and one more for every BYTES_COST bytes. Light
+ * traffic is read as it comes. Dense traffic spends the budget on wake-ups, and is then left until
+ * there is enough for a whole batch at the price of one wake-up; what comes faster than that fills
+ * the kernel's buffer of some hundred messages and is dropped there, at no cost to our threads. A
+ * pose thus waits a few milliseconds at most in the worst flood.
  *
  * Alternatives rejected: LCM with `bind` interposed to attach the filter, which cures fragments
  * but neither the reader's appetite nor the missing address, and works only where liblcm is linked
@@ -43,11 +45,14 @@
 #include "rt/thread.h"
 
 enum {
-    BATCH = 32,            /* messages a system call */
-    MAX_HANDLED = 4096,    /* a call of ss_receiver_wait, so that it returns */
+    BATCH = 32,         /* messages a system call */
+    MAX_HANDLED = 4096, /* a call of ss_receiver_wait, so that it returns */
+    UDP_HEADER = 8,
     HEADER_SIZE = 8,       /* magic, sequence number */
     MAX_CHANNEL = 64,      /* its NUL included */
     STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
+    READ_COST = 4,
+    BYTES_COST = 1024,
     TEST_TRIES = 100
 };
 static const int64_t NS_PER_MS = 1000000;
@@ -135,8 +140,9 @@ static uint64_t number_source(const struct sockaddr_in *source)
 /* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */
 static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
 {
-    const int64_t left = ss_budget_left(&lane->budget, ss_clock_now_ns());
+    const int64_t left = ss_budget_left(&lane->budget, ss_clock_now_ns()) - READ_COST;
     const unsigned wanted = left < BATCH ? (unsigned)left : BATCH;
+    int64_t cost = READ_COST;
     for (unsigned i = 0; i < wanted; ++i) {
         receiver->header[i].msg_hdr.msg_namelen = sizeof receiver->source[i];
     }
@@ -144,15 +150,17 @@ static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
     if (count < 0) {
         return errno == EAGAIN || errno == EINTR ? 0 : -1;
     }
-    ss_budget_spend(&lane->budget, count);
     for (int i = 0; i < count; ++i) {
         ss_packet packet;
-        if (ss_receiver_parse(&lane->lane, receiver->prefix, receiver->vector[i].iov_base,
-                              (int32_t)receiver->header[i].msg_len, &packet)) {
+        const int32_t size = (int32_t)receiver->header[i].msg_len;
+        cost += 1 + size / BYTES_COST;
+        if (ss_receiver_parse(&lane->lane, receiver->prefix, receiver->vector[i].iov_base, size,
+                              &packet)) {
             packet.source = number_source(&receiver->source[i]);
             lane->lane.receive(receiver->context, &packet);
         }
     }
+    ss_budget_spend(&lane->budget, cost);
     return count;
 }
 
@@ -173,18 +181,19 @@ static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void
     }
 }
 
-/* What to wait for, and until when: a lane with an empty bucket waits for a batch of tokens, so
- * that a flood does not cost a wake-up for every message. */
+/* What to wait for, and until when: a lane that has spent its budget waits for that of a whole
+ * batch. */
 static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
                       struct pollfd waiting[])
 {
     for (int32_t i = 0; i < receiver->lane_count; ++i) {
         lane_state *lane = &receiver->lane[i];
-        const bool is_open = receiver->is_memq || ss_budget_left(&lane->budget, now_ns) > 0;
+        const bool is_open = receiver->is_memq || ss_budget_left(&lane->budget, now_ns) > READ_COST;
         /* poll passes over a negative descriptor. */
         waiting[i] = (struct pollfd){.fd = is_open ? lane->fd : -1, .events = POLLIN};
         if (!is_open) {
-            const int64_t batch = lane->budget.burst < BATCH ? lane->budget.burst : BATCH;
+            const int64_t whole = READ_COST + BATCH;
+            const int64_t batch = lane->budget.burst < whole ? lane->budget.burst : whole;
             const int64_t again_ns = ss_budget_when(&lane->budget, batch);
             limit_ns = again_ns < limit_ns ? again_ns : limit_ns;
         }
@@ -323,7 +332,8 @@ static softsim_status test_group(const ss_receiver *receiver, const ss_wire_url 
                                  softsim_error *error)
 {
     const char *const name = TEST_CHANNEL;
-    const ss_filter filter = {.is_local = url->ttl == 0, .names = &name, .name_count = 1};
+    const ss_filter filter = {
+        .is_local = url->ttl == 0, .names = &name, .name_count = 1, .bytes_kept = UINT32_MAX};
     const int fd = open_socket(url, &filter, STOCK_BUFFER);
     if (fd < 0) {
         return fail_socket(error);
@@ -347,7 +357,9 @@ static softsim_status open_lane(ss_receiver *receiver, lane_state *lane, const s
 {
     char name[SS_FILTER_MAX_NAMES][SS_WIRE_CHANNEL_SIZE];
     const char *names[SS_FILTER_MAX_NAMES];
-    ss_filter filter = {.is_local = url->ttl == 0, .names = names};
+    ss_filter filter = {.is_local = url->ttl == 0,
+                        .names = names,
+                        .bytes_kept = (uint32_t)(UDP_HEADER + receiver->slot_size)};
     for (; filter.name_count < SS_FILTER_MAX_NAMES && lane->lane.suffix[filter.name_count];
          ++filter.name_count) {
         names[filter.name_count] = name[filter.name_count];

@@ -30,7 +30,8 @@ typedef struct ss_lane {
         *suffix[SS_FILTER_MAX_NAMES]; /* channels behind the prefix: "_PROBE_#"; up to NULL */
     int32_t max_size;      /* bytes, more than any good message has; a longer one is cut off here */
     int32_t buffer;        /* bytes in the kernel, where the url does not say */
-    int32_t per_ms, burst; /* messages handled a millisecond, and at once after a pause */
+    int32_t per_ms, burst; /* units of work a millisecond, and at once after a pause: a message
+                              costs one and its share of a wake-up, see receiver.c */
     void (*receive)(void *context, const ss_packet *packet);
 } ss_lane;
 
