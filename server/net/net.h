@@ -128,7 +128,8 @@ typedef struct ss_net_config {
 
 /* Called by the net thread. `handle_pose` decides by the gate and pushes (real time) or ticks the
  * world and answers (lockstep); its receive_ns is 0 in lockstep. `handle_refusal` hears of
- * messages that could not be decoded; `channel_probe` is -1 when it was a command.
+ * messages that could not be decoded, and of commands beyond their budget (other);
+ * `channel_probe` is -1 when it was a command.
  * `handle_command` runs the command and answers by returning the code and filling the text
  * (text_size bytes, empty before). */
 typedef struct ss_net_calls {

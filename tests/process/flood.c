@@ -370,6 +370,12 @@ static void channel_unknown(packet *p)
     put_zeros(p, 148);
 }
 
+static void self_test(packet *p)
+{
+    start(p, "LCM_SELF_TEST");
+    put_zeros(p, 8);
+}
+
 static void channel_near(packet *p)
 {
     start(p, "SOFTSIM_PROBE_8");
@@ -415,6 +421,7 @@ static const struct kind {
              {"channel-long", channel_long},
              {"channel-unknown", channel_unknown},
              {"channel-near", channel_near},
+             {"self-test", self_test},
              {"command-shutdown", command_shutdown}};
 /* The last one, which ends all others, is not mixed with them. */
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds, MIXED_COUNT = KIND_COUNT - 1 };
