@@ -587,6 +587,25 @@ static void an_urls_parts_are_read(void **state)
     }
 }
 
+static void a_url_of_ones_own_is_given_or_in_the_environment(void **state)
+{
+    (void)state;
+    char before[256] = "";
+    const char *outer = getenv("LCM_DEFAULT_URL");
+    snprintf(before, sizeof before, "%s", outer != NULL ? outer : "");
+    unsetenv("LCM_DEFAULT_URL");
+    assert_false(ss_net_is_own_url(NULL));
+    assert_false(ss_net_is_own_url(""));
+    assert_true(ss_net_is_own_url("udpm://239.255.76.67:7667?ttl=0"));
+    setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67:7667?ttl=1", 1);
+    assert_true(ss_net_is_own_url(NULL));
+    ss_wire_url url;
+    softsim_error error = {.status = SOFTSIM_OK};
+    assert_true(ss_wire_read_url(NULL, &url, &error));
+    assert_int_equal(url.ttl, 1);
+    setenv("LCM_DEFAULT_URL", before, 1);
+}
+
 /* Beyond the budget commands are counted and not answered. */
 static void commands_have_a_budget(void **state)
 {
@@ -644,6 +663,7 @@ int main(void)
         cmocka_unit_test(another_server_is_told_from_ourselves),
         cmocka_unit_test(commands_have_a_budget),
         cmocka_unit_test(an_urls_parts_are_read),
+        cmocka_unit_test(a_url_of_ones_own_is_given_or_in_the_environment),
         cmocka_unit_test(bad_urls_and_prefixes_are_refused_with_a_hint),
     };
     return cmocka_run_group_tests_name("softsim.net", tests, NULL, NULL);
