@@ -354,6 +354,7 @@ void ss_body_info(const ss_body *body, ss_model_info *out)
                            .verdict = body->verdict,
                            .reason = body->reason,
                            .stable_step = body->bound,
+                           .travelled = body->travelled,
                            .kinetic = body->kinetic,
                            .elastic = body->elastic,
                            .dissipated = body->dissipated,

@@ -107,6 +107,7 @@ struct ss_body {
     ss_body_solver solver;
     /* report */
     int32_t substeps, worst_element, active_nodes;
+    double travelled; /* share of the tools' way in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason;

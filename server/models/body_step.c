@@ -22,9 +22,10 @@
  * own: h^2 (law's / step_share^2 + contact's / contact_share^2) <= limit^2, stable since no share
  * is above 1. A tool moves at most R/4 in a sub-step. Where the budget
  * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
- * stable, while tools and driven axes reach their places. A node moves at most a fifth of an edge
- * in an explicit sub-step: no element can be turned inside out by the motion of a single one, and
- * forces stay within what a number can hold. What acted is said in the verdict. What the
+ * stable, and tools and driven axes go the same share of their ways: the whole way in a part of the
+ * time would press at a multiple of the speed that a hand has. A node moves at most a fifth of an
+ * edge in an explicit sub-step: no element can be turned inside out by the motion of a single one,
+ * and forces stay within what a number can hold. What acted is said in the verdict. What the
  * positions are at the start of an outer step is kept, and comes back when a number is not finite.
  *
  * Gains are added up over about a tenth of a second, losses taken off; beyond a hundredth of what
@@ -42,9 +43,8 @@
  */
 #define MAX_EDGES        0.2
 #define MAX_DISPLACEMENT 100.0
-/* Gains: of the energy, and the time over which they are added up, s. */
+/* Gains, added up (ss_plan_pool_gain): of the energy. */
 #define MAX_SILENT_GAIN 0.01
-#define GAIN_TIME       0.1
 /* Of the energy: what the shadow (see set_motion) may be. A mode at omega h has (omega h / 2)^2 of
  * its stored energy, 1/4 at half the stable step, all of it where the method becomes unstable. */
 #define MAX_SHADOW 0.75
@@ -260,7 +260,7 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
      * opposite signs. */
     const double unstable = body->shadow - MAX_SHADOW * (body->elastic + body->kinetic);
     gain += fmax(0.0, unstable);
-    body->pool = fmax(-most, body->pool * exp(-dt / GAIN_TIME) + gain);
+    body->pool = ss_plan_pool_gain(body->pool, gain, most, dt);
     if (body->is_explicit && body->pool < -0.999 * most) {
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "sub-steps lost energy to their length");
     }
@@ -293,7 +293,7 @@ static void judge_slowed(ss_body *body, double gain, double dt)
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
     const double much = fmin(fmax(gain, 0.0), fmax(body->taken, 0.0));
     body->dissipated -= much;
-    body->pool = fmax(-most, body->pool * exp(-dt / GAIN_TIME) + gain - much);
+    body->pool = ss_plan_pool_gain(body->pool, gain - much, most, dt);
     if (body->pool > most) {
         body->pool = 0.0;
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
@@ -310,7 +310,7 @@ typedef struct progress {
 } progress;
 
 /* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
- * else the longest stable one, and the way in equal parts of the budget. */
+ * else the longest stable one, and its share of the way. */
 static void plan_substep(const ss_body *body, const progress *p, double *out_h,
                          double *out_fraction)
 {
@@ -320,8 +320,9 @@ static void plan_substep(const ss_body *body, const progress *p, double *out_h,
     const double needed = fmax(fmax(by_time, by_way), 1.0);
     const double available = fmax(1.0, (double)(body->plan.max_substeps - p->done));
     const double parts = fmin(needed, available);
-    *out_h = fmin(p->left / parts, stable);
-    *out_fraction = (1.0 - p->path) / parts;
+    const double h = fmin(p->left / parts, stable);
+    *out_h = h;
+    *out_fraction = by_time > available ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
 }
 
 static void place_driven(ss_body *body, double path, double fraction, double h, bool is_booked)
@@ -372,6 +373,12 @@ static void move_tools(ss_body *body, double path)
     }
 }
 
+/* Is there way left, and a sub-step for it? */
+static bool goes_on(const ss_body *body, const progress *p)
+{
+    return p->path < 1.0 && p->done < body->plan.max_substeps;
+}
+
 /* One sub-step; false when the body is at fault. Work is force times way, the forces' mean at both
  * ends; a model that takes contact implicitly has the tools at their end before the nodes move. */
 static bool substep(ss_body *body, progress *p)
@@ -402,7 +409,7 @@ static bool substep(ss_body *body, progress *p)
     p->left -= h;
     p->path = next;
     if (is_finite) {
-        evaluate(body, next, next == 1.0);
+        evaluate(body, next, !goes_on(body, p));
         settle_grasps(body);
         body->work += 0.5 * h * ss_body_driven_power(body);
         if (!has_implicit_contact(body)) {
@@ -463,7 +470,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->law_step = body->own.elastic.stable_step(body->own.elastic.owner, body);
     set_bound(body);
     progress p = {.left = dt, .motion = ss_body_motion_steps(body)};
-    while (p.path < 1.0) {
+    while (goes_on(body, &p)) {
         if (!substep(body, &p)) {
             return;
         }
@@ -487,5 +494,6 @@ void ss_body_step(ss_body *body, double time, double dt,
                       "needs more sub-steps than max_substeps: slower than real time");
     }
     body->substeps = p.done;
+    body->travelled = p.path;
     ++body->step;
 }

@@ -148,6 +148,7 @@ struct ss_model {
     double gained;                      /* J, from nowhere, until then */
     double fixed_reaction[3];
     int32_t substeps, active_nodes, worst_element;
+    double travelled; /* share of the tools' way in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason;

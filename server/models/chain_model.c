@@ -252,6 +252,7 @@ static void info(const ss_model *model, ss_model_info *out)
                            .verdict = model->verdict,
                            .reason = model->reason,
                            .stable_step = ss_chain_stable_step(model),
+                           .travelled = model->travelled,
                            .kinetic = 0.0,
                            .elastic = model->elastic,
                            .dissipated = model->dissipated,

@@ -4,6 +4,8 @@
 /*
  * Time: an outer step in equal sub-steps of explicit Euler, each in the paper's order: what is
  * prescribed moves first (driven cells, tools), forces are sampled, then all other cells answer.
+ * Where the budget of sub-steps is not enough for the time, what is prescribed moves by the share
+ * of its way that the time is simulated.
  *
  * Which links are looked at (the front): a group of links is left out while all its links are slack
  * and none of its nodes has moved since it was last looked at; it would add exactly 0. Groups and
@@ -310,11 +312,12 @@ static bool answer(ss_model *model, double h, double far, bool is_full, bool is_
     return motion.largest <= MAX_DISPLACEMENT * model->diagonal || clamp_displacements(model);
 }
 
-/* On to sub-step `index` of `count`, `h` seconds long; false when the model is at fault. */
-static bool take_substep(ss_model *model, int32_t index, int32_t count, double h)
+/* On to sub-step `index` of `count`, `h` seconds long, on `share` of the tools' way; false when the
+ * model is at fault. */
+static bool take_substep(ss_model *model, int32_t index, int32_t count, double h, double share)
 {
     ss_chain_front *front = &model->front;
-    const double path = (double)(index + 1) / count;
+    const double path = share * (index + 1) / count;
     ss_chain_driven_place(model, path);
     ss_chain_tools_touch(model, index == 0, path);
     if (isfinite(model->saturation)) {
@@ -438,6 +441,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     const double by_way = fmax(ss_chain_tools_substeps(model), driven_substeps(model));
     const int32_t count = (int32_t)fmin(fmax(by_time, by_way), most);
     const double h = fmin(dt / count, stable);
+    const double share = by_time > most ? count * h / dt : 1.0;
     if (by_time > most) {
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;
         ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
@@ -451,7 +455,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
         ss_chain_guard_begin(model);
     }
     for (int32_t k = 0; k < count; ++k) {
-        if (!take_substep(model, k, count, h)) {
+        if (!take_substep(model, k, count, h, share)) {
             return;
         }
     }
@@ -460,5 +464,6 @@ void ss_chain_step(ss_model *model, double time, double dt,
     }
     ss_chain_tools_sample(model);
     model->substeps = count;
+    model->travelled = share;
     ++model->step;
 }

@@ -728,7 +728,8 @@ static void info(const ss_model *model, ss_model_info *out)
         .fault_bits = model->verdict == SOFTSIM_VERDICT_FAULT ? SS_MODEL_FAULT_NOT_FINITE : 0,
         .verdict = model->verdict,
         .reason = model->reason,
-        .stable_step = (double)INFINITY};
+        .stable_step = (double)INFINITY,
+        .travelled = 1.0};
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -303,6 +303,7 @@ static void reset(ss_model *model)
     model->step = 0;
     model->substeps = 0;
     model->work = model->dissipated = model->kinetic = model->elastic = 0.0;
+    model->pool = 0.0;
     model->pressure = 0.0;
     model->is_ready = false;
     model->has_loads_only = false;
@@ -458,6 +459,7 @@ static void info(const ss_model *model, ss_model_info *out)
                            .verdict = model->verdict,
                            .reason = model->reason,
                            .stable_step = model->bound,
+                           .travelled = model->travelled,
                            .kinetic = model->kinetic,
                            .elastic = model->elastic,
                            .dissipated = model->dissipated,

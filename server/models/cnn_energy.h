@@ -256,6 +256,8 @@ struct ss_model {
     const ss_real **column;
     /* report */
     int32_t substeps;
+    double pool;      /* J: gains of the last tenth of a second or so, losses taken off */
+    double travelled; /* share of the tools' way in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason;

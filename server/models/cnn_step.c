@@ -14,7 +14,9 @@
  * inside RK4's region of stability; sub-steps take 0.7 of it, a tool moves at most R/4 in one,
  * and the bound is looked at again after each: a step that turns out too large is taken back.
  * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
- * sub-step still stable, while tools and driven nodes reach their places: flagged, never silent.
+ * sub-step still stable, and tools and driven nodes go the same share of their ways: flagged, never
+ * silent. Rejected: the whole way in a part of the time, which presses at a multiple of the speed
+ * that a hand has, and feeds itself: what is pressed harder is stiffer, and simulated slower still.
  * The bound does not know how forces through the weights change within a sub-step; at strains far
  * beyond use that can feed energy in, which is then taken out of the motion again, and flagged.
  * Rejected: an implicit step (the contact set and kap change within it), scaling masses.
@@ -470,11 +472,8 @@ static void settle_grasps(ss_model *model, bool is_accepted)
 /* Energy that came from nowhere in an accepted sub-step goes out of the motion again: strains far
  * beyond the body's size, which forces frozen over a sub-step cannot follow, then never feed on
  * themselves. */
-static void damp_gain(ss_model *model, double gain)
+static void take_gain(ss_model *model, double gain)
 {
-    if (!(gain > MAX_SILENT_GAIN * (model->elastic + model->kinetic) + model->small_energy)) {
-        return;
-    }
     const double left = model->kinetic > gain ? 1.0 - gain / model->kinetic : 0.0;
     const ss_real factor = (ss_real)sqrt(left);
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
@@ -491,12 +490,35 @@ static void damp_gain(ss_model *model, double gain)
     }
 }
 
+static double most_silent(const ss_model *model)
+{
+    return MAX_SILENT_GAIN * (model->elastic + model->kinetic) + model->small_energy;
+}
+
+static void damp_gain(ss_model *model, double gain)
+{
+    if (gain > most_silent(model)) {
+        take_gain(model, gain);
+    }
+}
+
+/* Gains too small for one sub-step add up; `gain` of an outer step, after what its sub-steps took
+ * out. */
+static void damp_pool(ss_model *model, double gain, double dt)
+{
+    const double most = most_silent(model);
+    model->pool = ss_plan_pool_gain(model->pool, gain, most, dt);
+    if (model->pool > most) {
+        take_gain(model, model->pool);
+        model->pool = 0.0;
+    }
+}
+
 /* Energy that vanished in an accepted sub-step: Runge-Kutta damps motion near its stable step, and
  * forces frozen over a sub-step miss what a quick tool does in it. */
 static void tell_loss(ss_model *model, double loss)
 {
-    if (loss > MAX_SILENT_GAIN * (model->elastic + model->kinetic) + model->small_energy &&
-        model->verdict == SOFTSIM_VERDICT_GOOD) {
+    if (loss > most_silent(model) && model->verdict == SOFTSIM_VERDICT_GOOD) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step lost energy to its length";
     }
@@ -626,8 +648,15 @@ typedef struct progress {
     int32_t motion, attempts, accepted, rejected;
 } progress;
 
+/* Sub-steps for what is left where each may be twice as long as the one before, up to `stable`. */
+static double least_substeps(const progress *p, double stable)
+{
+    const double growing = p->cap < p->left ? 1.0 + ilogb(p->left / p->cap) : 0.0;
+    return growing + ceil(p->left / stable - 1e-9);
+}
+
 /* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
- * else the longest stable one, and the way in equal parts of the budget. */
+ * else the longest stable one, and its share of the way. */
 static void plan_substep(ss_model *model, const progress *p, double *out_h, double *out_fraction)
 {
     const double stable = fmin(STEP_SHARE * model->bound, p->cap);
@@ -636,8 +665,10 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
     const double needed = fmax(fmax(by_time, by_way), 1.0);
     const double available = fmax(1.0, (double)(model->plan.max_substeps - p->attempts));
     const double parts = fmin(needed, available);
-    *out_h = fmin(p->left / parts, stable);
-    *out_fraction = (1.0 - p->path) / parts;
+    const double h = fmin(p->left / parts, stable);
+    *out_h = h;
+    const bool is_slow = least_substeps(p, STEP_SHARE * model->bound) > available;
+    *out_fraction = is_slow ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
 }
 
 /* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
@@ -754,8 +785,9 @@ void ss_cnn_step(ss_model *model, double time, double dt,
             take_grasp(model, &model->tool[k], tool[k].is_grasping);
         }
     }
+    const double balance = ledger_sum(model);
     progress p = {.left = dt, .cap = (double)INFINITY, .motion = motion_steps(model)};
-    while (p.path < 1.0) {
+    while (p.path < 1.0 && (p.attempts < model->plan.max_substeps || p.accepted == 0)) {
         if (!try_substep(model, &p)) {
             return;
         }
@@ -765,6 +797,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         fault(model);
         return;
     }
+    damp_pool(model, ledger_sum(model) - balance, dt);
     if (model->verdict == SOFTSIM_VERDICT_GOOD && p.rejected > 0) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step was taken back and halved";
@@ -775,5 +808,6 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         model->reason = "needs more sub-steps than max_substeps: slower than real time";
     }
     model->substeps = p.accepted;
+    model->travelled = p.path;
     ++model->step;
 }

@@ -78,7 +78,7 @@ enum {
     SS_MODEL_FAULT_NOT_FINITE = 1, /* the last good state was restored; no step until reset */
     SS_MODEL_FAULT_BUDGET = 2,     /* more sub-steps were needed than allowed: slower than time */
     SS_MODEL_FAULT_CLAMPED = 4,    /* a displacement beyond any meaning was cut off */
-    SS_MODEL_FAULT_ENERGY = 8      /* energy from nowhere was taken out of the motion */
+    SS_MODEL_FAULT_ENERGY = 8      /* energy from nowhere, or more than any work explains */
 };
 
 typedef struct ss_model_info {
@@ -88,8 +88,10 @@ typedef struct ss_model_info {
     int32_t worst_element; /* -1 none */
     uint32_t fault_bits;
     softsim_verdict verdict;
-    const char *reason;                        /* static text; "" when good */
-    double stable_step;                        /* s, computed for the present state */
+    const char *reason; /* static text; "" when good */
+    double stable_step; /* s, computed for the present state */
+    double travelled;   /* share of the way of tools and driven nodes in the last step: 1, and less
+                           in a step that was slower than time */
     double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
 } ss_model_info;
 
@@ -103,7 +105,9 @@ typedef struct ss_model_class {
     double (*step_cost_us)(const ss_model_plan *plan);
     softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);
     void (*destroy)(ss_model *model);
-    /* One outer step of `dt` seconds from time `time` (sub-stepped inside). RT-safe. */
+    /* One outer step of `dt` seconds from time `time` (sub-stepped inside). Where the sub-steps
+     * that are allowed simulate only a share of dt, tools travel that share of their way and stand
+     * there (ss_model_reached): the next step sweeps on from that place. RT-safe. */
     void (*step)(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
     /* The contact set of tool `probe` after the last step, stiffness and viscosity filled; nearest
@@ -124,6 +128,9 @@ typedef struct ss_model_class {
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;
+
+/* Where a tool stands after a step that went `travelled` of the way. RT-safe. */
+void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out);
 
 /* The models built into this program. Thread: any. */
 const ss_model_class *ss_model_find(const char *name);

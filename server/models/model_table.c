@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/model.h"
-/* The table of models: one row a model, and only those that were built in. */
+/* The table of models: one row a model, and only those that were built in; and what all share. */
 #include <string.h>
 
 #ifdef SS_MODEL_CNN_ENERGY
@@ -70,4 +70,13 @@ const ss_model_class *ss_model_find(const char *name)
         }
     }
     return NULL;
+}
+
+void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out)
+{
+    if (travelled < 1.0) {
+        ss_tool_pose_blend(&tool->from, &tool->to, travelled, out);
+    } else {
+        *out = tool->to;
+    }
 }

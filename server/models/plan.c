@@ -9,6 +9,8 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
+#define GAIN_TIME 0.1 /* s, over which gains are added up */
+
 void ss_number_list_add(ss_number_list *list, int32_t number)
 {
     if (list->count++ < 5) {
@@ -91,6 +93,11 @@ void ss_driven_set_fini(ss_driven_set *driven)
     ss_memory_free(driven->from);
     ss_memory_free(driven->to);
     *driven = (ss_driven_set){0};
+}
+
+double ss_plan_pool_gain(double pool, double gain, double most, double dt)
+{
+    return fmax(-most, pool * exp(-dt / GAIN_TIME) + gain);
 }
 
 void ss_driven_set_aim(ss_driven_set *driven, const ss_real *u, double time)

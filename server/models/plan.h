@@ -34,6 +34,12 @@ double ss_plan_ramp(double from, double ramp, double time);
 /* The share of a load that acts at `time`. */
 double ss_plan_load_factor(const ss_load *load, double time);
 
+/* Energy from nowhere, added up over about a tenth of a second: `pool` (J) after a step of `dt`
+ * seconds that made `gain` (J; a loss is negative). Of losses it remembers `most` (J); beyond
+ * `most` the gain is to be said and taken out. However small a step's share is, it shows. RT-safe.
+ */
+double ss_plan_pool_gain(double pool, double gain, double most, double dt);
+
 /* A prescribed set on its way through an outer step. Memory: by init, freed by fini. */
 typedef struct ss_driven_set {
     const ss_prescribed *plan;

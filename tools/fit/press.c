@@ -437,18 +437,22 @@ static softsim_status run(ss_world *world, const ss_press *press, const ss_curve
     const double lead = curve->is_time ? press->press_s : 0.0;
     double last_at = -lead, last_force = 0.0;
     int32_t next = 0;
+    ss_tool_pose reached;
+    place_tool(press, 0.0, &reached);
     for (int32_t k = 0; next < curve->count; ++k) {
-        const double share[2] = {fmin(k * h / press->press_s, 1.0),
-                                 fmin((k + 1) * h / press->press_s, 1.0)};
+        const double share = fmin((k + 1) * h / press->press_s, 1.0);
         if (press->probe >= 0) {
             ss_model_tool *mine = &tool[press->probe];
             mine->is_present = true;
-            place_tool(press, share[0] * press->depth, &mine->from);
-            place_tool(press, share[1] * press->depth, &mine->to);
+            mine->from = reached;
+            place_tool(press, share * press->depth, &mine->to);
         }
         world->model_class->step(world->model, k * h, h, tool);
         ss_model_info info;
         world->model_class->info(world->model, &info);
+        if (press->probe >= 0) {
+            ss_model_reached(&tool[press->probe], info.travelled, &reached);
+        }
         if (info.verdict > out_run->verdict) {
             out_run->verdict = info.verdict;
             out_run->reason = info.reason;
@@ -457,12 +461,12 @@ static softsim_status run(ss_world *world, const ss_press *press, const ss_curve
         if (info.verdict == SOFTSIM_VERDICT_FAULT || !isfinite(force)) {
             softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                               "%s: the model fails %.4g m into the press: %s", world->scene->path,
-                              share[1] * press->depth, info.reason);
+                              share * press->depth, info.reason);
             return SOFTSIM_ERROR_SCENE;
         }
         /* Between the states, linearly; the last one also for what rounding leaves behind. */
         const bool is_last = (k + 1) * h >= end * (1.0 - 1e-12);
-        const double at = curve->is_time ? (k + 1) * h - lead : share[1] * press->depth;
+        const double at = curve->is_time ? (k + 1) * h - lead : share * press->depth;
         for (; next < curve->count && (curve->at[next] <= at || is_last); ++next) {
             const double s = fmin((curve->at[next] - last_at) / (at - last_at), 1.0);
             out_force[next] = last_force + s * (force - last_force);
