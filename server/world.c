@@ -32,8 +32,6 @@ enum {
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
-static const double SINK_SHARE = 0.3;     /* of a tool's least half-width */
-static const double THROUGH_SHARE = 0.9;  /* of the same: the far side's samples turn the force */
 static const double MAX_TOOL_SPEED = 3.0; /* m/s */
 static const double SLOWEST_STEP = 0.2;   /* s: two of them, and a result is too old to be felt */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
@@ -354,6 +352,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     if (status != SOFTSIM_OK) {
         goto fail;
     }
+    ss_world_plan_watch(world);
     world->plan_hash = hash_plan(world);
     *out_world = world;
     return SOFTSIM_OK;
@@ -478,6 +477,14 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
         const ss_force_record out = {.force = output.force, .tick = tick, .due_ns = due_ns};
         ss_ring_push(world->forces, &out);
     }
+    const ss_hand_tick hand = {.tick = tick,
+                               .period = world->period,
+                               .pose = input.pose_count > 0 ? &pose[input.pose_count - 1] : NULL,
+                               .sent = &output.force,
+                               .worst_contact_j = output.worst_contact_j,
+                               .is_lockstep = world->haptic_config.is_lockstep};
+    ss_hand_watch_tick(&probe->hand, &hand);
+    stats->is_handing_out |= ss_hand_watch_is_bad(&probe->hand, tick);
     stats->worst_contact_j[p] = output.worst_contact_j;
     stats->stiffness_limit[p] = output.stiffness_limit;
     stats->energy_to_device_j += output.energy_to_device_j;
@@ -500,6 +507,8 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
         }
     }
     world->haptic_reset = false;
+    world->is_handing_out = stats.is_handing_out;
+    world->has_handed_out |= stats.is_handing_out;
     if (due_ns != 0) {
         ss_histogram_add(world->lateness, now_ns, 1e-3 * (double)(now_ns - due_ns));
     }
@@ -531,6 +540,7 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
         break;
     case SS_COMMAND_RESET:
         world->model_class->reset(world->model);
+        ss_energy_watch_reset(&world->energy);
         break;
     case SS_COMMAND_SET:
         if (command->key == SS_LIVE_MODEL_ROW) {
@@ -625,8 +635,21 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     }
     probe->was_present = true;
     probe->last_teleports = target->teleports;
-    probe->last = tool.to;
     return tool;
+}
+
+/* A step that was slower than time, or none under pause, took the tool a share of its way: it
+ * stands there, the next step goes on from there, and the haptic loop is told of that place. */
+static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_model_tool *tool,
+                  double velocity[3])
+{
+    if (travelled < 1.0) {
+        ss_model_reached(tool, travelled, &probe->last);
+        tool->to = probe->last;
+        ss_sub3(velocity, tool->to.position, tool->from.position);
+        ss_scale3(velocity, velocity, 1.0 / world->step_period);
+    }
+    probe->last = tool->to;
 }
 
 static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
@@ -649,30 +672,10 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
         return;
     }
     ss_copy3(out->proxy, tool->to.position);
+    memcpy(out->orientation, tool->to.orientation, sizeof out->orientation);
     ss_copy3(out->velocity, velocity);
     const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
     world->model_class->contacts(world->model, p, near, &out->set);
-}
-
-/* What the world adds to a model's own verdict. */
-static void judge_sinking(const ss_world *world, ss_model_info *info)
-{
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        const ss_world_probe *probe = &world->probe[p];
-        const double depth = probe->is_used ? probe->computed.set.depth : 0.0;
-        const double size = ss_shape_inradius(&world->scene->tool[p].shape);
-        if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
-            info->verdict = SOFTSIM_VERDICT_DEGRADED;
-            info->reason =
-                "a tool is about through the tissue's surface: refine the mesh there, take "
-                "a larger tool, or press less";
-        } else if (depth > SINK_SHARE * size && info->verdict == SOFTSIM_VERDICT_GOOD) {
-            info->verdict = SOFTSIM_VERDICT_GUARDED;
-            info->reason =
-                "a tool sinks into the tissue: refine the mesh there, take a larger tool, "
-                "raise contact.working_force_n, or lower the model's stiffness";
-        }
-    }
 }
 
 void ss_world_step_compute(ss_world *world)
@@ -686,38 +689,39 @@ void ss_world_step_compute(ss_world *world)
         }
     }
     ss_model_info info;
-    if (!world->simulation_paused) {
+    const bool is_still =
+        world->simulation_paused || world->energy.verdict == SOFTSIM_VERDICT_FAULT;
+    if (!is_still) {
         world->model_class->step(world->model, (double)world->steps * world->step_period,
                                  world->step_period, tool);
         ++world->steps;
     }
     world->model_class->info(world->model, &info);
-    world->substeps += world->simulation_paused ? 0 : info.substeps;
+    world->substeps += is_still ? 0 : info.substeps;
+    const double travelled = is_still ? 0.0 : info.travelled;
+    double way = 0.0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (tool[p].is_present) {
+            reach(world, &world->probe[p], travelled, &tool[p], velocity[p]);
+            way += ss_tool_motion_bound(&world->scene->tool[p].shape, &tool[p].from, &tool[p].to);
+        }
+    }
+    if (!is_still) {
+        ss_energy_watch_step(&world->energy, &info, way, world->step_period);
+    }
+    ss_energy_watch_judge(&world->energy, &info);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
             read_contacts(world, p, &tool[p], velocity[p], info.verdict == SOFTSIM_VERDICT_FAULT);
         }
     }
-    judge_sinking(world, &info);
+    ss_world_judge_sinking(world, &info);
     if (info.verdict > world->worst_verdict) {
         world->worst_verdict = info.verdict;
         world->worst_reason = info.reason;
     }
     const int64_t now = ss_clock_now_ns();
     ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
-}
-
-void ss_world_info(const ss_world *world, ss_model_info *out_info)
-{
-    const ss_mesh *mesh = world->scene->mesh;
-    world->model_class->info(world->model, out_info);
-    /* The limiting tetrahedron, or node of a model that has nodes only: in the file's numbers. */
-    if (out_info->worst_element >= 0) {
-        out_info->worst_element = world->model_class->needs_volume
-                                      ? ss_mesh_file_element(mesh, out_info->worst_element)
-                                      : ss_mesh_file_node(mesh, out_info->worst_element);
-    }
-    judge_sinking(world, out_info);
 }
 
 static void post_surface(ss_world *world)

@@ -29,6 +29,7 @@
 #include "scene/scene.h"
 #include "softsim/config.h"
 #include "softsim/softsim.h"
+#include "watch.h"
 
 /* A command on its way to a loop. */
 typedef struct ss_command_record {
@@ -47,6 +48,7 @@ typedef struct ss_haptic_stats {
     double stiffness_limit[SOFTSIM_MAX_PROBES];
     double loop_delay_ms[2];
     double energy_to_device_j, energy_from_device_j;
+    bool is_handing_out; /* energy, lately, to any hand: watch.h */
 } ss_haptic_stats;
 
 /* What the simulation reports, after each step. */
@@ -67,6 +69,7 @@ typedef struct ss_surface_snapshot {
 typedef struct ss_world_probe {
     bool is_used;
     ss_haptic *haptic;  /* haptic thread */
+    ss_hand_watch hand; /* haptic thread */
     ss_ring *poses;     /* net -> haptic */
     ss_mailbox *result; /* simulation -> haptic: ss_local_model */
     ss_mailbox *target; /* haptic -> simulation: ss_proxy_target */
@@ -117,7 +120,8 @@ typedef struct ss_world {
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
     bool haptic_paused, haptic_reset;
-    atomic_bool is_stopping; /* any -> haptic */
+    bool is_handing_out, has_handed_out; /* now or lately; ever. Read by the lockstep thread too */
+    atomic_bool is_stopping;             /* any -> haptic */
 
     /* simulation thread */
     ss_histogram *step_time;
@@ -125,6 +129,7 @@ typedef struct ss_world {
     int64_t substeps; /* of all steps */
     bool simulation_paused;
     bool is_slow;
+    ss_energy_watch energy;
     int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
     softsim_verdict worst_verdict; /* of any step so far */
@@ -170,8 +175,14 @@ int32_t ss_world_scene_models(const ss_scene_model **out_models);
 void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t now_ns);
 
 /* The model's own account, and what the world adds: a tool that has sunk far into the tissue is a
- * guarded verdict. Thread: simulation; RT-safe. */
+ * guarded verdict, and so is energy that no hand can have put there (watch.h). Thread: simulation;
+ * RT-safe. */
 void ss_world_info(const ss_world *world, ss_model_info *out_info);
+
+/* The watch over the tissue's energy, with the scene's limits. Thread: set-up only. */
+void ss_world_plan_watch(ss_world *world);
+/* A tool that sinks into the tissue, or is through its surface. Thread: simulation; RT-safe. */
+void ss_world_judge_sinking(const ss_world *world, ss_model_info *info);
 
 /* Begins a step (takes the proxy targets), computes it, posts its results. In real time the three
  * run one after the other; in lockstep the results are posted one period later.

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "watch.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+static const double pool_time = 0.1;                      /* s */
+static const double degraded_at = 10.0, fault_at = 100.0; /* times what is guarded */
+static const double most_handed_out = 0.01;               /* J */
+static const double tell_time = 1.0;                      /* s */
+
+/* ---- tissue ------------------------------------------------------------------------------- */
+
+void ss_energy_watch_step(ss_energy_watch *watch, const ss_model_info *info, double way, double dt)
+{
+    const double stored = info->kinetic + info->elastic;
+    if (!(watch->limit > 0.0) || watch->verdict == SOFTSIM_VERDICT_FAULT) {
+        return;
+    }
+    const double change = watch->has_stored ? stored - watch->stored : 0.0;
+    watch->stored = stored;
+    watch->has_stored = true;
+    watch->pool = fmax(0.0, watch->pool * exp(-dt / pool_time) + change - watch->limit * way);
+    const double share = watch->pool / (watch->limit * watch->size);
+    watch->verdict = share > fault_at      ? SOFTSIM_VERDICT_FAULT
+                     : share > degraded_at ? SOFTSIM_VERDICT_DEGRADED
+                     : share > 1.0         ? SOFTSIM_VERDICT_GUARDED
+                                           : SOFTSIM_VERDICT_GOOD;
+}
+
+void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info)
+{
+    if (watch->verdict <= info->verdict) {
+        return;
+    }
+    info->verdict = watch->verdict;
+    info->fault_bits |= watch->verdict >= SOFTSIM_VERDICT_DEGRADED ? SS_MODEL_FAULT_ENERGY : 0u;
+    info->reason =
+        watch->verdict == SOFTSIM_VERDICT_FAULT
+            ? "the tissue took up energy that no hand has: it stands still, waiting for reset"
+            : "the tissue took up more energy than a hand at haptic.max_force_n gives: move "
+              "slower, "
+              "or steady the tracker";
+}
+
+void ss_energy_watch_reset(ss_energy_watch *watch)
+{
+    *watch = (ss_energy_watch){.limit = watch->limit, .size = watch->size};
+}
+
+/* ---- hand --------------------------------------------------------------------------------- */
+
+/* The rotation vector from `a` to `b`, the shorter way round, in the world: of b a*. */
+static void turn_between(const double a[4], const double b[4], double out[3])
+{
+    const double w = b[0] * a[0] + b[1] * a[1] + b[2] * a[2] + b[3] * a[3];
+    double v[3], cross[3];
+    ss_cross3(cross, b + 1, a + 1);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = a[0] * b[k + 1] - b[0] * a[k + 1] - cross[k];
+    }
+    const double sine = ss_norm3(v);
+    const double angle = 2.0 * atan2(sine, fabs(w));
+    ss_scale3(out, v, sine > 0.0 ? (w < 0.0 ? -angle : angle) / sine : 0.0);
+}
+
+/* The hand moves against the forces that it was given; returns the most that a contact has handed
+ * out so far, J. */
+static double move_hand(ss_hand_watch *watch, const softsim_pose *pose)
+{
+    double way[3] = {0.0}, turn[3] = {0.0}, most = 0.0;
+    if (watch->has_pose) {
+        ss_sub3(way, pose->position, watch->position);
+        turn_between(watch->orientation, pose->orientation, turn);
+    }
+    for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
+        const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
+        const double given = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
+        watch->energy[d] = is_touched ? watch->energy[d] + given : 0.0;
+        most = fmax(most, watch->energy[d]);
+    }
+    ss_copy3(watch->position, pose->position);
+    memcpy(watch->orientation, pose->orientation, sizeof watch->orientation);
+    watch->has_pose = true;
+    return most;
+}
+
+void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
+{
+    bool is_bad = false;
+    if (now->pose && now->is_lockstep) {
+        is_bad = move_hand(watch, now->pose) > most_handed_out;
+        memmove(watch->force[1], watch->force[0], sizeof watch->force[0]);
+        memmove(watch->torque[1], watch->torque[0], sizeof watch->torque[0]);
+        ss_copy3(watch->force[0], now->sent->force);
+        ss_copy3(watch->torque[0], now->sent->torque);
+    }
+    /* Without a name the observer guesses which force was in effect. */
+    const bool is_named =
+        now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
+    is_bad = is_bad || (is_named && now->worst_contact_j < fmin(watch->observed, -most_handed_out));
+    watch->observed = fmin(watch->observed, now->worst_contact_j);
+    if (is_bad) {
+        watch->until = now->tick + (int64_t)ceil(tell_time / now->period);
+    }
+}
+
+bool ss_hand_watch_is_bad(const ss_hand_watch *watch, int64_t tick)
+{
+    return tick < watch->until;
+}
+
+const char *ss_hand_watch_reason(void)
+{
+    return "more than 10 mJ were handed to the hand in one contact: it moves or shakes faster than "
+           "forces can follow; steady it, or lower haptic.coupling.stiffness_n_per_m";
+}

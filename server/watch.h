@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * Energy that no work explains, watched from outside the models: one rule for all of them.
+ *
+ * Tissue. A model's own ledger books whatever force met a tool on its way as the tool's work. But
+ * no hand does more than haptic.max_force_n allows: beyond that the proxy slips. With S the kinetic
+ * and elastic energy, d the furthest way of any point of a tool in a step and L the limit, what
+ *
+ *   U <- max(0, U e^(-dt/0.1 s) + dS - L sum d)
+ *
+ * adds up has no hand behind it. Beyond L R (R the tools' bounding radius) the verdict is guarded,
+ * beyond ten times that degraded; beyond a hundred times it is a fault: the model is stepped no
+ * more, forces ramp to zero, `reset` recovers. Only where tools alone drive the body; loads,
+ * supports and gravity have their work in the model's own ledger.
+ *
+ * Hand. E = sum F.(x_j+1 - x_j) + T.theta_j since a contact's first force, F and T the answer to
+ * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. It holds
+ * where a pose has one answer, in lockstep and headless; with a clock between them what counts is
+ * the haptic loop's observer, for clients that name the force in effect. More than 10 mJ in a
+ * contact is a guarded verdict until a second after it.
+ * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
+ *
+ * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contact/contact.h"
+#include "models/model.h"
+#include "softsim/types.h"
+
+/* Thread: simulation. Start from zero, with `limit` and `size` set. */
+typedef struct ss_energy_watch {
+    double limit; /* N; 0: not watched */
+    double size;  /* m, R */
+    double stored, pool;
+    bool has_stored;
+    softsim_verdict verdict;
+} ss_energy_watch;
+
+/* After a step that took the tools ways of `way` metres in all. */
+void ss_energy_watch_step(ss_energy_watch *watch, const ss_model_info *info, double way, double dt);
+/* What it has to add to the model's verdict. */
+void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info);
+/* The model is at rest again. */
+void ss_energy_watch_reset(ss_energy_watch *watch);
+
+enum { SS_HAND_WATCH_DELAYS = 2 };
+
+/* One probe. Thread: haptic. Start from zero. */
+typedef struct ss_hand_watch {
+    bool has_pose;
+    double position[3], orientation[4];
+    double force[SS_HAND_WATCH_DELAYS][3], torque[SS_HAND_WATCH_DELAYS][3]; /* newest first */
+    double energy[SS_HAND_WATCH_DELAYS];                                    /* J */
+    double observed; /* J: the observer's worst contact so far */
+    int64_t until;   /* tick: the verdict holds before it */
+} ss_hand_watch;
+
+typedef struct ss_hand_tick {
+    int64_t tick;
+    double period;             /* s */
+    const softsim_pose *pose;  /* the newest, NULL: none came */
+    const softsim_force *sent; /* the answer of this tick */
+    double worst_contact_j;    /* of the haptic loop's observer */
+    bool is_lockstep;
+} ss_hand_tick;
+
+void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now);
+/* Does the verdict hold? */
+bool ss_hand_watch_is_bad(const ss_hand_watch *watch, int64_t tick);
+/* The words for it. */
+const char *ss_hand_watch_reason(void);
