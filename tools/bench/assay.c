@@ -11,10 +11,12 @@
 
 #include "assay_scene.h"
 #include "audit.h"
+#include "hand.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
 #include "scratch.h"
 #include "softsim/softsim.h"
+#include "world.h"
 
 enum { PATH_SIZE = 512, MIN_TICKS = 40 };
 static const double haptic_tick_s = 1e-3;
@@ -23,14 +25,16 @@ static const double rested_tau = 5.9;
 static const double heavy = 1.5; /* a mass ratio beyond it is slower than tau */
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
+static const double most_handed_out_j = 0.01;
 /* Of the size: what single precision tells apart. */
 static const double still_share = 1e-7;
 
 const char *ss_assay_kind_name(ss_assay_kind kind)
 {
     static const char *const name[SS_ASSAY_KINDS] = {
-        "control",  "step",  "single-step", "stiffness", "poisson", "mass-ratio",   "sliver",
-        "teleport", "force", "tangled",     "flattened", "probe",   "contradiction"};
+        "control",       "step",     "single-step", "stiffness", "poisson",   "mass-ratio",
+        "sliver",        "teleport", "force",       "tangled",   "flattened", "probe",
+        "contradiction", "noise",    "in-out",      "through",   "spin",      "pause"};
     return name[kind];
 }
 
@@ -48,7 +52,12 @@ const char *ss_assay_value_name(ss_assay_kind kind)
                                                      "disorder, of E h^2 or h",
                                                      "force, of E L^2, or height, of L",
                                                      "speed, m/s",
-                                                     "case"};
+                                                     "case",
+                                                     "noise of the position, m",
+                                                     "in and out, Hz",
+                                                     "speed, m/s",
+                                                     "turns a second",
+                                                     "commands a second"};
     return name[kind];
 }
 
@@ -121,6 +130,8 @@ typedef struct runner {
     softsim_world *world;
     ss_assay_result *out;
     ss_audit audit;
+    ss_hand hand;
+    int32_t commands; /* given so far */
     double period_s;
     int64_t steps;
     double first_stored, last_stored, released_s;
@@ -220,6 +231,7 @@ static void look(runner *r, const double force[3])
     ss_copy3(sample.force, force);
     sample.applied = state.step > r->steps ? applied_work(r, time_s) : 0.0;
     ss_audit_look(&r->audit, &sample);
+    r->out->kinetic_j = fmax(r->out->kinetic_j, state.kinetic_j);
     r->last_stored = state.kinetic_j + state.elastic_j;
     r->first_stored = r->steps == 0 ? r->last_stored : r->first_stored;
     r->steps = state.step;
@@ -243,6 +255,17 @@ static softsim_status allocate(runner *r, softsim_error *error)
     return SOFTSIM_OK;
 }
 
+/* Pause and resume in turn, as often as the plan has it before this tick. */
+static void command(runner *r, double time_s)
+{
+    for (int32_t n = ss_assay_commands(&r->plan, time_s, r->period_s); n > 0; --n) {
+        ss_command_record record;
+        char text[128];
+        ss_world_command((ss_world *)r->world, r->commands++ % 2 == 0 ? "pause" : "resume", "",
+                         &record, text, (int32_t)sizeof text);
+    }
+}
+
 static void play(runner *r)
 {
     softsim_force force[SOFTSIM_MAX_PROBES] = {{0}};
@@ -256,10 +279,24 @@ static void play(runner *r)
     for (int32_t k = 1; k <= r->out->ticks; ++k) {
         pose.seq = k;
         pose.utime_us = (int64_t)(1e6 * k * r->period_s);
-        ss_assay_plan_tool(&r->plan, k * r->period_s, pose.position);
+        ss_assay_plan_tool(&r->plan, k * r->period_s, k, pose.position, pose.orientation);
+        command(r, k * r->period_s);
         softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
         look(r, has_tool ? force[0].force : still);
+        if (has_tool) {
+            ss_hand_feel(&r->hand, &pose, &force[0]);
+            pose.force_seq = force[0].seq;
+        }
     }
+}
+
+/* What the hand got that no tissue gives. */
+static uint32_t judge_hand(const runner *r)
+{
+    const ss_hand *hand = &r->hand;
+    return (hand->handed_out_j > most_handed_out_j ? SS_AUDIT_HANDED_OUT : 0u) |
+           (hand->peak_force_n > SS_ASSAY_MAX_FORCE * (1.0 + 1e-9) ? SS_AUDIT_FORCE : 0u) |
+           (hand->deepest_m > SS_SPECIMEN_SIZE ? SS_AUDIT_DEPTH : 0u);
 }
 
 /* What the world says about itself, and what the audit found. */
@@ -276,7 +313,7 @@ static void judge(runner *r)
     const bool is_rested = r->released_s >= rested_tau * tau_s && !is_slow &&
                            !ss_assay_is_plastic(trial->subject) &&
                            state.worst_verdict < SOFTSIM_VERDICT_DEGRADED;
-    out->found = ss_audit_end(&r->audit, is_rested);
+    out->found = ss_audit_end(&r->audit, is_rested) | judge_hand(r);
     out->verdict = state.worst_verdict;
     snprintf(out->acted, sizeof out->acted, "%s", state.worst_reason);
     for (int k = 0; k < SOFTSIM_REFUSED_COUNT; ++k) {
@@ -299,6 +336,9 @@ static void judge(runner *r)
     out->balance = ss_audit_balance_error(&r->audit);
     out->work_error = ss_audit_work_error(&r->audit);
     out->displacement_m = r->audit.largest;
+    out->handed_out_j = r->hand.handed_out_j;
+    out->force_n = r->hand.peak_force_n;
+    out->depth_m = r->hand.deepest_m;
     out->recovery = ss_audit_recovery_error(&r->audit);
     out->inverted = ss_specimen_inverted(&r->plan.specimen, (const double(*)[3])r->u);
 }
@@ -350,6 +390,10 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
                              .work_error = (double)NAN,
                              .displacement_m = (double)NAN,
                              .recovery = (double)NAN,
+                             .kinetic_j = (double)NAN,
+                             .handed_out_j = (double)NAN,
+                             .force_n = (double)NAN,
+                             .depth_m = (double)NAN,
                              .is_agreed = true};
     if (r == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");

@@ -36,6 +36,12 @@ typedef enum ss_assay_kind {
     SS_ASSAY_FLATTENED,     /* variant 0: force of value E L^2, 1: the top to value times L */
     SS_ASSAY_PROBE,         /* value: m/s */
     SS_ASSAY_CONTRADICTION, /* variant: which */
+    SS_ASSAY_NOISE,         /* value: m, either way, on each axis of every pose of a press */
+    SS_ASSAY_IN_OUT,        /* value: Hz, out of a press and in again */
+    SS_ASSAY_THROUGH,       /* value: m/s. variant 0: through the body and back, 1: the same with
+                               the largest jump allowed, 2: from side to side */
+    SS_ASSAY_SPIN,          /* value: turns a second. variant 0: upright, 1: end over end */
+    SS_ASSAY_PAUSE,         /* value: commands a second, pause and resume in turn */
     SS_ASSAY_KINDS
 } ss_assay_kind;
 enum { SS_ASSAY_CONTRADICTIONS = 11, SS_ASSAY_MAX_TICKS = 4000 };
@@ -69,6 +75,9 @@ typedef struct ss_assay_result {
     double stored_j, end_j;     /* the largest, and at the end, beyond rest */
     double balance, work_error; /* shares, NaN */
     double displacement_m;      /* the largest */
+    double kinetic_j;           /* the largest */
+    double handed_out_j;        /* to the hand, the most in one contact; hand.h */
+    double force_n, depth_m;    /* the largest, of the probe */
     double recovery;            /* share of it that is left, NaN */
     int32_t inverted;           /* tetrahedra at the end */
     double cpu_ms;

@@ -19,7 +19,6 @@ static const double ticks_per_tau = 50.0;
 static const double reach_sizes = 17.0, reach_linear = 20.0;
 /* s: the tool presses, and stays where it jumped; the haptic loop's own times. */
 static const double tool_wait_s = 0.15, jump_wait_s = 0.05, tool_tau_s = 0.01;
-enum { TOP_CENTRE = SS_SPECIMEN_TOP + SS_SPECIMEN_LAYER / 2 };
 
 /* ---- parts of the scene ----------------------------------------------------------------------
  */
@@ -73,8 +72,8 @@ static void push(ss_assay_plan *plan, double newtons, bool is_one_node)
     const double force[3] = {0.28 * newtons, 0.1 * newtons, -0.95 * newtons};
     const double stiffness = plan->trial->stiffness_pa;
     const double across = is_one_node ? SS_SPECIMEN_SIZE / SS_SPECIMEN_CELLS : SS_SPECIMEN_SIZE;
-    add_load(plan, is_one_node ? TOP_CENTRE : SS_SPECIMEN_TOP, is_one_node ? 1 : SS_SPECIMEN_LAYER,
-             force);
+    add_load(plan, is_one_node ? SS_ASSAY_TOP_CENTRE : SS_SPECIMEN_TOP,
+             is_one_node ? 1 : SS_SPECIMEN_LAYER, force);
     plan->reach_m += reach_linear * newtons / (stiffness * across);
 }
 
@@ -94,10 +93,17 @@ static void use_tool(ss_assay_plan *plan)
         fmax(0.01 * plan->trial->stiffness_pa * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE, 1e-3), 100.0);
     plan->drive = SS_ASSAY_TOOL;
     plan->step_s = 0.0;
-    add_text(plan,
-             "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: %.9g}}}]\n"
-             "  working_force_n: %.9g\nhaptic: {max_jump_m: %.9g}\n",
-             1e3 * SS_ASSAY_TOOL_RADIUS, newtons, plan->max_jump_m);
+    if (plan->trial->kind == SS_ASSAY_SPIN) { /* a box: what turns must have a shape that does */
+        const double edge_mm = 2e3 * SS_ASSAY_TOOL_RADIUS;
+        add_text(plan,
+                 "contact:\n  tools: [{probe: 0, shape: {box: {size_mm: [%.9g, %.9g, %.9g]}}}]\n",
+                 edge_mm, 0.5 * edge_mm, edge_mm);
+    } else {
+        add_text(plan, "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: %.9g}}}]\n",
+                 1e3 * SS_ASSAY_TOOL_RADIUS);
+    }
+    add_text(plan, "  working_force_n: %.9g\nhaptic: {max_jump_m: %.9g, max_force_n: %.9g}\n",
+             newtons, plan->max_jump_m, SS_ASSAY_MAX_FORCE);
 }
 
 /* ---- tangled ---------------------------------------------------------------------------------
@@ -164,7 +170,7 @@ static void contradict(ss_assay_plan *plan)
         break;
     case 2: /* two places for one node */
         drive_top(plan, 0.0, -0.005);
-        add_places(plan, TOP_CENTRE, 1, up, "xyz");
+        add_places(plan, SS_ASSAY_TOP_CENTRE, 1, up, "xyz");
         break;
     case 3: /* a load on fixed nodes alone */
         add_load(plan, 0, SS_SPECIMEN_LAYER, force);
@@ -220,7 +226,7 @@ static void write_fixed(const ss_assay_plan *plan, FILE *file)
 /* ---- the tool's path -------------------------------------------------------------------------
  */
 
-static void go(ss_assay_plan *plan, double seconds, double x, double z)
+void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z)
 {
     const int32_t at = plan->way_count++;
     plan->way_s[at] = at > 0 ? plan->way_s[at - 1] + seconds : 0.0;
@@ -233,6 +239,10 @@ static void go(ss_assay_plan *plan, double seconds, double x, double z)
 static void plan_path(ss_assay_plan *plan)
 {
     const ss_assay *trial = plan->trial;
+    if (ss_assay_is_abuse(trial->kind)) {
+        ss_assay_abuse_plan(plan);
+        return;
+    }
     const bool is_inside = trial->kind == SS_ASSAY_CONTRADICTION && trial->variant == 8;
     const bool is_through = trial->kind == SS_ASSAY_CONTRADICTION && trial->variant == 9;
     const double speed = trial->kind == SS_ASSAY_PROBE ? trial->value : is_through ? 0.5 : 0.2;
@@ -240,26 +250,26 @@ static void plan_path(ss_assay_plan *plan)
                          : is_inside                        ? 0.5 * SS_SPECIMEN_SIZE
                          : trial->kind == SS_ASSAY_TELEPORT ? 0.005
                                                             : 0.01;
-    const double top = plan->specimen.rest[TOP_CENTRE][2] + SS_ASSAY_TOOL_RADIUS;
+    const double top = plan->specimen.rest[SS_ASSAY_TOP_CENTRE][2] + SS_ASSAY_TOOL_RADIUS;
     const double free = top + 0.03, down = top - depth;
     const double way_s = (free - down) / speed;
-    go(plan, 0.0, 0.0, is_inside ? down : free);
-    go(plan, is_inside ? tool_wait_s : way_s, 0.0, down);
-    go(plan, trial->kind == SS_ASSAY_TELEPORT ? jump_wait_s : tool_wait_s, 0.0, down);
+    ss_assay_plan_go(plan, 0.0, 0.0, is_inside ? down : free);
+    ss_assay_plan_go(plan, is_inside ? tool_wait_s : way_s, 0.0, down);
+    ss_assay_plan_go(plan, trial->kind == SS_ASSAY_TELEPORT ? jump_wait_s : tool_wait_s, 0.0, down);
     if (trial->kind == SS_ASSAY_TELEPORT) {
         const double x = trial->value * SS_SPECIMEN_SIZE;
-        go(plan, 0.0, x, down);
-        go(plan, jump_wait_s, x, down);
-        go(plan, 0.0, 0.0, down);
-        go(plan, jump_wait_s, 0.0, down);
+        ss_assay_plan_go(plan, 0.0, x, down);
+        ss_assay_plan_go(plan, jump_wait_s, x, down);
+        ss_assay_plan_go(plan, 0.0, 0.0, down);
+        ss_assay_plan_go(plan, jump_wait_s, 0.0, down);
     }
-    go(plan, way_s, 0.0, free);
-    plan->release_s = plan->way_s[plan->way_count - 1] + tool_wait_s;
-    plan->end_s = plan->release_s + (end_tau - release_tau) * fmax(plan->tau_s, tool_tau_s);
+    ss_assay_plan_go(plan, way_s, 0.0, free);
 }
 
-void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, double out_position[3])
+void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, int32_t tick,
+                        double out_position[3], double out_orientation[4])
 {
+    static const double upright[4] = {1.0, 0.0, 0.0, 0.0};
     int32_t at = 0;
     while (at + 1 < plan->way_count && plan->way_s[at + 1] <= time_s) {
         ++at;
@@ -271,6 +281,8 @@ void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, double out_pos
         ss_madd3(out_position, plan->way[at],
                  (time_s - plan->way_s[at]) / (plan->way_s[at + 1] - plan->way_s[at]), way);
     }
+    memcpy(out_orientation, upright, sizeof upright);
+    ss_assay_abuse(plan, time_s, tick, out_position, out_orientation);
 }
 
 /* ---- the plan --------------------------------------------------------------------------------
@@ -301,7 +313,15 @@ static void plan_kind(ss_assay_plan *plan)
             use_tool(plan);
         }
         break;
+    case SS_ASSAY_THROUGH:
+        plan->max_jump_m = trial->variant > 0 ? 10.0 : 0.05;
+        use_tool(plan);
+        break;
     case SS_ASSAY_PROBE:
+    case SS_ASSAY_NOISE:
+    case SS_ASSAY_IN_OUT:
+    case SS_ASSAY_SPIN:
+    case SS_ASSAY_PAUSE:
         use_tool(plan);
         break;
     case SS_ASSAY_FORCE:
@@ -348,6 +368,8 @@ void ss_assay_plan_make(const ss_assay *trial, ss_assay_plan *out)
     }
     if (out->drive == SS_ASSAY_TOOL) {
         plan_path(out);
+        out->release_s = out->way_s[out->way_count - 1] + tool_wait_s;
+        out->end_s = out->release_s + (end_tau - release_tau) * fmax(out->tau_s, tool_tau_s);
     }
 }
 

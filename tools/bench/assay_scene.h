@@ -3,9 +3,10 @@
 #pragma once
 /*
  * The scene of a run of the stability report, as text, and what the run must know of it: who
- * drives the body, when it is let go. Private to assay*.c. Thread: any.
+ * drives the body, when it is let go. Private to assay*.c, the page and tests. Thread: any.
  */
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "assay.h"
@@ -37,18 +38,32 @@ typedef struct ss_assay_plan {
     /* Of a tool's centre: places at times; two at one time are a jump. */
     double way_s[SS_ASSAY_MAX_WAY], way[SS_ASSAY_MAX_WAY][3];
     int32_t way_count;
-    char more[32768]; /* of the scene, after everything else */
+    double abused_s[2]; /* from, to */
+    char more[32768];   /* of the scene, after everything else */
 } ss_assay_plan;
 
 #define SS_ASSAY_TOOL_RADIUS 0.015 /* m */
+#define SS_ASSAY_MAX_FORCE   8.0   /* N, haptic.max_force_n of scenes with a tool */
+enum { SS_ASSAY_TOP_CENTRE = SS_SPECIMEN_TOP + SS_SPECIMEN_LAYER / 2 };
 
 /* All but the step, where it is a share of a limit that only a run tells: step_s is 0 then, and
  * until it is set the scene steps by 1 ms. */
 void ss_assay_plan_make(const ss_assay *trial, ss_assay_plan *out);
-/* Where the tool's centre is. */
-void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, double out_position[3]);
+/* Where the tool is at a tick. */
+void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, int32_t tick,
+                        double out_position[3], double out_orientation[4]);
+/* The tool's centre goes on to (x, 0, z), in so many seconds. */
+void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z);
 /* The scene, with its mesh body.msh beside it. */
 void ss_assay_plan_write(const ss_assay_plan *plan, FILE *file);
+
+/* assay_abuse.c: the way of an abused tool, what is added to it at a tick, and the commands that
+ * come before that tick. */
+bool ss_assay_is_abuse(ss_assay_kind kind);
+void ss_assay_abuse_plan(ss_assay_plan *plan);
+void ss_assay_abuse(const ss_assay_plan *plan, double time_s, int32_t tick, double position[3],
+                    double orientation[4]);
+int32_t ss_assay_commands(const ss_assay_plan *plan, double time_s, double period_s);
 
 /* The lines of the model: name, material. assay_subject.c */
 void ss_assay_subject_write(const ss_assay *trial, FILE *file);

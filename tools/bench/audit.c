@@ -119,15 +119,22 @@ bool ss_audit_agrees(uint32_t found, softsim_verdict worst)
     }
     return worst == SOFTSIM_VERDICT_GOOD ? found == 0
            : worst == SOFTSIM_VERDICT_GUARDED
-               ? (found & ~(uint32_t)(SS_AUDIT_NOT_BACK | SS_AUDIT_LOSS)) == 0
+               ? (found & ~(uint32_t)(SS_AUDIT_NOT_BACK | SS_AUDIT_LOSS | SS_AUDIT_HANDED_OUT)) == 0
                : true;
 }
 
 void ss_audit_text(uint32_t found, char *out, int32_t size)
 {
-    static const char *const name[SS_AUDIT_KINDS] = {
-        "not finite",          "too far", "energy from nowhere", "energy lost", "work",
-        "grows after release", "not back"};
+    static const char *const name[SS_AUDIT_KINDS] = {"not finite",
+                                                     "too far",
+                                                     "energy from nowhere",
+                                                     "energy lost",
+                                                     "work",
+                                                     "grows after release",
+                                                     "not back",
+                                                     "energy handed out",
+                                                     "force above the limit",
+                                                     "deeper than the body"};
     out[0] = '\0';
     for (int k = 0; k < SS_AUDIT_KINDS; ++k) {
         if ((found >> k & 1u) != 0) {

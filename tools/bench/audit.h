@@ -7,9 +7,13 @@
  * and does the work of the loads as published agree with F.du of the published displacements; does
  * nothing gain energy once the body is left alone; is it back at rest when it had the time.
  *
+ * A run with a tool adds what the hand got (hand.h): more energy than tissue can give, a force
+ * above the limit, a depth beyond the body.
+ *
  * Then the two judgements must agree: verdicts `good` and `guarded` promise a result to be trusted,
  * so that any finding is a silent failure; `good` also promises the shape at rest after release,
- * while a guarded one may have been left elsewhere (folded, say). `degraded` and `fault` own up to
+ * while a guarded one may have been left elsewhere
+ * (folded, say), or have handed out energy. `degraded` and `fault` own up to
  * a result that cannot be trusted, but even then nothing that is not finite may be published.
  * Thread: any; nothing here reads a clock.
  */
@@ -27,7 +31,11 @@ enum {
     SS_AUDIT_WORK = 16,     /* the published work is not F.du */
     SS_AUDIT_GROWS = 32,    /* stored energy grew after release */
     SS_AUDIT_NOT_BACK = 64, /* not at rest again */
-    SS_AUDIT_KINDS = 7
+    /* What a hand got of it; hand.h. */
+    SS_AUDIT_HANDED_OUT = 128, /* energy, in one contact */
+    SS_AUDIT_FORCE = 256,      /* more than the limit */
+    SS_AUDIT_DEPTH = 512,      /* more than the body's size */
+    SS_AUDIT_KINDS = 10
 };
 
 typedef struct ss_audit_plan {
@@ -73,5 +81,5 @@ double ss_audit_recovery_error(const ss_audit *audit);
 
 /* Does the program's worst verdict own up to what was found? */
 bool ss_audit_agrees(uint32_t found, softsim_verdict worst);
-/* "not finite, too far", or "" when nothing was found; at least 96 bytes. */
+/* "not finite, too far", or "" when nothing was found; at least 160 bytes. */
 void ss_audit_text(uint32_t found, char *out, int32_t size);

@@ -4,9 +4,9 @@
 /*
  * softsim-bench stability: what breaks a model, and whether the program says so. Every model that
  * is built in, over stiffness, step, Poisson's ratio, mass ratio, slivers, teleports, forces,
- * tangled and flattened starts, fast probes and contradictory boundary conditions; each run judged
- * by the program and, from what it publishes alone, by audit.h. Exit 1 when they disagree anywhere,
- * or when what must be stable is not.
+ * tangled and flattened starts, fast and abused probes and contradictory boundary conditions; each
+ * run judged by the program and, from what it publishes alone, by audit.h. Exit 1 when they
+ * disagree anywhere, or when what must be stable is not.
  */
 #include <math.h>
 #include <sched.h>
@@ -64,6 +64,11 @@ static const axes all_axes[] = {
     {SS_ASSAY_FLATTENED, {1e4, 1e6}, {0.5, 0.1, 0.01, 0.0, -0.5, END}, -1}, /* variant 1 alone */
     {SS_ASSAY_PROBE, {1e3, 1e4, 1e5, 1e7}, {0.1, 0.3, 1.0, 3.0, 10.0, END}, 1},
     {SS_ASSAY_CONTRADICTION, {1e2, 1e4, 1e7}, {0.0, END}, SS_ASSAY_CONTRADICTIONS},
+    {SS_ASSAY_NOISE, {1e3, 1e4, 1e5}, {1e-4, 3e-4, 1e-3, 3e-3, END}, 1},
+    {SS_ASSAY_IN_OUT, {1e3, 1e4, 1e5}, {50.0, 125.0, 250.0, 500.0, END}, 1},
+    {SS_ASSAY_THROUGH, {1e3, 1e4, 1e5}, {1.0, 10.0, 100.0, END}, 3},
+    {SS_ASSAY_SPIN, {1e3, 1e4, 1e5}, {1.0, 10.0, 100.0, 499.0, END}, 2},
+    {SS_ASSAY_PAUSE, {1e3, 1e4, 1e5}, {100.0, 1000.0, 2000.0, END}, 1},
 };
 
 /* Quick: the first, the last and every third between. */
@@ -177,7 +182,7 @@ softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, s
 {
     const ss_stability *list = context;
     ss_assay_result r;
-    char label[SS_SWEEP_NAME_SIZE], found[128];
+    char label[SS_SWEEP_NAME_SIZE], found[192];
     const softsim_status status = ss_assay_run(&list->trial[index], list->scratch, &r, error);
     if (status != SOFTSIM_OK) {
         return status;
@@ -196,8 +201,9 @@ softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, s
     put_number(out, r.limit_s);
     put_number(out, r.step_s);
     fprintf(out, ",%d", r.ticks);
-    const double values[] = {r.substeps,   r.stored_j,       r.end_j,   r.balance,
-                             r.work_error, r.displacement_m, r.recovery};
+    const double values[] = {r.substeps,     r.stored_j,       r.end_j,    r.balance,
+                             r.work_error,   r.displacement_m, r.recovery, r.kinetic_j,
+                             r.handed_out_j, r.force_n,        r.depth_m};
     for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
         put_number(out, values[k]);
     }

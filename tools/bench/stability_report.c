@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "assay_scene.h"
 #include "audit.h"
 #include "output.h"
 #include "report.h"
@@ -42,7 +43,7 @@ static fate fate_of(const ss_stability_row *row)
 static const char csv_head[] =
     "model,sweep,stiffness_pa,value,variant,outcome,verdict,acted,found,agrees,limit_s,step_s,"
     "ticks,substeps,stored_j,end_j,balance_error,work_error,displacement_m,recovery_error,"
-    "inverted,cpu_ms";
+    "kinetic_j,handed_out_j,force_n,depth_m,inverted,cpu_ms";
 
 static softsim_status write_csv(const ss_stability *list, const ss_sweep_result *result,
                                 softsim_error *error)
@@ -61,7 +62,7 @@ static softsim_status write_csv(const ss_stability *list, const ss_sweep_result 
             ss_stability_label(list, i, label);
             fprintf(output.file, "%s,lost,,", label);
             ss_csv_text(output.file, row.acted);
-            fputs(",,no,,,,,,,,,,,,\n", output.file);
+            fputs(",,no,,,,,,,,,,,,,,,,\n", output.file);
         } else {
             fputs(row.csv, output.file);
         }
@@ -307,7 +308,7 @@ static softsim_status put_guards(const ss_stability *list, const ss_sweep_result
 static void describe(const ss_stability *list, const ss_stability_row *row, int32_t index,
                      char *out, size_t size)
 {
-    char label[SS_SWEEP_NAME_SIZE], found[128];
+    char label[SS_SWEEP_NAME_SIZE], found[192];
     ss_stability_label(list, index, label);
     ss_audit_text(row->found, found, (int32_t)sizeof found);
     snprintf(out, size, "%s: %s%s%s%s", label,
@@ -371,6 +372,15 @@ static void put_words(const ss_stability *list, ss_page *page)
                  "every node driven; 6 two sets for different axes (no contradiction); 7 two sets "
                  "for one axis; 8 a tool inside the body from the start; 9 a tool pushed through "
                  "the fixed bottom; 10 a body held by one node.");
+    ss_page_text(page,
+                 "Abuse of a tool in a press of 5 mm: noise on every position; in and out, up to "
+                 "half the rate of the loop; through the body and back (0, and with jumps of up to "
+                 "10 m accepted, 1), from side to side (2); a box that spins upright (0) or end "
+                 "over end (1); pause and resume in turn. The hand is judged from poses and forces "
+                 "alone: with an answer that acts at once or from the next pose on, whichever is "
+                 "worse, no contact may hand out more than 10 mJ and be called good, no force may "
+                 "pass the limit of %g N and no depth the body's size.",
+                 SS_ASSAY_MAX_FORCE);
 }
 
 static softsim_status write_page(const ss_stability *list, const ss_sweep_result *result,

@@ -1,0 +1,437 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Tools that no careful hand holds: a step slower than time takes them a share of their way, and
+ * says where they stand; energy that no work explains is a verdict, in tissue and in the hand; and
+ * what a hand got is judged here from poses and forces alone.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "assay.h"
+#include "assay_scene.h"
+#include "audit.h"
+#include "folder_fixture.h"
+#include "hand.h"
+#include "rt/vec.h"
+#include "watch.h"
+#include "world.h"
+
+#define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
+/* Of a 5 mm sphere over (5, 3) mm: where it is 5 mm deep, and above the surface. */
+static const double pressed_z = 0.0175, free_z = 0.035;
+static const double limit_n = 8.0, body_m = 0.11, tool_m = 0.006; /* kidney.yaml, kidney.obj */
+
+/* ---- worlds -------------------------------------------------------------------------------- */
+
+static ss_world *make_scene(const char *scene, const char *const *set, int32_t set_count)
+{
+    static softsim_error error;
+    softsim_config config = softsim_default_config();
+    memset(&error, 0, sizeof error);
+    config.set = set;
+    config.set_count = set_count;
+    config.import_program = BIN_DIR "/softsim-import";
+    softsim_world *world = softsim_create(scene, &config, &error);
+    if (world == NULL) {
+        fail_msg("%s", error.text);
+    }
+    return (ss_world *)world;
+}
+
+static void destroy(ss_world *world)
+{
+    softsim_world *outer = (softsim_world *)world;
+    softsim_destroy(&outer);
+}
+
+/* -1 .. 1, the same in every run. */
+static double noise(void)
+{
+    static uint64_t state;
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(state >> 11) * 0x1p-52 - 1.0;
+}
+
+static softsim_force tick(ss_world *world, int32_t seq, double x, double y, double z)
+{
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    const int32_t channel = 0;
+    softsim_pose pose = {.sender = 1,
+                         .seq = seq,
+                         .force_seq = -1,
+                         .position = {x, y, z},
+                         .orientation = {1.0, 0.0, 0.0, 0.0},
+                         .velocity = {NAN, NAN, NAN},
+                         .applied_force = {NAN, NAN, NAN}};
+    softsim_tick((softsim_world *)world, &pose, &channel, 1, force);
+    ss_world_settle(world);
+    return force[0];
+}
+
+/* Down to the press in 0.1 s. */
+static double height(int32_t k)
+{
+    return fmax(pressed_z, free_z - k * (free_z - pressed_z) / 100.0);
+}
+
+static softsim_state shake(ss_world *world, int32_t ticks, double amplitude, double *out_kinetic)
+{
+    softsim_state state;
+    *out_kinetic = 0.0;
+    for (int32_t k = 1; k <= ticks; ++k) {
+        const double a = k > 100 ? amplitude : 0.0;
+        tick(world, k, 0.005 + a * noise(), 0.003 + a * noise(), height(k) + a * noise());
+        softsim_read((softsim_world *)world, &state);
+        *out_kinetic = fmax(*out_kinetic, state.kinetic_j);
+    }
+    return state;
+}
+
+/* Before, the whole way was travelled in the part of the time for which there were sub-steps. No
+ * hand that is limited to L does more than L times the body's length in one push. */
+static void a_step_slower_than_time_does_not_fling_the_tool(void **state)
+{
+    (void)state;
+    static const char *const set[] = {"simulation.max_substeps=8"};
+    ss_world *world = make_scene(KIDNEY, set, 1);
+    double kinetic;
+    const softsim_state last = shake(world, 900, 0.001, &kinetic);
+    destroy(world);
+    if (!(kinetic < limit_n * body_m)) {
+        fail_msg("kinetic energy of %g J", kinetic);
+    }
+    assert_int_equal(last.worst_verdict, SOFTSIM_VERDICT_DEGRADED);
+}
+
+/* Presses by 5 mm; every slow step must have gone its share of what was left, and have said so.
+ * Returns how many were slow. */
+static int32_t follow_slow_steps(ss_world *world, double x, double y, double down, double up)
+{
+    const ss_world_probe *probe = &world->probe[0];
+    int32_t slow = 0;
+    for (int32_t k = 1; k <= 300; ++k) {
+        const ss_tool_pose before = probe->last;
+        const bool was_present = probe->was_present;
+        const uint32_t teleports = probe->last_teleports;
+        double goal[3], way[3], gone[3], left[3];
+        ss_model_info info;
+        tick(world, k, x, y, fmax(down, up - k * (up - down) / 100.0));
+        world->model_class->info(world->model, &info);
+        if (!was_present || probe->last_teleports != teleports || !(info.travelled < 1.0)) {
+            continue;
+        }
+        assert_true(info.travelled > 0.0);
+        assert_memory_equal(probe->last.position, probe->computed.proxy, sizeof goal);
+        ss_haptic_predict(&probe->stepped_to, 1.0, world->step_period, goal);
+        ss_sub3(way, goal, before.position);
+        const double reach = 3.0 * world->step_period; /* no hand is faster than 3 m/s */
+        ss_scale3(way, way, info.travelled * fmin(1.0, reach / ss_norm3(way)));
+        ss_sub3(gone, probe->computed.proxy, before.position);
+        ss_sub3(left, gone, way);
+        assert_true(ss_norm3(left) < 1e-12);
+        ++slow;
+    }
+    return slow;
+}
+
+/* The share is travelled, the rest in the next steps, and the haptic loop is told of that place:
+ * the kidney with few sub-steps, and a stiff block of every model with one. */
+static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state)
+{
+    (void)state;
+    static const char *const set[] = {"simulation.max_substeps=3"};
+    static ss_assay_plan plan; /* large */
+    int32_t slow_models = 0;
+    ss_world *world = make_scene(KIDNEY, set, 1);
+    assert_true(follow_slow_steps(world, 0.005, 0.003, pressed_z, free_z) > 20);
+    destroy(world);
+    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+        const ss_assay trial = {s, SS_ASSAY_PROBE, 1e8, 0.1, 0};
+        ss_assay_plan_make(&trial, &plan);
+        plan.max_substeps = 1;
+        FILE *file = open_file("body.msh");
+        ss_specimen_write(&plan.specimen, file);
+        assert_int_equal(fclose(file), 0);
+        file = open_file("scene.yaml");
+        ss_assay_plan_write(&plan, file);
+        assert_int_equal(fclose(file), 0);
+        const double *top = plan.specimen.rest[SS_ASSAY_TOP_CENTRE];
+        const double touch = top[2] + SS_ASSAY_TOOL_RADIUS;
+        world = make_scene(in_folder("scene.yaml"), NULL, 0);
+        slow_models += follow_slow_steps(world, top[0], top[1], touch - 0.002, touch + 0.005) > 0;
+        destroy(world);
+    }
+    assert_true(slow_models >= 4);
+}
+
+/* Under pause nothing moves, and nothing is flung when it goes on. */
+static void a_paused_tool_stays_where_it_is(void **state)
+{
+    (void)state;
+    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    const ss_world_probe *probe = &world->probe[0];
+    ss_command_record record;
+    char text[128];
+    int32_t k = 1;
+    for (; k <= 150; ++k) {
+        tick(world, k, 0.005, 0.003, height(k));
+    }
+    softsim_state pressed;
+    softsim_read((softsim_world *)world, &pressed);
+    const ss_tool_pose before = probe->last;
+    const uint32_t teleports = probe->last_teleports;
+    int32_t held = 0;
+    ss_world_command(world, "pause", "", &record, text, (int32_t)sizeof text);
+    for (; k <= 200; ++k) {
+        tick(world, k, 0.005, 0.003, pressed_z + 1e-4 * (k - 150));
+        if (probe->last_teleports == teleports) { /* until the force is ramped down */
+            double left[3];
+            ss_sub3(left, probe->computed.proxy, before.position);
+            assert_true(ss_norm3(left) < 1e-12);
+            ++held;
+        }
+    }
+    assert_true(held > 5);
+    ss_world_command(world, "resume", "", &record, text, (int32_t)sizeof text);
+    double kinetic = 0.0;
+    for (; k <= 300; ++k) {
+        softsim_state now;
+        tick(world, k, 0.005, 0.003, pressed_z + 0.005);
+        softsim_read((softsim_world *)world, &now);
+        kinetic = fmax(kinetic, now.kinetic_j);
+    }
+    assert_true(kinetic < pressed.elastic_j); /* what springs back, and no more */
+    destroy(world);
+}
+
+/* A tracker that throws the tool about: the model's ledger calls it work, but no hand does it. */
+static void energy_that_no_hand_has_stops_the_tissue(void **state)
+{
+    (void)state;
+    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    ss_command_record record;
+    char text[128];
+    double kinetic;
+    ss_model_info info;
+    (void)shake(world, 100, 0.0, &kinetic);
+    assert_int_equal(world->energy.verdict, SOFTSIM_VERDICT_GOOD);
+    const ss_model_info burst = {.kinetic = 150.0 * world->energy.limit * world->energy.size};
+    ss_energy_watch_step(&world->energy, &burst, 0.0, world->step_period);
+    const int64_t steps = world->steps;
+    softsim_force force = {.seq = 0};
+    for (int32_t k = 101; k <= 160; ++k) {
+        force = tick(world, k, 0.005, 0.003, pressed_z);
+    }
+    ss_world_info(world, &info);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_FAULT);
+    assert_int_equal(world->steps, steps);
+    assert_true((force.flags & SOFTSIM_FORCE_MODEL_FAULT) != 0);
+    assert_true(ss_norm3(force.force) == 0.0);
+    assert_int_equal(ss_world_command(world, "reset", "", &record, text, (int32_t)sizeof text), 0);
+    tick(world, 161, 0.005, 0.003, free_z);
+    ss_world_info(world, &info);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
+    assert_true(world->steps > steps);
+    destroy(world);
+}
+
+/* ---- the watch ----------------------------------------------------------------------------- */
+
+static softsim_verdict verdict_after(double stored, double way)
+{
+    ss_energy_watch watch = {.limit = limit_n, .size = tool_m};
+    ss_model_info info = {.reason = ""};
+    ss_energy_watch_step(&watch, &info, 0.0, 1e-3);
+    info.elastic = stored;
+    ss_energy_watch_step(&watch, &info, way, 1e-3);
+    ss_energy_watch_judge(&watch, &info);
+    assert_true((info.reason[0] == '\0') == (info.verdict == SOFTSIM_VERDICT_GOOD));
+    return info.verdict;
+}
+
+static void energy_beyond_a_hands_limit_is_a_verdict(void **state)
+{
+    (void)state;
+    const double unit = limit_n * tool_m;
+    assert_int_equal(verdict_after(0.99 * unit, 0.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_after(1.01 * unit, 0.0), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(verdict_after(10.1 * unit, 0.0), SOFTSIM_VERDICT_DEGRADED);
+    assert_int_equal(verdict_after(101.0 * unit, 0.0), SOFTSIM_VERDICT_FAULT);
+    /* A way pays for it, force times length. */
+    assert_int_equal(verdict_after(1.5 * unit, 0.6 * tool_m), SOFTSIM_VERDICT_GOOD);
+    /* Little by little counts too; what is long ago does not, nor does what was there before. */
+    for (int is_slow = 0; is_slow < 2; ++is_slow) {
+        ss_energy_watch watch = {.limit = limit_n, .size = tool_m};
+        ss_model_info info = {.kinetic = 5.0, .reason = ""};
+        for (int k = 0; k < 50; ++k) {
+            ss_energy_watch_step(&watch, &info, 0.0, is_slow ? 0.05 : 1e-3);
+            info.kinetic += 0.05 * unit;
+        }
+        assert_int_equal(watch.verdict, is_slow ? SOFTSIM_VERDICT_GOOD : SOFTSIM_VERDICT_GUARDED);
+    }
+}
+
+static softsim_pose at_depth(double depth, int32_t force_seq)
+{
+    return (softsim_pose){.force_seq = force_seq,
+                          .position = {0.0, 0.0, -depth},
+                          .orientation = {1.0, 0.0, 0.0, 0.0},
+                          .applied_force = {NAN, NAN, NAN}};
+}
+
+static softsim_force push_up(double force)
+{
+    return (softsim_force){.force = {0.0, 0.0, force}};
+}
+
+/* A lossless spring that is sampled hands out K D d in a press to D and back in steps of d, and all
+ * of K D^2 where one step is the whole way. */
+static void a_sampled_spring_hands_out_what_its_steps_leave(void **state)
+{
+    (void)state;
+    const double stiffness = 500.0, depth = 0.008;
+    for (int32_t steps = 1; steps <= 64; steps *= 4) {
+        ss_hand hand = {.has_pose = false};
+        double most = 0.0;
+        for (int32_t k = 0; k <= 2 * steps; ++k) {
+            const double x = depth * (k <= steps ? k : 2 * steps - k) / steps;
+            const softsim_pose pose = at_depth(x, -1);
+            const softsim_force force = push_up(stiffness * x);
+            ss_hand_feel(&hand, &pose, &force);
+            most = fmax(most, x);
+            assert_true(hand.energy[0] < stiffness * depth * depth / steps + 1e-12);
+        }
+        const double expected = stiffness * depth * depth / steps;
+        assert_true(fabs(hand.energy[0] - expected) < 1e-12);
+        assert_true(hand.handed_out_j > expected - 1e-12);
+        assert_true(fabs(hand.peak_force_n - stiffness * most) < 1e-12);
+    }
+}
+
+/* A torque works on the shorter way round, and a contact ends with its force. */
+static void torque_works_and_contacts_are_counted_apart(void **state)
+{
+    (void)state;
+    ss_hand hand = {.has_pose = false};
+    const double torque = 0.2, angle = 0.1;
+    double sum = 0.0;
+    for (int32_t k = 0; k < 40; ++k) {
+        const double turned = k < 20 ? k * angle : (20 - k) * angle + 2.0 * angle * 9.0;
+        softsim_pose pose = at_depth(0.0, -1);
+        pose.orientation[0] = (k % 2 == 0 ? 1.0 : -1.0) * cos(0.5 * turned);
+        pose.orientation[3] = (k % 2 == 0 ? 1.0 : -1.0) * sin(0.5 * turned);
+        const softsim_force force = {.torque = {0.0, 0.0, torque}};
+        ss_hand_feel(&hand, &pose, &force);
+        sum = fmax(sum, hand.energy[0]);
+    }
+    assert_true(fabs(sum - torque * 19.0 * angle) < 1e-12);
+    const softsim_force none = push_up(0.0);
+    const softsim_pose pose = at_depth(0.0, -1);
+    for (int k = 0; k < 3; ++k) {
+        ss_hand_feel(&hand, &pose, &none);
+    }
+    assert_true(hand.energy[0] == 0.0 && hand.energy[1] == 0.0);
+    assert_true(fabs(hand.handed_out_j - sum) < 0.2 * sum);
+}
+
+/* In and out by 8 mm in one step of a spring of 500 N/m: 32 mJ a contact. */
+static void a_hand_that_is_driven_is_told_for_a_second(void **state)
+{
+    (void)state;
+    for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
+        ss_hand_watch watch = {.has_pose = false};
+        int64_t k = 1;
+        for (; k <= 10; ++k) {
+            const double x = k % 2 == 0 ? 0.008 : 0.0;
+            const softsim_pose pose = at_depth(x, -1);
+            const softsim_force force = push_up(500.0 * x);
+            const ss_hand_tick now = {k, 1e-3, &pose, &force, 0.0, is_lockstep != 0};
+            ss_hand_watch_tick(&watch, &now);
+        }
+        assert_int_equal(ss_hand_watch_is_bad(&watch, k), is_lockstep);
+        const ss_hand_tick nothing = {.tick = k, .period = 1e-3, .is_lockstep = is_lockstep != 0};
+        ss_hand_watch_tick(&watch, &nothing);
+        assert_int_equal(ss_hand_watch_is_bad(&watch, k + 900), is_lockstep);
+        assert_false(ss_hand_watch_is_bad(&watch, k + 1000));
+    }
+    /* With a clock the observer counts, where the client names forces. */
+    for (int is_named = 0; is_named < 2; ++is_named) {
+        ss_hand_watch watch = {.has_pose = false};
+        const softsim_pose pose = at_depth(0.0, is_named ? 5 : -1);
+        const softsim_force force = push_up(0.0);
+        ss_hand_tick now = {7, 1e-3, &pose, &force, -0.009, false};
+        ss_hand_watch_tick(&watch, &now);
+        assert_false(ss_hand_watch_is_bad(&watch, 8));
+        now.worst_contact_j = -0.011;
+        ss_hand_watch_tick(&watch, &now);
+        assert_int_equal(ss_hand_watch_is_bad(&watch, 8), is_named);
+        now.tick = 2000; /* the same contact is not told again */
+        ss_hand_watch_tick(&watch, &now);
+        assert_false(ss_hand_watch_is_bad(&watch, 2001));
+    }
+}
+
+/* ---- every model --------------------------------------------------------------------------- */
+
+static ss_assay_result abuse(int32_t subject, ss_assay_kind kind, double value, int32_t variant)
+{
+    const ss_assay assay = {subject, kind, 1e4, value, variant};
+    ss_assay_result result;
+    softsim_error error = {.status = SOFTSIM_OK};
+    assert_int_equal(ss_assay_run(&assay, folder, &result, &error), SOFTSIM_OK);
+    return result;
+}
+
+static void what_hands_out_energy_is_not_called_good(void **state)
+{
+    (void)state;
+    static const struct {
+        ss_assay_kind kind;
+        double value;
+        int32_t variant;
+    } runs[] = {{SS_ASSAY_NOISE, 1e-3, 0},
+                {SS_ASSAY_IN_OUT, 500.0, 0},
+                {SS_ASSAY_THROUGH, 100.0, 2},
+                {SS_ASSAY_PAUSE, 2000.0, 0}};
+    int32_t handed_out = 0;
+    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+        for (size_t k = 0; k < sizeof runs / sizeof *runs; ++k) {
+            const ss_assay_result r = abuse(s, runs[k].kind, runs[k].value, runs[k].variant);
+            if (!r.is_agreed) {
+                char found[192];
+                ss_audit_text(r.found, found, (int32_t)sizeof found);
+                fail_msg("%s, %s: found %s (%g J), the program said: %s", ss_assay_subject_name(s),
+                         ss_assay_kind_name(runs[k].kind), found, r.handed_out_j, r.acted);
+            }
+            assert_true(r.force_n <= limit_n * (1.0 + 1e-9));
+            assert_true(r.kinetic_j < limit_n * body_m);
+            handed_out += r.handed_out_j > 0.01;
+        }
+    }
+    assert_true(handed_out > 0); /* else nothing was tried */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_step_slower_than_time_does_not_fling_the_tool),
+        cmocka_unit_test(the_haptic_loop_is_told_where_a_slow_step_left_the_tool),
+        cmocka_unit_test(a_paused_tool_stays_where_it_is),
+        cmocka_unit_test(energy_that_no_hand_has_stops_the_tissue),
+        cmocka_unit_test(energy_beyond_a_hands_limit_is_a_verdict),
+        cmocka_unit_test(a_sampled_spring_hands_out_what_its_steps_leave),
+        cmocka_unit_test(torque_works_and_contacts_are_counted_apart),
+        cmocka_unit_test(a_hand_that_is_driven_is_told_for_a_second),
+        cmocka_unit_test(what_hands_out_energy_is_not_called_good),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
