@@ -9,7 +9,6 @@
 static const double SINK_SHARE = 0.3;    /* of a tool's least half-width */
 static const double THROUGH_SHARE = 0.9; /* of the same: the far side's samples turn the force */
 
-/* Where tools alone drive the body a hand's limit explains all energy. */
 void ss_world_plan_watch(ss_world *world)
 {
     const ss_scene *scene = world->scene;
@@ -19,8 +18,7 @@ void ss_world_plan_watch(ss_world *world)
             size = fmax(size, ss_shape_bounding_radius(&scene->tool[p].shape));
         }
     }
-    if (scene->load_count == 0 && scene->prescribed_count == 0 && ss_norm3(scene->gravity) == 0.0 &&
-        size > 0.0) {
+    if (size > 0.0) {
         world->energy = (ss_energy_watch){.limit = scene->max_force_n, .size = size};
     }
 }

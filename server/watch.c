@@ -7,6 +7,7 @@
 
 #include "rt/vec.h"
 
+static const double load_share = 0.1;                     /* of what loads did: their error */
 static const double pool_time = 0.1;                      /* s */
 static const double degraded_at = 10.0, fault_at = 100.0; /* times what is guarded */
 static const double most_handed_out = 0.01;               /* J */
@@ -20,11 +21,14 @@ void ss_energy_watch_step(ss_energy_watch *watch, const ss_model_info *info, dou
     if (!(watch->limit > 0.0) || watch->verdict == SOFTSIM_VERDICT_FAULT) {
         return;
     }
-    const double change = watch->has_stored ? stored - watch->stored : 0.0;
+    const double change =
+        watch->has_stored ? stored - watch->stored - (info->load_work - watch->load_work) : 0.0;
     watch->stored = stored;
+    watch->load_work = info->load_work;
     watch->has_stored = true;
     watch->pool = fmax(0.0, watch->pool * exp(-dt / pool_time) + change - watch->limit * way);
-    const double share = watch->pool / (watch->limit * watch->size);
+    const double share =
+        watch->pool / (watch->limit * watch->size + load_share * fabs(info->load_work));
     watch->verdict = share > fault_at      ? SOFTSIM_VERDICT_FAULT
                      : share > degraded_at ? SOFTSIM_VERDICT_DEGRADED
                      : share > 1.0         ? SOFTSIM_VERDICT_GUARDED

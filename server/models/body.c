@@ -358,7 +358,8 @@ void ss_body_info(const ss_body *body, ss_model_info *out)
                            .kinetic = body->kinetic,
                            .elastic = body->elastic,
                            .dissipated = body->dissipated,
-                           .work = body->work};
+                           .work = body->work,
+                           .load_work = body->load_work};
 }
 
 uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
@@ -391,7 +392,7 @@ void ss_body_reset(ss_body *body)
     ss_body_loads_reset(body);
     body->step = 0;
     body->substeps = 0;
-    body->work = body->dissipated = body->pool = 0.0;
+    body->work = body->load_work = body->dissipated = body->pool = 0.0;
     body->kinetic = body->elastic = body->shadow = body->power = 0.0;
     body->nodes.kick_lag = body->settled_lag = 0.0;
     body->is_ready = body->has_elastic = false;

@@ -325,12 +325,19 @@ static void plan_substep(const ss_body *body, const progress *p, double *out_h,
     *out_fraction = by_time > available ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
 }
 
+/* Work of loads, gravity and supports. */
+static void book_load(ss_body *body, double work)
+{
+    body->work += work;
+    body->load_work += work;
+}
+
 static void place_driven(ss_body *body, double path, double fraction, double h, bool is_booked)
 {
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
         const double work = ss_driven_set_place(&body->driven[k], path, fraction, h,
                                                 body->nodes.mass, body->nodes.u, body->nodes.v);
-        body->work += is_booked ? work : 0.0;
+        book_load(body, is_booked ? work : 0.0);
     }
 }
 
@@ -393,7 +400,7 @@ static bool substep(ss_body *body, progress *p)
     const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
     body->path = p->path;
     place_driven(body, p->path, fraction, h, true);
-    body->work += 0.5 * h * ss_body_driven_power(body);
+    book_load(body, 0.5 * h * ss_body_driven_power(body));
     if (has_implicit_contact(body)) {
         move_tools(body, next);
     } else {
@@ -411,7 +418,7 @@ static bool substep(ss_body *body, progress *p)
     if (is_finite) {
         evaluate(body, next, !goes_on(body, p));
         settle_grasps(body);
-        body->work += 0.5 * h * ss_body_driven_power(body);
+        book_load(body, 0.5 * h * ss_body_driven_power(body));
         if (!has_implicit_contact(body)) {
             body->work += 0.5 * fraction * ss_body_tool_work(body);
         }
@@ -436,7 +443,7 @@ static void ready(ss_body *body, bool has_new_loads)
                 body->nodes.force[a] += body->load_force[a] - body->old_load[a];
             }
         }
-        body->work += ss_body_loads_lag_work(body);
+        book_load(body, ss_body_loads_lag_work(body));
     }
 }
 
@@ -475,7 +482,7 @@ void ss_body_step(ss_body *body, double time, double dt,
             return;
         }
     }
-    body->work += ss_body_loads_work(body);
+    book_load(body, ss_body_loads_work(body));
     book_losses(body, body->nodes.kick_lag);
     body->settled_lag = body->nodes.kick_lag;
     if (!isfinite(ledger_sum(body))) {

@@ -274,7 +274,9 @@ void ss_chain_driven_place(ss_model *model, double path)
             }
             ss_chain_wake(model, set->node[i]);
         }
-        model->work += ss_chain_energy_around(model, set->node_count, set->node) - before;
+        const double work = ss_chain_energy_around(model, set->node_count, set->node) - before;
+        model->work += work;
+        model->load_work += work;
     }
 }
 

@@ -147,8 +147,8 @@ static void reset(ss_model *model)
     model->step = 0;
     model->substeps = model->active_nodes = 0;
     model->worst_element = -1;
-    model->work = model->booked = model->gained = model->elastic = model->dissipated =
-        model->network = 0.0;
+    model->work = model->load_work = model->booked = model->gained = model->elastic =
+        model->dissipated = model->network = 0.0;
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
@@ -256,7 +256,8 @@ static void info(const ss_model *model, ss_model_info *out)
                            .kinetic = 0.0,
                            .elastic = model->elastic,
                            .dissipated = model->dissipated,
-                           .work = model->booked};
+                           .work = model->booked,
+                           .load_work = model->load_work};
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -290,7 +290,8 @@ static bool answer(ss_model *model, double h, double far, bool is_full, bool is_
                               .leak = (ss_real)model->leak,
                               .pull = model->pull,
                               .u = model->u};
-    model->work += ss_chain_loads_work(model, -1.0);
+    const double left = ss_chain_loads_work(model, -1.0);
+    model->work += left;
     if (model->coarse && is_full) {
         leak(model);
         motion.leak = 0;
@@ -308,7 +309,9 @@ static bool answer(ss_model *model, double h, double far, bool is_full, bool is_
         swap_sets(&front->awake, &front->next);
         swap_sets(&front->moving, &front->stay);
     }
-    model->work += ss_chain_loads_work(model, 1.0);
+    const double reached = ss_chain_loads_work(model, 1.0);
+    model->work += reached;
+    model->load_work += left + reached;
     return motion.largest <= MAX_DISPLACEMENT * model->diagonal || clamp_displacements(model);
 }
 

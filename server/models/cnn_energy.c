@@ -302,7 +302,7 @@ static void reset(ss_model *model)
     ss_cnn_loads_build(model);
     model->step = 0;
     model->substeps = 0;
-    model->work = model->dissipated = model->kinetic = model->elastic = 0.0;
+    model->work = model->load_work = model->dissipated = model->kinetic = model->elastic = 0.0;
     model->pool = 0.0;
     model->pressure = 0.0;
     model->is_ready = false;
@@ -463,7 +463,8 @@ static void info(const ss_model *model, ss_model_info *out)
                            .kinetic = model->kinetic,
                            .elastic = model->elastic,
                            .dissipated = model->dissipated,
-                           .work = model->work};
+                           .work = model->work,
+                           .load_work = model->load_work};
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -233,7 +233,7 @@ struct ss_model {
     /* state */
     ss_real *u, *v, *u_low;
     int64_t step;
-    double work, dissipated;
+    double work, dissipated, load_work;
     /* derived from the state; valid while is_ready */
     bool is_ready, has_strain, has_totals;
     bool has_loads_only;            /* base and force are load_force: no tool, no second source */

@@ -349,8 +349,10 @@ void ss_cnn_driven_update(ss_model *model, double time)
 void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h)
 {
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        model->work += ss_driven_set_place(&model->driven[p].set, path, fraction, h,
-                                           model->material.mass, model->u, model->v);
+        const double work = ss_driven_set_place(&model->driven[p].set, path, fraction, h,
+                                                model->material.mass, model->u, model->v);
+        model->work += work;
+        model->load_work += work;
     }
 }
 

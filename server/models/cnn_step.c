@@ -435,7 +435,9 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         model->work += tool_work(model, fraction, share[s]);
         if (model->plan.prescribed_count > 0) {
             const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
-            model->work += ss_cnn_driven_work(model, stage.d, v, h, share[s]);
+            const double work = ss_cnn_driven_work(model, stage.d, v, h, share[s]);
+            model->work += work;
+            model->load_work += work;
         }
         model->dissipated += h * share[s] * model->kernels->stage(&stage);
         model->dissipated += h * share[s] * ss_cnn_window_stage(model, s, h);
@@ -673,7 +675,7 @@ static void plan_substep(ss_model *model, const progress *p, double *out_h, doub
 
 /* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
 typedef struct ledger {
-    double work, dissipated;
+    double work, dissipated, load_work;
 } ledger;
 
 static void take_back(ss_model *model, progress *p, const ledger *before, double h)
@@ -687,6 +689,7 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     model->has_totals = false;
     model->work = before->work;
     model->dissipated = before->dissipated;
+    model->load_work = before->load_work;
     prepare(model, p->path); /* books what it changes by itself */
 }
 
@@ -724,7 +727,7 @@ static bool try_substep(ss_model *model, progress *p)
     plan_substep(model, p, &h, &fraction);
     const double balance = ledger_sum(model);
     ss_cnn_driven_place(model, p->path, fraction, h);
-    const ledger before = {model->work, model->dissipated};
+    const ledger before = {model->work, model->dissipated, model->load_work};
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
@@ -750,6 +753,7 @@ static bool try_substep(ss_model *model, progress *p)
     settle_grasps(model, true);
     damp_gain(model, gain);
     model->work += loads;
+    model->load_work += loads;
     tell_loss(model, balance - ledger_sum(model));
     if (model->relax) {
         relax_network(model, next);

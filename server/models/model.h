@@ -93,6 +93,7 @@ typedef struct ss_model_info {
     double travelled;   /* share of the way of tools and driven nodes in the last step: 1, and less
                            in a step that was slower than time */
     double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
+    double load_work; /* J: the part of it that loads, gravity and supports did */
 } ss_model_info;
 
 typedef struct ss_model_class {

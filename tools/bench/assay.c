@@ -281,9 +281,12 @@ static void play(runner *r)
         pose.utime_us = (int64_t)(1e6 * k * r->period_s);
         ss_assay_plan_tool(&r->plan, k * r->period_s, k, pose.position, pose.orientation);
         command(r, k * r->period_s);
-        softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
+        const softsim_refusal refusal =
+            softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
         look(r, has_tool ? force[0].force : still);
-        if (has_tool) {
+        if (has_tool && refusal != SOFTSIM_ACCEPTED) {
+            r->hand.has_pose = false; /* it was told that the force does not follow */
+        } else if (has_tool) {
             ss_hand_feel(&r->hand, &pose, &force[0]);
             pose.force_seq = force[0].seq;
         }

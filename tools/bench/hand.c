@@ -27,6 +27,9 @@ void ss_hand_feel(ss_hand *hand, const softsim_pose *pose, const softsim_force *
     if (hand->has_pose) {
         ss_sub3(way, pose->position, hand->position);
         turn_between(hand->orientation, pose->orientation, turn);
+    } else {
+        memset(hand->force, 0, sizeof hand->force);
+        memset(hand->torque, 0, sizeof hand->torque);
     }
     for (int d = 0; d < SS_HAND_DELAYS; ++d) {
         const bool is_touched = ss_norm3(hand->force[d]) + ss_norm3(hand->torque[d]) > 0.0;

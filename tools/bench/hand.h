@@ -31,5 +31,6 @@ typedef struct ss_hand {
     double peak_force_n, deepest_m;
 } ss_hand;
 
-/* The pose that was sent, and its answer. Start from a zeroed ss_hand. */
+/* The pose that was accepted, and its answer. Start from a zeroed ss_hand; without has_pose a
+ * contact begins anew. */
 void ss_hand_feel(ss_hand *hand, const softsim_pose *pose, const softsim_force *answer);
