@@ -50,6 +50,11 @@ void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info)
               "or steady the tracker";
 }
 
+void ss_energy_watch_skip(ss_energy_watch *watch)
+{
+    watch->has_stored = false;
+}
+
 void ss_energy_watch_reset(ss_energy_watch *watch)
 {
     *watch = (ss_energy_watch){.limit = watch->limit, .size = watch->size};

@@ -45,6 +45,8 @@ typedef struct ss_energy_watch {
 void ss_energy_watch_step(ss_energy_watch *watch, const ss_model_info *info, double way, double dt);
 /* What it has to add to the model's verdict. */
 void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info);
+/* A parameter was set: what that does to the energy in the next step is nobody's work. */
+void ss_energy_watch_skip(ss_energy_watch *watch);
 /* The model is at rest again. */
 void ss_energy_watch_reset(ss_energy_watch *watch);
 

@@ -545,6 +545,7 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
     case SS_COMMAND_SET:
         if (command->key == SS_LIVE_MODEL_ROW) {
             world->model_class->set(world->model, command->row, command->value);
+            ss_energy_watch_skip(&world->energy);
         } else if (command->key == SS_LIVE_MESH_RATE) {
             world->snapshot_every = snapshot_interval(command->value, world->step_period);
         }

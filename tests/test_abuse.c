@@ -272,6 +272,10 @@ static void energy_beyond_a_hands_limit_is_a_verdict(void **state)
     push.elastic = push.load_work = 1e3 * unit; /* what a load did is explained */
     ss_energy_watch_step(&loaded, &push, 0.0, 1e-3);
     assert_int_equal(loaded.verdict, SOFTSIM_VERDICT_GOOD);
+    push.elastic *= 1e3; /* a modulus was set */
+    ss_energy_watch_skip(&loaded);
+    ss_energy_watch_step(&loaded, &push, 0.0, 1e-3);
+    assert_int_equal(loaded.verdict, SOFTSIM_VERDICT_GOOD);
     /* A way pays for it, force times length. */
     assert_int_equal(verdict_after(1.5 * unit, 0.6 * tool_m), SOFTSIM_VERDICT_GOOD);
     /* Little by little counts too; what is long ago does not, nor does what was there before. */
