@@ -97,7 +97,7 @@ static void use_tool(ss_assay_plan *plan)
         const double edge_mm = 2e3 * SS_ASSAY_TOOL_RADIUS;
         add_text(plan,
                  "contact:\n  tools: [{probe: 0, shape: {box: {size_mm: [%.9g, %.9g, %.9g]}}}]\n",
-                 edge_mm, 0.5 * edge_mm, edge_mm);
+                 edge_mm, 0.6 * edge_mm, edge_mm);
     } else {
         add_text(plan, "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: %.9g}}}]\n",
                  1e3 * SS_ASSAY_TOOL_RADIUS);
