@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <poll.h>
@@ -25,6 +26,7 @@
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
 #include "rt/memory.h"
+#include "rt/progress.h"
 #include "rt/ring.h"
 #include "rt/thread.h"
 
@@ -486,6 +488,49 @@ static void an_endless_first_fault_is_cut(void **state)
     assert_non_null(strstr(error.text, "\n(and 2 more faults)"));
 }
 
+/* ---- progress -------------------------------------------------------------------------------- */
+
+/* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
+static void progress_is_shown_and_wiped(void **state)
+{
+    (void)state;
+    char out[1024];
+    size_t used = 0;
+    ssize_t more = 1;
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    assert_true(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+    const int end = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    const int kept = dup(STDERR_FILENO);
+    assert_true(end >= 0 && kept >= 0 && dup2(end, STDERR_FILENO) >= 0);
+    ss_progress_stage("nobody has begun");
+    ss_progress_begin("knead", "reading %d files", 3);
+    ss_progress_end();
+    ss_progress_end();
+    fflush(stderr);
+    assert_true(dup2(kept, STDERR_FILENO) >= 0);
+    close(end);
+    while (more > 0 && used + 1 < sizeof out) { /* an error once all is read */
+        more = read(terminal, out + used, sizeof out - 1 - used);
+        used += more > 0 ? (size_t)more : 0;
+    }
+    out[used] = '\0';
+    close(terminal);
+    assert_string_equal(out, "\rknead: reading 3 files, 0 s \033[K\r\033[K");
+
+    int pipe_fd[2];
+    assert_int_equal(pipe(pipe_fd), 0);
+    assert_true(dup2(pipe_fd[1], STDERR_FILENO) >= 0);
+    ss_progress_begin("knead", "short work");
+    ss_progress_stage("and its end");
+    ss_progress_end();
+    fflush(stderr);
+    assert_true(dup2(kept, STDERR_FILENO) >= 0);
+    close(pipe_fd[1]);
+    assert_int_equal(read(pipe_fd[0], out, sizeof out), 0);
+    close(pipe_fd[0]);
+    close(kept);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -504,6 +549,7 @@ int main(void)
         cmocka_unit_test(wake_is_seen_by_poll_until_drained),
         cmocka_unit_test(status_has_a_name_and_a_text),
         cmocka_unit_test(verdicts_and_refusals_have_names),
+        cmocka_unit_test(progress_is_shown_and_wiped),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),

@@ -22,7 +22,12 @@ static void print_help(const char *program, const char *usage, const char *about
         char left[96];
         snprintf(left, sizeof left, "%s%s%s", rows[i].name, rows[i].kind == SS_ARG_FLAG ? "" : " ",
                  rows[i].kind == SS_ARG_FLAG ? "" : rows[i].value);
-        printf("  %-34s %s\n", left, rows[i].help);
+        printf("  %-34s ", left);
+        for (const char *at = rows[i].help; *at != '\0';) {
+            const size_t length = strcspn(at, "\n");
+            printf("%*s%.*s\n", at == rows[i].help ? 0 : 37, "", (int)length, at);
+            at += length + (at[length] == '\n');
+        }
     }
     printf("  %-34s %s\n  %-34s %s\n", "--help", "prints this", "--version", "prints the version");
 }

@@ -32,7 +32,7 @@ typedef struct ss_arg {
     void *out;
     double min, max;   /* NUMBER and INTEGER, inclusive */
     const char *value; /* how --help names the value, or the choices "a|b|c" */
-    const char *help;
+    const char *help;  /* each of its lines stands below the first */
 } ss_arg;
 
 typedef enum ss_args_result { SS_ARGS_RUN, SS_ARGS_DONE, SS_ARGS_BAD } ss_args_result;

@@ -2,10 +2,81 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "rt/files.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
+
+const char *ss_files_reason(int number)
+{
+    return number == EMFILE || number == ENFILE ? "too many open files: raise `ulimit -n`"
+                                                : strerror(number);
+}
+
+enum { MAX_ROOM = 32 };
+
+bool ss_files_have_room(int32_t count)
+{
+    int taken[MAX_ROOM];
+    int32_t found = 0;
+    while (found < count && found < MAX_ROOM && (taken[found] = dup(STDERR_FILENO)) >= 0) {
+        ++found;
+    }
+    const bool has_room = found == count || found == MAX_ROOM;
+    while (found > 0) {
+        close(taken[--found]);
+    }
+    return has_room;
+}
+
+static const char *name_kind(mode_t mode)
+{
+    return S_ISDIR(mode)    ? "a folder, not a file"
+           : S_ISFIFO(mode) ? "a pipe, not a file"
+           : S_ISSOCK(mode) ? "a socket, not a file"
+                            : "a device, not a file";
+}
+
+int ss_files_open(const char *path, int64_t *out_size, const char **out_why)
+{
+    struct stat found;
+    /* What it is comes first, because opening a device may do something, and opening a pipe lets
+     * its writer go on. It may be another file by the time it is opened: hence without waiting,
+     * and a second look. */
+    if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+        *out_why = name_kind(found.st_mode);
+        return -1;
+    }
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file < 0 || fstat(file, &found) != 0) {
+        *out_why = ss_files_reason(errno);
+    } else if (!S_ISREG(found.st_mode)) {
+        *out_why = name_kind(found.st_mode);
+    } else {
+        if (out_size != NULL) {
+            *out_size = (int64_t)found.st_size;
+        }
+        return file;
+    }
+    if (file >= 0) {
+        close(file);
+    }
+    return -1;
+}
+
+FILE *ss_files_open_stream(const char *path, int64_t *out_size, const char **out_why)
+{
+    const int file = ss_files_open(path, out_size, out_why);
+    FILE *stream = file >= 0 ? fdopen(file, "rb") : NULL;
+    if (stream == NULL && file >= 0) {
+        *out_why = ss_files_reason(errno);
+        close(file);
+    }
+    return stream;
+}
 
 /* A file that is there, or the folder of one that is not yet and its name in it. */
 typedef struct identity {
@@ -43,7 +114,15 @@ bool ss_files_check(const ss_named_file *input, int32_t input_count, const ss_na
 {
     for (int32_t i = 0; i < output_count; ++i) {
         const ss_named_file *out = &output[i];
+        char part[PATH_MAX] = "";
+        (void)snprintf(part, sizeof part, "%s" SS_FILES_PART, out->path != NULL ? out->path : "");
         for (int32_t k = 0; k < input_count && out->path != NULL; ++k) {
+            if (input[k].path != NULL && ss_files_are_one(part, input[k].path)) {
+                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                                  "%s: '%s' is recorded to '%s', which is %s; give another name",
+                                  out->name, out->path, part, input[k].name);
+                return false;
+            }
             if (input[k].path != NULL && ss_files_are_one(out->path, input[k].path)) {
                 softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                                   "%s: '%s' is %s, which would be overwritten; give another name",

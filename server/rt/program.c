@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "rt/program.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+void ss_program_begin(void)
+{
+    for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
+        if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) {
+            /* The lowest free number is this one: those below are open by now. */
+            const int opened = open("/dev/null", O_RDWR);
+            (void)opened;
+        }
+    }
+    signal(SIGXFSZ, SIG_IGN);
+}
+
+int ss_program_finish(const char *program, int status)
+{
+    errno = 0;
+    if (fflush(stdout) == 0 && ferror(stdout) == 0) {
+        return status;
+    }
+    const char *slash = strrchr(program, '/');
+    fprintf(stderr, "%s: cannot write to stdout: %s\n", slash != NULL ? slash + 1 : program,
+            errno != 0 ? strerror(errno) : "an earlier write failed");
+    return status != 0 ? status : 1;
+}
+
+void ss_program_stop_signals(sigset_t *out_signals)
+{
+    struct sigaction hangup;
+    sigemptyset(out_signals);
+    sigaddset(out_signals, SIGINT);
+    sigaddset(out_signals, SIGTERM);
+    if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) {
+        sigaddset(out_signals, SIGHUP);
+    }
+}
+
+/* ---- capabilities --------------------------------------------------------------------------- */
+
+static bool raise_limit(__rlimit_resource_t limit, rlim_t value)
+{
+    const struct rlimit wanted = {value, value};
+    return setrlimit(limit, &wanted) == 0;
+}
+
+void ss_program_drop_capabilities(bool reads_files)
+{
+    struct __user_cap_header_struct head = {.version = _LINUX_CAPABILITY_VERSION_3};
+    struct __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3];
+    if (syscall(SYS_capget, &head, data) != 0 || (data[0].permitted | data[1].permitted) == 0) {
+        return;
+    }
+    static bool has_limits; /* raised by the first call, while that is allowed */
+    has_limits = has_limits ||
+                 (raise_limit(RLIMIT_MEMLOCK, RLIM_INFINITY) && raise_limit(RLIMIT_RTPRIO, 99));
+    uint32_t kept = has_limits ? 0 : CAP_TO_MASK(CAP_SYS_NICE) | CAP_TO_MASK(CAP_IPC_LOCK);
+    kept |= reads_files ? CAP_TO_MASK(CAP_DAC_READ_SEARCH) : 0;
+    data[0].permitted &= kept;
+    data[0].effective = data[0].permitted;
+    data[0].inheritable = 0;
+    data[1] = (struct __user_cap_data_struct){0};
+    (void)syscall(SYS_capset, &head, data);
+    /* A helper that is started gets back no more, though its user is root. */
+    (void)prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "rt/progress.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "rt/clock.h"
+
+static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns = 100000000;
+
+/* All of it under `lock`. */
+static struct {
+    bool has_begun, is_ending, is_terminal;
+    char program[32], stage[160];
+    int64_t begun_ns, shown_ns;
+    pthread_t thread;
+} progress;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t changed; /* on the monotonic clock */
+
+/* Under the lock. */
+static void show(void)
+{
+    const int64_t now_ns = ss_clock_now_ns();
+    const double s = 1e-9 * (double)(now_ns - progress.begun_ns);
+    progress.shown_ns = now_ns;
+    fprintf(stderr, progress.is_terminal ? "\r%s: %s, %.0f s \033[K" : "%s: %s, %.0f s\n",
+            progress.program, progress.stage, s);
+}
+
+static void *watch(void *unused)
+{
+    pthread_mutex_lock(&lock);
+    while (!progress.is_ending) {
+        const int64_t period_ns = progress.is_terminal ? terminal_ns : plain_ns;
+        const int64_t due_ns = progress.shown_ns + period_ns;
+        const struct timespec due = {.tv_sec = (time_t)(due_ns / 1000000000),
+                                     .tv_nsec = (long)(due_ns % 1000000000)};
+        pthread_cond_timedwait(&changed, &lock, &due);
+        if (!progress.is_ending && ss_clock_now_ns() - progress.shown_ns >= period_ns) {
+            show();
+        }
+    }
+    pthread_mutex_unlock(&lock);
+    return unused;
+}
+
+void ss_progress_begin(const char *program, const char *format, ...)
+{
+    ss_progress_end();
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
+    va_end(arguments);
+    snprintf(progress.program, sizeof progress.program, "%s", program);
+    progress.is_terminal = isatty(STDERR_FILENO) == 1;
+    progress.is_ending = false;
+    progress.begun_ns = progress.shown_ns = ss_clock_now_ns();
+    if (progress.is_terminal) {
+        show();
+    }
+    pthread_condattr_t clock;
+    pthread_condattr_init(&clock);
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    pthread_cond_init(&changed, &clock);
+    pthread_condattr_destroy(&clock);
+    sigset_t all, before; /* signals are the main thread's */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    progress.has_begun = pthread_create(&progress.thread, NULL, watch, NULL) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+void ss_progress_stage(const char *format, ...)
+{
+    if (!progress.has_begun) {
+        return;
+    }
+    va_list arguments;
+    pthread_mutex_lock(&lock);
+    va_start(arguments, format);
+    vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
+    va_end(arguments);
+    if (progress.is_terminal && ss_clock_now_ns() - progress.shown_ns >= redraw_ns) {
+        show();
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+void ss_progress_end(void)
+{
+    if (!progress.has_begun) {
+        return;
+    }
+    pthread_mutex_lock(&lock);
+    progress.is_ending = true;
+    pthread_cond_signal(&changed);
+    pthread_mutex_unlock(&lock);
+    pthread_join(progress.thread, NULL);
+    pthread_cond_destroy(&changed);
+    if (progress.is_terminal) {
+        fputs("\r\033[K", stderr);
+    }
+    progress.has_begun = false;
+}

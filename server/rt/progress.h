@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What a long piece of work is at, on stderr, with the time it has taken: on a terminal one line
+ * that is written anew, elsewhere a plain line every ten seconds, so that short work says nothing
+ * in a script. A thread of its own writes it, because the longest waits are inside one call (a file
+ * of gigabytes, one press of a large body) that cannot report; counting its share there was
+ * rejected. Whoever does a part of the work names it by ss_progress_stage, which does nothing
+ * unless the program has begun: libraries may call it.
+ * Thread: set-up only; ended before a loop starts or a process without exec is forked.
+ */
+
+/* From here on until ss_progress_end; ends one that has begun already. The first stage is
+ * `format`, one line without its end; further stages follow `program`, as in
+ * "softsim-mesh: reading heart.msh, 12 s". */
+void __attribute__((format(printf, 2, 3)))
+ss_progress_begin(const char *program, const char *format, ...);
+/* Names what is being done now. */
+void __attribute__((format(printf, 1, 2))) ss_progress_stage(const char *format, ...);
+/* Wipes the line of a terminal. Does nothing when none has begun. */
+void ss_progress_end(void);
