@@ -271,18 +271,19 @@ static int run_linear(bool is_correcting, double row[][14])
     ss_device device;
     static ss_bridge bridge;
     const char *path = in_folder("linear.csv");
-    FILE *csv = fopen(path, "w");
-    assert_non_null(csv);
-    fputs(ss_bridge_csv_header, csv);
+    ss_output out;
+    assert_int_equal(ss_output_record(&out, path, &error), SOFTSIM_OK);
+    fputs(ss_bridge_csv_header, out.file);
     assert_int_equal(ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error), SOFTSIM_OK);
     assert_int_equal(ss_sim_create(&sim, &device, &error), SOFTSIM_OK);
     const ss_bridge_config config = {
-        .is_correcting = is_correcting, .tick_count = 2000, .csv = csv};
+        .is_correcting = is_correcting, .tick_count = 2000, .csv = &out};
     assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
     ss_bridge_run_linear(&bridge, 500.0, 2);
     ss_bridge_fini(&bridge);
-    fclose(csv);
-    csv = fopen(path, "r");
+    assert_int_equal(ss_output_commit(&out, &error), SOFTSIM_OK);
+    FILE *csv = fopen(path, "r");
+    assert_non_null(csv);
     char line[1024];
     int count = 0;
     assert_non_null(fgets(line, sizeof line, csv));
@@ -407,7 +408,8 @@ static void the_csv_of_a_path_is_finite(void **state)
     assert_non_null(csv);
     ss_frame_init(&frame, "x,y,z", "0,0,0", 2.0, 1.0, &error);
     assert_int_equal(ss_script_create(in_folder("path.csv"), 1e-3, &device, &error), SOFTSIM_OK);
-    const ss_bridge_config config = {.tick_count = 50, .csv = csv, .program = "test"};
+    ss_output out = {.file = csv};
+    const ss_bridge_config config = {.tick_count = 50, .csv = &out, .program = "test"};
     assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
     ss_bridge_run_linear(&bridge, 100.0, 0);
     ss_bridge_fini(&bridge);
@@ -447,8 +449,9 @@ static void json_is_well_formed(void **state)
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     ss_show_json(out, &status);
-    ss_show_line(out, &status);
-    ss_show_page(out, &status);
+    const ss_show_hand hand[SOFTSIM_MAX_PROBES] = {{.is_here = true, .force_n = 1.5}};
+    ss_show_line(out, &status, hand);
+    ss_show_page(out, &status, hand);
     fclose(out);
     assert_non_null(strstr(text, "\"scene\": \"a \\\"quoted\\\" \\\\ \\u000a \\u0001 name\""));
     assert_non_null(strstr(text, "\"step\": -9223372036854775808"));

@@ -9,13 +9,16 @@
 #include <cmocka.h>
 #include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "folder_fixture.h"
+#include "indentation.h"
 #include "number_fixture.h"
 #include "output.h"
 #include "softsim/log.h"
@@ -351,6 +354,123 @@ static void output_is_complete_or_absent(void **state)
 
 /* ---- pose paths ----------------------------------------------------------------------------- */
 
+/* ---- recordings ----------------------------------------------------------------------------- */
+
+/* How many whole records a log has; `out_rest`: bytes that are none. */
+static int count_records(const char *path, int64_t *out_rest)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *log = NULL;
+    softsim_log_event event;
+    softsim_log_result result;
+    int count = 0;
+    *out_rest = 0;
+    assert_int_equal(softsim_log_open(path, &log, &error), SOFTSIM_OK);
+    while ((result = softsim_log_next(log, &event)) != SOFTSIM_LOG_END) {
+        count += result == SOFTSIM_LOG_EVENT;
+        *out_rest += result == SOFTSIM_LOG_EVENT ? 0 : event.skipped;
+    }
+    softsim_log_close(&log);
+    return count;
+}
+
+static void write_poses(softsim_log_writer *writer, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const softsim_pose pose = make_pose(i + 1);
+        softsim_log_write_pose(writer, 1000000 + 1000 * i, "SOFTSIM_PROBE_0", &pose);
+    }
+}
+
+/* What a kill would leave: the file as it is before the writer has done anything at its end. */
+static void a_recording_is_readable_while_it_grows(void **state)
+{
+    (void)state;
+    enum { MANY = 8000 }; /* more than fits into memory that waits */
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    int64_t rest = 0;
+    const char *path = in_folder("grows.lcmlog"), *part = in_folder("grows.lcmlog.part");
+    assert_int_equal(softsim_log_create(path, &writer, &error), SOFTSIM_OK);
+    assert_string_equal(softsim_log_path(writer), part);
+    write_poses(writer, MANY);
+    assert_in_range(count_records(part, &rest), 1000, MANY);
+    assert_int_equal(rest, 0);
+    assert_int_equal(access(path, F_OK), -1);
+
+    /* Nobody else writes to it meanwhile. */
+    softsim_log_writer *other = NULL;
+    assert_int_equal(softsim_log_create(path, &other, &error), SOFTSIM_ERROR_FILE);
+    assert_non_null(strstr(error.text, "grows.lcmlog.part: another program is recording to it"));
+    error = (softsim_error){.status = SOFTSIM_OK};
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    assert_int_equal(count_records(path, &rest), MANY);
+    assert_int_equal(access(part, F_OK), -1);
+}
+
+/* RLIMIT_FSIZE stands for the disk. */
+static void a_full_disk_leaves_whole_records(void **state)
+{
+    (void)state;
+    enum { MANY = 12000, ROOM = 700000 };
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    int64_t rest = 0;
+    struct rlimit limit;
+    struct stat found;
+    const char *part = in_folder("full.lcmlog.part");
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const struct rlimit small = {ROOM, limit.rlim_max};
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    assert_int_equal(softsim_log_create(in_folder("full.lcmlog"), &writer, &error), SOFTSIM_OK);
+    write_poses(writer, MANY);
+    assert_true(softsim_log_has_failed(writer));
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_ERROR_FILE);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    assert_non_null(
+        strstr(error.text, "cannot write: File too large; what was recorded before is"));
+    assert_non_null(strstr(error.text, part));
+    assert_int_equal(access(in_folder("full.lcmlog"), F_OK), -1);
+    assert_int_equal(stat(part, &found), 0);
+    assert_true(found.st_size > ROOM / 2 && found.st_size <= ROOM);
+    assert_int_equal(count_records(part, &rest), found.st_size / RECORD);
+    assert_int_equal(rest, 0);
+}
+
+/* A press straight down by 10 mm against tissue that leaves .4 mm, a slide along a cylinder of
+ * 50 mm, and lifting. */
+static void indentation_is_the_tools_way_into_the_tissue(void **state)
+{
+    (void)state;
+    ss_indentation indentation = {.is_touching = false};
+    double value = 0.0;
+    for (int k = 0; k <= 200; ++k) {
+        const double depth = 1e-4 * k - 0.01; /* of the tool; it touches at k = 100 */
+        const double left = fmin(depth, 4e-4);
+        const softsim_force force = {.flags = depth > 0.0 ? SOFTSIM_FORCE_CONTACT : 0,
+                                     .normal = {0.0, 0.0, 1.0},
+                                     .proxy = {0.0, 0.0, depth > 0.0 ? left - depth : -depth},
+                                     .depth = left};
+        const double tool[3] = {0.0, 0.0, -depth};
+        value = ss_indentation_take(&indentation, &force, tool);
+        assert_near(value, fmax(depth, 0.0), 1e-12);
+    }
+    for (int k = 1; k <= 900; ++k) {
+        const double angle = 1e-3 * k, radius = 0.05 - 0.01;
+        const softsim_force force = {
+            .flags = SOFTSIM_FORCE_CONTACT, .normal = {sin(angle), 0.0, cos(angle)}, .depth = 4e-4};
+        const double tool[3] = {radius * sin(angle), 0.0, radius * cos(angle) - 0.05};
+        value = ss_indentation_take(&indentation, &force, tool);
+    }
+    assert_near(value, 0.01, 3e-5); /* straight .052 m down by now, were it not for the normal */
+    const softsim_force unknown = {.flags = SOFTSIM_FORCE_CONTACT, .normal = {0.0, 0.0, 1.0}};
+    const double nowhere[3] = {NAN, 0.0, 0.0};
+    assert_near(ss_indentation_take(&indentation, &unknown, nowhere), value, 0.0);
+    const softsim_force off = {.flags = 0};
+    assert_true(ss_indentation_take(&indentation, &off, nowhere) == 0.0);
+}
+
 #define CSV_HEADER "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
 
 static void csv_faults_name_their_line(void **state)
@@ -460,6 +580,57 @@ static void quaternions_take_the_short_way(void **state)
     assert_near(pose.orientation[0], 0.6, 1e-15);
     assert_near(pose.orientation[1], 0.8, 1e-15);
     softsim_path_free(&path);
+}
+
+/* Its columns by their names, in whatever order those behind the first fourteen are. */
+static void what_a_bridge_writes_is_a_path(void **state)
+{
+    (void)state;
+#define BRIDGE "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
+    static const struct {
+        const char *text;
+        int probe, buttons;
+        double end_s, w;
+    } good[] = {
+        {BRIDGE "\n0,9,9,9,8,8,8,0.1,0.2,0.3,7,7,7,6\n4,9,9,9,8,8,8,0.5,0.2,0.3,7,7,7,6\n", 0, 0,
+         0.004, 1.0},
+        {BRIDGE ",time_s,probe,ow,ox,oy,oz,buttons,depth_m,indentation_m\n"
+                "0,9,9,9,8,8,8,0.1,0.2,0.3,7,7,7,6,0,3,0.6,0.8,0,0,1,5,5\n"
+                "4,9,9,9,8,8,8,0.5,0.2,0.3,7,7,7,6,0.002,3,0.6,0.8,0,0,1,5,5\n",
+         3, 1, 0.002, 0.6},
+    };
+    for (int k = 0; k < 2; ++k) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        softsim_path *path = NULL;
+        softsim_pose pose;
+        double begin_s = 1.0, end_s = 0.0;
+        write_text("bridge.csv", good[k].text);
+        if (softsim_path_load(in_folder("bridge.csv"), &path, &error) != SOFTSIM_OK) {
+            fail_msg("%s", error.text);
+        }
+        assert_int_equal(softsim_path_probes(path), 1 << good[k].probe);
+        softsim_path_range(path, -1, &begin_s, &end_s);
+        assert_near(begin_s, 0.0, 0.0);
+        assert_near(end_s, good[k].end_s, 1e-15);
+        assert_true(softsim_path_sample(path, good[k].probe, 0.5 * end_s, &pose));
+        assert_near(pose.position[0], 0.3, 1e-15); /* as sent, not as it was */
+        assert_near(pose.position[2], 0.3, 1e-15);
+        assert_near(pose.orientation[0], good[k].w, 1e-15);
+        assert_int_equal(pose.buttons, good[k].buttons);
+        softsim_path_free(&path);
+    }
+    static const char *const bad[] = {BRIDGE "s\n0,9,9,9,8,8,8,1,2,3,7,7,7,6\n",
+                                      BRIDGE "\n0,9,9,9,8,8,8,1,2,3,7,7,7\n",
+                                      BRIDGE "\n0,9,9,9,8,8,8,1,2,nan,7,7,7,6\n"};
+    static const char *const said[] = {":1: not a pose path", ":2: 13 columns", ":2: column 10"};
+    for (int k = 0; k < 3; ++k) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        softsim_path *path = NULL;
+        write_text("bridge.csv", bad[k]);
+        assert_int_equal(softsim_path_load(in_folder("bridge.csv"), &path, &error),
+                         SOFTSIM_ERROR_FORMAT);
+        assert_non_null(strstr(error.text, said[k]));
+    }
 }
 
 /* ---- poses of either ------------------------------------------------------------------------ */
@@ -589,6 +760,10 @@ int main(void)
         cmocka_unit_test(probe_channels_have_any_prefix),
         cmocka_unit_test(only_exact_messages_are_decoded),
         cmocka_unit_test(output_is_complete_or_absent),
+        cmocka_unit_test(a_recording_is_readable_while_it_grows),
+        cmocka_unit_test(a_full_disk_leaves_whole_records),
+        cmocka_unit_test(indentation_is_the_tools_way_into_the_tissue),
+        cmocka_unit_test(what_a_bridge_writes_is_a_path),
         cmocka_unit_test(csv_faults_name_their_line),
         cmocka_unit_test(csv_names_all_its_faults),
         cmocka_unit_test(path_is_interpolated),

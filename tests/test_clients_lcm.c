@@ -20,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -261,7 +262,7 @@ static int read_csv(const char *path)
     int count = 0;
     assert_non_null(fgets(line, sizeof line, file));
     assert_string_equal(line, "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,"
-                              "stiffness_n_per_m,model_age_us,flags,latency_us\n");
+                              "stiffness_n_per_m,model_age_us,flags,latency_us,indentation_m\n");
     while (count < MAX_KEPT && fgets(line, sizeof line, file) != NULL) {
         csv_row *r = &rows[count++];
         assert_int_equal(sscanf(line, "%d,%*d,%d,%lf,%lf,%lf,%*f,%*f,%*f,%lf,%lf,%*d,%d,%lld",
@@ -426,6 +427,167 @@ static void stopped_replay_keeps_its_files(void **state)
     assert_true(read_csv(csv) > 50);
     glob_t left;
     assert_int_equal(glob(in_folder("a.csv.*.tmp"), 0, NULL, &left), GLOB_NOMATCH);
+}
+
+/* ---- what a kill leaves ---------------------------------------------------------------------- */
+
+/* Until a recording has something in it; it is flushed once a second. */
+static void wait_for_file(const char *path)
+{
+    struct stat found;
+    for (int i = 0; i < 12000 && (stat(path, &found) != 0 || found.st_size == 0); ++i) {
+        poll(NULL, 0, 5);
+    }
+    assert_int_equal(stat(path, &found), 0);
+    assert_true(found.st_size > 0);
+}
+
+/* Lines of a CSV, its last one whole and with as many columns as its first. */
+static int count_lines(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    char line[2048];
+    int count = 0, columns = 0;
+    for (; fgets(line, sizeof line, file) != NULL; ++count) {
+        int commas = 0;
+        for (const char *at = line; (at = strchr(at, ',')) != NULL; ++at) {
+            ++commas;
+        }
+        columns = count == 0 ? commas : columns;
+        assert_int_equal(commas, columns);
+        assert_non_null(strchr(line, '\n'));
+    }
+    fclose(file);
+    return count;
+}
+
+static void a_killed_replay_leaves_what_it_recorded(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("k.csv"), *csv_part = in_folder("k.csv.part");
+    const char *record = in_folder("k.lcmlog"), *record_part = in_folder("k.lcmlog.part");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
+    make_log(log, 30000, 1);
+    start_server();
+    process_start(&child, argv, NULL);
+    wait_for_file(csv_part);
+    wait_for_file(record_part);
+    process_signal(&child, SIGKILL);
+    expect_status(128 + SIGKILL);
+    stop_server();
+    assert_non_null(strstr(child.err, csv_part)); /* told while it could */
+    assert_non_null(strstr(child.err, record_part));
+    assert_true(count_lines(csv_part) > 1);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    softsim_log_result result;
+    int count = 0;
+    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
+    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
+        ++count;
+    }
+    assert_int_equal(result, SOFTSIM_LOG_END); /* nothing cut, nothing damaged */
+    assert_true(count > 10);
+    softsim_log_close(&recorded);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(access(record, F_OK), -1);
+    /* Nor may what was left be written over by who plays it. */
+    const char *const over[] = {"softsim-replay", record_part, "--record", record, NULL};
+    assert_int_equal(process_run(&child, over), 2);
+    assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
+}
+
+static void a_killed_bridge_leaves_what_it_recorded(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    start_server();
+    process_start(&child, argv, NULL);
+    wait_for_file(part);
+    process_signal(&child, SIGKILL);
+    expect_status(128 + SIGKILL);
+    stop_server();
+    assert_non_null(strstr(child.err, part));
+    assert_int_equal(access(csv, F_OK), -1);
+    const int lines = count_lines(part);
+    assert_true(lines > 10);
+    /* It can be played: as many poses as it has rows. */
+    const char *again = in_folder("b.lcmlog");
+    const char *const convert[] = {"softsim-replay", "--convert", part, again, NULL};
+    assert_int_equal(process_run(&child, convert), 0);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *converted = NULL;
+    softsim_log_event event;
+    int poses = 0;
+    assert_int_equal(softsim_log_open(again, &converted, &error), SOFTSIM_OK);
+    while (softsim_log_next(converted, &event) == SOFTSIM_LOG_EVENT) {
+        softsim_pose pose;
+        assert_true(softsim_log_decode_pose(event.data, event.data_size, &pose));
+        for (int i = 0; i < 3 && poses < stand_in.fresh; ++i) {
+            assert_true(fabs(pose.position[i] - stand_in.kept[poses].position[i]) < 1e-12);
+        }
+        ++poses;
+    }
+    assert_int_equal(poses, lines - 1);
+    softsim_log_close(&converted);
+}
+
+/* SIGHUP, as of a terminal that is closed, is an end like SIGTERM: files complete, a summary. */
+static void a_hangup_ends_in_order(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("h.csv");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    start_server();
+    process_start(&child, argv, NULL);
+    for (int i = 0; i < 12000 && stand_in.poses < 100; ++i) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, SIGHUP);
+    expect_status(0);
+    stop_server();
+    assert_non_null(strstr(child.out, "peak force"));
+    assert_true(count_lines(csv) > 50);
+}
+
+/* With a closed stderr the CSV would be number 2 and take what is said there. */
+static void closed_descriptors_write_into_no_file(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("c.csv");
+    char command[512];
+    snprintf(command, sizeof command,
+             BIN_DIR "/softsim-bridge --device sim --ticks 50 --csv %s 2>&- >/dev/null", csv);
+    const int status = system(command);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1); /* no force came */
+    assert_int_equal(count_lines(csv), 50);                     /* the last row wants a next tick */
+}
+
+/* What is felt at a probe is shown to who only watches. */
+static void monitor_shows_force_and_indentation(void **state)
+{
+    (void)state;
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
+    const char *const monitor[] = {"softsim-monitor", NULL};
+    static process hand;
+    stand_in.sends_status = true;
+    start_server();
+    process_start(&hand, bridge, NULL);
+    process_start(&child, monitor, NULL);
+    const bool is_shown = process_wait_for(&child, " N, pressed in ");
+    process_signal(&hand, SIGTERM);
+    process_finish(&hand);
+    process_signal(&child, SIGTERM);
+    process_finish(&child);
+    stop_server();
+    if (!is_shown) {
+        fail_msg("%s%s", child.out, child.err);
+    }
+    assert_non_null(strstr(child.out, "2.5 s good: probe 0 "));
 }
 
 static void damaged_logs_are_played_and_named(void **state)
@@ -782,7 +944,7 @@ static void bad_arguments_are_all_named(void **state)
         {{"softsim-replay", log, "--prefix", "a.*"}, "prefix", 1},
         {{"softsim-replay", log, "--prefix", ""}, "prefix", 1},
         {{"softsim-replay", bad}, "no probe poses", 2},
-        {{"softsim-replay", folder}, "not a regular file", 1},
+        {{"softsim-replay", folder}, "a folder, not a file", 1},
         {{"softsim-replay", log, "--nonsense"}, "--nonsense", 1},
         {{"softsim-replay", "--nonsense"}, "--nonsense", 1},
         {{"softsim-replay", "--nonsense", "3", "4", log}, "--nonsense", 1},
@@ -840,6 +1002,11 @@ int main(void)
         TEST(pose_csv_is_replayed),
         TEST(silence_is_a_failure),
         TEST(stopped_replay_keeps_its_files),
+        TEST(a_killed_replay_leaves_what_it_recorded),
+        TEST(a_killed_bridge_leaves_what_it_recorded),
+        TEST(a_hangup_ends_in_order),
+        TEST(closed_descriptors_write_into_no_file),
+        TEST(monitor_shows_force_and_indentation),
         TEST(damaged_logs_are_played_and_named),
         TEST(conversion_is_reproducible),
         TEST(bridge_closes_the_loop),

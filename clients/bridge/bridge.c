@@ -15,7 +15,27 @@ static const double velocity_cutoff_hz = 50.0;
 static const int64_t away_ns = 250000000; /* without a force: they have stopped */
 enum { FIRST_FORCES = 100 };              /* in which a start inside the tissue shows */
 
-const char ss_bridge_csv_header[] = "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j\n";
+#define COLUMNS "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
+const char ss_bridge_csv_header[] = COLUMNS "\n";
+const char ss_bridge_csv_server_header[] =
+    COLUMNS ",time_s,probe,ow,ox,oy,oz,buttons,depth_m,indentation_m\n";
+const char ss_bridge_csv_help[] =
+    "one row per period; SI units, world frame; written to OUT.csv.part once a\n"
+    "second, and OUT.csv at the end; softsim-replay plays it again:\n"
+    "  tick           number of the period\n"
+    "  x,y,z          where the device is\n"
+    "  vx,vy,vz       its velocity\n"
+    "  qx,qy,qz       the position that was measured and sent\n"
+    "  fx,fy,fz       force that the device exerted in this period\n"
+    "  energy_in_j    energy that the device has taken from the hand so far\n"
+    "and, of a server:\n"
+    "  time_s, probe  from the first period on; its number\n"
+    "  ow,ox,oy,oz    the orientation that was sent, a quaternion\n"
+    "  buttons        that were sent, one bit each\n"
+    "  depth_m        how deep the tool is in the surface that yields to it: what is\n"
+    "                 left between the two, not how far it was pressed\n"
+    "  indentation_m  how far the tool was pressed in since it first touched, along the\n"
+    "                 normal: a press of 10 mm is 0.010";
 
 softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
                               const ss_frame *frame, const ss_device *device, softsim_error *error)
@@ -46,10 +66,23 @@ void ss_bridge_fini(ss_bridge *bridge)
     bridge->device = (ss_device){0};
 }
 
+__attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, const char *format,
+                                                       ...)
+{
+    if (bridge->config.program != NULL) {
+        char text[256];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(text, sizeof text, format, arguments);
+        va_end(arguments);
+        fprintf(stderr, "%s: %s\n", bridge->config.program, text);
+    }
+}
+
 /* ---- one tick ------------------------------------------------------------------------------- */
 
 /* `moved`: since the sample that is written, for the velocity of a device that knows none. */
-static void write_row(const ss_bridge *bridge, const double moved[3])
+static void write_row(ss_bridge *bridge, const double moved[3])
 {
     double columns[12], velocity[3];
     ss_scale3(velocity, moved, 1.0 / bridge->device.period_s);
@@ -61,11 +94,25 @@ static void write_row(const ss_bridge *bridge, const double moved[3])
     ss_frame_velocity(&bridge->frame, velocity, columns + 3);
     ss_frame_position(&bridge->frame, bridge->sample.position, columns + 6);
     ss_copy3(columns + 9, bridge->applied_world);
-    fprintf(bridge->config.csv, "%" PRId64, bridge->summary.ticks - 1);
+    FILE *csv = bridge->config.csv->file;
+    fprintf(csv, "%" PRId64, bridge->summary.ticks - 1);
     for (int i = 0; i < 12; ++i) {
-        fprintf(bridge->config.csv, ",%.17g", columns[i]);
+        fprintf(csv, ",%.17g", columns[i]);
     }
-    fprintf(bridge->config.csv, ",%.17g\n", bridge->summary.energy_in_j);
+    fprintf(csv, ",%.17g", bridge->summary.energy_in_j);
+    if (bridge->is_served) {
+        double turn[4];
+        ss_frame_orientation(&bridge->frame, bridge->sample.orientation, turn);
+        fprintf(csv, ",%.17g,%" PRId32 ",%.17g,%.17g,%.17g,%.17g,%" PRId32 ",%.17g,%.17g",
+                bridge->device.period_s * (double)(bridge->summary.ticks - 1), bridge->config.probe,
+                turn[0], turn[1], turn[2], turn[3], bridge->sample.buttons & SOFTSIM_BUTTON_GRASP,
+                bridge->depth, bridge->indented);
+    }
+    fputc('\n', csv);
+    if (!ss_output_pace(bridge->config.csv)) {
+        tell(bridge, "%s cannot be written on; is the disk full?", bridge->config.csv->path);
+        bridge->config.csv = NULL;
+    }
 }
 
 /* Reads the device and settles the tick before: its energy and its row. False at its end. */
@@ -144,19 +191,6 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
-__attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, const char *format,
-                                                       ...)
-{
-    if (bridge->config.program != NULL) {
-        char text[256];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(text, sizeof text, format, arguments);
-        va_end(arguments);
-        fprintf(stderr, "%s: %s\n", bridge->config.program, text);
-    }
-}
-
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
 static void note_other(ss_bridge *bridge, int64_t arrival_ns)
 {
@@ -164,6 +198,15 @@ static void note_other(ss_bridge *bridge, int64_t arrival_ns)
     if (bridge->other_since_ns == 0) {
         bridge->other_since_ns = arrival_ns;
     }
+}
+
+/* Of a pose that is remembered; else not finite. */
+static const double *sent_position(const ss_bridge *bridge, int32_t seq)
+{
+    static const double unknown[3] = {NAN, NAN, NAN};
+    const uint32_t slot = (uint32_t)seq % SS_CORRECT_HISTORY;
+    return bridge->corrector.history[slot].seq == seq ? bridge->corrector.history[slot].position
+                                                      : unknown;
 }
 
 static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t arrival_ns)
@@ -181,6 +224,9 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;
+    bridge->depth = (force->flags & SOFTSIM_FORCE_CONTACT) != 0 ? force->depth : 0.0;
+    bridge->indented =
+        ss_indentation_take(&bridge->indentation, force, sent_position(bridge, force->pose_seq));
     summary->was_inside |= summary->forces <= FIRST_FORCES && summary->others == 0 &&
                            force->depth > 0.0 && (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
     if (force->pose_seq > bridge->answered_seq && force->pose_seq <= bridge->seq) {
@@ -258,6 +304,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     const int64_t sender = softsim_client_sender(client);
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
+    bridge->is_served = true;
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             return false;

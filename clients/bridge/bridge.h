@@ -14,7 +14,7 @@
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
  * have long faded by then (correct.h). A server that is started again is simply taken up again.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
- * whose writing out every few thousand rows is the one thing that may cost a period.
+ * whose writing out once a second is the one thing that may cost a period.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -24,6 +24,8 @@
 #include "correct.h"
 #include "device.h"
 #include "frame.h"
+#include "indentation.h"
+#include "output.h"
 #include "softsim/client.h"
 
 typedef struct ss_bridge_config {
@@ -32,7 +34,7 @@ typedef struct ss_bridge_config {
     double damping_n_s_per_m; /* the bridge's own, in contact */
     int64_t tick_count;       /* INT64_MAX: until stopped or the device ends */
     ss_bus_config bus;        /* both directions; zeroes: none */
-    FILE *csv;                /* NULL: not wanted */
+    ss_output *csv;           /* NULL: not wanted */
     const char *program;      /* before what stderr is told; NULL: nothing is */
 } ss_bridge_config;
 
@@ -56,13 +58,16 @@ typedef struct ss_bridge {
 
     /* state */
     ss_corrector corrector;
-    int32_t seq; /* of the last pose */
+    int32_t seq;    /* of the last pose */
+    bool is_served; /* against a server */
     bool has_sample;
     ss_device_sample sample; /* of the present tick */
     double velocity[3];      /* device frame, below 50 Hz */
     double device_force[3];  /* exerted since the last tick */
     double applied_world[3]; /* the same, world axes */
     int32_t answered_seq;
+    ss_indentation indentation;
+    double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
     ss_bus *poses_out, *forces_in;   /* NULL without a server */
@@ -82,5 +87,8 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);
 /* Runs without LCM, as fast as possible, against F_z = max(0, -stiffness z) on the pose of
  * `delay_ticks` (0..1000) before, 0 until there is one. */
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks);
-/* The header line of the CSV, with its \n. */
+/* The header line of the CSV, with its \n: without a server, and with the columns that a server
+ * adds; and what each is, for --help. */
 extern const char ss_bridge_csv_header[];
+extern const char ss_bridge_csv_server_header[];
+extern const char ss_bridge_csv_help[];

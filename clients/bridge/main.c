@@ -13,11 +13,12 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/program.h"
 #include "rt/thread.h"
 #include "silence.h"
 #include "softsim/client.h"
 
-enum { EXIT_BAD_INPUT = 2, DEFAULT_TICKS = 2000, CSV_BUFFER = 1 << 20 };
+enum { EXIT_BAD_INPUT = 2, DEFAULT_TICKS = 2000 };
 
 typedef enum device_name { DEVICE_NONE = -1, DEVICE_SIM, DEVICE_SCRIPT } device_name;
 
@@ -91,7 +92,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
          "correct forces to the present position (on)"},
         {"--damping", SS_ARG_NUMBER, &o->damping, 0, 20, "N_S_PER_M",
          "the bridge's own damping in contact (0)"},
-        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", "one row per period, world frame"},
+        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", ss_bridge_csv_help},
         {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
          "LCM network (LCM_DEFAULT_URL, else local multicast)"},
         {"--prefix", SS_ARG_STRING, &o->prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
@@ -218,7 +219,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         ss_args_print_error(program, error);
         return EXIT_BAD_INPUT;
     }
-    if (o->csv != NULL && ss_output_open(&csv, o->csv, error) != SOFTSIM_OK) {
+    if (o->csv != NULL && ss_output_record(&csv, o->csv, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
         device.destroy(device.state);
         return EXIT_BAD_INPUT;
@@ -229,7 +230,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         .damping_n_s_per_m = o->damping,
         .tick_count = tick_count(o),
         .bus = {o->delay_ms, o->jitter_ms, o->loss, o->outlier, (uint64_t)o->seed},
-        .csv = csv.file,
+        .csv = csv.file != NULL ? &csv : NULL,
         .program = program};
     if (ss_bridge_init(&bridge, &config, frame, &device, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
@@ -237,8 +238,9 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         return EXIT_FAILURE;
     }
     if (csv.file != NULL) {
-        setvbuf(csv.file, NULL, _IOFBF, CSV_BUFFER);
-        fputs(ss_bridge_csv_header, csv.file);
+        fputs(isnan(o->linear_tissue) ? ss_bridge_csv_server_header : ss_bridge_csv_header,
+              csv.file);
+        ss_output_tell(&csv, program);
     }
     int status = EXIT_SUCCESS;
     if (isnan(o->linear_tissue)) {
@@ -263,15 +265,17 @@ int main(int argc, char **argv)
     options o;
     ss_frame frame;
     softsim_error error = {.status = SOFTSIM_OK};
+    const char *program = program_invocation_short_name;
+    ss_program_begin();
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
     if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+        return ss_program_finish(program, EXIT_SUCCESS);
     }
     ss_frame_init(&frame, o.axes, o.offset, o.scale, o.force_scale, &error);
     if (error.fault_count > 0) {
-        ss_args_print_error(program_invocation_short_name, &error);
+        ss_args_print_error(program, &error);
         return EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
-    return run(program_invocation_short_name, &o, &frame, &error);
+    return ss_program_finish(program, run(program, &o, &frame, &error));
 }

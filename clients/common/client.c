@@ -75,7 +75,7 @@ static void receive_force(void *context, const ss_packet *packet)
     if (!softsim_log_decode_force(packet->data, packet->size, &force) ||
         force.probe != packet->digit || !is_finite_force(&force)) {
         ++client->counts.malformed;
-    } else if (force.sender != client->sender) {
+    } else if (force.sender != client->sender && !client->config.hears_all) {
         ++client->counts.foreign;
     } else {
         client->config.handle_force(client->config.context, &force, now_ns);

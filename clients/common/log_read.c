@@ -14,12 +14,11 @@
  * most once, and one window of fixed size is all the memory, whatever the file claims.
  */
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "rt/files.h"
 #include "softsim/log.h"
 
 enum {
@@ -166,18 +165,11 @@ static bool is_followed(softsim_log *log, int64_t offset)
 softsim_status softsim_log_open(const char *path, softsim_log **out_log, softsim_error *error)
 {
     *out_log = NULL;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    struct stat info;
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
-        if (fd >= 0) {
-            close(fd);
-        }
-        return SOFTSIM_ERROR_FILE;
-    }
-    if (!S_ISREG(info.st_mode)) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: not a regular file", path);
-        close(fd);
+    int64_t size = 0;
+    const char *why = NULL;
+    const int fd = ss_files_open(path, &size, &why);
+    if (fd < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, why);
         return SOFTSIM_ERROR_FILE;
     }
     softsim_log *log = malloc(sizeof *log);
@@ -188,7 +180,7 @@ softsim_status softsim_log_open(const char *path, softsim_log **out_log, softsim
     }
     log->fd = fd;
     log->is_unreadable = false;
-    log->size = (int64_t)info.st_size;
+    log->size = size;
     log->next = 0;
     log->window_start = 0;
     log->window_fill = 0;

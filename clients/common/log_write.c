@@ -22,7 +22,7 @@ softsim_status softsim_log_create(const char *path, softsim_log_writer **out_wri
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    const softsim_status status = ss_output_open(&writer->output, path, error);
+    const softsim_status status = ss_output_record(&writer->output, path, error);
     if (status != SOFTSIM_OK) {
         free(writer);
         return status;
@@ -49,10 +49,24 @@ void softsim_log_write(softsim_log_writer *writer, int64_t utime_us, const char 
     at = put_big(at, (uint64_t)utime_us, 8);
     at = put_big(at, channel_size, 4);
     put_big(at, (uint64_t)size, 4);
-    /* A fault stays in the stream's error mark, which softsim_log_finish reads. */
+    if (writer->output.reason != 0) {
+        return; /* softsim_log_finish tells */
+    }
     fwrite(head, sizeof head, 1, writer->output.file);
     fwrite(channel, 1, channel_size, writer->output.file);
     fwrite(data, 1, (size_t)size, writer->output.file);
+    (void)ss_output_pace(&writer->output);
+}
+
+const char *softsim_log_path(const softsim_log_writer *writer)
+{
+    const ss_output *output = &writer->output;
+    return output->temporary != NULL ? output->temporary : output->path;
+}
+
+bool softsim_log_has_failed(const softsim_log_writer *writer)
+{
+    return writer->output.reason != 0;
 }
 
 void softsim_log_write_pose(softsim_log_writer *writer, int64_t utime_us, const char *channel,

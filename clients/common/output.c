@@ -4,15 +4,26 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "rt/clock.h"
+#include "rt/files.h"
+
+/* More than a second of rows at 1 kHz, and how many rows wait in it at most. */
+enum { RECORDING_BUFFER = 1 << 20, MAX_ROWS = 8192 };
+static const int64_t flush_ns = 1000000000;
 
 static void forget(ss_output *output)
 {
     free(output->path);
     free(output->temporary);
+    free(output->buffer);
+    free(output->row_end);
     *output = (ss_output){0};
 }
 
@@ -56,27 +67,162 @@ static FILE *open_descriptor(int descriptor)
     return file;
 }
 
+static softsim_status fail_open(ss_output *output, softsim_status status, const char *path,
+                                const char *why, softsim_error *error)
+{
+    softsim_error_add(error, status, "%s: %s", path, why);
+    forget(output);
+    return status;
+}
+
+/* Names the file that is written to. */
+static softsim_status prepare(ss_output *output, const char *path, bool is_recording,
+                              int *out_descriptor, softsim_error *error)
+{
+    *output = (ss_output){.path = strdup(path), .is_recording = is_recording};
+    *out_descriptor = descriptor_of(path);
+    const bool is_in_place = *out_descriptor >= 0 || is_special(path);
+    const int length = is_in_place ? 0
+                       : is_recording
+                           ? asprintf(&output->temporary, "%s" SS_FILES_PART, path)
+                           : asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid());
+    if (output->path == NULL || length < 0) {
+        output->temporary = length < 0 ? NULL : output->temporary;
+        return fail_open(output, SOFTSIM_ERROR_MEMORY, path, "out of memory", error);
+    }
+    return SOFTSIM_OK;
+}
+
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error)
 {
-    *output = (ss_output){.path = strdup(path)};
-    const int descriptor = descriptor_of(path);
-    const bool is_in_place = descriptor >= 0 || is_special(path);
-    if (output->path == NULL ||
-        (!is_in_place && asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid()) < 0)) {
-        output->temporary = NULL;
-        forget(output);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
-        return SOFTSIM_ERROR_MEMORY;
+    int descriptor = -1;
+    const softsim_status status = prepare(output, path, false, &descriptor, error);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
     output->file = descriptor >= 0
                        ? open_descriptor(descriptor)
                        : fopen(output->temporary != NULL ? output->temporary : path, "wbe");
+    return output->file != NULL
+               ? SOFTSIM_OK
+               : fail_open(output, SOFTSIM_ERROR_FILE, path, ss_files_reason(errno), error);
+}
+
+/* NAME.part, empty and held by this program; -1: *out_why says why not. */
+static int open_part(const char *path, const char **out_why)
+{
+    struct stat found;
+    const int part = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    *out_why = NULL;
+    if (part < 0 || fstat(part, &found) != 0) {
+        *out_why = ss_files_reason(errno);
+    } else if (!S_ISREG(found.st_mode)) {
+        *out_why = "not a file; remove it, or give another name";
+    } else if (flock(part, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        *out_why = "another program is recording to it; give another name";
+    } else if (ftruncate(part, 0) != 0) {
+        *out_why = ss_files_reason(errno);
+    }
+    if (*out_why != NULL && part >= 0) {
+        close(part);
+    }
+    return *out_why == NULL ? part : -1;
+}
+
+softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error)
+{
+    int descriptor = -1;
+    const char *why = NULL;
+    const softsim_status status = prepare(output, path, true, &descriptor, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    output->buffer = malloc(RECORDING_BUFFER);
+    output->row_end = malloc(MAX_ROWS * sizeof *output->row_end);
+    if (output->buffer == NULL || output->row_end == NULL) {
+        return fail_open(output, SOFTSIM_ERROR_MEMORY, path, "out of memory", error);
+    }
+    if (output->temporary == NULL) {
+        output->file = descriptor >= 0 ? open_descriptor(descriptor) : fopen(path, "wbe");
+    } else {
+        const int part = open_part(output->temporary, &why);
+        output->file = part >= 0 ? fdopen(part, "wb") : NULL;
+    }
     if (output->file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
-        forget(output);
+        const int number = errno;
+        const bool is_parts = why != NULL && access(output->temporary, F_OK) == 0;
+        char *name = strdup(is_parts ? output->temporary : path);
+        fail_open(output, SOFTSIM_ERROR_FILE, name != NULL ? name : path,
+                  why != NULL ? why : ss_files_reason(number), error);
+        free(name);
         return SOFTSIM_ERROR_FILE;
     }
+    setvbuf(output->file, output->buffer, _IOFBF, RECORDING_BUFFER);
+    output->flushed_ns = ss_clock_now_ns();
     return SOFTSIM_OK;
+}
+
+void ss_output_tell(const ss_output *output, const char *program)
+{
+    if (output->file != NULL && output->temporary != NULL) {
+        fprintf(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                output->temporary, output->path);
+    }
+}
+
+bool ss_output_pace(ss_output *output)
+{
+    if (output->row_end == NULL || output->reason != 0) {
+        return output->reason == 0;
+    }
+    const int64_t now_ns = ss_clock_now_ns();
+    const size_t pending = __fpending(output->file);
+    output->row_end[output->row_count++] = (int32_t)pending;
+    if (now_ns - output->flushed_ns < flush_ns && pending < RECORDING_BUFFER / 2 &&
+        output->row_count < MAX_ROWS) {
+        return true;
+    }
+    output->flushed_ns = now_ns;
+    errno = 0;
+    if (ferror(output->file) == 0 && fflush(output->file) == 0) {
+        output->whole_bytes = (int64_t)ftello(output->file); /* -1 of a pipe, which is not cut */
+        output->row_count = 0;
+        return true;
+    }
+    output->reason = errno != 0 ? errno : EIO;
+    return false;
+}
+
+/* Writes out and syncs; false with `reason` set. */
+static bool write_out(ss_output *output)
+{
+    errno = 0;
+    bool is_good = output->reason == 0 && ferror(output->file) == 0 && fflush(output->file) == 0;
+    if (is_good && fsync(fileno(output->file)) != 0) {
+        is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
+    }
+    if (!is_good && output->reason == 0) {
+        output->reason = errno != 0 ? errno : EIO;
+    }
+    return is_good;
+}
+
+/* Closes a recording that could not be written, cut back to its last whole row. */
+static void cut_back(ss_output *output)
+{
+    struct stat found;
+    __fpurge(output->file);
+    if (output->temporary != NULL && fstat(fileno(output->file), &found) == 0) {
+        const int64_t room = (int64_t)found.st_size - output->whole_bytes;
+        int32_t k = output->row_count;
+        while (k > 0 && output->row_end[k - 1] > room) {
+            --k;
+        }
+        const int64_t whole = output->whole_bytes + (k > 0 ? output->row_end[k - 1] : 0);
+        const int result = ftruncate(fileno(output->file), (off_t)whole);
+        (void)result; /* what is behind the last row is then half a row */
+    }
+    fclose(output->file);
 }
 
 softsim_status ss_output_commit(ss_output *output, softsim_error *error)
@@ -84,22 +230,42 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     if (output->file == NULL) {
         return SOFTSIM_OK;
     }
-    errno = 0;
-    bool is_good = ferror(output->file) == 0 && fflush(output->file) == 0;
-    if (is_good && fsync(fileno(output->file)) != 0) {
-        is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
+    bool is_good = write_out(output);
+    if (!is_good && output->is_recording) {
+        cut_back(output);
+    } else {
+        is_good = fclose(output->file) == 0 && is_good;
     }
-    is_good = fclose(output->file) == 0 && is_good;
     if (is_good && output->temporary != NULL) {
         is_good = rename(output->temporary, output->path) == 0;
     }
     if (!is_good) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s", output->path,
-                          errno != 0 ? strerror(errno) : "an earlier write failed");
-        remove_temporary(output);
+        const bool is_kept = output->is_recording && output->temporary != NULL;
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s%s%s", output->path,
+                          strerror(output->reason != 0 ? output->reason : errno),
+                          is_kept ? "; what was recorded before is in " : "",
+                          is_kept ? output->temporary : "");
+        if (!is_kept) {
+            remove_temporary(output);
+        }
     }
     forget(output);
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_FILE;
+}
+
+void ss_output_keep(ss_output *output, softsim_error *error)
+{
+    if (output->file == NULL) {
+        return;
+    }
+    if (!write_out(output) || output->temporary == NULL) {
+        (void)ss_output_commit(output, error);
+        return;
+    }
+    fclose(output->file);
+    softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: not complete; what was recorded is in %s",
+                      output->path, output->temporary);
+    forget(output);
 }
 
 void ss_output_abandon(ss_output *output)

@@ -2,10 +2,22 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * A file that appears complete or not at all: written beside its place under a temporary name,
- * then synced and renamed. A device or pipe (/dev/stdout) is written to as it is. Thread: one at a
- * time.
+ * Files that are written. A device or pipe (/dev/stdout) is written to as it is; of the others
+ * there are two kinds:
+ *
+ * A result appears complete or not at all: written beside its place under a temporary name, then
+ * synced and renamed.
+ *
+ * A recording is worth something while it is cut off too. It is written to NAME.part, flushed at
+ * least once a second and between rows only, so that after a kill the file ends with a whole row;
+ * at its end it is synced and renamed to NAME. On a full disk it is cut back to the last whole row
+ * that found room, kept under the name NAME.part, and the fault names it. Writing to NAME itself
+ * was rejected: a file of that name is then no longer a complete one. A NAME.part that a killed
+ * program left is written over like NAME, one that is being written is refused.
+ * Thread: one at a time.
  */
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "softsim/types.h"
@@ -14,12 +26,31 @@ typedef struct ss_output {
     FILE *file; /* NULL: not open */
     char *path;
     char *temporary; /* NULL: written in place */
+
+    /* of a recording */
+    bool is_recording;
+    char *buffer;        /* of `file`; given, because glibc ignores a size without one */
+    int reason;          /* errno of the write that failed; 0: none has */
+    int64_t whole_bytes; /* up to the end of the last flush */
+    int32_t *row_end;    /* of the rows since, from there on */
+    int32_t row_count;
+    int64_t flushed_ns;
 } ss_output;
 
-/* Leaves `output` closed on failure. */
+/* A result. Leaves `output` closed on failure. */
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error);
-/* Flushes, syncs, renames; on any failure, also of an earlier write, removes the temporary file.
- * Does nothing when not open. */
+/* A recording; likewise. */
+softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error);
+/* After each row of a recording: flushes when a second has passed or much has gathered. False once
+ * a write has failed: nothing more can be recorded. True when not open. */
+bool ss_output_pace(ss_output *output);
+/* Says on stderr where the recording is until its end; nothing when not open or in place. */
+void ss_output_tell(const ss_output *output, const char *program);
+/* Flushes, syncs, renames. On any failure, also of an earlier write, a result is removed and a
+ * recording kept and named. Does nothing when not open. */
 softsim_status ss_output_commit(ss_output *output, softsim_error *error);
+/* A recording that ends before its time: keeps NAME.part and names it as a fault. Does nothing when
+ * not open. */
+void ss_output_keep(ss_output *output, softsim_error *error);
 /* Removes the temporary file. Does nothing when not open. */
 void ss_output_abandon(ss_output *output);

@@ -2,9 +2,11 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Pose paths: `time_s,probe,x,y,z,qw,qx,qy,qz,buttons`, read whole and checked row by row, rows
- * kept per probe in the order of time. Between rows: position linear; orientation by spherical
- * interpolation along the shorter arc, q(u) = (sin((1-u) a) q0 + sin(u a) q1) / sin a with
- * cos a = |q0 . q1|; buttons of the row before.
+ * kept per probe in the order of time. What softsim-bridge --csv writes is one too: it sent the
+ * position qx,qy,qz; the columns that it has besides are known by name, and where an older file
+ * lacks them it is of one probe at 1 kHz, not turned, no button pressed. Between rows: position
+ * linear; orientation by spherical interpolation along the shorter arc, q(u) = (sin((1-u) a) q0 +
+ * sin(u a) q1) / sin a with cos a = |q0 . q1|; buttons of the row before.
  */
 #include <errno.h>
 #include <math.h>
@@ -12,18 +14,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/files.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
 enum {
     COLUMNS = 10,
-    LINE_SIZE = 1024,
+    MAX_FILE_COLUMNS = 64,
+    LINE_SIZE = 2048,
     MAX_ROWS = 4 * 1000 * 1000, /* 320 MB; more than an hour at 1 kHz */
     MAX_FAULTS = 20             /* then reading stops: the file is something else */
 };
 static const char csv_header[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons";
-static const double max_time_s = 1e6;     /* times beyond are a unit error */
-static const double max_position_m = 1e3; /* as are positions */
+static const char bridge_header[] = "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j";
+static const double bridge_period_s = 1e-3; /* of its files without the column time_s */
+static const double max_time_s = 1e6;       /* times beyond are a unit error */
+static const double max_position_m = 1e3;   /* as are positions */
 
 typedef struct path_row {
     double time_s, position[3], orientation[4];
@@ -51,8 +57,50 @@ typedef struct csv_place {
     softsim_error_add((place)->error, SOFTSIM_ERROR_FORMAT, "%s:%lld: " format, (place)->path,     \
                       (long long)(place)->line, __VA_ARGS__)
 
-static bool split_numbers(char *text, double value[COLUMNS], const csv_place *place)
+/* Where a file has the columns of a path. */
+typedef struct csv_layout {
+    int32_t count;          /* of its columns */
+    int32_t place[COLUMNS]; /* in the order of csv_header; -1: not there */
+    bool has_ticks;         /* its first column counts periods */
+} csv_layout;
+
+/* The place of `name` in a head line; -1: not there. */
+static int32_t find_column(const char *line, const char *name)
 {
+    int32_t place = 0;
+    for (const char *at = line; *at != '\0'; ++place) {
+        const size_t length = strcspn(at, ",");
+        if (strlen(name) == length && memcmp(at, name, length) == 0) {
+            return place;
+        }
+        at += length + (at[length] == ',');
+    }
+    return -1;
+}
+
+static bool read_layout(const char *line, csv_layout *out)
+{
+    static const char *const own[COLUMNS] = {"time_s", "probe", "x",  "y",  "z",
+                                             "qw",     "qx",    "qy", "qz", "buttons"};
+    static const char *const bridges[COLUMNS] = {"time_s", "probe", "qx", "qy", "qz",
+                                                 "ow",     "ox",    "oy", "oz", "buttons"};
+    const size_t length = sizeof bridge_header - 1;
+    out->has_ticks =
+        strncmp(line, bridge_header, length) == 0 && (line[length] == '\0' || line[length] == ',');
+    out->count = 1;
+    for (const char *at = line; (at = strchr(at, ',')) != NULL; ++at) {
+        ++out->count;
+    }
+    for (int i = 0; i < COLUMNS; ++i) {
+        out->place[i] = find_column(line, out->has_ticks ? bridges[i] : own[i]);
+    }
+    return (out->has_ticks && out->count <= MAX_FILE_COLUMNS) || strcmp(line, csv_header) == 0;
+}
+
+static bool split_numbers(char *text, const csv_layout *layout, double value[COLUMNS],
+                          const csv_place *place)
+{
+    double all[MAX_FILE_COLUMNS];
     int count = 0;
     for (char *at = text; at != NULL; ++count) {
         char *comma = strchr(at, ',');
@@ -65,14 +113,20 @@ static bool split_numbers(char *text, double value[COLUMNS], const csv_place *pl
             CSV_FAULT(place, "column %d: '%.40s' is not a finite number", count + 1, at);
             return false;
         }
-        if (count < COLUMNS) {
-            value[count] = number;
+        if (count < layout->count) {
+            all[count] = number;
         }
         at = comma != NULL ? comma + 1 : NULL;
     }
-    if (count != COLUMNS) {
-        CSV_FAULT(place, "%d columns, not the %d of %s", count, COLUMNS, csv_header);
+    if (count != layout->count) {
+        CSV_FAULT(place, "%d columns, not the %d of the first line", count, layout->count);
         return false;
+    }
+    for (int i = 0; i < COLUMNS; ++i) {
+        value[i] = layout->place[i] >= 0 ? all[layout->place[i]] : i == 5 ? 1.0 : 0.0;
+    }
+    if (layout->has_ticks && layout->place[0] < 0) {
+        value[0] = bridge_period_s * all[0];
     }
     return true;
 }
@@ -163,9 +217,11 @@ static bool next_line(FILE *file, char line[LINE_SIZE], csv_place *place)
 static void read_rows(softsim_path *path, FILE *file, csv_place *place)
 {
     char line[LINE_SIZE];
-    if (!next_line(file, line, place) || strcmp(line, csv_header) != 0) {
+    csv_layout layout;
+    if (!next_line(file, line, place) || !read_layout(line, &layout)) {
         place->line = 1;
-        CSV_FAULT(place, "not a pose path: the first line must be %s", csv_header);
+        CSV_FAULT(place, "not a pose path: the first line must be %s, or that of softsim-bridge",
+                  csv_header);
         return;
     }
     const int32_t faults_before = place->error->fault_count;
@@ -174,7 +230,7 @@ static void read_rows(softsim_path *path, FILE *file, csv_place *place)
         if (line[0] == '\0') {
             continue;
         }
-        if (split_numbers(line, value, place) && check_row(path, value, place) &&
+        if (split_numbers(line, &layout, value, place) && check_row(path, value, place) &&
             !append_row(path, value, place)) {
             return;
         }
@@ -194,9 +250,10 @@ static void read_rows(softsim_path *path, FILE *file, csv_place *place)
 softsim_status softsim_path_load(const char *path, softsim_path **out_path, softsim_error *error)
 {
     *out_path = NULL;
-    FILE *file = fopen(path, "re");
+    const char *why = NULL;
+    FILE *file = ss_files_open_stream(path, NULL, &why);
     if (file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, why);
         return SOFTSIM_ERROR_FILE;
     }
     const int32_t faults_before = error->fault_count;

@@ -10,13 +10,13 @@
  * max_gap_us (a log put together from several, a clock that was set), counts as none and is noted,
  * so that no player waits for it.
  */
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/files.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
@@ -49,14 +49,16 @@ static bool ends_with(const char *text, const char *end)
 static bool is_csv(const char *path)
 {
     char head[6] = {0};
-    FILE *file = fopen(path, "re");
+    const char *why = NULL;
+    FILE *file = ss_files_open_stream(path, NULL, &why); /* what reads the file names the fault */
     if (file != NULL) {
         if (fread(head, 1, sizeof head, file) != sizeof head) {
             head[0] = '\0';
         }
         fclose(file);
     }
-    return memcmp(head, "time_s", sizeof head) == 0 || ends_with(path, ".csv");
+    return memcmp(head, "time_s", sizeof head) == 0 || memcmp(head, "tick,x", sizeof head) == 0 ||
+           ends_with(path, ".csv");
 }
 
 softsim_status softsim_poses_open(const char *path, double rate_hz, softsim_poses **out_poses,

@@ -6,6 +6,8 @@
 #include <sched.h>
 #include <signal.h>
 
+#include "rt/program.h"
+
 /* Below the server's threads, above everything ordinary. */
 static const int client_priority = 60;
 
@@ -20,9 +22,14 @@ static void note_stop(int signal_number)
 void ss_process_catch_stop(void)
 {
     struct sigaction action = {.sa_handler = note_stop}; /* no SA_RESTART: waits end */
+    sigset_t stops;
+    ss_program_stop_signals(&stops);
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    for (int number = 1; number < SIGRTMIN; ++number) {
+        if (sigismember(&stops, number) == 1) {
+            sigaction(number, &action, NULL);
+        }
+    }
 }
 
 bool ss_process_is_stopped(void)

@@ -4,7 +4,8 @@
 /* What the client programs ask of the system. */
 #include <stdbool.h>
 
-/* From here on SIGINT and SIGTERM ask the program to end by itself. Thread: main, at start. */
+/* From here on SIGINT, SIGTERM and SIGHUP ask the program to end by itself. Thread: main, at start.
+ */
 void ss_process_catch_stop(void);
 /* Has the program been asked to end? Thread: any; RT-safe. */
 bool ss_process_is_stopped(void);

@@ -10,6 +10,7 @@
 #include "replay.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/program.h"
 #include "silence.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
@@ -44,9 +45,10 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--speed", SS_ARG_NUMBER, &o->speed, 1e-3, 1e3, "X", "times as fast as recorded (1)"},
         {"--repeat", SS_ARG_INTEGER, &o->repeat, 1, 1e6, "N", "play N times (1)"},
         {"--rate", SS_ARG_NUMBER, &o->rate_hz, 1, 1e4, "HZ", "at which a CSV is sampled (1000)"},
-        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", "one row per force received"},
+        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", ss_replay_csv_help},
         {"--record", SS_ARG_STRING, &o->record, 0, 0, "OUT.lcmlog",
-         "event log of the poses sent and the forces received"},
+         "event log of the poses sent and the forces received; like --csv written to\n"
+         "OUT.part once a second, and OUT at the end"},
         {"--convert", SS_ARG_FLAG, &o->is_convert, 0, 0, NULL,
          "write the poses as an event log instead of playing them"},
         {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
@@ -166,11 +168,11 @@ static void report(const ss_replay *replay, const survey *found)
     }
 }
 
-static bool finish_files(const char *program, ss_replay *replay, ss_output *csv)
+static bool finish_files(const char *program, ss_replay *replay)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_finish(&replay->record, &error);
-    ss_output_commit(csv, &error);
+    ss_output_commit(&replay->csv, &error);
     ss_args_print_error(program, &error);
     return error.fault_count == 0;
 }
@@ -180,7 +182,6 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
 {
     static ss_replay replay; /* large */
     softsim_error error = {.status = SOFTSIM_OK};
-    ss_output csv = {0};
     replay.poses = poses;
     replay.speed = o->speed;
     replay.repeat = o->repeat;
@@ -198,8 +199,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
         status = softsim_log_create(o->record, &replay.record, &error);
     }
     if (status == SOFTSIM_OK && o->csv != NULL) {
-        status = ss_output_open(&csv, o->csv, &error);
-        replay.csv = csv.file;
+        status = ss_output_record(&replay.csv, o->csv, &error);
     }
     if (status == SOFTSIM_OK) {
         status = softsim_client_open(&config, &replay.client, &error);
@@ -207,13 +207,18 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     if (status != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
         softsim_log_abandon(&replay.record);
-        ss_output_abandon(&csv);
+        ss_output_abandon(&replay.csv);
         softsim_client_close(&replay.client);
         return status == SOFTSIM_ERROR_ARGUMENT || status == SOFTSIM_ERROR_FILE ? EXIT_BAD_INPUT
                                                                                 : EXIT_FAILURE;
     }
-    if (replay.csv != NULL) {
-        fputs(ss_replay_csv_header, replay.csv);
+    if (replay.csv.file != NULL) {
+        fputs(ss_replay_csv_header, replay.csv.file);
+        ss_output_tell(&replay.csv, program);
+    }
+    if (replay.record != NULL) {
+        fprintf(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                softsim_log_path(replay.record), o->record);
     }
     if (o->is_lockstep && found->probe_count > 1) {
         fprintf(stderr,
@@ -234,7 +239,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
         fprintf(stderr, "%s: LCM failed\n", program);
     }
     const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
-    const bool is_written = finish_files(program, &replay, &csv);
+    const bool is_written = finish_files(program, &replay);
     report(&replay, found);
     softsim_client_close(&replay.client);
     if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
@@ -250,9 +255,10 @@ int main(int argc, char **argv)
     const char *program = program_invocation_short_name;
     options o;
     softsim_error error = {.status = SOFTSIM_OK};
+    ss_program_begin();
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
     if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+        return ss_program_finish(program, EXIT_SUCCESS);
     }
     softsim_poses *poses = NULL;
     if (parsed == SS_ARGS_BAD ||
@@ -272,5 +278,5 @@ int main(int argc, char **argv)
         status = o.is_convert ? convert(program, &o, poses) : play(program, &o, poses, &found);
     }
     softsim_poses_close(&poses);
-    return status;
+    return ss_program_finish(program, status);
 }

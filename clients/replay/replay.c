@@ -14,7 +14,23 @@ static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answe
 static const int64_t drain_ns = 500000000;    /* for the last answers */
 
 const char ss_replay_csv_header[] = "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,"
-                                    "stiffness_n_per_m,model_age_us,flags,latency_us\n";
+                                    "stiffness_n_per_m,model_age_us,flags,latency_us,"
+                                    "indentation_m\n";
+const char ss_replay_csv_help[] =
+    "one row per force received; SI units, world frame:\n"
+    "  pose_seq, pose_utime  of the pose it answers; pose_utime in us of this\n"
+    "                        client's clock\n"
+    "  probe                 its number\n"
+    "  fx,fy,fz; tx,ty,tz    force on the hand at the tool's origin, torque about it\n"
+    "  depth_m               how deep the tool is in the surface that yields to it: what\n"
+    "                        is left between the two, not how far it was pressed\n"
+    "  stiffness_n_per_m     felt along the normal; 0 when free or limited\n"
+    "  model_age_us          of the simulation's result that was used\n"
+    "  flags                 1 contact, 2 predicted, 4 limited, 8 ramping, 16 stale pose,\n"
+    "                        32 another sender holds the probe, 64 model fault, 128 grasp\n"
+    "  latency_us            from the pose's sending to the force's arrival\n"
+    "  indentation_m         how far the tool was pressed in since it first touched, along\n"
+    "                        the normal: a press of 10 mm is 0.010";
 
 /* The clock of lcm-logger's records. */
 static int64_t wall_clock_us(void)
@@ -49,7 +65,16 @@ int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantil
     return statistics->max_latency_us;
 }
 
-static void write_row(FILE *csv, const softsim_force *force, int64_t latency_us)
+/* Once, at the first row or record that is lost. */
+static void tell_lost(ss_replay *replay, const char *what)
+{
+    if (!replay->has_told_lost) {
+        fprintf(stderr, "softsim-replay: %s cannot be written on; is the disk full?\n", what);
+        replay->has_told_lost = true;
+    }
+}
+
+static void write_row(FILE *csv, const softsim_force *force, int64_t latency_us, double indentation)
 {
     fprintf(csv, "%" PRId32 ",%" PRId64 ",%" PRId32, force->pose_seq, force->pose_utime_us,
             force->probe);
@@ -59,8 +84,17 @@ static void write_row(FILE *csv, const softsim_force *force, int64_t latency_us)
     for (int i = 0; i < 3; ++i) {
         fprintf(csv, ",%.17g", force->torque[i]);
     }
-    fprintf(csv, ",%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId64 "\n", force->depth,
-            force->stiffness, force->model_age_us, force->flags, latency_us);
+    fprintf(csv, ",%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId64 ",%.17g\n", force->depth,
+            force->stiffness, force->model_age_us, force->flags, latency_us, indentation);
+}
+
+/* Of a pose that is remembered; else not finite. */
+static const double *sent_position(const ss_replay *replay, int32_t seq)
+{
+    static const double unknown[3] = {NAN, NAN, NAN};
+    return seq <= replay->seq && seq > replay->seq - SS_REPLAY_SENT && seq > 0
+               ? replay->sent_position[seq % SS_REPLAY_SENT]
+               : unknown;
 }
 
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
@@ -75,6 +109,9 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     if (replay->record != NULL) {
         softsim_log_write_force(replay->record, wall_clock_us(),
                                 softsim_client_force_channel(replay->client, force->probe), force);
+        if (softsim_log_has_failed(replay->record)) {
+            tell_lost(replay, softsim_log_path(replay->record));
+        }
     }
     if (replay->is_lockstep && !is_first) {
         ++statistics->duplicates;
@@ -88,8 +125,13 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     ++statistics->forces;
     statistics->other_sender += (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
     statistics->peak_force_n = fmax(statistics->peak_force_n, ss_norm3(force->force));
-    if (replay->csv != NULL) {
-        write_row(replay->csv, force, latency_us);
+    if (replay->csv.file != NULL && replay->csv.reason == 0) {
+        write_row(replay->csv.file, force, latency_us,
+                  ss_indentation_take(&replay->indentation[force->probe], force,
+                                      sent_position(replay, force->pose_seq)));
+        if (!ss_output_pace(&replay->csv)) {
+            tell_lost(replay, replay->csv.path);
+        }
     }
 }
 
@@ -102,6 +144,7 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event)
     softsim_poses_restamp(&event->pose, softsim_client_sender(replay->client), ++replay->seq);
     replay->sent_seq[channel] = replay->seq;
     event->pose.utime_us = softsim_client_now_us();
+    ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
     if (replay->silent_since_ns == 0) {
         replay->silent_since_ns = softsim_client_now_ns();
     }

@@ -13,12 +13,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
 
 /* Latencies are counted in buckets of 1 us up to here; longer ones in the last. */
-enum { SS_REPLAY_BUCKETS = 100 * 1000 };
+enum { SS_REPLAY_BUCKETS = 100 * 1000, SS_REPLAY_SENT = 4096 };
 
 typedef struct ss_replay_statistics {
     int64_t poses;    /* sent, repeats of lockstep not counted */
@@ -39,11 +40,14 @@ typedef struct ss_replay {
     int64_t repeat;        /* times the whole log is played */
     int64_t repeat_gap_us; /* between the last pose and the first again */
     bool is_lockstep;
-    FILE *csv;                  /* NULL: not wanted */
+    ss_output csv;              /* not open: not wanted */
     softsim_log_writer *record; /* NULL: not wanted */
 
     /* state */
     softsim_client *client;
+    ss_indentation indentation[SOFTSIM_MAX_PROBES];
+    double sent_position[SS_REPLAY_SENT][3];  /* by seq; of older ones the answers are late */
+    bool has_told_lost;                       /* that a recording could not be written on */
     int32_t seq;                              /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
@@ -64,5 +68,6 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
 ss_replay_result ss_replay_run(ss_replay *replay);
 /* `quantile` in 0..1, microseconds; 0 without answers. */
 int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantile);
-/* The header line of the CSV, with its \n. */
+/* The header line of the CSV, with its \n; and what each column is, for --help. */
 extern const char ss_replay_csv_header[];
+extern const char ss_replay_csv_help[];

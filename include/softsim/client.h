@@ -30,6 +30,7 @@ typedef struct softsim_client_config {
     void *context;       /* handed to the callbacks */
     /* A force that answers this client; receive_ns of the monotonic clock. NULL: none wanted. */
     void (*handle_force)(void *context, const softsim_force *force, int64_t receive_ns);
+    bool hears_all; /* the forces that answer other clients too, for who only watches */
     /* The server's status, valid during the call. NULL: none wanted. */
     void (*handle_status)(void *context, const struct _softsim_server_status_t *status,
                           int64_t receive_ns);

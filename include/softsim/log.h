@@ -71,17 +71,24 @@ bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out
 
 typedef struct softsim_log_writer softsim_log_writer;
 
-/* Writes beside `path` under a temporary name; the log appears there when it is complete. */
+/* Writes to `path`.part, at least once a second and up to the end of a record, so that it can be
+ * read whatever ends the program; the log appears at `path` when it is complete. */
 softsim_status softsim_log_create(const char *path, softsim_log_writer **out_writer,
                                   softsim_error *error);
-/* Append one record. A fault is kept and reported by softsim_log_finish. */
+/* The file that is written to until softsim_log_finish. */
+const char *softsim_log_path(const softsim_log_writer *writer);
+/* Append one record. A fault is kept and reported by softsim_log_finish; records after it are
+ * dropped. */
 void softsim_log_write(softsim_log_writer *writer, int64_t utime_us, const char *channel,
                        const void *data, int32_t size);
 void softsim_log_write_pose(softsim_log_writer *writer, int64_t utime_us, const char *channel,
                             const softsim_pose *pose);
 void softsim_log_write_force(softsim_log_writer *writer, int64_t utime_us, const char *channel,
                              const softsim_force *force);
-/* Writes out, syncs, renames, frees and nulls; on a fault removes the temporary file. */
+/* Has a record been lost? */
+bool softsim_log_has_failed(const softsim_log_writer *writer);
+/* Writes out, syncs, renames, frees and nulls; on a fault the records before it stay where
+ * softsim_log_path says, which the error names. */
 softsim_status softsim_log_finish(softsim_log_writer **writer, softsim_error *error);
 /* Removes the temporary file, frees and nulls; accepts NULL. */
 void softsim_log_abandon(softsim_log_writer **writer);

@@ -35,7 +35,7 @@ static int read_csv(const char *path, row *rows, int capacity)
     assert_non_null(fgets(line, sizeof line, file));
     assert_string_equal(line,
                         "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,stiffness_n_per_m,"
-                        "model_age_us,flags,latency_us\n");
+                        "model_age_us,flags,latency_us,indentation_m\n");
     while (count < capacity && fgets(line, sizeof line, file)) {
         row *r = &rows[count++];
         double unused[8];

@@ -5,7 +5,8 @@
  *
  * Poses come from an event log (one tick per well-formed pose, as in the daemon's lockstep, and
  * with the same bits), from a CSV (interpolated at each tick), or not at all (loads only). Row k
- * of the CSV is the state after tick k. Output files appear complete or not at all.
+ * of the CSV is the state after tick k. Results appear complete or not at all; the CSV and the
+ * reactions are recordings (output.h), of which a run that is cut short leaves what it has.
  */
 #include <errno.h>
 #include <math.h>
@@ -15,9 +16,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "indentation.h"
 #include "output.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/program.h"
+#include "rt/progress.h"
 #include "rt/real.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
@@ -41,9 +45,36 @@ typedef struct run {
     int64_t sender;
     int32_t seq[SOFTSIM_MAX_PROBES];
     ss_output csv, reactions, nodes;
+    ss_indentation indentation[SOFTSIM_MAX_PROBES];
+    double position_sent[SOFTSIM_MAX_PROBES][3]; /* by the newest pose of each probe */
     double (*position)[3], (*displacement)[3];
     double peak_force;
 } run;
+
+static const char csv_header[] =
+    "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict,indentation_m\n";
+static const char csv_help[] =
+    "one row per tick and probe, SI units, world frame; without a probe one row a tick\n"
+    "with probe -1. Written to OUT.part at least once a second, and OUT at the end:\n"
+    "  step           number of the tick, from 1\n"
+    "  time_s         simulated; the state is that at the end of the tick\n"
+    "  probe          its number\n"
+    "  fx,fy,fz       force on the hand at the tool's origin\n"
+    "  depth_m        how deep the tool is in the surface that yields to it: what is left\n"
+    "                 between the two, not how far it was pressed; 0 without contact\n"
+    "  energy_j       of the body, kinetic and elastic\n"
+    "  verdict        0 good, 1 guarded, 2 degraded, 3 fault\n"
+    "  indentation_m  how far the tool was pressed in since it first touched, along the\n"
+    "                 normal: a press of 10 mm is 0.010; 0 without contact";
+static const char reactions_help[] =
+    "one row per tick and set of held nodes; SI units, world frame:\n"
+    "  step, time_s   as in --csv\n"
+    "  set            fixed, or the name of a set under prescribed\n"
+    "  fx,fy,fz       the support's force on the body";
+static const char nodes_help[] = "the final state, one row per node; metres, world frame:\n"
+                                 "  node           number in the mesh file, from 0\n"
+                                 "  x,y,z          where it is\n"
+                                 "  ux,uy,uz       its displacement from rest";
 
 static int print_real(FILE *file, double value)
 {
@@ -72,11 +103,9 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
         {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE", "overrides one scene value"},
-        {"--csv", SS_ARG_STRING, &o.csv, 0, 0, "OUT",
-         "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict"},
-        {"--reactions", SS_ARG_STRING, &o.reactions, 0, 0, "OUT",
-         "step,time_s,set,fx,fy,fz: the support's force on the body"},
-        {"--nodes", SS_ARG_STRING, &o.nodes, 0, 0, "OUT", "final state: node,x,y,z,ux,uy,uz"},
+        {"--csv", SS_ARG_STRING, &o.csv, 0, 0, "OUT", csv_help},
+        {"--reactions", SS_ARG_STRING, &o.reactions, 0, 0, "OUT", reactions_help},
+        {"--nodes", SS_ARG_STRING, &o.nodes, 0, 0, "OUT", nodes_help},
         {"--vtk", SS_ARG_STRING, &o.vtk, 0, 0, "DIR", "the surface as legacy VTK, every --every"},
         {"--every", SS_ARG_INTEGER, &o.every, 1, 1e9, "N", "ticks between VTK files"},
         {"--hash", SS_ARG_FLAG, &o.hash, 0, 0, "", "prints the final state hash"},
@@ -111,7 +140,8 @@ static bool is_event_log(const char *path)
 {
     static const unsigned char sync[4] = {0xed, 0xa1, 0xda, 0x01};
     unsigned char head[4] = {0};
-    FILE *file = fopen(path, "rb");
+    const char *why = NULL;
+    FILE *file = ss_files_open_stream(path, NULL, &why);
     const bool is_log = file && fread(head, 1, 4, file) == 4 && memcmp(head, sync, 4) == 0;
     if (file) {
         fclose(file);
@@ -162,13 +192,16 @@ static void write_row(run *r, const softsim_force force[SOFTSIM_MAX_PROBES])
             }
             print_real(file, is_contact ? force[p].depth : 0.0);
             print_real(file, s->kinetic_j + s->elastic_j);
-            fprintf(file, ",%d\n", (int)s->verdict);
+            fprintf(file, ",%d", (int)s->verdict);
+            print_real(file,
+                       ss_indentation_take(&r->indentation[p], &force[p], r->position_sent[p]));
+            fputc('\n', file);
         }
     }
     if (s->probes == 0) {
         fprintf(file, "%lld,%.17g,-1,0,0,0,0", (long long)s->tick, s->time_s);
         print_real(file, s->kinetic_j + s->elastic_j);
-        fprintf(file, ",%d\n", (int)s->verdict);
+        fprintf(file, ",%d,0\n", (int)s->verdict);
     }
 }
 
@@ -237,10 +270,10 @@ static softsim_status write_vtk(run *r, softsim_error *error)
 }
 
 /* Nothing where no path is given. */
-static softsim_status open_output(ss_output *output, const char *path, const char *header,
-                                  softsim_error *error)
+static softsim_status open_recording(ss_output *output, const char *path, const char *header,
+                                     softsim_error *error)
 {
-    const softsim_status status = path ? ss_output_open(output, path, error) : SOFTSIM_OK;
+    const softsim_status status = path ? ss_output_record(output, path, error) : SOFTSIM_OK;
     if (status == SOFTSIM_OK && path) {
         fputs(header, output->file);
     }
@@ -250,14 +283,16 @@ static softsim_status open_output(ss_output *output, const char *path, const cha
 /* Before the first tick, so that a run is not for nothing. */
 static softsim_status open_outputs(run *r, softsim_error *error)
 {
-    softsim_status status = open_output(
-        &r->csv, r->options.csv, "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict\n", error);
+    softsim_status status = open_recording(&r->csv, r->options.csv, csv_header, error);
     if (status == SOFTSIM_OK) {
-        status =
-            open_output(&r->reactions, r->options.reactions, "step,time_s,set,fx,fy,fz\n", error);
+        status = open_recording(&r->reactions, r->options.reactions, "step,time_s,set,fx,fy,fz\n",
+                                error);
     }
-    if (status == SOFTSIM_OK) {
-        status = open_output(&r->nodes, r->options.nodes, "node,x,y,z,ux,uy,uz\n", error);
+    if (status == SOFTSIM_OK && r->options.nodes) {
+        status = ss_output_open(&r->nodes, r->options.nodes, error);
+    }
+    if (status == SOFTSIM_OK && r->options.nodes) {
+        fputs("node,x,y,z,ux,uy,uz\n", r->nodes.file);
     }
     if (status == SOFTSIM_OK && r->options.vtk && mkdir(r->options.vtk, 0777) != 0 &&
         errno != EEXIST) {
@@ -314,10 +349,10 @@ static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
 }
 
 /* A full disk ends a run when it is met, however much of the run is left. */
-static bool is_written(const run *r)
+static bool is_written(run *r)
 {
-    return !(r->csv.file && ferror(r->csv.file)) &&
-           !(r->reactions.file && ferror(r->reactions.file));
+    const bool is_good = ss_output_pace(&r->csv);
+    return ss_output_pace(&r->reactions) && is_good;
 }
 
 static softsim_status run_ticks(run *r, softsim_error *error)
@@ -335,6 +370,9 @@ static softsim_status run_ticks(run *r, softsim_error *error)
             break;
         }
         softsim_tick(r->world, pose, channel, count, force);
+        for (int32_t i = 0; i < count; ++i) {
+            memcpy(r->position_sent[channel[i]], pose[i].position, sizeof pose[i].position);
+        }
         ++r->state.tick;
         for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
             const double *f = force[p].force;
@@ -452,11 +490,17 @@ static softsim_status execute(run *r, softsim_error *error)
     return status;
 }
 
-static softsim_status finish(run *r, softsim_error *error)
+/* What was recorded is complete, or kept and named where the run was cut short. */
+static softsim_status finish(run *r, softsim_status status, softsim_error *error)
 {
-    softsim_status status = ss_output_commit(&r->csv, error);
-    if (status == SOFTSIM_OK) {
-        status = ss_output_commit(&r->reactions, error);
+    ss_output *const recorded[] = {&r->csv, &r->reactions};
+    const bool is_complete = status == SOFTSIM_OK && is_written(r);
+    for (int i = 0; i < 2; ++i) {
+        if (!is_complete && recorded[i]->reason == 0) {
+            ss_output_keep(recorded[i], error);
+        } else if (ss_output_commit(recorded[i], error) != SOFTSIM_OK) {
+            status = error->status;
+        }
     }
     if (status == SOFTSIM_OK && r->options.nodes) {
         write_nodes(r);
@@ -469,9 +513,10 @@ int main(int argc, char **argv)
 {
     static softsim_error error;
     static run r;
+    ss_program_begin();
     switch (parse(argc, argv, &r.options, &error)) {
     case SS_ARGS_DONE:
-        return 0;
+        return ss_program_finish(argv[0], 0);
     case SS_ARGS_BAD:
         ss_args_print_error(argv[0], &error);
         return 2;
@@ -480,9 +525,12 @@ int main(int argc, char **argv)
     }
     r.sender = 1;
     int exit_code = 0;
-    if (open_poses(&r, &error) != SOFTSIM_OK || execute(&r, &error) != SOFTSIM_OK) {
+    ss_progress_begin("softsim-run", "loading %s", r.options.scene);
+    const bool is_ready = open_poses(&r, &error) == SOFTSIM_OK && execute(&r, &error) == SOFTSIM_OK;
+    ss_progress_end();
+    if (!is_ready) {
         exit_code = 2;
-    } else if (run_ticks(&r, &error) != SOFTSIM_OK || finish(&r, &error) != SOFTSIM_OK) {
+    } else if (finish(&r, run_ticks(&r, &error), &error) != SOFTSIM_OK) {
         exit_code = 1;
     } else {
         print_summary(&r);
@@ -502,8 +550,5 @@ int main(int argc, char **argv)
     softsim_destroy(&r.world);
     free(r.position);
     free(r.displacement);
-    if (fflush(stdout) != 0) {
-        exit_code = 1;
-    }
-    return exit_code;
+    return ss_program_finish(argv[0], exit_code);
 }
