@@ -118,6 +118,45 @@ static void ascii_and_binary_stl_join_their_corners(void **state)
     expect_cube(write_bytes("binary.STL", binary, sizeof binary), 8);
 }
 
+/* The cube with positions and indices in the file `uri`. */
+static const char *write_gltf(const char *name, const char *uri)
+{
+    char text[2048];
+    (void)snprintf(text, sizeof text,
+                   "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                   "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+                   "{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{\"uri\":\"%s\","
+                   "\"byteLength\":168}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,"
+                   "\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":72}],"
+                   "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":8,"
+                   "\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,1]},{\"bufferView\":1,"
+                   "\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}]}",
+                   uri);
+    return write_text(name, text);
+}
+
+/* Materials are left out however their line is told from others: a pipe in their place would be
+ * waited for. */
+static void materials_of_an_obj_are_not_opened(void **state)
+{
+    (void)state;
+    /* Space, a continued line, and what assimp takes for the end of one. */
+    static const char *const lines[] = {"mtllib %s\n", "mtllib\\\n %s\n", "g a\rmtllib %s\n",
+                                        "mtllib\f%s\n", "g a\fmtllib %s\n"};
+    char out[256], text[512];
+    assert_int_equal(run("mkfifo pipe.mtl", out, sizeof out), 0);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; ++i) {
+        const char *tail = strstr(lines[i], "%s");
+        const int used = snprintf(text, sizeof text, "%.*s%s%s", (int)(tail - lines[i]), lines[i],
+                                  in_folder("pipe.mtl"), tail + 2);
+        (void)snprintf(text + used, sizeof text - (size_t)used,
+                       "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        ss_mesh *mesh = load(write_text("material.obj", text), 1.0);
+        assert_int_equal(mesh->triangle_count, 1);
+        ss_mesh_destroy(&mesh);
+    }
+}
+
 static void ascii_ply_and_gltf_are_read(void **state)
 {
     (void)state;
@@ -149,17 +188,45 @@ static void ascii_ply_and_gltf_are_read(void **state)
         }
     }
     (void)write_bytes("cube.bin", bytes, sizeof bytes);
-    expect_cube(
-        write_text("cube.gltf",
-                   "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-                   "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-                   "{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{\"uri\":\"cube.bin\","
-                   "\"byteLength\":168}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,"
-                   "\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":72}],"
-                   "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":8,"
-                   "\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,1]},{\"bufferView\":1,"
-                   "\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}]}"),
-        8);
+    expect_cube(write_gltf("cube.gltf", "cube.bin"), 8);
+}
+
+/* A mesh from elsewhere must not read what is not beside it, nor wait for it. */
+static void gltf_reads_nothing_that_is_not_beside_it(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *uri, *says;
+    } cases[] = {
+        {"beside.bin", NULL},
+        {"below/cube.bin", NULL},
+        {"../cube.bin", "it names"},
+        {"below/../../cube.bin", "it names"},
+        {"leads-out.bin", "not beside it; put what it needs into its own folder"},
+        {"leads-beside.bin", NULL},
+        {"pipe.bin", "a pipe, not a file"},
+        {"zero.bin", "it names"},
+        {"below", "a folder, not a file"},
+        {"none.bin", "No such file"},
+    };
+    char out[256];
+    assert_int_equal(run("mkdir -p in/below && cp cube.bin in/beside.bin && "
+                         "cp cube.bin in/below/cube.bin && ln -s ../cube.bin in/leads-out.bin && "
+                         "ln -s below/cube.bin in/leads-beside.bin && mkfifo in/pipe.bin && "
+                         "ln -s /dev/zero in/zero.bin",
+                         out, sizeof out),
+                     0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *path = write_gltf("in/cube.gltf", cases[i].uri);
+        softsim_error error = {0};
+        ss_mesh *mesh = NULL;
+        const softsim_status status = ss_mesh_load(path, 1e-3, importer, &mesh, &error);
+        if ((status == SOFTSIM_OK) != (cases[i].says == NULL) ||
+            (cases[i].says != NULL && strstr(error.text, cases[i].says) == NULL)) {
+            fail_msg("%s: %s", cases[i].uri, error.text);
+        }
+        ss_mesh_destroy(&mesh);
+    }
 }
 
 /* ---- hostile files -----------------------------------------------------------------------------
@@ -619,6 +686,8 @@ int main(void)
         cmocka_unit_test(concave_polygons_are_cut_within_their_outline),
         cmocka_unit_test(ascii_and_binary_stl_join_their_corners),
         cmocka_unit_test(ascii_ply_and_gltf_are_read),
+        cmocka_unit_test(gltf_reads_nothing_that_is_not_beside_it), /* of its cube */
+        cmocka_unit_test(materials_of_an_obj_are_not_opened),
         cmocka_unit_test(each_hostile_file_gives_one_error_that_names_it),
         cmocka_unit_test(what_is_no_file_is_named_so),
         cmocka_unit_test(damaged_files_never_bring_the_reader_down),

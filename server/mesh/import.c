@@ -12,6 +12,7 @@
 #include "mesh/mesh.h"
 #include "mesh/readers.h"
 #include "rt/clock.h"
+#include "rt/files.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -196,7 +197,7 @@ static bool run_program(import *im, const char *program, bool *out_is_complete, 
     const int reason = start_program(program, im->path, &pid, fd);
     if (reason != 0) {
         softsim_error_add(im->error, SOFTSIM_ERROR_SYSTEM, "%s: cannot start %s (%s)", im->path,
-                          program, strerror(reason));
+                          program, ss_files_reason(reason));
         return false;
     }
     *out_is_complete = collect(im, fd);

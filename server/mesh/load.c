@@ -7,15 +7,14 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/readers.h"
+#include "rt/files.h"
+#include "rt/progress.h"
 #include "rt/vec.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MAX_FILE_BYTES = 1 << 30, START_BYTES = 4096 /* within which <VTKFile must come */ };
@@ -32,34 +31,28 @@ static softsim_status fail_file(const char *path, const char *why, softsim_error
     return SOFTSIM_ERROR_FILE;
 }
 
-/* An open regular file of a size that can be read, or -1 with the fault in `error`. Opened without
- * blocking: a FIFO must not hang the start. */
+/* An open regular file of a size that can be read, or -1 with the fault in `error`. */
 static int open_file(const char *path, size_t *out_size, softsim_status *out_status,
                      softsim_error *error)
 {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    struct stat info;
+    int64_t size = 0;
+    const char *why = NULL;
+    const int fd = ss_files_open(path, &size, &why);
     *out_status = SOFTSIM_ERROR_FILE;
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        (void)fail_file(path, strerror(errno), error);
-    } else if (!S_ISREG(info.st_mode)) {
-        (void)fail_file(path, S_ISDIR(info.st_mode) ? "a folder" : "not a file", error);
-    } else if (info.st_size == 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: the file is empty: write it again",
-                          path);
-        *out_status = SOFTSIM_ERROR_FORMAT;
-    } else if (info.st_size > MAX_FILE_BYTES) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
-                          "%s: larger than 1 GiB: simplify the mesh first", path);
-        *out_status = SOFTSIM_ERROR_FORMAT;
-    } else {
-        *out_size = (size_t)info.st_size;
+    if (fd < 0) {
+        (void)fail_file(path, why, error);
+        return -1;
+    }
+    if (size > 0 && size <= MAX_FILE_BYTES) {
+        *out_size = (size_t)size;
         *out_status = SOFTSIM_OK;
         return fd;
     }
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    *out_status = SOFTSIM_ERROR_FORMAT;
+    softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: %s", path,
+                      size == 0 ? "the file is empty: write it again"
+                                : "larger than 1 GiB: simplify the mesh first");
+    (void)close(fd);
     return -1;
 }
 
@@ -203,6 +196,7 @@ softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char
     if (fd < 0) {
         return status;
     }
+    ss_progress_stage("reading %s, %.0f MB", path, 1e-6 * (double)size);
     status = load_file(fd, size, path, metres_per_unit, import_program, out_mesh, error);
     (void)close(fd);
     return status;

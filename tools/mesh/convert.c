@@ -8,6 +8,7 @@
 #include "command.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/progress.h"
 
 #include <stdio.h>
 
@@ -114,7 +115,9 @@ static int convert(const conversion *c, softsim_error *error)
 {
     ss_mesh *mesh = NULL;
     int result = 2;
+    ss_progress_begin("softsim-mesh", "reading %s", c->path[0]);
     softsim_status status = ss_mesh_load(c->path[0], 1.0, NULL, &mesh, error);
+    ss_progress_end();
     if (status == SOFTSIM_OK && c->is_mended) {
         status = mend(c->path[0], &mesh, error);
     }

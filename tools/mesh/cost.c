@@ -8,6 +8,7 @@
 
 #include "models/model.h"
 #include "rt/memory.h"
+#include "rt/progress.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,6 +69,8 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
                                 .step = 1e-3,
                                 .max_substeps = 64,
                                 .threads = 1};
+    ss_progress_stage("setting up %s on %d nodes, for its stable step", class->name,
+                      mesh->node_count);
     const int64_t before = ss_memory_in_use();
     ss_model *model = NULL;
     softsim_error error = {0};

@@ -2,6 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "findings.h"
 
+#include "rt/progress.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -75,6 +77,7 @@ bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool i
     if (!is_check) {
         return true;
     }
+    ss_progress_stage("looking for triangles that cross others, of %d", mesh->triangle_count);
     if (!ss_mesh_find_holes(mesh, &f->hole) ||
         !ss_mesh_find_crossings(mesh, &f->crossing, &f->is_crossing_complete)) {
         return false;

@@ -14,7 +14,9 @@
  * removed first, or they would keep vertices apart.
  */
 #include "mesh/import.h"
+#include "beside.h"
 #include "obj.h"
+#include "rt/program.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -62,6 +64,7 @@ static void set_limits(void)
     }
     (void)setrlimit(RLIMIT_CPU, &seconds);
     (void)setrlimit(RLIMIT_CORE, &none);
+    (void)setrlimit(RLIMIT_RTPRIO, &none); /* a daemon of root's has raised it */
 }
 
 /* ---- reading ----------------------------------------------------------------------------------
@@ -87,10 +90,11 @@ static void count_faces(const struct aiScene *scene, int64_t out_count[3])
     }
 }
 
-/* `obj`: the prepared text, whose colours are numbers; NULL: the file itself. Faces are counted
- * before anything is done to them, and cut unless all are quads; s->corners tells. */
-static const struct aiScene *read_scene(const char *path, const obj_text *obj, surface *s)
+/* The colours of a prepared OBJ text are numbers. Faces are counted before anything is done to
+ * them, and cut unless all are quads; s->corners tells. */
+static const struct aiScene *read_scene(beside_files *files, surface *s)
 {
+    const obj_text *obj = files->obj;
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
                                aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
@@ -100,12 +104,8 @@ static const struct aiScene *read_scene(const char *path, const obj_text *obj, s
                                    aiComponent_MATERIALS | (obj == NULL ? aiComponent_COLORS : 0));
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const struct aiScene *scene =
-        obj != NULL
-            ? aiImportFileFromMemoryWithProperties(obj->text, (unsigned)obj->size,
-                                                   aiProcess_ValidateDataStructure, "obj",
-                                                   properties)
-            : aiImportFileExWithProperties(path, aiProcess_ValidateDataStructure, NULL, properties);
+    const struct aiScene *scene = aiImportFileExWithProperties(
+        files->path, aiProcess_ValidateDataStructure, &files->io, properties);
     aiReleasePropertyStore(properties);
     if (scene == NULL) {
         return NULL;
@@ -282,7 +282,12 @@ static const char *read_surface(const char *path, surface *s)
     if (problem != NULL) {
         return problem;
     }
-    const struct aiScene *scene = read_scene(path, obj, s);
+    static beside_files files;
+    beside_init(&files, path, obj);
+    const struct aiScene *scene = read_scene(&files, s);
+    if (scene == NULL && files.refused[0] != '\0') {
+        return files.refused;
+    }
     if (scene == NULL) {
         (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ",
                        aiGetErrorString());
@@ -330,8 +335,10 @@ static int convert(const char *path)
 
 int main(int argc, char **argv)
 {
+    ss_program_begin();
     if (argc == 2 && strcmp(argv[1], "--version") == 0) {
-        return printf("softsim-import %s\n", SOFTSIM_VERSION) < 0;
+        (void)printf("softsim-import %s\n", SOFTSIM_VERSION);
+        return ss_program_finish(argv[0], 0);
     }
     if (argc != 2 || strcmp(argv[1], "--help") == 0) {
         const bool is_asked = argc == 2;
@@ -339,7 +346,7 @@ int main(int argc, char **argv)
                       "usage: softsim-import FILE\n"
                       "Reads the surface in an OBJ, STL, PLY, GLB or glTF file and writes it in a "
                       "binary form to stdout, for the other programs of softsim.\n");
-        return is_asked ? 0 : 2;
+        return ss_program_finish(argv[0], is_asked ? 0 : 2);
     }
     /* At once: what is left of the scene, and assimp's own exit code, are of no use to anyone. */
     _exit(convert(argv[1]));

@@ -10,6 +10,7 @@
 #include "rt/args.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/progress.h"
 
 #include <stdio.h>
 #include <sys/resource.h>
@@ -57,7 +58,10 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
     const double unit = in->units >= 0 ? metres_per_unit(in->units) : 1.0;
     const int64_t bytes_before = resident_at_most();
     const int64_t begun = ss_clock_now_ns();
-    if (ss_mesh_load(in->path, unit, NULL, &in->mesh, &in->error) != SOFTSIM_OK) {
+    ss_progress_begin("softsim-mesh", "reading %s", in->path);
+    const softsim_status status = ss_mesh_load(in->path, unit, NULL, &in->mesh, &in->error);
+    ss_progress_end();
+    if (status != SOFTSIM_OK) {
         ss_args_print_error("softsim-mesh", &in->error);
         if (in->is_json) {
             findings_print_json_error(in->path, &in->error);
@@ -99,7 +103,10 @@ int command_info(int argc, char **argv)
     }
     const int64_t bytes_kept = ss_memory_in_use();
     findings f;
-    if (!findings_measure(&f, in.path, in.mesh, in.units >= 0, false)) {
+    ss_progress_begin("softsim-mesh", "measuring %s", in.path);
+    const bool is_measured = findings_measure(&f, in.path, in.mesh, in.units >= 0, false);
+    ss_progress_end();
+    if (!is_measured) {
         return fail_memory(&in);
     }
     f.loading_s = in.loading_s;
@@ -135,10 +142,15 @@ int command_check(int argc, char **argv)
         return status;
     }
     findings f;
-    if (!findings_measure(&f, in.path, in.mesh, in.units >= 0, true)) {
+    ss_progress_begin("softsim-mesh", "checking %s", in.path);
+    const bool is_measured = findings_measure(&f, in.path, in.mesh, in.units >= 0, true);
+    if (is_measured) {
+        measure_costs(&in, &f);
+    }
+    ss_progress_end();
+    if (!is_measured) {
         return fail_memory(&in);
     }
-    measure_costs(&in, &f);
     if (in.is_json) {
         findings_print_json(&f);
     } else {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "command.h"
+#include "rt/program.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -31,7 +32,7 @@ static void print_usage(FILE *out)
     (void)fprintf(out, "  %-14s prints this\n  %-14s prints the version\n", "--help", "--version");
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
     if (strcmp(name, "--help") == 0) {
@@ -55,4 +56,10 @@ int main(int argc, char **argv)
                   "softsim-mesh --help says more\n",
                   name);
     return 2;
+}
+
+int main(int argc, char **argv)
+{
+    ss_program_begin();
+    return ss_program_finish("softsim-mesh", run(argc, argv));
 }

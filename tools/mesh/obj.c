@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/files.h"
+
 /* A vertex line for assimp: three numbers of nine digits and three of at most four. */
 enum { MAX_LINE = 80, MAX_NUMBER = 63, NUMBER_BITS = 12, NUMBER_MASK = (1 << NUMBER_BITS) - 1 };
 
@@ -21,14 +23,11 @@ static const char *blame(int64_t line, const char *what)
 
 static char *read_file(const char *path, size_t *out_size)
 {
-    FILE *file = fopen(path, "rb");
-    char *text = NULL;
-    if (file != NULL && fseek(file, 0, SEEK_END) == 0) {
-        const long size = ftell(file);
-        rewind(file);
-        text = size >= 0 ? malloc((size_t)size + 1) : NULL;
-        *out_size = text != NULL ? fread(text, 1, (size_t)size, file) : 0;
-    }
+    int64_t size = 0;
+    const char *why = NULL;
+    FILE *file = ss_files_open_stream(path, &size, &why);
+    char *text = file != NULL ? malloc((size_t)size + 1) : NULL;
+    *out_size = text != NULL ? fread(text, 1, (size_t)size, file) : 0;
     if (file != NULL) {
         (void)fclose(file);
     }

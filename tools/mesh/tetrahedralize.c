@@ -8,6 +8,7 @@
 #include "command.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/progress.h"
 #include "rt/vec.h"
 #include "solid.h"
 #include "tetgen.h"
@@ -142,14 +143,18 @@ static int tetrahedralize(const request *q, softsim_error *error)
 {
     ss_mesh *surface = NULL;
     ss_mesh *volume = NULL;
+    ss_progress_begin("softsim-mesh", "reading %s", q->path[0]);
     softsim_status status = ss_mesh_load(q->path[0], 1.0, NULL, &surface, error);
     status = status == SOFTSIM_OK ? check_surface(q, surface, error) : status;
     int result = status == SOFTSIM_OK ? 1 : 2;
+    ss_progress_stage("tetgen fills %s", q->path[0]);
     status = status == SOFTSIM_OK
                  ? tetgen_fill(surface, volume_bound(q->edge), q->timeout_s, &volume, error)
                  : status;
     status = status == SOFTSIM_OK ? finish(surface, q->edge, &volume, error) : status;
-    if (status == SOFTSIM_OK && write_mesh(volume, q->path[1], error) == SOFTSIM_OK) {
+    status = status == SOFTSIM_OK ? write_mesh(volume, q->path[1], error) : status;
+    ss_progress_end();
+    if (status == SOFTSIM_OK) {
         print_written(volume, q->path[1], NULL);
         result = 0;
     }
