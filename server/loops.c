@@ -12,6 +12,7 @@
 
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/program.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
 
@@ -713,16 +714,14 @@ static softsim_status start_all(ss_loops *loops, ss_loop_threads *threads, softs
     return status;
 }
 
-/* Waits for SIGINT, SIGTERM, the duration, or the end from within. */
+/* Waits for a signal to stop, the duration, or the end from within. */
 static void wait_for_end(ss_loops *loops)
 {
     const double duration = loops->options->lockstep ? 0.0 : loops->options->duration_s;
     const int64_t deadline =
         duration > 0.0 ? ss_clock_now_ns() + (int64_t)(duration * 1e9) : INT64_MAX;
     sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
+    ss_program_stop_signals(&signals);
     while (!atomic_load_explicit(&loops->is_over, memory_order_acquire)) {
         const int64_t now = ss_clock_now_ns();
         const int64_t left = deadline - now;

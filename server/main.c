@@ -5,6 +5,8 @@
 
 #include "loops.h"
 #include "options.h"
+#include "rt/program.h"
+#include "rt/progress.h"
 #include "world.h"
 
 static void print_line(void *sink, const char *text)
@@ -31,9 +33,7 @@ static void print_check(const ss_world *world)
 static void block_signals(void)
 {
     sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
+    ss_program_stop_signals(&signals);
     pthread_sigmask(SIG_BLOCK, &signals, NULL);
     signal(SIGPIPE, SIG_IGN);
 }
@@ -42,9 +42,10 @@ int main(int argc, char **argv)
 {
     static softsim_error error;
     ss_options options;
+    ss_program_begin();
     switch (ss_options_parse(argc, argv, &options, &error)) {
     case SS_ARGS_DONE:
-        return 0;
+        return ss_program_finish(argv[0], 0);
     case SS_ARGS_BAD:
         ss_args_print_error(argv[0], &error);
         return 2;
@@ -57,7 +58,11 @@ int main(int argc, char **argv)
                                             .threads = (int32_t)options.threads,
                                             .is_lockstep = options.lockstep};
     ss_world *world = NULL;
-    if (ss_world_create(&world_options, &world, &error) != SOFTSIM_OK) {
+    ss_program_drop_capabilities(true);
+    ss_progress_begin("softsimd", "loading %s", options.scene_path);
+    const softsim_status loaded = ss_world_create(&world_options, &world, &error);
+    ss_progress_end();
+    if (loaded != SOFTSIM_OK) {
         ss_args_print_error(argv[0], &error);
         return 2;
     }
@@ -78,6 +83,7 @@ int main(int argc, char **argv)
     }
     if (!options.check && !options.explain && !options.print_config) {
         block_signals();
+        ss_program_drop_capabilities(false);
         const softsim_status status = ss_loops_run(world, &options, &error);
         if (status != SOFTSIM_OK) {
             ss_args_print_error(argv[0], &error);
@@ -89,9 +95,5 @@ int main(int argc, char **argv)
     }
     ss_lockstep_stop(world);
     ss_world_destroy(&world);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        fprintf(stderr, "softsimd: cannot write to stdout; is the disk full?\n");
-        exit_code = 1;
-    }
-    return exit_code;
+    return ss_program_finish(argv[0], exit_code);
 }

@@ -9,6 +9,7 @@
 
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/progress.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
 
@@ -148,6 +149,8 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
     world->step_period = world->step_ticks * world->period;
     plan.step = world->step_period;
     softsim_error fault = {.status = SOFTSIM_OK};
+    ss_progress_stage("setting up %s on %d nodes", world->model_class->name,
+                      scene->mesh->node_count);
     const softsim_status status = world->model_class->create(&plan, &world->model, &fault);
     pass_on(scene->path, &fault, error);
     return status;
@@ -803,17 +806,39 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
     return 0;
 }
 
+/* Says what is set now and was before, and remembers it. */
+static void tell_set(ss_world *world, const char *argument, const ss_command_record *record,
+                     char *out_text, int32_t text_size)
+{
+    const ss_scene_model *models = NULL;
+    ss_world_scene_models(&models);
+    const int32_t slot =
+        record->key == SS_LIVE_MODEL_ROW ? SS_LIVE_MODEL_ROW + record->row : (int32_t)record->key;
+    ss_scene_tell_live(world->scene, &models[world->scene->model_index], argument, record->value,
+                       world->is_set[slot] ? &world->set_value[slot] : NULL, out_text,
+                       (size_t)text_size);
+    world->set_value[slot] = record->value;
+    world->is_set[slot] = true;
+}
+
 int32_t ss_world_command(ss_world *world, const char *name, const char *argument,
                          ss_command_record *out_record, char *out_text, int32_t text_size)
 {
     static const char *const names[] = {"reset", "pause",  "resume",  "refresh",
                                         "set",   "status", "shutdown"};
+    static const char *const did[] = {
+        "reset: the body is at rest, without a force, and a fault is forgotten",
+        "paused: the body stands still and forces are zero until the command resume",
+        "running again",
+        "the whole mesh is being sent again",
+        "",
+        "a status is on its way",
+        "shutting down"};
     const int32_t name_count = (int32_t)(sizeof names / sizeof *names);
     int32_t kind = 0;
     while (kind < name_count && strcmp(names[kind], name) != 0) {
         ++kind;
     }
-    snprintf(out_text, (size_t)text_size, "done");
     if (kind == name_count) {
         snprintf(out_text, (size_t)text_size,
                  "unknown command '%.40s'; use reset pause resume refresh set status shutdown",
@@ -821,6 +846,7 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
         return 2;
     }
     *out_record = (ss_command_record){.kind = (ss_command_kind)kind};
+    snprintf(out_text, (size_t)text_size, "%s", did[kind]);
     if (kind == SS_COMMAND_SET) {
         const int32_t code = parse_set(world, argument, out_record, out_text, text_size);
         if (code != 0) {
@@ -835,6 +861,9 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
         (world->used_probes != 0 && !ss_ring_push(world->haptic_commands, out_record))) {
         snprintf(out_text, (size_t)text_size, "busy: too many commands at once; send it again");
         return 1;
+    }
+    if (kind == SS_COMMAND_SET) {
+        tell_set(world, argument, out_record, out_text, text_size);
     }
     return 0;
 }

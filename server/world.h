@@ -31,6 +31,9 @@
 #include "softsim/softsim.h"
 #include "watch.h"
 
+/* More than a model's table has. */
+enum { SS_WORLD_MODEL_ROWS = 64 };
+
 /* A command on its way to a loop. */
 typedef struct ss_command_record {
     ss_command_kind kind;
@@ -113,6 +116,10 @@ typedef struct ss_world {
     ss_mailbox *haptic_stats;     /* haptic -> net */
     ss_mailbox *simulation_stats; /* simulation -> net */
     ss_mailbox *surface;          /* simulation -> publish: ss_surface_snapshot; NULL without */
+
+    /* net thread: what `set` has set, model rows behind the others */
+    double set_value[SS_LIVE_MODEL_ROW + SS_WORLD_MODEL_ROWS];
+    bool is_set[SS_LIVE_MODEL_ROW + SS_WORLD_MODEL_ROWS];
 
     /* haptic thread */
     ss_histogram *lateness;

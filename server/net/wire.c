@@ -22,12 +22,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "rt/files.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_probe_pose_t.h"
 #include "softsim_server_status_t.h"
 
-enum { POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8, HASH_SIZE = 8 };
+enum {
+    LCM_FILES = 8, /* that LCM opens at most: sockets and pipes */
+    POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8,
+    HASH_SIZE = 8
+};
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
@@ -149,6 +154,11 @@ lcm_t *ss_wire_open(const char *lcm_url, softsim_error *error)
     ss_wire_url url;
     char address[INET_ADDRSTRLEN] = "", text[96] = "memq://";
     if (!ss_wire_read_url(lcm_url, &url, error)) {
+        return NULL;
+    }
+    if (!ss_files_have_room(LCM_FILES)) { /* LCM blames the route then */
+        softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "cannot open LCM: %s",
+                          ss_files_reason(EMFILE));
         return NULL;
     }
     if (!url.is_memq) {

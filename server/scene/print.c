@@ -390,6 +390,58 @@ static bool find_model_row(const ss_scene_model *model, const char *path, ss_sce
     return false;
 }
 
+/* A value of a row as it is written, without its unit. */
+static void write_value(const ss_scene_row *row, double value, char *out, size_t size)
+{
+    if (row->kind == SS_SCENE_CHOICE) {
+        ss_scene_choice_name(row->choices, (int32_t)value, out, size);
+    } else if (row->kind == SS_SCENE_BOOL) {
+        snprintf(out, size, "%s", value != 0.0 ? "true" : "false");
+    } else {
+        snprintf(out, size, "%.6g", value);
+    }
+}
+
+/* The scene's own value of a live row; false where it varies or is absent. */
+static bool own_value(const ss_scene *scene, const ss_scene_row *row, int32_t model_row,
+                      double *out)
+{
+    const ss_param_value *param = model_row >= 0 ? &scene->param[model_row] : NULL;
+    if (param != NULL) {
+        *out = param->number;
+        return param->per_node == NULL && param->by_element == NULL && param->per_link == NULL &&
+               isfinite(param->number);
+    }
+    const char *field = (const char *)scene + row->field - 1;
+    *out = row->kind == SS_SCENE_CHOICE ? (double)*(const int32_t *)(const void *)field
+                                        : *(const double *)(const void *)field;
+    return true;
+}
+
+void ss_scene_tell_live(const ss_scene *scene, const ss_scene_model *model, const char *assignment,
+                        double value, const double *before, char *out, size_t size)
+{
+    char path[128], now[64], then[64];
+    softsim_error ignored = {.status = SOFTSIM_OK};
+    ss_scene_row model_row;
+    int32_t index = -1;
+    double old = 0.0;
+    snprintf(path, sizeof path, "%.*s", (int)strcspn(assignment, "="), assignment);
+    const ss_scene_row *row = find_model_row(model, path, &model_row, &index)
+                                  ? &model_row
+                                  : find_path(ss_scene_root, path, &ignored);
+    write_value(row, value, now, sizeof now);
+    const char *unit = row->unit != NULL ? row->unit : "";
+    const int length = snprintf(out, size, "%s = %s%s%s", path, now, *unit ? " " : "", unit);
+    if (before == NULL && own_value(scene, row, index, &old)) {
+        before = &old;
+    }
+    if (before != NULL && length > 0 && (size_t)length < size) {
+        write_value(row, *before, then, sizeof then);
+        snprintf(out + length, size - (size_t)length, " (was %s)", then);
+    }
+}
+
 softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,
                                    ss_scene_live_key *out_key, int32_t *out_row, double *out_value,
                                    softsim_error *error)

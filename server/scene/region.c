@@ -3,15 +3,13 @@
 /* Regions and data files on the mesh. */
 #include "scene/region.h"
 
-#include <errno.h>
-#include <fcntl.h>
+#include "rt/files.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum {
     MAX_DATA_BYTES = 256 << 20, /* of one data file: four million rows of the longest kind */
@@ -54,32 +52,23 @@ static void fault_line(data_file *file, const char *format, ...)
     }
 }
 
-/* The whole of a regular file, with a NUL behind it; NULL with errno or *out_why set. */
+/* The whole of a regular file, with a NUL behind it; NULL with *out_why set. */
 static char *read_whole(const char *path, const char **out_why)
 {
-    struct stat status;
-    *out_why = NULL;
-    /* Without waiting for the writer of a pipe, which is refused anyway. */
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    int64_t size = 0;
+    FILE *stream = ss_files_open_stream(path, &size, out_why);
     if (stream == NULL) {
-        *out_why = strerror(errno);
-        if (fd >= 0) {
-            close(fd);
-        }
         return NULL;
     }
     char *text = NULL;
-    if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
-        *out_why = "not a file";
-    } else if (status.st_size > MAX_DATA_BYTES) {
+    if (size > MAX_DATA_BYTES) {
         *out_why = "larger than 256 MB";
-    } else if ((text = malloc((size_t)status.st_size + 1)) == NULL) {
+    } else if ((text = malloc((size_t)size + 1)) == NULL) {
         *out_why = "out of memory";
     } else {
-        const size_t size = fread(text, 1, (size_t)status.st_size, stream);
-        text[size] = '\0';
-        if (ferror(stream) || memchr(text, '\0', size) != NULL) {
+        const size_t got = fread(text, 1, (size_t)size, stream);
+        text[got] = '\0';
+        if (ferror(stream) || memchr(text, '\0', got) != NULL) {
             *out_why = ferror(stream) ? "cannot be read" : "it has a NUL byte, so it is not a text";
             free(text);
             text = NULL;

@@ -10,15 +10,14 @@
  */
 #include "scene/scene.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "rt/files.h"
+#include "rt/progress.h"
 #include "scene/grid.h"
 #include "scene/region.h"
 #include "scene/source.h"
@@ -63,21 +62,19 @@ static int32_t entry_count(const ss_scene_node *list)
 /* The file's path, when it can be opened; else a fault with the place in the scene. */
 static bool find_file(loader *l, ss_scene_node *node, char *out, size_t size)
 {
-    struct stat status;
     if (!ss_scene_join_path(l->space.folder, node->text, out, size)) {
         ss_scene_node_fault(l->report, node, "the path is too long");
         return false;
     }
-    if (access(out, R_OK) != 0 || stat(out, &status) != 0) {
+    const char *why = NULL;
+    const int fd = ss_files_open(out, NULL, &why);
+    if (fd < 0) {
         ss_scene_node_fault(l->report, node,
                             "cannot open '%.200s': %s; paths are relative to the scene file",
-                            node->text, strerror(errno));
+                            node->text, why);
         return false;
     }
-    if (!S_ISREG(status.st_mode)) {
-        ss_scene_node_fault(l->report, node, "'%.200s' is not a file", node->text);
-        return false;
-    }
+    close(fd);
     return true;
 }
 
@@ -306,6 +303,7 @@ static bool take_mesh(loader *l)
     } else {
         snprintf(name, sizeof name, "%s: object.grid", l->report->path);
     }
+    ss_progress_stage("checking the mesh, %d nodes", scene->mesh->node_count);
     if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK ||
         (scene->mesh->tetrahedron_count > 0 && !take_layer(l, object, name))) {
         return false;
@@ -789,26 +787,22 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
 
 char *ss_scene_read_file(const char *path, size_t *out_size, softsim_error *error)
 {
-    struct stat status;
-    /* Without waiting for the writer of a pipe, which is refused anyway. */
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    int64_t size = 0;
+    const char *why = NULL;
+    FILE *stream = ss_files_open_stream(path, &size, &why);
     if (stream == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: cannot open: %s", path,
-                          strerror(errno));
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: cannot open: %s", path, why);
         return NULL;
     }
     char *text = NULL;
-    if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: error: not a file", path);
-    } else if (status.st_size > SS_SCENE_MAX_BYTES) {
+    if (size > SS_SCENE_MAX_BYTES) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                           "%s: error: larger than %d MB; put long lists into files of their own",
                           path, SS_SCENE_MAX_BYTES >> 20);
-    } else if ((text = malloc((size_t)status.st_size + 1)) == NULL) {
+    } else if ((text = malloc((size_t)size + 1)) == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: error: out of memory", path);
     } else {
-        *out_size = fread(text, 1, (size_t)status.st_size, stream);
+        *out_size = fread(text, 1, (size_t)size, stream);
         text[*out_size] = '\0';
     }
     fclose(stream);

@@ -142,3 +142,7 @@ typedef enum ss_scene_live_key {
 softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,
                                    ss_scene_live_key *out_key, int32_t *out_row, double *out_value,
                                    softsim_error *error);
+/* What an assignment that ss_scene_parse_live has taken changes, in words: "haptic.max_force_n = 5
+ * N (was 8)". `before`: the value that is replaced; NULL: the scene's own. */
+void ss_scene_tell_live(const ss_scene *scene, const ss_scene_model *model, const char *assignment,
+                        double value, const double *before, char *out, size_t size);

@@ -10,6 +10,8 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <glob.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,6 +80,54 @@ static void the_guard_can_see(void **state)
     unlink(report);
 }
 
+/* Bits of CapEff in a status file of /proc. */
+static unsigned long long capabilities(const char *path)
+{
+    char line[256];
+    unsigned long long bits = 0;
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file) != NULL) {
+        (void)sscanf(line, "CapEff: %llx", &bits);
+    }
+    fclose(file);
+    return bits;
+}
+
+/* Root's daemon keeps at most what SCHED_FIFO and locked memory need, in every thread, and has
+ * both. */
+static void root_keeps_no_capability_without_a_use(void **state)
+{
+    (void)state;
+    enum { NICE = 1 << 23, LOCK = 1 << 14 };
+    static process daemon_process;
+    const unsigned long long own = capabilities("/proc/self/status");
+    if ((own & NICE) == 0 || (own & LOCK) == 0 || (own & ~(unsigned long long)(NICE | LOCK)) == 0) {
+        skip();
+    }
+    const char *const argv[] = {"softsimd", SCENES "kidney.yaml", NULL};
+    char pattern[64];
+    glob_t thread;
+    process_start(&daemon_process, argv, NULL);
+    assert_true(process_wait_for(&daemon_process, "softsimd: ready"));
+    snprintf(pattern, sizeof pattern, "/proc/%d/task/*/status", (int)daemon_process.pid);
+    assert_int_equal(glob(pattern, 0, NULL, &thread), 0);
+    assert_true(thread.gl_pathc >= 4);
+    int fifo_count = 0;
+    for (size_t i = 0; i < thread.gl_pathc; ++i) {
+        int id = 0;
+        assert_int_equal(capabilities(thread.gl_pathv[i]) & ~(unsigned long long)(NICE | LOCK), 0);
+        assert_int_equal(sscanf(strstr(thread.gl_pathv[i], "task/"), "task/%d", &id), 1);
+        fifo_count += sched_getscheduler(id) == SCHED_FIFO;
+    }
+    globfree(&thread);
+    assert_true(fifo_count >= 3);
+    process_signal(&daemon_process, SIGHUP); /* ends like SIGTERM */
+    assert_int_equal(process_finish(&daemon_process), 0);
+    assert_non_null(strstr(daemon_process.err, "haptic periods"));
+    assert_null(strstr(daemon_process.err, "not locked"));
+}
+
 int main(void)
 {
     if (!process_isolate()) {
@@ -87,6 +137,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loops_neither_allocate_nor_lock_nor_print),
         cmocka_unit_test(the_guard_can_see),
+        cmocka_unit_test(root_keeps_no_capability_without_a_use),
     };
     return cmocka_run_group_tests_name("realtime", tests, NULL, NULL);
 }

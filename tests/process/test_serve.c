@@ -145,9 +145,11 @@ static void monitor_sends_commands(void **state)
     static const struct {
         const char *command, *said;
         int status;
-    } cases[] = {{"pause", "done\n", 0},
-                 {"resume", "done\n", 0},
-                 {"set haptic.max_force_n=5", "done\n", 0},
+    } cases[] = {{"pause", "paused: ", 0},
+                 {"resume", "running again\n", 0},
+                 {"set haptic.max_force_n=5", "haptic.max_force_n = 5 N (was 8)\n", 0},
+                 {"set haptic.max_force_n=4", "haptic.max_force_n = 4 N (was 5)\n", 0},
+                 {"set haptic.between_steps=hold", "haptic.between_steps = hold (was local)\n", 0},
                  {"set haptic.max_force_n=-5", "haptic.max_force_n is -5", 2},
                  {"dance", "unknown command 'dance'", 2}};
     start_daemon(NULL);
