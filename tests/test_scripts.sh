@@ -32,4 +32,10 @@ for script in demo test setup lcm-spy; do
     bad=1
   fi
 done
+
+# What is written beside the build has a name nobody can foresee.
+if grep -nE '/tmp/|\$\$[^_"]*\.' tools/*.sh tests/fuzz/run.sh; then
+  echo "a script writes under a name that can be foreseen: use mktemp" >&2
+  bad=1
+fi
 exit $bad

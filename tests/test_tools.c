@@ -440,6 +440,192 @@ static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
     assert_true(shown != NULL && wiped > shown && strstr(wiped, "off the surface") != NULL);
 }
 
+/* ---- files that are none, and none left ------------------------------------------------------ */
+
+/* A pipe without a writer would keep a program waiting for ever. */
+static void a_pipe_is_refused_as_any_input(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options;
+    } bad[] = {
+        {"softsimd", "pipe"},
+        {"softsimd", "piped.yaml"},
+        {"softsimd", "data.yaml"},
+        {"softsim-run", "--duration 0.01 pipe"},
+        {"softsim-run", "--poses pipe scene.yaml"},
+        {"softsim-replay", "pipe"},
+        {"softsim-replay", "pipe.csv"},
+        {"softsim-bridge", "--device script --path pipe"},
+        {"softsim-fit", "--scene pipe --curve curve.csv --out o.yaml"},
+        {"softsim-fit", "--scene scene.yaml --curve pipe --out o.yaml"},
+        {"softsim-mesh", "info pipe"},
+        {"softsim-mesh", "check pipe.obj"},
+        {"softsim-mesh", "convert pipe o.obj"},
+        {"softsim-import", "pipe.obj | cat"},
+        {"softsim-bench", "latency --log pipe"},
+        {"softsim-bench", "latency --poses pipe"},
+        {"softsim-bench", "accuracy --compare pipe --out o"},
+        {"softsim-bench", "accuracy --scene pipe --out o"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    write_text("piped.yaml", "softsim: 1\nobject: {mesh: pipe, units: m}\n"
+                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    write_text("data.yaml", "softsim: 1\nobject: {mesh: block.msh, units: m}\n"
+                            "model: {name: fem, youngs_modulus_pa: {file: pipe}, "
+                            "poisson_ratio: 0.3}\n");
+    assert_int_equal(run("mkfifo pipe pipe.csv pipe.obj", out, sizeof out), 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const bool is_piped = strchr(bad[i].options, '|') != NULL; /* it wants no terminal */
+        const int status = run(command, out, sizeof out);
+        if (status != (is_piped ? 0 : 2) ||
+            (strstr(out, "a pipe, not a file") == NULL && strstr(out, "cannot read it") == NULL)) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+}
+
+static const char *const programs[] = {"softsimd",       "softsim-run",     "softsim-replay",
+                                       "softsim-bridge", "softsim-monitor", "softsim-fit",
+                                       "softsim-mesh",   "softsim-import",  "softsim-bench"};
+enum { PROGRAM_COUNT = sizeof programs / sizeof *programs };
+
+static void help_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096], command[256];
+    for (int i = 0; i < PROGRAM_COUNT; ++i) {
+        static const char *const asked[] = {"--help", "--version"};
+        for (int k = 0; k < 2 && has_program(programs[i]); ++k) {
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >/dev/full; }",
+                           programs[i], asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: No space left on device") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
+        }
+    }
+}
+
+/* LCM would blame the network for it. */
+static void too_few_descriptors_are_named(void **state)
+{
+    (void)state;
+    static const char *const started[] = {"softsim-bridge --device sim --ticks 5",
+                                          "softsim-monitor --once", "softsim-replay poses.csv",
+                                          "softsimd scene.yaml", "softsim-run --duration 1 k.yaml"};
+    char out[4096], command[512];
+    write_inputs();
+    write_text("k.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text("k.yaml", "softsim: 1\nobject: {mesh: k.obj, units: m}\n"
+                         "model: {name: mass-spring}\n");
+    for (int i = 0; i < 5; ++i) {
+        (void)snprintf(command, sizeof command, "{ ulimit -n %d && " BIN_DIR "/%s; }",
+                       i == 4 ? 6 : 8, started[i]);
+        const int status = run(command, out, sizeof out);
+        if ((status != 1 && status != 2) ||
+            strstr(out, "too many open files: raise `ulimit -n`") == NULL ||
+            strstr(out, "route") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* ---- what is recorded ------------------------------------------------------------------------ */
+
+static void a_full_disk_leaves_the_rows_of_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ ulimit -f 700 && timeout 100 " BIN_DIR
+                         "/softsim-run --duration 1000000 "
+                         "--csv full.csv --reactions full.txt scene.yaml; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "what was recorded before is in full.csv.part"));
+    assert_non_null(strstr(out, "full.txt.part"));
+    assert_int_equal(run("test ! -e full.csv && test ! -e full.txt", out, sizeof out), 0);
+    /* Ticks 1, 2, 3 ..., each with all its columns, and the last with its end. */
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 1000}' full.csv.part && "
+                         "test -z \"$(tail -c 1 full.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
+/* A press of 10 mm is told as one, beside what the tool is still ahead of the surface. */
+static void a_press_of_ten_millimetres_reads_as_one(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    write_text("press.yaml",
+               "softsim: 1\nobject: {mesh: soft.msh, units: m, fixed: [{group: bottom}]}\n"
+               "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.45,\n"
+               "        density_kg_m3: 1060, mass_damping_per_s: 30}\n"
+               "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n"
+               "haptic: {max_force_n: 20}\n");
+    write_text("press.csv", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0.030,1,0,0,0,0\n"
+                            "0.2,0,0,0,0.028,1,0,0,0,0\n0.7,0,0,0,0.018,1,0,0,0,0\n"
+                            "0.9,0,0,0,0.018,1,0,0,0,0\n1.2,0,0,0,0.040,1,0,0,0,0\n");
+    assert_int_equal(run(TOOL "generate block --tetrahedra --size-mm 80,80,40 --points 400 --units "
+                              "m --out soft.msh && " BIN_DIR
+                              "/softsim-run --poses press.csv --csv pressed.csv press.yaml",
+                         out, sizeof out),
+                     0);
+    assert_int_equal(run("grep -m 1 ^850, pressed.csv && tail -1 pressed.csv", out, sizeof out), 0);
+    double depth = 0.0, indentation = 0.0, end_depth = 1.0, end = 1.0;
+    const char *last = strchr(out, '\n');
+    assert_non_null(last);
+    assert_int_equal(sscanf(out, "%*d,%*f,%*d,%*f,%*f,%*f,%lf,%*f,%*d,%lf", &depth, &indentation),
+                     2);
+    assert_int_equal(sscanf(last, "%*d,%*f,%*d,%*f,%*f,%*f,%lf,%*f,%*d,%lf", &end_depth, &end), 2);
+    print_message("pressed by 10 mm: depth_m %g, indentation_m %g\n", depth, indentation);
+    assert_true(fabs(indentation - 0.010) < 1e-4 && depth < 0.002);
+    assert_true(end_depth == 0.0 && end == 0.0);
+}
+
+/* Every column of every CSV stands in the --help of the program that writes it. */
+static void help_explains_every_column(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *columns;
+    } written[] = {
+        {"softsim-run",
+         "step time_s probe fx fy fz depth_m energy_j verdict indentation_m set node "
+         "x y z ux uy uz"},
+        {"softsim-replay", "pose_seq pose_utime probe fx fy fz tx ty tz depth_m stiffness_n_per_m "
+                           "model_age_us flags latency_us indentation_m"},
+        {"softsim-bridge",
+         "tick x y z vx vy vz qx qy qz fx fy fz energy_in_j time_s probe ow ox oy "
+         "oz buttons depth_m indentation_m"},
+    };
+    char out[16384], command[512], columns[512];
+    for (int i = 0; i < 3; ++i) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s --help", written[i].program);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        for (char *at = out; *at != '\0'; ++at) { /* "fx,fy,fz" are words too */
+            *at = (char)(strchr(",;\n", *at) != NULL ? ' ' : *at);
+        }
+        (void)snprintf(columns, sizeof columns, "%s", written[i].columns);
+        for (char *word = strtok(columns, " "); word != NULL; word = strtok(NULL, " ")) {
+            char spaced[64];
+            (void)snprintf(spaced, sizeof spaced, " %s ", word);
+            if (strstr(out, spaced) == NULL) {
+                fail_msg("%s --help does not explain %s", written[i].program, word);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -456,6 +642,12 @@ int main(void)
         cmocka_unit_test(a_full_disk_ends_a_run),
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
+        cmocka_unit_test(a_pipe_is_refused_as_any_input),
+        cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(too_few_descriptors_are_named),
+        cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
+        cmocka_unit_test(a_press_of_ten_millimetres_reads_as_one),
+        cmocka_unit_test(help_explains_every_column),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

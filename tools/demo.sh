@@ -19,9 +19,29 @@ tools/setup.sh build
 if [ ! -f build/release/build.ninja ]; then
   cmake --preset release -DSOFTSIM_WERROR=OFF >/dev/null
 fi
-echo "demo.sh: building into build/release ..." >&2
-cmake --build --preset release >/tmp/softsim-demo.$$.log 2>&1 || { cat /tmp/softsim-demo.$$.log >&2; exit 1; }
-rm -f /tmp/softsim-demo.$$.log
+# The programs, not their tests. Its progress is ninja's own on a terminal, a line every ten seconds
+# elsewhere; what it said is shown when it fails.
+programs=(server/all clients/all tools/all)
+steps=$(ninja -C build/release -n "${programs[@]}" | sed -n 's/^\[\([0-9]*\)\/.*/\1/p' | tail -1)
+if [ "${steps:-0}" -gt 20 ]; then
+  echo "demo.sh: building $steps parts into build/release, about $((steps / $(nproc) / 60 + 1)) minutes;" \
+    "the next start does without" >&2
+fi
+if [ -t 2 ]; then
+  NINJA_STATUS="[%f of %t, %e s] " cmake --build --preset release --target "${programs[@]}" >&2
+else
+  log=$(mktemp)
+  while sleep 10 </dev/null >/dev/null 2>&1; do # which nobody waits for at the end
+    sed -n 's/^\(\[[^]]*\]\).*/demo.sh: built \1/p' "$log" | tail -1 >&2
+  done &
+  ticker=$!
+  built=0
+  cmake --build --preset release --target "${programs[@]}" >"$log" 2>&1 || built=$?
+  kill "$ticker"
+  [ "$built" = 0 ] || cat "$log" >&2
+  rm -f "$log"
+  [ "$built" = 0 ] || exit 1
+fi
 
 # Local multicast: with no route for it, run inside a private network namespace.
 if [ -z "${SOFTSIM_DEMO_INSIDE:-}" ] && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
@@ -42,17 +62,16 @@ finish() {
   rm -rf "$work"
 }
 trap finish EXIT
-trap 'stopped=1' INT TERM
+trap 'stopped=1' INT TERM HUP
 stopped=""
 
 : >"$work/out" # the loop below may look before the shell in the background has made it
 $bin/softsimd server/scenes/kidney.yaml --prefix "$prefix" >"$work/out" 2>"$work/err" &
 daemon=$!
 pids+=("$daemon")
-for _ in $(seq 600); do
-  grep -q '^softsimd: ready' "$work/out" && break
+until grep -q '^softsimd: ready' "$work/out"; do
   kill -0 "$daemon" 2>/dev/null || { cat "$work/err" >&2; echo "demo.sh: softsimd did not start" >&2; exit 1; }
-  read -rt 0.05 _ < <(:) || true
+  sleep 0.05
 done
 source server/scenes/kidney-poke.sh
 bridge=()

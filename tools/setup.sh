@@ -28,10 +28,11 @@ if [ "$(id -u)" != 0 ]; then
   as_root=sudo
 fi
 export DEBIAN_FRONTEND=noninteractive
+log=$(mktemp)
 # shellcheck disable=SC2086
-{ $as_root apt-get update -qq && $as_root apt-get install -y -qq --no-install-recommends $missing; } >/tmp/softsim-setup.$$.log 2>&1 || {
-  cat /tmp/softsim-setup.$$.log >&2
+{ $as_root apt-get update -qq && $as_root apt-get install -y -qq --no-install-recommends $missing; } >"$log" 2>&1 || {
+  cat "$log" >&2
   echo "setup.sh: installing failed; the packages are:$missing" >&2
   exit 1
 }
-rm -f /tmp/softsim-setup.$$.log
+rm -f "$log"

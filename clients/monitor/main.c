@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-monitor: the server's state in a terminal, drawn anew with every status; one line a
- * second where the output is no terminal; JSON, one line a status, for programs. --command sends
- * one command instead.
+ * softsim-monitor: the server's state in a terminal, drawn anew with every status, and what is felt
+ * at each probe, which it hears from the forces; one line a second where the output is no terminal;
+ * JSON, one line a status, for programs. --command sends one command instead.
  */
 #include <errno.h>
 #include <stdbool.h>
@@ -12,8 +12,11 @@
 #include <unistd.h>
 
 #include "command.h"
+#include "indentation.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/program.h"
+#include "rt/vec.h"
 #include "show.h"
 #include "softsim/client.h"
 
@@ -23,11 +26,30 @@ static const int64_t give_up_ns = 10000000000; /* --once: no server is coming */
 static const int64_t line_ns = 1000000000;
 static const int64_t slice_ns = 200000000; /* between looks at the clock and at signals */
 
+static const int64_t fresh_ns = 500000000; /* a force older than this is not felt any more */
+
 typedef struct monitor {
     bool is_json, is_once, is_terminal;
     bool is_done;
     int64_t shown_ns, received_ns; /* 0: never */
+    ss_indentation indentation[SOFTSIM_MAX_PROBES];
+    ss_show_hand hand[SOFTSIM_MAX_PROBES];
+    int64_t felt_ns[SOFTSIM_MAX_PROBES];
 } monitor;
+
+static void take_force(void *context, const softsim_force *force, int64_t receive_ns)
+{
+    monitor *m = context;
+    const int32_t p = force->probe;
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
+        return; /* whose zero is not what is felt */
+    }
+    m->felt_ns[p] = receive_ns;
+    m->hand[p] =
+        (ss_show_hand){.force_n = ss_norm3(force->force),
+                       .pressed_m = ss_indentation_take(&m->indentation[p], force, force->proxy),
+                       .flags = force->flags};
+}
 
 static void take_status(void *context, const struct _softsim_server_status_t *status,
                         int64_t receive_ns)
@@ -37,15 +59,16 @@ static void take_status(void *context, const struct _softsim_server_status_t *st
     if (m->is_done) {
         return;
     }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        m->hand[p].is_here = m->felt_ns[p] != 0 && receive_ns - m->felt_ns[p] < fresh_ns;
+    }
     if (m->is_json) {
         ss_show_json(stdout, status);
-    } else if (m->is_terminal) {
-        fputs("\033[H\033[J", stdout); /* home, clear below */
-        ss_show_page(stdout, status);
-    } else if (m->is_once) {
-        ss_show_page(stdout, status);
+    } else if (m->is_terminal || m->is_once) {
+        fputs(m->is_once ? "" : "\033[H\033[J", stdout); /* home, clear below */
+        ss_show_page(stdout, status, m->hand);
     } else if (m->shown_ns == 0 || receive_ns - m->shown_ns >= line_ns) {
-        ss_show_line(stdout, status);
+        ss_show_line(stdout, status, m->hand);
         m->shown_ns = receive_ns;
     }
     fflush(stdout);
@@ -87,8 +110,7 @@ static int watch(const char *program, monitor *m, softsim_client *client, double
             return EXIT_FAILURE;
         }
         if (ferror(stdout)) {
-            fprintf(stderr, "%s: cannot write to stdout; is the disk full?\n", program);
-            return EXIT_FAILURE;
+            return EXIT_FAILURE; /* ss_program_finish says why */
         }
     }
     return m->received_ns != 0 ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -99,7 +121,7 @@ int main(int argc, char **argv)
     monitor m = {.is_terminal = isatty(STDOUT_FILENO) == 1};
     double duration_s = 0.0;
     const char *command = NULL;
-    softsim_client_config config = {.context = &m, .handle_status = take_status};
+    softsim_client_config config = {.context = &m, .handle_status = take_status, .hears_all = true};
     const ss_arg rows[] = {
         {"--once", SS_ARG_FLAG, &m.is_once, 0, 0, NULL, "show one status and end"},
         {"--json", SS_ARG_FLAG, &m.is_json, 0, 0, NULL, "one line of JSON a status"},
@@ -112,13 +134,14 @@ int main(int argc, char **argv)
         {"--prefix", SS_ARG_STRING, &config.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
     };
     softsim_error error = {.status = SOFTSIM_OK};
-    const char *positional = NULL;
+    const char *positional = NULL, *program = program_invocation_short_name;
     int32_t count = 0;
+    ss_program_begin();
     const ss_args_result parsed = ss_args_parse(
         argc, argv, "[options]", "Shows the state of a softsimd, or sends it a command.", rows,
         (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
     if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+        return ss_program_finish(program, EXIT_SUCCESS);
     }
     ss_args_result checked = parsed;
     if (parsed == SS_ARGS_RUN && command && (m.is_once || m.is_json || duration_s > 0.0)) {
@@ -127,15 +150,16 @@ int main(int argc, char **argv)
         checked = SS_ARGS_BAD;
     }
     softsim_client *client = NULL;
+    config.handle_force = m.is_json ? NULL : take_force;
     ss_process_catch_stop();
     if (checked == SS_ARGS_RUN && command) {
-        return ss_command_run(program_invocation_short_name, &config, command);
+        return ss_program_finish(program, ss_command_run(program, &config, command));
     }
     if (checked == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
-        ss_args_print_error(program_invocation_short_name, &error);
+        ss_args_print_error(program, &error);
         return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
     }
-    const int status = watch(program_invocation_short_name, &m, client, duration_s);
+    const int status = watch(program, &m, client, duration_s);
     softsim_client_close(&client);
-    return status;
+    return ss_program_finish(program, status);
 }

@@ -136,14 +136,32 @@ static int64_t sum(const int64_t *value, int count)
     return (int64_t)total;
 }
 
-void ss_show_line(FILE *out, const softsim_server_status_t *s)
+/* What a force is besides its size; "" for an ordinary one. */
+static const char *kind_of(int32_t flags)
 {
+    return (flags & SOFTSIM_FORCE_MODEL_FAULT) != 0 ? ", fault"
+           : (flags & SOFTSIM_FORCE_STALE) != 0     ? ", no poses come"
+           : (flags & SOFTSIM_FORCE_RAMPING) != 0   ? ", ramping"
+           : (flags & SOFTSIM_FORCE_LIMITED) != 0   ? ", limited"
+           : (flags & SOFTSIM_FORCE_CONTACT) == 0   ? ", free"
+           : (flags & SOFTSIM_FORCE_GRASPING) != 0  ? ", grasping"
+                                                    : "";
+}
+
+void ss_show_line(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
+{
+    fprintf(out, "%.1f s %s: ", s->uptime_s, softsim_verdict_name((softsim_verdict)s->verdict));
+    for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (hand[p].is_here) {
+            fprintf(out, "probe %d %.2f N, pressed in %.1f mm%s; ", p, hand[p].force_n,
+                    1e3 * hand[p].pressed_m, kind_of(hand[p].flags));
+        }
+    }
     fprintf(out,
-            "%.1f s %s: step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
+            "step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
             "poses %" PRId64 " refused %" PRId64 "; forces %" PRId64 " missed %" PRId64
             "; energy %.3g J",
-            s->uptime_s, softsim_verdict_name((softsim_verdict)s->verdict), s->step,
-            s->simulation_rate_hz, s->step_us[0], s->step_us[1], s->lateness_us[1],
+            s->step, s->simulation_rate_hz, s->step_us[0], s->step_us[1], s->lateness_us[1],
             s->poses_received, sum(s->poses_refused, 8), sum(s->probe_forces, 8),
             sum(s->probe_missed, 8), s->total_j);
     if (s->reason[0] != '\0') {
@@ -153,8 +171,14 @@ void ss_show_line(FILE *out, const softsim_server_status_t *s)
     fputc('\n', out);
 }
 
-static void show_probes(FILE *out, const softsim_server_status_t *s)
+static void show_probes(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
 {
+    for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (hand[p].is_here) {
+            fprintf(out, "probe %d     %6.2f N, pressed in %5.1f mm%s\n", p, hand[p].force_n,
+                    1e3 * hand[p].pressed_m, kind_of(hand[p].flags));
+        }
+    }
     fputs("probe    periods     forces     missed   worst contact   stiffness limit\n", out);
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (s->probe_periods[p] != 0) {
@@ -165,7 +189,7 @@ static void show_probes(FILE *out, const softsim_server_status_t *s)
     }
 }
 
-void ss_show_page(FILE *out, const softsim_server_status_t *s)
+void ss_show_page(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
 {
     char limit[32] = "any", worst[16] = "none";
     if (isfinite(s->stable_step_s)) {
@@ -206,5 +230,5 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s)
         }
     }
     fputs("\n\n", out);
-    show_probes(out, s);
+    show_probes(out, s, hand);
 }

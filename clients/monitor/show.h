@@ -2,15 +2,25 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /* The server's status as text. Strings of the message are shown without control characters. */
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "softsim_server_status_t.h"
 
+/* What is felt at a probe now, as the newest force says. */
+typedef struct ss_show_hand {
+    bool is_here; /* a force came within the last half second */
+    double force_n;
+    double pressed_m; /* how far the surface has been pushed in since the first touch */
+    int32_t flags;
+} ss_show_hand;
+
 /* One line of JSON: every field of the message by its name; null for what is not finite. */
 void ss_show_json(FILE *out, const softsim_server_status_t *status);
-/* One line with the figures that tell health. */
-void ss_show_line(FILE *out, const softsim_server_status_t *status);
+/* One line with the figures that tell health, and what is felt. `hand`: SOFTSIM_MAX_PROBES. */
+void ss_show_line(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
 /* A screenful. */
-void ss_show_page(FILE *out, const softsim_server_status_t *status);
+void ss_show_page(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
 /* The text with a dot for every control character: a message must not drive the terminal. */
 void ss_show_text(FILE *out, const char *text);

@@ -14,6 +14,7 @@
 #include "output.h"
 #include "refine.h"
 #include "report.h"
+#include "rt/progress.h"
 #include "rt/vec.h"
 #include "scene/scene.h"
 #include "scratch.h"
@@ -288,6 +289,8 @@ static softsim_status refine_bodies(maker *m, int32_t most)
 
 static softsim_status run_level(maker *m, int32_t mesh, int32_t level, char *text)
 {
+    ss_progress_stage("reference %d of %d: %d nodes at the %s load", LEVELS * mesh + level + 1,
+                      LEVELS * m->body_count, m->body[mesh].mesh->node_count, level_tag[level]);
     ss_static_run run = {.u = NULL};
     const ss_static_plan plan = {.c = &m->c,
                                  .body = &m->body[mesh],
@@ -342,6 +345,7 @@ static softsim_status solve(maker *m)
                                      .level = m->full,
                                      .step_s = step_s,
                                      .longest_cpu_s = longest_cpu_s};
+        ss_progress_stage("how fast the body of %d nodes moves", m->body[0].mesh->node_count);
         status = ss_static_measure(&plan, &m->omega, m->error);
     }
     free(text);
@@ -616,6 +620,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
     status = status == SOFTSIM_OK ? read_scene(m) : status;
     if (status == SOFTSIM_OK) {
         tell_taken(m);
+        ss_progress_begin("softsim-bench accuracy", "refining the mesh of %s", m->path);
         status = refine_bodies(m, is_quick ? QUICK_NODES : MOST_NODES);
     }
     if (status == SOFTSIM_OK) { /* before the long work, not before the scene is known to be one */
@@ -628,6 +633,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
         judge(m);
         status = write_case(m);
     }
+    ss_progress_end();
     for (int32_t k = 0; k < MAX_MESHES; ++k) {
         for (int32_t l = 0; l < LEVELS; ++l) {
             free(m->u[k][l]);

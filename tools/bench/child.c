@@ -30,7 +30,7 @@ static void redirect(int fd, const char *path)
 /* In the child: our handlers are not its own. What was sent since the fork ends it now. */
 static void forget_handlers(const sigset_t *mask)
 {
-    static const int numbers[] = {SIGINT, SIGTERM};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
         struct sigaction action;
         if (sigaction(numbers[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN) {
@@ -83,6 +83,7 @@ softsim_status ss_child_start(ss_child *child, const ss_child_plan *plan, softsi
     sigemptyset(&stops);
     sigaddset(&stops, SIGINT);
     sigaddset(&stops, SIGTERM);
+    sigaddset(&stops, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &stops, &mask); /* until the child has no handler of ours */
     child->pid = fork();
     if (child->pid == 0) {

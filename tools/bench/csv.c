@@ -2,10 +2,11 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "csv.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "rt/files.h"
 
 enum { LINE_SIZE = 8192 };
 
@@ -34,9 +35,10 @@ softsim_status ss_csv_open(ss_csv *csv, const char *path, const char *const *nam
                            int32_t required, softsim_error *error)
 {
     char line[LINE_SIZE];
-    *csv = (ss_csv){.file = fopen(path, "re"), .path = path, .count = count};
+    const char *why = NULL;
+    *csv = (ss_csv){.file = ss_files_open_stream(path, NULL, &why), .path = path, .count = count};
     if (csv->file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, strerror(errno));
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, why);
         return SOFTSIM_ERROR_FILE;
     }
     for (int32_t i = 0; i < count; ++i) {

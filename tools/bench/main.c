@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "rt/program.h"
 
 static const struct {
     const char *name;
@@ -39,7 +40,7 @@ static void print_usage(FILE *out)
             "--help", "--version");
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
     if (strcmp(name, "--help") == 0) {
@@ -65,4 +66,10 @@ int main(int argc, char **argv)
         "--help says more\n",
         name);
     return 2;
+}
+
+int main(int argc, char **argv)
+{
+    ss_program_begin();
+    return ss_program_finish("softsim-bench", run(argc, argv));
 }

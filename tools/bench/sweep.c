@@ -43,6 +43,7 @@ enum {
 };
 static const int64_t second_ns = 1000000000;
 static const int64_t show_ns = 200000000;
+static const int64_t plain_ns = 10000000000;
 static const int64_t look_ns = 200000000; /* between looks at the other ranks' parts */
 /* s: a folder over a network may be seen this late. */
 static const double silence_s = 120.0;
@@ -77,7 +78,7 @@ typedef struct sweeper {
     int32_t next; /* the least run of ours that was not looked at */
     int32_t done; /* in this session */
     int64_t begin_ns, shown_ns, synced_ns;
-    bool is_shown;
+    bool is_shown, is_terminal; /* else a line every ten seconds */
 } sweeper;
 
 /* ---- the list --------------------------------------------------------------------------------
@@ -379,6 +380,7 @@ _Noreturn static void do_run(const sweeper *s, int32_t index, int fd, pid_t pare
     /* A terminal's interrupt goes to all of us: the sweep stops, and this run is not lost. */
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_IGN);
+    signal(SIGHUP, SIG_IGN);
     FILE *out = getppid() == parent ? open_memstream(&text, &size) : NULL;
     if (out == NULL) {
         _exit(EXIT_FAILURE);
@@ -506,17 +508,20 @@ static int32_t count_left(const sweeper *s, bool is_all)
 
 static void show(sweeper *s, int64_t now_ns, const char *what)
 {
-    if (!s->is_shown || now_ns - s->shown_ns < show_ns) {
+    if (!s->is_shown || now_ns - s->shown_ns < (s->is_terminal ? show_ns : plain_ns)) {
         return;
     }
     const int32_t left = count_left(s, false);
     const double spent_s = 1e-9 * (double)(now_ns - s->begin_ns);
     s->shown_ns = now_ns;
-    fprintf(stderr, "\r%d of %d", s->sweep->count - count_left(s, true), s->sweep->count);
+    fprintf(stderr, "%s%d of %d",
+            s->is_terminal ? "\r" : "softsim-bench: ", s->sweep->count - count_left(s, true),
+            s->sweep->count);
     if (what == NULL && s->done > 0) {
         fprintf(stderr, ", about %.0f s left", spent_s * left / s->done);
     }
-    fprintf(stderr, ", %d lost%s ", s->result->lost, what != NULL ? what : "");
+    fprintf(stderr, ", %d lost%s%s", s->result->lost, what != NULL ? what : "",
+            s->is_terminal ? " " : "\n");
 }
 
 static softsim_status stopped(const sweeper *s, softsim_error *error)
@@ -657,7 +662,9 @@ softsim_status ss_sweep_execute(const ss_sweep *sweep, ss_sweep_result *out_resu
                  .begin_ns = ss_clock_now_ns()};
     const char *job = getenv("PMIX_NAMESPACE");
     snprintf(s.job, sizeof s.job, "%s", job != NULL && s.ranks > 1 ? job : "-");
-    s.is_shown = s.rank == 0 && isatty(STDERR_FILENO) == 1;
+    s.is_shown = s.rank == 0;
+    s.is_terminal = isatty(STDERR_FILENO) == 1;
+    s.shown_ns = s.is_terminal ? 0 : s.begin_ns;
     snprintf(s.head, sizeof s.head, "softsim-sweep 1 %s %016" PRIx64 " %" PRId32 "\n", sweep->name,
              fingerprint(sweep), sweep->count);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
@@ -677,7 +684,7 @@ softsim_status ss_sweep_execute(const ss_sweep *sweep, ss_sweep_result *out_resu
         status = wait_for_others(&s, error);
         out_result->is_complete = status == SOFTSIM_OK;
     }
-    if (s.is_shown) {
+    if (s.is_shown && s.is_terminal) {
         fprintf(stderr, "\r%60s\r", "");
     }
     release(&s);

@@ -6,7 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
+
+#include "rt/files.h"
 
 static const size_t MAX_BYTES = (size_t)1 << 30;
 static const size_t FIRST_BYTES = (size_t)1 << 16;
@@ -19,10 +22,16 @@ static void no_memory(softsim_error *error, const char *path)
 /* zlib reads what is not gzipped as it is. */
 char *ss_table_read_file(const char *path, size_t *out_size, softsim_error *error)
 {
-    gzFile file = gzopen(path, "rbe");
+    const char *why = NULL;
+    const int descriptor = ss_files_open(path, NULL, &why);
+    if (descriptor < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, why);
+        return NULL;
+    }
+    gzFile file = gzdopen(descriptor, "rb");
     if (file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path,
-                          errno != 0 ? strerror(errno) : "cannot be read");
+        close(descriptor);
+        no_memory(error, path);
         return NULL;
     }
     size_t size = 0, room = FIRST_BYTES;
@@ -40,7 +49,7 @@ char *ss_table_read_file(const char *path, size_t *out_size, softsim_error *erro
         }
     }
     int fault = Z_OK;
-    const char *why = gzerror(file, &fault);
+    why = gzerror(file, &fault);
     if (text == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: more than fits", path);
     } else if (got < 0 || (fault != Z_OK && fault != Z_STREAM_END)) {

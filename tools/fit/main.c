@@ -8,12 +8,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "fit.h"
 #include "output.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/program.h"
+#include "rt/progress.h"
 #include "world.h"
 
 enum { FARTHEST_M = 1000 }; /* places beyond are a unit error, as in pose paths */
@@ -255,12 +256,7 @@ static void to_comment(void *sink, const char *text)
 /* Before the first evaluation, which may take a while, there is no misfit yet. */
 static void show_progress(int32_t evaluations, double misfit)
 {
-    if (evaluations == 0) {
-        fputs("\rsoftsim-fit: 0 evaluations ", stderr);
-    } else {
-        fprintf(stderr, "\rsoftsim-fit: %d evaluations, misfit %.3g %%   ", evaluations,
-                100.0 * misfit);
-    }
+    ss_progress_stage("%d evaluations, misfit %.3g %%", evaluations, 100.0 * misfit);
 }
 
 /* The scene's text with the answer in it, and what was found before it. */
@@ -336,20 +332,18 @@ int main(int argc, char **argv)
     static ss_fit_levels levels;
     fit_options options;
     ss_output out = {0}, fitted = {0};
+    ss_program_begin();
     switch (parse(argc, argv, &options, &error)) {
     case SS_ARGS_DONE:
-        return 0;
+        return ss_program_finish(argv[0], 0);
     case SS_ARGS_BAD:
         ss_args_print_error(argv[0], &error);
         return 2;
     case SS_ARGS_RUN:
         break;
     }
-    const bool is_terminal = isatty(STDERR_FILENO);
-    fit.progress = is_terminal ? show_progress : NULL;
-    if (is_terminal) {
-        show_progress(0, 0.0);
-    }
+    fit.progress = show_progress;
+    ss_progress_begin("softsim-fit", "0 evaluations");
     softsim_status status = plan(&options, &fit, &levels, &error);
     if (status == SOFTSIM_OK) { /* before the work, so that it is not for nothing */
         status = ss_output_open(&out, options.out, &error);
@@ -362,7 +356,7 @@ int main(int argc, char **argv)
         status = ss_fit_run(&fit, &error);
         exit_code = status != SOFTSIM_OK && fit.solve.evaluations <= 1 ? 2 : 1;
     }
-    fputs(is_terminal ? "\r\033[K" : "", stderr);
+    ss_progress_end();
     if (status == SOFTSIM_OK) {
         ss_fit_tell(&fit, to_stderr, NULL);
         const bool is_written =
