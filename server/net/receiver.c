@@ -41,6 +41,7 @@
 #include "net/wire.h"
 #include "rt/budget.h"
 #include "rt/clock.h"
+#include "rt/files.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
 
@@ -298,7 +299,7 @@ static softsim_status fail_socket(softsim_error *error)
     softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
                       "cannot join the multicast group: %s; another program may hold the port "
                       "for itself, or the system forbids packet filters (SO_ATTACH_FILTER)",
-                      strerror(errno));
+                      ss_files_reason(errno));
     return SOFTSIM_ERROR_NETWORK;
 }
 
