@@ -149,8 +149,8 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
     world->step_period = world->step_ticks * world->period;
     plan.step = world->step_period;
     softsim_error fault = {.status = SOFTSIM_OK};
-    ss_progress_stage("setting up %s on %d nodes", world->model_class->name,
-                      scene->mesh->node_count);
+    ss_progress_part("setting up %s on %d nodes", world->model_class->name,
+                     scene->mesh->node_count);
     const softsim_status status = world->model_class->create(&plan, &world->model, &fault);
     pass_on(scene->path, &fault, error);
     return status;

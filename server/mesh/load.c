@@ -196,7 +196,7 @@ softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char
     if (fd < 0) {
         return status;
     }
-    ss_progress_stage("reading %s, %.0f MB", path, 1e-6 * (double)size);
+    ss_progress_part("reading %s, %.0f MB", path, 1e-6 * (double)size);
     status = load_file(fd, size, path, metres_per_unit, import_program, out_mesh, error);
     (void)close(fd);
     return status;

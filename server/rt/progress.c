@@ -17,7 +17,7 @@ static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns
 
 /* All of it under `lock`. */
 static struct {
-    bool has_begun, is_ending, is_terminal;
+    bool has_begun, has_stage, is_ending, is_terminal;
     char program[32], stage[160];
     int64_t begun_ns, shown_ns;
     pthread_t thread;
@@ -61,7 +61,7 @@ void ss_progress_begin(const char *program, const char *format, ...)
     va_end(arguments);
     snprintf(progress.program, sizeof progress.program, "%s", program);
     progress.is_terminal = isatty(STDERR_FILENO) == 1;
-    progress.is_ending = false;
+    progress.is_ending = progress.has_stage = false;
     progress.begun_ns = progress.shown_ns = ss_clock_now_ns();
     if (progress.is_terminal) {
         show();
@@ -78,20 +78,34 @@ void ss_progress_begin(const char *program, const char *format, ...)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-void ss_progress_stage(const char *format, ...)
+static void name_stage(bool is_part, const char *format, va_list arguments)
 {
-    if (!progress.has_begun) {
+    if (!progress.has_begun || (is_part && progress.has_stage)) {
         return;
     }
-    va_list arguments;
     pthread_mutex_lock(&lock);
-    va_start(arguments, format);
+    progress.has_stage = !is_part;
     vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
-    va_end(arguments);
     if (progress.is_terminal && ss_clock_now_ns() - progress.shown_ns >= redraw_ns) {
         show();
     }
     pthread_mutex_unlock(&lock);
+}
+
+void ss_progress_stage(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    name_stage(false, format, arguments);
+    va_end(arguments);
+}
+
+void ss_progress_part(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    name_stage(true, format, arguments);
+    va_end(arguments);
 }
 
 void ss_progress_end(void)

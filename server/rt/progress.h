@@ -6,8 +6,8 @@
  * that is written anew, elsewhere a plain line every ten seconds, so that short work says nothing
  * in a script. A thread of its own writes it, because the longest waits are inside one call (a file
  * of gigabytes, one press of a large body) that cannot report; counting its share there was
- * rejected. Whoever does a part of the work names it by ss_progress_stage, which does nothing
- * unless the program has begun: libraries may call it.
+ * rejected. A library names what it does by ss_progress_part, which does nothing unless the program
+ * has begun, nor once the program has named a stage itself: its own words stand.
  * Thread: set-up only; ended before a loop starts or a process without exec is forked.
  */
 
@@ -16,7 +16,8 @@
  * "softsim-mesh: reading heart.msh, 12 s". */
 void __attribute__((format(printf, 2, 3)))
 ss_progress_begin(const char *program, const char *format, ...);
-/* Names what is being done now. */
+/* Names what is being done now: the program, and a library for it. */
 void __attribute__((format(printf, 1, 2))) ss_progress_stage(const char *format, ...);
+void __attribute__((format(printf, 1, 2))) ss_progress_part(const char *format, ...);
 /* Wipes the line of a terminal. Does nothing when none has begun. */
 void ss_progress_end(void);

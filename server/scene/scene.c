@@ -303,7 +303,7 @@ static bool take_mesh(loader *l)
     } else {
         snprintf(name, sizeof name, "%s: object.grid", l->report->path);
     }
-    ss_progress_stage("checking the mesh, %d nodes", scene->mesh->node_count);
+    ss_progress_part("checking the mesh, %d nodes", scene->mesh->node_count);
     if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK ||
         (scene->mesh->tetrahedron_count > 0 && !take_layer(l, object, name))) {
         return false;

@@ -344,6 +344,7 @@ int main(int argc, char **argv)
     }
     fit.progress = show_progress;
     ss_progress_begin("softsim-fit", "0 evaluations");
+    ss_progress_stage("0 evaluations");
     softsim_status status = plan(&options, &fit, &levels, &error);
     if (status == SOFTSIM_OK) { /* before the work, so that it is not for nothing */
         status = ss_output_open(&out, options.out, &error);
