@@ -160,7 +160,9 @@ static void relaxation_smooths_what_nobody_holds(void **state)
     assert_below(rough[1], 0.8 * rough[0]);
 }
 
-static void tool_moves_what_it_touches_and_feels_nothing(void **state)
+/* In the model's own force there is nothing; the contact is a spring, working force over radius, to
+ * where the surface was. */
+static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
 {
     (void)state;
     setup s;
@@ -180,7 +182,30 @@ static void tool_moves_what_it_touches_and_feels_nothing(void **state)
     }
     ss_contact_set set;
     s.class->contacts(s.model, 0, 0.005, &set);
-    assert_true(set.count > 0 && set.force[2] == 0.0 && set.contact[0].force == 0.0);
+    const double spring = 2.0 / 0.015;
+    assert_true(set.count > 0 && set.force[2] == 0.0);
+    assert_near(set.contact[0].stiffness, spring, 1e-9);
+    assert_true(set.contact[0].force > 0.5 * spring * 0.0049);
+    assert_below(set.contact[0].force, spring * 0.0049);
+    print_message("dent of 4.9 mm: felt as %.2f mm\n", 1e3 * set.contact[0].force / spring);
+    /* Out of the dent by 1 mm, and by more than it is deep, and into it again. */
+    static const double out[4] = {0.001, 0.006, 0.0051, 0.0049};
+    for (int k = 0; k < 4; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] = 0.0501 + out[k];
+        s.class->step(s.model, 0.1, 0.001, tool);
+        ss_contact_set after;
+        s.class->contacts(s.model, 0, 0.005, &after);
+        if (k == 0) {
+            assert_near(set.contact[0].force - after.contact[0].force, spring * 0.001,
+                        spring * 0.0003);
+        } else {
+            assert_true(after.contact[0].force < 1e-3);
+        }
+    }
+    tool[0].from = tool[0].to;
+    tool[0].to.position[2] = 0.0499;
+    s.class->step(s.model, 0.1, 0.001, tool);
     assert_below(set.depth, 0.0008);
     assert_true(moved(&s, 4 * 81 + 40, 2) < -0.003);
     tool[0].is_grasping = true;
@@ -293,7 +318,7 @@ int main(void)
         cmocka_unit_test(radial_turns_with_the_body_and_box_does_not),
         cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
         cmocka_unit_test(relaxation_smooths_what_nobody_holds),
-        cmocka_unit_test(tool_moves_what_it_touches_and_feels_nothing),
+        cmocka_unit_test(tool_moves_what_it_touches_and_feels_a_spring),
         cmocka_unit_test(axes_that_are_not_driven_are_free),
         cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
         cmocka_unit_test(too_few_parts_are_said),

@@ -21,6 +21,15 @@
  * There is no force in it: energies, reactions and the model's force on tools are 0. A tool moves
  * the cells it touches out of itself, by the mean depth of their surface samples, f_i/D_i with a
  * contact of stiffness 1 (chain_contact.c has the symbols), grasped ones along with it.
+ *
+ * The hand feels a spring alone, k = working force / tool radius, between the tool and the surface
+ * as it was when the tool came to touch it:
+ *   F = k (e - gap)+,   e = sum_i w_i n.(u_i^0 - u_i) / sum_i w_i,
+ * u^0 the displacements then, n the contact's normal, w_i the source weights of the cells about the
+ * tool (contact.h), gap how far the tool has gone out of the dent. It is 0 at the touch, also of a
+ * dent that was left, grows as the tool presses and falls as it goes out, whether the cells follow
+ * or stay. Rejected: what the law between results makes of a result without force, its stiffness
+ * times the way of one period: with a result each tick that is no force at all.
  */
 #include <math.h>
 #include <string.h>
@@ -81,6 +90,9 @@ typedef struct mail_tool {
     double radius, felt;
     ss_touch *touch;
     ss_tool_pose pose;
+    bool is_touching;
+    double dent;     /* m, e - gap of the last step */
+    ss_real *before; /* u^0: 4 a node */
     int32_t held_count;
     int32_t *held;       /* grasped nodes */
     double (*offset)[3]; /* in the tool's frame */
@@ -427,8 +439,30 @@ static void move_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
             if (push_out(model, own) == 0) {
                 break;
             }
+            own->is_touching = true;
         }
     }
+}
+
+/* After the step: how far below the surface as it was the tool holds the cells about it. */
+static void measure_dent(ss_model *model, mail_tool *tool)
+{
+    const int32_t *node;
+    const double *weight;
+    double total = 0.0, sum = 0.0;
+    ss_contact_set set;
+    ss_touch_contacts(tool->touch, model->u, &tool->pose, tool->radius, &set);
+    const int32_t count =
+        ss_touch_weigh(tool->touch, model->u, NULL, &tool->pose, &node, &weight, &total);
+    for (int32_t k = 0; k < count; ++k) {
+        for (int a = 0; a < 3; ++a) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)node[k] + a;
+            sum += weight[k] * set.normal[a] * ((double)tool->before[at] - (double)model->u[at]);
+        }
+    }
+    const double gap = set.count > 0 ? set.contact[0].gap : (double)INFINITY;
+    tool->dent = total > 0.0 ? fmax(0.0, sum / total - gap) : 0.0;
+    tool->is_touching = tool->dent > 0.0;
 }
 
 /* Parts of the step in which no tool moves further than a quarter of its radius. */
@@ -442,9 +476,13 @@ static int32_t count_parts(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX
             const double way = ss_tool_motion_bound(own->shape, &tool[k].from, &tool[k].to);
             own->pose = tool[k].from;
             parts = fmax(parts, ceil(4.0 * way / own->radius - 1e-9));
+            if (!own->is_touching) {
+                memcpy(own->before, model->u, 4 * (size_t)model->node_count * sizeof *model->u);
+            }
         } else {
             own->held_count = 0;
-            own->is_pressed = false;
+            own->is_pressed = own->is_touching = false;
+            own->dent = 0.0;
         }
     }
     if (parts > model->plan.max_substeps) {
@@ -487,6 +525,9 @@ static void step(ss_model *model, double time, double dt,
         if (own->is_present) {
             ss_touch_gather(own->touch, model->u, &own->pose, &own->pose);
             (void)ss_touch_penalty(own->touch, model->u, &own->pose, NULL, force, torque);
+            if (own->is_touching) {
+                measure_dent(model, own);
+            }
         }
     }
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
@@ -527,12 +568,12 @@ static softsim_status create_tool(ss_model *model, mail_tool *tool, const ss_sha
     tool->shape = shape;
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
     tool->felt = FELT_SHARE * working / tool->radius;
+    tool->before = ss_memory_get(4 * (size_t)model->node_count, sizeof *tool->before);
     tool->held = ss_memory_get((size_t)model->node_count, sizeof *tool->held);
     tool->offset = ss_memory_get((size_t)model->node_count, sizeof *tool->offset);
     const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    return status != SOFTSIM_OK         ? status
-           : tool->held && tool->offset ? SOFTSIM_OK
-                                        : SOFTSIM_ERROR_MEMORY;
+    const bool is_whole = tool->before && tool->held && tool->offset;
+    return status == SOFTSIM_OK && !is_whole ? SOFTSIM_ERROR_MEMORY : status;
 }
 
 static softsim_status create_tools(ss_model *model, softsim_error *error)
@@ -629,6 +670,7 @@ static void destroy(ss_model *model)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_touch_destroy(&model->tool[k].touch);
+        ss_memory_free(model->tool[k].before);
         ss_memory_free(model->tool[k].held);
         ss_memory_free(model->tool[k].offset);
     }
@@ -648,6 +690,8 @@ static void reset(ss_model *model)
     memset(model->held, 0, (size_t)model->node_count);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].is_present = model->tool[k].is_pressed = false;
+        model->tool[k].is_touching = false;
+        model->tool[k].dent = 0.0;
         model->tool[k].held_count = 0;
     }
     model->step = 0;
@@ -686,7 +730,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
  * liver of 5762 nodes, reference core. A step is planned to reach a fifth of the links. */
 #define COST_LINK  0.01
 #define COST_RELAX 0.003
-#define COST_TOOL  40.0
+#define COST_TOOL  80.0
 
 static double step_cost_us(const ss_model_plan *plan)
 {
@@ -713,8 +757,10 @@ static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     ss_set3(out->force, 0.0, 0.0, 0.0);
     ss_set3(out->torque, 0.0, 0.0, 0.0);
     for (int32_t k = 0; k < out->count; ++k) {
-        out->contact[k].force = 0.0;
-        out->contact[k].stiffness = out->contact[k].tangential = tool->felt / out->count;
+        ss_contact *contact = &out->contact[k];
+        contact->stiffness = contact->tangential = tool->felt / out->count;
+        contact->force = contact->stiffness * tool->dent;
+        contact->gap = tool->dent > 0.0 ? 0.0 : contact->gap;
     }
 }
 
@@ -756,7 +802,10 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const mail_tool *tool = &model->tool[k];
         const size_t count = (size_t)tool->held_count;
-        hash = tool->is_used ? ss_hash_bytes(hash, &count, sizeof count) : hash;
+        if (tool->is_used) {
+            hash = ss_hash_bytes(hash, &count, sizeof count);
+            hash = ss_hash_bytes(hash, &tool->dent, sizeof tool->dent);
+        }
         if (count > 0) {
             hash = ss_hash_bytes(hash, tool->held, count * sizeof *tool->held);
             hash = ss_hash_bytes(hash, tool->offset, count * sizeof *tool->offset);
@@ -776,7 +825,7 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
            model->iterations);
     ss_say(&out,
            "left out: forces, energies, reactions (there are none in a chain): the felt force "
-           "is the coupling's");
+           "is the coupling's, working force over tool radius times the dent");
 }
 
 extern const ss_model_class ss_model_chainmail;

@@ -14,8 +14,10 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "process.h"
 #include "softsim/types.h"
@@ -82,6 +84,63 @@ static void duration_ends_on_its_tick(void **state)
         assert_int_equal(strlen(got), 16);
         assert_string_equal(got, wanted);
     }
+}
+
+/* The greatest force of a CSV of softsim-run, N. */
+static double largest_force(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    char line[512];
+    double largest = 0.0;
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file));
+    while (fgets(line, sizeof line, file)) {
+        double x, y, z;
+        assert_int_equal(sscanf(line, "%*d,%*f,%*d,%lf,%lf,%lf", &x, &y, &z), 3);
+        largest = fmax(largest, sqrt(x * x + y * y + z * z));
+    }
+    fclose(file);
+    return largest;
+}
+
+/* The model without forces is felt through the coupling, with a result each tick too, and alike in
+ * both programs. */
+static void chainmail_is_felt_in_lockstep(void **state)
+{
+    (void)state;
+    char scene[] = "/tmp/softsim_mail_XXXXXX.yaml", csv[] = "/tmp/softsim_mail_XXXXXX.csv";
+    const int file = mkstemps(scene, 5), table = mkstemps(csv, 4);
+    assert_true(file >= 0 && table >= 0);
+    dprintf(file,
+            "softsim: 1\n"
+            "object:\n  mesh: %skidney.obj\n  units: mm\n"
+            "  fixed: [{sphere: {center_m: [0, -0.017, 0], radius_m: 0.015}}]\n"
+            "model: {name: chainmail}\n"
+            "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n"
+            "simulation: {rate_hz: 1000}\n",
+            SCENES);
+    close(file);
+    close(table);
+    const char *const run[] = {"softsim-run", scene,   "--poses", POKE,     "--duration",
+                               "1.5",         "--csv", csv,       "--hash", NULL};
+    assert_int_equal(process_run(&client, run), 0);
+    char wanted[32], got[32];
+    last_word(client.out, wanted);
+    const double largest = largest_force(csv);
+    print_message("chainmail: %.3f N at most\n", largest);
+    const char *const argv[] = {"softsimd", scene,    "--lockstep", "--duration",
+                                "1.5",      "--hash", NULL};
+    start(argv);
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+    process_start(&client, replay, NULL);
+    assert_int_equal(process_finish(&server), 0);
+    process_signal(&client, SIGKILL);
+    process_finish(&client);
+    unlink(scene);
+    unlink(csv);
+    last_word(server.out, got);
+    assert_string_equal(got, wanted);
+    assert_true(largest > 0.5);
 }
 
 /* ---- a client of our own -------------------------------------------------------------------- */
@@ -179,6 +238,7 @@ int main(void)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(duration_ends_on_its_tick, tear_down),
+        cmocka_unit_test_teardown(chainmail_is_felt_in_lockstep, tear_down),
         cmocka_unit_test_teardown(answers_to_another_sender_count_nowhere, tear_down),
     };
     return cmocka_run_group_tests_name("lockstep", tests, NULL, NULL);
