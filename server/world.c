@@ -179,6 +179,22 @@ static bool has_tools(const ss_scene *scene)
     return is_any;
 }
 
+/* The least extent of a body along an axis, of a sheet the largest. */
+static double body_thickness(const ss_mesh *mesh)
+{
+    double least = INFINITY, largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = INFINITY, high = -INFINITY;
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            low = fmin(low, mesh->position[i][axis]);
+            high = fmax(high, mesh->position[i][axis]);
+        }
+        least = fmin(least, high - low);
+        largest = fmax(largest, high - low);
+    }
+    return mesh->is_closed || mesh->tetrahedron_count > 0 ? least : largest;
+}
+
 static softsim_status build_probes(ss_world *world, bool is_lockstep, softsim_error *error)
 {
     const ss_scene *scene = world->scene;
@@ -197,6 +213,7 @@ static softsim_status build_probes(ss_world *world, bool is_lockstep, softsim_er
                                               .max_slew = scene->max_slew_n_per_s,
                                               .stiffness = scene->coupling_stiffness_n_per_m,
                                               .damping = scene->coupling_damping_n_s_per_m,
+                                              .thickness = body_thickness(scene->mesh),
                                               .is_lockstep = is_lockstep};
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (!scene->tool[p].is_used) {

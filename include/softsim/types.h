@@ -98,7 +98,8 @@ typedef struct softsim_force {
     double point[3];       /* on the deformed surface */
     double normal[3];      /* out of the tissue */
     double proxy[3];
-    double depth;     /* m, how far the raw tool is inside the deformed surface */
+    double depth;     /* m, how far the raw tool is inside the deformed surface; never more than
+                         the body is thick */
     double stiffness; /* N/m, felt dF/dx along the normal; 0 when free, limited or ramping */
 } softsim_force;
 

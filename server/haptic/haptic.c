@@ -394,7 +394,9 @@ static int32_t age_us(const ss_haptic *haptic, int64_t tick)
     return haptic->result_tick == 0 ? 0 : (int32_t)fmin(age, INT32_MAX);
 }
 
-/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose. */
+/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose. As a
+ * plane it goes on for ever: a tool that has come out on the far side while its proxy is held on
+ * this one is no deeper than the body is thick. */
 static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_force *force)
 {
     const ss_law *law = &haptic->law;
@@ -412,7 +414,8 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_f
     if (is_in_contact) {
         double inward[3];
         ss_sub3(inward, haptic->surface_proxy, held_pose(haptic)->position);
-        force->depth = fmax(0.0, haptic->surface_depth + ss_dot3(haptic->surface_normal, inward));
+        const double depth = haptic->surface_depth + ss_dot3(haptic->surface_normal, inward);
+        force->depth = fmin(fmax(0.0, depth), haptic->config.thickness);
     }
 }
 

@@ -33,6 +33,7 @@ typedef struct ss_haptic_config {
     double stiffness;     /* N/m, the stiffest the hand may feel */
     double damping;       /* N s/m, B_c */
     double tool_gyration; /* m, l of the rotational coupling; 0: no torque */
+    double thickness;     /* m, of the body: no point of it is further inside */
     bool is_lockstep;     /* velocities and delays from ticks, not from the device's clock */
 } ss_haptic_config;
 
