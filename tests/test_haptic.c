@@ -1,240 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* The parts of the haptic tick against analytic answers; the closed loop is test_haptic_loop.c. */
+/* The parts of the haptic tick against analytic answers; the balance and the force limit are
+ * test_haptic_limit.c, the closed loop is test_haptic_loop.c. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "haptic/haptic.h"
-#include "haptic/internal.h"
-#include "rt/vec.h"
+#include "haptic_fixture.h"
 
-#define T  1e-3
-#define PI 3.14159265358979323846
-
-static void check_near(double value, double expected, double tolerance, int line)
-{
-    if (!(fabs(value - expected) <= tolerance)) {
-        print_error("line %d: %.17g is not %.17g +- %g\n", line, value, expected, tolerance);
-        fail();
-    }
-}
-#define assert_near(value, expected, tolerance) check_near(value, expected, tolerance, __LINE__)
-
-/* ---- a rig: one tick after the other against a hand-made tissue ---------------------------------
+/* ---- stiffness
+ * ------------------------------------------------------------------------------------
  */
-
-typedef struct rig {
-    ss_haptic *haptic;
-    int64_t tick;
-    softsim_pose pose;
-    ss_local_model result;
-    bool has_result, is_new;
-    bool is_paused, is_reset, is_stopping, has_pose;
-    uint32_t epoch;
-    ss_haptic_output out;
-} rig;
-
-static ss_haptic_config default_config(void)
-{
-    return (ss_haptic_config){.period = T,
-                              .between_steps = SS_BETWEEN_LOCAL,
-                              .max_force = 8.0,
-                              .max_slew = 2000.0,
-                              .stiffness = 1e5,
-                              .damping = 0.0,
-                              .is_lockstep = true};
-}
-
-static void rig_start(rig *r, const ss_haptic_config *config)
-{
-    *r = (rig){.haptic = ss_haptic_create(config), .epoch = 1, .has_pose = true};
-    assert_non_null(r->haptic);
-    r->pose = (softsim_pose){.sender = 7,
-                             .force_seq = -1,
-                             /* lifts the limit, so that the coupling is stiff */
-                             .flags = SOFTSIM_POSE_CORRECTS,
-                             .orientation = {1, 0, 0, 0},
-                             .velocity = {0, 0, 0},
-                             .applied_force = {NAN, NAN, NAN}};
-}
-
-static void rig_end(rig *r)
-{
-    ss_haptic_destroy(&r->haptic);
-    assert_null(r->haptic);
-}
-
-static double rig_tick(rig *r, double z)
-{
-    ++r->tick;
-    r->pose.position[2] = z;
-    if (r->has_pose) {
-        ++r->pose.seq;
-        r->pose.utime_us = 1000 * r->tick;
-    }
-    const ss_haptic_input input = {.tick = r->tick,
-                                   .pose = &r->pose,
-                                   .pose_count = r->has_pose ? 1 : 0,
-                                   .sender_epoch = r->epoch,
-                                   .result = r->has_result ? &r->result : NULL,
-                                   .is_result_new = r->is_new,
-                                   .is_paused = r->is_paused,
-                                   .is_reset = r->is_reset,
-                                   .is_stopping = r->is_stopping};
-    ss_haptic_tick(r->haptic, &input, &r->out);
-    r->is_new = false;
-    r->is_reset = false;
-    return r->out.force.force[2];
-}
-
-/* A result of flat tissue with its surface at z = 0, stepped to depth `depth`, of age `age` ticks
- * at the next tick. */
-static void rig_result(rig *r, double k, double depth, int64_t age)
-{
-    r->result = (ss_local_model){.tick = r->tick + 1 - age,
-                                 .step = r->result.step + 1,
-                                 .period = T,
-                                 .orientation = {1, 0, 0, 0},
-                                 .proxy = {0, 0, -depth}};
-    ss_contact_set *set = &r->result.set;
-    set->count = 1;
-    set->normal[2] = 1.0;
-    set->contact[0].normal[2] = 1.0;
-    set->contact[0].stiffness = k;
-    set->contact[0].force = fmax(0.0, k * depth);
-    set->contact[0].gap = fmax(0.0, -depth);
-    set->force[2] = set->contact[0].force;
-    set->depth = depth > 0.0 ? 0.0 : depth;
-    r->has_result = true;
-    r->is_new = true;
-}
-
-/* In contact at `depth` with the law settled: from outside, one result a tick. */
-static double rig_press(rig *r, double k, double depth)
-{
-    double f = 0.0;
-    for (int i = 0; i <= 400; ++i) {
-        const double z = 1e-3 - (1e-3 + depth) * fmin(1.0, i / 200.0);
-        if (r->tick > 0) {
-            rig_result(r, k, -z, 1);
-        }
-        f = rig_tick(r, z);
-    }
-    return f;
-}
-
-/* ---- balance ------------------------------------------------------------------------------------
- */
-
-static uint64_t random_state;
-
-static double uniform(double low, double high)
-{
-    random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return low + (high - low) * (double)(random_state >> 11) * 0x1p-53;
-}
-
-static void random_balance(ss_balance *b)
-{
-    memset(b, 0, sizeof *b);
-    b->spring = exp(uniform(log(50.0), log(22000.0)));
-    b->count = 1 + (int32_t)uniform(0.0, 7.999);
-    for (int i = 0; i < 3; ++i) {
-        b->p_free[i] = uniform(-0.05, 0.05);
-    }
-    for (int32_t i = 0; i < b->count; ++i) {
-        ss_balance_row *row = &b->row[i];
-        do {
-            row->normal[0] = uniform(-1, 1);
-            row->normal[1] = uniform(-1, 1);
-            row->normal[2] = uniform(-0.3, 1);
-        } while (ss_norm3(row->normal) < 0.1);
-        ss_normalize3(row->normal);
-        row->slope = exp(uniform(0.0, log(1e5)));
-        row->free_force = uniform(-2.0, 5.0);
-    }
-}
-
-/* Every subset of contacts: the one whose solution has exactly its own forces positive. */
-static bool brute_force(const ss_balance *b, double out_d[3])
-{
-    for (uint32_t set = 0; set < 1U << b->count; ++set) {
-        double a[3][3] = {{b->spring, 0, 0}, {0, b->spring, 0}, {0, 0, b->spring}};
-        double rhs[3] = {0};
-        for (int32_t i = 0; i < b->count; ++i) {
-            const ss_balance_row *row = &b->row[i];
-            for (int r = 0; set & (1U << i) && r < 3; ++r) {
-                rhs[r] += row->free_force * row->normal[r];
-                for (int c = 0; c < 3; ++c) {
-                    a[r][c] += row->slope * row->normal[r] * row->normal[c];
-                }
-            }
-        }
-        /* Cramer's rule */
-        double u[3], v[3], w[3];
-        ss_cross3(u, a[1], a[2]);
-        ss_cross3(v, a[2], a[0]);
-        ss_cross3(w, a[0], a[1]);
-        const double det = ss_dot3(a[0], u);
-        for (int r = 0; r < 3; ++r) {
-            out_d[r] = (rhs[0] * u[r] + rhs[1] * v[r] + rhs[2] * w[r]) / det;
-        }
-        bool is_consistent = true;
-        for (int32_t i = 0; i < b->count; ++i) {
-            const double f =
-                b->row[i].free_force - b->row[i].slope * ss_dot3(b->row[i].normal, out_d);
-            is_consistent = is_consistent && (f > 0.0) == ((set & (1U << i)) != 0);
-        }
-        if (is_consistent) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static void balance_is_the_brute_force_one(void **state)
-{
-    (void)state;
-    random_state = 1;
-    int most_passes = 0;
-    double worst = 0.0;
-    for (int n = 0; n < 100000; ++n) {
-        ss_balance b;
-        double p[3], d[3], force[SS_MAX_CONTACTS], held[3];
-        random_balance(&b);
-        const int passes = ss_coupling_balance(&b, p, force, held);
-        most_passes = passes > most_passes ? passes : most_passes;
-        double left[3];
-        ss_sub3(d, p, b.p_free);
-        ss_scale3(left, d, b.spring);
-        double largest = 1.0;
-        for (int32_t i = 0; i < b.count; ++i) {
-            assert_true(force[i] >= 0.0);
-            largest = fmax(largest, force[i]);
-            ss_madd3(left, left, -force[i], b.row[i].normal);
-        }
-        worst = fmax(worst, ss_norm3(left) / largest);
-        if (n % 10 == 0) {
-            double expected[3];
-            assert_true(brute_force(&b, expected));
-            for (int i = 0; i < 3; ++i) {
-                assert_near(d[i], expected[i], 1e-12);
-            }
-        }
-    }
-    assert_true(most_passes > 2);
-    print_message("balance: at most %d passes, residual %.1e\n", most_passes, worst);
-    assert_true(most_passes <= SS_BALANCE_PASSES);
-    assert_true(worst <= 1e-12);
-}
 
 static void largest_eigenvalue_bounds_every_direction(void **state)
 {
@@ -397,31 +176,6 @@ static void curved_patch_bends_height_and_normal(void **state)
 
 /* ---- limits, watchdog, ramps --------------------------------------------------------------------
  */
-
-static void force_is_limited_and_the_proxy_slips(void **state)
-{
-    (void)state;
-    ss_haptic_config config = default_config();
-    config.max_force = 3.0;
-    config.damping = 2.0;
-    rig r;
-    rig_start(&r, &config);
-    rig_press(&r, 1000.0, 2e-3);
-    assert_near(r.out.force.force[2], 2.0, 0.2);
-    double f = 0.0;
-    for (int i = 1; i <= 300; ++i) {
-        const double z = -2e-3 - 8e-3 * fmin(1.0, i / 100.0);
-        rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
-        f = rig_tick(&r, z);
-        assert_true(f <= 3.0 + 1e-12);
-    }
-    assert_near(f, 3.0, 1e-9);
-    assert_true(r.out.force.flags & SOFTSIM_FORCE_LIMITED);
-    assert_near(r.out.force.stiffness, 0.0, 0.0);
-    /* The tissue is pushed no further than the limit: 3 mm of 1 kN/m. */
-    assert_near(r.out.target.proxy[2], -3e-3, 0.05e-3);
-    rig_end(&r);
-}
 
 static void slew_is_limited_as_a_vector(void **state)
 {
@@ -831,14 +585,12 @@ static void prediction_is_bounded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(balance_is_the_brute_force_one),
         cmocka_unit_test(largest_eigenvalue_bounds_every_direction),
         cmocka_unit_test(felt_stiffness_is_the_softer_of_tissue_and_limit),
         cmocka_unit_test(touch_and_leaving_are_continuous),
         cmocka_unit_test(law_errs_high),
         cmocka_unit_test(updates_are_continuous_and_decay),
         cmocka_unit_test(curved_patch_bends_height_and_normal),
-        cmocka_unit_test(force_is_limited_and_the_proxy_slips),
         cmocka_unit_test(slew_is_limited_as_a_vector),
         cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),
         cmocka_unit_test(missed_ticks_do_not_lengthen_the_ramp),

@@ -16,18 +16,47 @@
  * Newton on a piecewise quadratic; going to the least point on the way whenever the set changed
  * keeps it from circling (1 in 10^4 of random sets of eight opposed contacts did).
  *
+ * The spring holds at most the limit L (haptic.max_force_n). Where the force on the hand
+ * F = sum F_i n_i + R would exceed it (R: forces that decay whatever the proxy does), the spring
+ * softens along the unit vector e of the law's force, from K to 1/c, until |F| = L:
+ *   (K (I - e e^T) + e e^T / c) d = G(d) = sum F_i n_i,   |G + R| = L,
+ * e that of the tick before, or of this one where the limit is only just reached. The proxy slips
+ * out of the tissue along the force until the contacts, be it one or eight, exert L: what the
+ * model is stepped to is pressed with the limit and no more. Without R this is the least point of
+ * the same potential with the spring's part along e continued as L |d.e| + const beyond L/K (Huber
+ * 1964): still convex, one answer, continuous in all data, the same on the way in and out. In c,
+ *   dG/dc = -A (M + A)^-1 e (e.d) / c^2,   A = sum k'_i n_i n_i^T,  M the spring's matrix,
+ * and 1/|F| is a straight line for one contact, concave for several: Newton on 1/|F(c)| = 1/L from
+ * c = 1/K needs one step there and a few else; a bracket guards it against the kinks where
+ * contacts begin or end (as More and Sorensen 1983 for the step of a trust region). Where contacts
+ * across e alone exceed the limit the spring softens all ways, and where R does the force is cut.
+ *
+ * Across e the spring stays stiff: the proxy goes sideways with the hand, beside it by as much as
+ * the slip left it, and that part fades in 0.1 s (haptic.c), so that in the end the force points
+ * from the hand to the proxy. A spring that is softened all ways puts the proxy on the point of the
+ * surface nearest to the hand at once, which deeper than the surface's centre of curvature (16 mm
+ * in a kidney) is anywhere: the direction turned by 30 to 90 degrees a tick.
+ *
  * K_c yields only as much as stability needs: 1/K_c = max(1/20000, 1/K_max - 1/k), hence the felt
  * stiffness K_c k/(K_c + k) is min(k, K_max), nearly.
  *
- * Rejected: a proxy with mass (one more state, no better feel, hands out energy) and a rigid
- * constraint to the last surface (chatters: the surface is a period old).
+ * Rejected: a proxy with mass (one more state, no better feel, hands out energy), a rigid
+ * constraint to the last surface (chatters: the surface is a period old), and cutting the force
+ * after the balance and moving the proxy to where the law exerts what is left (the law is stiff
+ * along its normals only: what it cannot give sends the proxy away).
  */
 #include "haptic/internal.h"
+
+#include <string.h>
 
 #include "rt/vec.h"
 
 /* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
 #define STIFFEST 20000.0
+/* m: where L/(s K) is more, the law has no stiffness against the force, and the force is cut. */
+#define FARTHEST 10.0
+/* Of the limit: how near the force comes to it. */
+#define LIMIT_TOLERANCE 1e-9
 
 void ss_coupling_solve(double a[3][3], const double b[3], double out[3])
 {
@@ -77,6 +106,12 @@ double ss_coupling_spring(double limit, double k)
     return 1.0 / fmax(1.0 / STIFFEST, compliance);
 }
 
+/* The coupling's spring: `along` the axis, `across` it. */
+typedef struct tether {
+    double along, across; /* N/m */
+    const double *axis;   /* unit */
+} tether;
+
 /* The forces at p_free + d. */
 static void evaluate(const ss_balance *balance, const double d[3], double out_force[],
                      double out_held[3])
@@ -91,14 +126,6 @@ static void evaluate(const ss_balance *balance, const double d[3], double out_fo
             out_held[r] = balance->held_force[r] - ss_dot3(balance->held_slope[r], d);
         }
     }
-}
-
-void ss_coupling_evaluate(const ss_balance *balance, const double p[3], double out_force[],
-                          double out_held[3])
-{
-    double d[3];
-    ss_sub3(d, p, balance->p_free);
-    evaluate(balance, d, out_force, out_held);
 }
 
 static uint32_t active_rows(const ss_balance *balance, const double force[])
@@ -135,31 +162,15 @@ static void law_slope(const ss_balance *balance, uint32_t active, double a[3][3]
     }
 }
 
-void ss_coupling_slip(const ss_balance *balance, const double force[], const double change[3],
-                      double p[3])
-{
-    double a[3][3];
-    law_slope(balance, active_rows(balance, force), a);
-    /* `change` lies in the range of `a` when the law alone made it; the small diagonal only
-     * completes the rank. A law without stiffness cannot be slipped out of. */
-    const double trace = a[0][0] + a[1][1] + a[2][2];
-    if (!(trace > 0.0)) {
-        return;
-    }
-    for (int r = 0; r < 3; ++r) {
-        a[r][r] += 1e-8 * trace;
-    }
-    double d[3];
-    ss_coupling_solve(a, change, d);
-    ss_add3(p, p, d);
-}
-
-/* Slope of the balance's potential along s at d: K d.s - sum F_i(d) n_i.s - held(d).s */
-static double slope_along(const ss_balance *balance, const double d[3], const double s[3])
+/* Slope of the balance's potential along s at d: s.K d - sum F_i(d) n_i.s - held(d).s */
+static double slope_along(const ss_balance *balance, const tether *spring, const double d[3],
+                          const double s[3])
 {
     double force[SS_MAX_CONTACTS], held[3];
     evaluate(balance, d, force, held);
-    double slope = balance->spring * ss_dot3(d, s) - ss_dot3(held, s);
+    double slope =
+        spring->across * ss_dot3(d, s) - ss_dot3(held, s) +
+        (spring->along - spring->across) * ss_dot3(d, spring->axis) * ss_dot3(s, spring->axis);
     for (int32_t i = 0; i < balance->count; ++i) {
         slope -= force[i] * ss_dot3(balance->row[i].normal, s);
     }
@@ -168,7 +179,8 @@ static double slope_along(const ss_balance *balance, const double d[3], const do
 
 /* Where on the way from d to d + s the potential is least: its slope is piecewise linear and
  * grows, with kinks where a contact begins or ends. */
-static double least_along(const ss_balance *balance, const double d[3], const double s[3])
+static double least_along(const ss_balance *balance, const tether *spring, const double d[3],
+                          const double s[3])
 {
     double kink[SS_MAX_CONTACTS + 1];
     int count = 0;
@@ -186,11 +198,11 @@ static double least_along(const ss_balance *balance, const double d[3], const do
     }
     kink[count++] = 1.0;
     double before = 0.0;
-    double slope_before = slope_along(balance, d, s);
+    double slope_before = slope_along(balance, spring, d, s);
     for (int i = 0; i < count; ++i) {
         double at[3];
         ss_madd3(at, d, kink[i], s);
-        const double slope = slope_along(balance, at, s);
+        const double slope = slope_along(balance, spring, at, s);
         if (slope > 0.0) {
             const double share = -slope_before / (slope - slope_before);
             return before + fmin(1.0, fmax(0.0, share)) * (kink[i] - before);
@@ -202,15 +214,17 @@ static double least_along(const ss_balance *balance, const double d[3], const do
 }
 
 /* The proxy's displacement d when exactly the `active` contacts push. */
-static void solve_active(const ss_balance *balance, uint32_t active, double out_d[3])
+static void solve_active(const ss_balance *balance, const tether *spring, uint32_t active,
+                         double out_d[3])
 {
     double a[3][3];
     double b[3] = {0.0, 0.0, 0.0};
     law_slope(balance, active, a);
     for (int r = 0; r < 3; ++r) {
-        a[r][r] += balance->spring;
+        a[r][r] += spring->across;
         b[r] = balance->is_held ? balance->held_force[r] : 0.0;
     }
+    add_outer(a, spring->along - spring->across, spring->axis);
     for (int32_t i = 0; i < balance->count; ++i) {
         if (active & (1U << i)) {
             ss_madd3(b, b, balance->row[i].free_force, balance->row[i].normal);
@@ -219,26 +233,112 @@ static void solve_active(const ss_balance *balance, uint32_t active, double out_
     ss_coupling_solve(a, b, out_d);
 }
 
-int ss_coupling_balance(const ss_balance *balance, double out_p[3], double out_force[],
-                        double out_held[3])
+/* Balances `spring` from displacement `d` on; returns the passes. */
+static int settle(const ss_balance *balance, const tether *spring, double d[3], ss_rest *rest)
 {
-    double d[3] = {0.0, 0.0, 0.0};
-    evaluate(balance, d, out_force, out_held);
+    evaluate(balance, d, rest->force, rest->held);
     int pass = 0;
     for (bool is_settled = false; !is_settled && pass < SS_BALANCE_PASSES; ++pass) {
-        const uint32_t active = active_rows(balance, out_force);
+        const uint32_t active = active_rows(balance, rest->force);
         double next[3];
-        solve_active(balance, active, next);
-        evaluate(balance, next, out_force, out_held);
-        is_settled = active_rows(balance, out_force) == active;
+        solve_active(balance, spring, active, next);
+        evaluate(balance, next, rest->force, rest->held);
+        is_settled = active_rows(balance, rest->force) == active;
         if (!is_settled) {
             double step[3];
             ss_sub3(step, next, d);
-            ss_madd3(next, d, least_along(balance, d, step), step);
-            evaluate(balance, next, out_force, out_held);
+            ss_madd3(next, d, least_along(balance, spring, d, step), step);
+            evaluate(balance, next, rest->force, rest->held);
         }
         ss_copy3(d, next);
     }
-    ss_add3(out_p, balance->p_free, d);
     return pass;
+}
+
+/* G = sum F_i n_i, and F on the hand; returns |F|. */
+static double sum_forces(const ss_balance *balance, const ss_rest *rest, double out_law[3],
+                         double out_whole[3])
+{
+    ss_copy3(out_law, rest->held);
+    for (int32_t i = 0; i < balance->count; ++i) {
+        ss_madd3(out_law, out_law, rest->force[i], balance->row[i].normal);
+    }
+    ss_add3(out_whole, out_law, balance->decaying);
+    return ss_norm3(out_whole);
+}
+
+/* -d|F|/dc of a spring with compliance c along its axis (or all ways: then along the force). */
+static double fall_of_force(const ss_balance *balance, const ss_rest *rest, const tether *spring,
+                            const double d[3], const double whole[3], double size)
+{
+    double a[3][3], law[3][3], way[3], turn[3], change[3];
+    const bool is_even = spring->along == spring->across;
+    law_slope(balance, active_rows(balance, rest->force), law);
+    memcpy(a, law, sizeof a);
+    for (int r = 0; r < 3; ++r) {
+        a[r][r] += spring->across;
+    }
+    add_outer(a, spring->along - spring->across, spring->axis);
+    ss_scale3(way, spring->axis, ss_dot3(spring->axis, d));
+    ss_scale3(way, is_even ? d : way, spring->along * spring->along);
+    ss_coupling_solve(a, way, turn);
+    for (int r = 0; r < 3; ++r) {
+        change[r] = ss_dot3(law[r], turn);
+    }
+    return ss_dot3(whole, change) / size;
+}
+
+/* Softens the spring from displacement `d` on, along its axis or all ways, until the force is the
+ * limit; adds the passes. False when no softness brings it there. */
+static bool soften(const ss_balance *balance, const double axis[3], bool is_even, double d[3],
+                   ss_rest *rest, int *inout_passes)
+{
+    const double limit = balance->limit;
+    const double stiffest = 1.0 / balance->spring;
+    const double softest = fmax(2.0 * stiffest, FARTHEST / limit);
+    double low = stiffest, high = INFINITY, c = stiffest;
+    tether spring = {balance->spring, balance->spring, axis};
+    for (int i = 0; i < SS_LIMIT_TRIES; ++i) {
+        double law[3], whole[3];
+        const double size = sum_forces(balance, rest, law, whole);
+        if (fabs(size - limit) <= LIMIT_TOLERANCE * limit) {
+            return true;
+        }
+        if (size > limit && c >= softest) {
+            return false;
+        }
+        *(size > limit ? &low : &high) = c;
+        const double fall = fall_of_force(balance, rest, &spring, d, whole, size);
+        const double newton = c + size * (size - limit) / (limit * fall);
+        const double middle = high < INFINITY ? sqrt(low * high) : softest;
+        c = newton > low && newton < fmin(high, softest) ? newton : middle;
+        spring.along = 1.0 / c;
+        spring.across = is_even ? spring.along : spring.across;
+        rest->share = stiffest / c;
+        *inout_passes += settle(balance, &spring, d, rest);
+    }
+    return true;
+}
+
+int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
+{
+    double d[3] = {0.0, 0.0, 0.0}, axis[3] = {0.0, 0.0, 0.0}, start[3], whole[3];
+    const tether spring = {balance->spring, balance->spring, axis};
+    int passes = settle(balance, &spring, d, out_rest);
+    out_rest->share = 1.0;
+    if (sum_forces(balance, out_rest, axis, whole) > balance->limit) {
+        const ss_rest stiff = *out_rest;
+        ss_copy3(start, d);
+        if (ss_dot3(balance->axis, axis) > 0.0) {
+            ss_copy3(axis, balance->axis);
+        }
+        (void)ss_normalize3(axis);
+        if (!soften(balance, axis, false, d, out_rest, &passes)) {
+            *out_rest = stiff;
+            ss_copy3(d, start);
+            (void)soften(balance, axis, true, d, out_rest, &passes);
+        }
+    }
+    ss_add3(out_rest->p, balance->p_free, d);
+    return passes;
 }

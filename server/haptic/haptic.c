@@ -6,8 +6,8 @@
  *   gate      whether the hand may feel anything: watchdog, entry, pause, fault, stop
  *   result    a new local model, taken so that the force does not step; grasp edges
  *   coupling  the spring that lets the hand feel at most K_max
- *   balance   proxy and contact forces
- *   limits    force (the proxy slips), ramp, slew
+ *   balance   proxy and contact forces, within the force limit
+ *   limits    ramp, slew
  *   output    the message, the target for the simulation, the history for the observer
  * No clock is read: time is the tick's number and the device's own time stamps.
  */
@@ -19,9 +19,14 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define TWO_PI           6.283185307179586
-#define VELOCITY_CORNER  50.0  /* Hz: one position count a millisecond is 30 mm/s */
-#define SPEED_MAX        10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
+#define TWO_PI          6.283185307179586
+#define VELOCITY_CORNER 50.0 /* Hz: one position count a millisecond is 30 mm/s */
+#define SPEED_MAX       10.0 /* m/s: no hand is faster; bounds what a bad clock can do */
+/* s: in which a proxy that slipped out comes over the hand. */
+#define ASIDE_TIME       0.1
+#define RISE_SPEED       0.1   /* m/s: over the coupling's stiffness, of a limit that is raised */
+#define NEGLIGIBLE       1e-9  /* m */
+#define FORCE_MIN        1e-6  /* N: least limit */
 #define SPRING_RATE      5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
 #define PREDICT_TIME_MAX 0.025 /* s */
 #define PREDICT_MOVE_MAX 0.003 /* m */
@@ -42,7 +47,11 @@ struct ss_haptic {
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
-    double spring; /* K_c */
+    double spring;       /* K_c */
+    double limit;        /* N, of the force; follows config.max_force */
+    double share;        /* of the coupling that is left: 1 below the limit */
+    double direction[3]; /* of the law's force, unit or 0 */
+    double aside[3];     /* m, from hand to proxy across that, left by the limit */
     ss_admission gate;
     ss_law law;
     bool is_fault;
@@ -208,6 +217,7 @@ static void place_proxy(ss_haptic *haptic)
     ss_copy3(haptic->p, haptic->pose.position);
     ss_copy3(haptic->gate.placed_at, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
+    ss_set3(haptic->aside, 0.0, 0.0, 0.0);
     haptic->is_returning = false;
     ++haptic->teleports;
 }
@@ -319,7 +329,7 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
     if (!haptic->is_pressed || is_refused) {
-        ss_law_release(law, &haptic->config, x, haptic->p, haptic->pdot);
+        ss_law_release(law, x, haptic->p, haptic->pdot);
     } else if (!law->held.is_held && input->tick == haptic->press_tick &&
                ss_law_active_count(law) > 0) {
         ss_law_hold(law, haptic->p, haptic->pdot);
@@ -347,42 +357,95 @@ static void update_spring(ss_haptic *haptic)
     haptic->spring = wanted;
 }
 
-/* Balances the proxy against the law and keeps the force within the limit; writes the values of
- * the law, p and the whole force. Returns true when limited. */
+/* How far the force may go, N: over the ticks since the last one, of which the thread may have
+ * missed some. */
+static double slew_step(const ss_haptic *haptic, int64_t tick)
+{
+    const int64_t elapsed = tick - haptic->output.target.tick;
+    const double ticks = elapsed < SS_RAMP_TICKS ? (double)elapsed : SS_RAMP_TICKS;
+    return ticks * haptic->config.max_slew * haptic->config.period;
+}
+
+/* A limit that is changed while the force is at it moves there, and the proxy with it: down as fast
+ * as the force may, up no faster than a hand presses, which the tissue can follow. */
+static void update_limit(ss_haptic *haptic, int64_t tick)
+{
+    const double wanted = haptic->config.max_force;
+    const double step = slew_step(haptic, tick);
+    if (wanted < haptic->limit) {
+        const double from = fmin(haptic->limit, ss_norm3(haptic->last_force));
+        haptic->limit = fmax(wanted, from - step);
+    } else if (haptic->share < 1.0) {
+        const double rise = RISE_SPEED * haptic->observer.limit * haptic->config.period;
+        haptic->limit = fmin(wanted, haptic->limit + fmin(step, rise));
+    } else {
+        haptic->limit = wanted;
+    }
+}
+
+/* What the coupling wants of the proxy, and what the law answers. */
+static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
+                        ss_balance *balance)
+{
+    const ss_haptic_config *config = &haptic->config;
+    const double damper = config->damping / config->period;
+    *balance = (ss_balance){.spring = haptic->spring + damper, .limit = haptic->limit};
+    ss_add3(balance->decaying, haptic->law.residual, haptic->law.released);
+    for (int i = 0; i < 3; ++i) {
+        const double pull = haptic->spring * x[i] + config->damping * v[i] + damper * haptic->p[i] +
+                            balance->decaying[i];
+        balance->p_free[i] = pull / balance->spring + haptic->aside[i];
+    }
+    if (haptic->share < 1.0) {
+        ss_copy3(balance->axis, haptic->direction);
+    }
+    ss_law_rows(&haptic->law, config->period, x, haptic->p, balance);
+}
+
+/* The proxy that slipped out stays beside the hand where it is, and comes over it in time. */
+static void update_aside(ss_haptic *haptic, const ss_balance *balance, const ss_rest *rest)
+{
+    if (rest->share < 1.0 || ss_norm3(haptic->aside) > 0.0) {
+        double d[3];
+        ss_sub3(d, rest->p, balance->p_free);
+        ss_add3(d, d, haptic->aside);
+        ss_madd3(d, d, -ss_dot3(d, haptic->direction), haptic->direction);
+        ss_scale3(haptic->aside, ss_norm3(haptic->direction) > 0.0 ? d : haptic->aside,
+                  exp(-haptic->config.period / ASIDE_TIME));
+        if (ss_norm3(haptic->aside) < NEGLIGIBLE) {
+            ss_set3(haptic->aside, 0.0, 0.0, 0.0);
+        }
+    }
+}
+
+/* Balances the proxy against the law within the limit; writes the values of the law, p and the
+ * whole force. Returns true when limited. */
 static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
                           double out_force[3])
 {
     const ss_haptic_config *config = &haptic->config;
     ss_law *law = &haptic->law;
-    const double damper = config->damping / config->period;
     ss_balance balance;
-    balance.spring = haptic->spring + damper;
-    for (int i = 0; i < 3; ++i) {
-        const double pull = haptic->spring * x[i] + config->damping * v[i] + damper * haptic->p[i] +
-                            law->residual[i] + law->released[i];
-        balance.p_free[i] = pull / balance.spring;
-    }
-    ss_law_rows(law, config, tick, x, haptic->p, &balance);
-    double p[3], value[SS_MAX_CONTACTS], change[3];
-    ss_coupling_balance(&balance, p, value, law->held.value);
+    ss_rest rest;
+    set_balance(haptic, x, v, &balance);
+    ss_coupling_balance(&balance, &rest);
     for (int32_t i = 0; i < law->count; ++i) {
-        law->contact[i].value = i < balance.count ? value[i] : 0.0;
+        law->contact[i].value = i < balance.count ? rest.force[i] : 0.0;
     }
+    ss_copy3(law->held.value, rest.held);
     ss_law_force(law, out_force);
-    ss_copy3(change, out_force);
-    const bool is_limited = ss_limit_force(out_force, config->max_force);
-    if (is_limited) {
-        ss_sub3(change, change, out_force);
-        ss_coupling_slip(&balance, value, change, p);
-        ss_coupling_evaluate(&balance, p, value, law->held.value);
-        for (int32_t i = 0; i < balance.count; ++i) {
-            law->contact[i].value = value[i];
-        }
+    ss_sub3(haptic->direction, out_force, balance.decaying);
+    (void)ss_normalize3(haptic->direction);
+    update_aside(haptic, &balance, &rest);
+    if (config->between_steps != SS_BETWEEN_LOCAL && !law->held.is_held) {
+        ss_law_extrapolate(law, config, tick, out_force);
     }
-    ss_sub3(haptic->pdot, p, haptic->p);
+    const bool is_cut = ss_limit_force(out_force, haptic->limit);
+    haptic->share = rest.share;
+    ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
-    ss_copy3(haptic->p, p);
-    return is_limited;
+    ss_copy3(haptic->p, rest.p);
+    return is_cut || rest.share < 1.0;
 }
 
 /* ---- output -----------------------------------------------------------------------------------
@@ -480,7 +543,9 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     target->teleports = haptic->teleports;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
-    ss_copy3(target->velocity, v);
+    /* Where the coupling yields to the limit the hand sinks in without the proxy. */
+    const double along = ss_dot3(v, haptic->direction);
+    ss_madd3(target->velocity, v, (haptic->share - 1.0) * along, haptic->direction);
 }
 
 static void write_sums(ss_haptic *haptic)
@@ -542,7 +607,7 @@ void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
     ss_haptic_config *own = &haptic->config;
     *own = *config;
     own->period = config->period > 1e-5 && config->period < 1.0 ? config->period : 1e-3;
-    own->max_force = config->max_force >= 0.0 ? config->max_force : 0.0;
+    own->max_force = config->max_force >= FORCE_MIN ? config->max_force : FORCE_MIN;
     own->max_slew = config->max_slew >= 0.0 ? config->max_slew : 0.0;
     own->stiffness = config->stiffness >= 1.0 ? config->stiffness : 1.0;
     own->damping = config->damping >= 0.0 ? config->damping : 0.0;
@@ -557,6 +622,8 @@ ss_haptic *ss_haptic_create(const ss_haptic_config *config)
     ss_haptic_configure(haptic, config);
     ss_observer_restart(&haptic->observer, &haptic->config, false);
     haptic->spring = haptic->observer.limit;
+    haptic->limit = haptic->config.max_force;
+    haptic->share = 1.0;
     return haptic;
 }
 
@@ -581,9 +648,9 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
-    const double state[] = {haptic->p[0],    haptic->p[1],     haptic->p[2],       haptic->v[0],
-                            haptic->v[1],    haptic->v[2],     haptic->spring,     observer->limit,
-                            observer->worst, observer->energy, observer->delay_p95};
+    const double state[] = {haptic->p[0],    haptic->p[1],     haptic->p[2],        haptic->v[0],
+                            haptic->v[1],    haptic->v[2],     haptic->spring,      observer->limit,
+                            observer->worst, observer->energy, observer->delay_p95, haptic->limit};
     const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
                               haptic->gate.since,        haptic->law.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
@@ -598,16 +665,12 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
     return hash;
 }
 
-/* The ramp's share of the force, and the slew limit: over the ticks since the last force, of which
- * the thread may have missed some. */
+/* The ramp's share of the force, and the slew limit. */
 static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
                          bool is_limited, int32_t *inout_flags, double out_sent[3])
 {
-    const ss_haptic_config *config = &haptic->config;
     ss_scale3(out_sent, whole, ss_admission_gain(&haptic->gate, input->tick));
-    const int64_t elapsed = input->tick - haptic->output.target.tick;
-    const double ticks = elapsed < SS_RAMP_TICKS ? (double)elapsed : SS_RAMP_TICKS;
-    const double step = ticks * config->max_slew * config->period;
+    const double step = slew_step(haptic, input->tick);
     is_limited = ss_limit_slew(out_sent, haptic->last_force, step) || is_limited;
     *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
 }
@@ -630,11 +693,12 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_law_active_count(&haptic->law) > 0, tick);
         step_gate(haptic, input, begins);
-        ss_law_decay(&haptic->law, haptic->config.period);
+        ss_law_decay(&haptic->law, haptic->config.period, haptic->share < 1.0);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, tick, x, v);
         update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
+        update_limit(haptic, tick);
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
         int32_t flags =
             ss_admission_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);

@@ -5,8 +5,8 @@
  * The parts of one haptic tick, shared by the files of this folder and by its tests.
  *
  * law.c       the local contact model as a law affine in the proxy, offsets, grasp
- * coupling.c  the yielding spring between hand and proxy, the balance
- * limit.c     force and slew limit, ramps (watchdog, pause, fault, stop), entry into tissue
+ * coupling.c  the yielding spring between hand and proxy, the balance, the force limit
+ * limit.c     slew limit, ramps (watchdog, pause, fault, stop), entry into tissue
  * observer.c  energy per contact, loop delay, stiffness limit
  * haptic.c    the tick
  *
@@ -23,6 +23,7 @@ enum {
     SS_DELAY_SAMPLES = 4096, /* delay samples of the last second */
     SS_DELAY_BUCKETS = 1024, /* of 50 us: delays up to 51 ms are told apart */
     SS_BALANCE_PASSES = 12,  /* over the active set; 10^6 random sets of 1 to 8 took at most 9 */
+    SS_LIMIT_TRIES = 24,     /* of the softened spring */
     SS_WATCHDOG_TICKS = 50,  /* without a good pose */
     SS_RAMP_TICKS = 20,      /* to zero force */
     SS_ENTRY_TICKS = 500,    /* the depth fades in */
@@ -61,6 +62,7 @@ typedef struct ss_law {
     ss_law_held held;
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
+    double slowness;      /* s, of the offsets' decay; left by the limit */
     double proxy[3];      /* p_k */
     double velocity[3];   /* v_k */
     double depth;         /* m, penetration that the model has not yet yielded to */
@@ -84,11 +86,24 @@ typedef struct ss_balance {
     bool is_held;
     double held_force[3]; /* N, of the grasp at p_free */
     double held_slope[3][3];
+    double
+        decaying[3]; /* N, R: on the hand whatever the proxy does; its share of p_free is in it */
+    double limit;    /* N, L > 0: of the force on the hand */
+    /* Along which the spring softens, unit: the law's force of the tick before; 0: of this one. */
+    double axis[3];
 } ss_balance;
 
+/* Where the proxy rests. */
+typedef struct ss_rest {
+    double p[3];
+    double force[SS_MAX_CONTACTS]; /* N, F_i(p) */
+    double held[3];
+    double share; /* of the spring that is left: 1 below the limit */
+} ss_rest;
+
 void ss_law_clear(ss_law *law);
-/* Lets offsets decay by one period. */
-void ss_law_decay(ss_law *law, double period);
+/* Lets offsets decay by one period; slower while the force is at its limit. */
+void ss_law_decay(ss_law *law, double period, bool is_limited);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
@@ -96,11 +111,10 @@ void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_conf
                  bool is_fresh);
 /* Starts or ends a grasp without changing the force. */
 void ss_law_hold(ss_law *law, const double p[3], const double pdot[3]);
-void ss_law_release(ss_law *law, const ss_haptic_config *config, const double x[3],
-                    const double p[3], const double pdot[3]);
+void ss_law_release(ss_law *law, const double x[3], const double p[3], const double pdot[3]);
 /* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */
-void ss_law_rows(ss_law *law, const ss_haptic_config *config, int64_t tick, const double x[3],
-                 const double p[3], ss_balance *balance);
+void ss_law_rows(ss_law *law, double period, const double x[3], const double p[3],
+                 ss_balance *balance);
 /* Where the law puts the tissue's surface: *out_depth > 0 when `x` is inside the plane of vanishing
  * force, with its normal and a point of it. False when no contact is known. */
 bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], double out_point[3],
@@ -109,22 +123,19 @@ bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], 
 void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3]);
 /* The whole force of the last tick's values. */
 void ss_law_force(const ss_law *law, double out[3]);
+/* What `hold` and `linear` hand out in its place. */
+void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64_t tick,
+                        double out[3]);
 /* Torque of the last tick's values about the tool's origin. */
 void ss_law_torque(const ss_law *law, double out[3]);
 int32_t ss_law_active_count(const ss_law *law);
 
 /* ---- coupling.c ----------------------------------------------------------------------------- */
 
-/* Solves the balance: spring (p - p_free) = sum F_i(p) n_i + held; writes p and F_i. Returns the
- * passes used. */
-int ss_coupling_balance(const ss_balance *balance, double out_p[3], double out_force[],
-                        double out_held[3]);
-/* The force that a balance's law exerts at `p`. */
-void ss_coupling_evaluate(const ss_balance *balance, const double p[3], double out_force[],
-                          double out_held[3]);
-/* Moves `p` so that the law's force becomes `change` less (the proxy slips). */
-void ss_coupling_slip(const ss_balance *balance, const double force[], const double change[3],
-                      double p[3]);
+/* Solves the balance: share spring (p - p_free) = sum F_i(p) n_i + held, share < 1 where the force
+ * on the hand comes to the limit. Returns the passes used. Where a law without stiffness or the
+ * decaying forces alone exceed the limit, the force stays above it. */
+int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest);
 /* Largest eigenvalue of a symmetric matrix. */
 double ss_coupling_largest(double matrix[3][3]);
 /* The spring K_c that lets the hand feel at most `limit` against tissue of stiffness k (0:

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The force limit in the headless world, on bodies of every model: a slow press to well beyond the
+ * limit, a slide there and back, judged against the same path without a limit (limit_judge.h); and
+ * the simulated hands of the bridge pressing into the same bodies, in closed loop.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "device.h"
+#include "felt.h"
+#include "limit_judge.h"
+#include "press_fixture.h"
+#include "world.h"
+
+enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
+
+/* ---- a slow press --------------------------------------------------------------------------- */
+
+/* Down in .7 s, 10 mm to the side in .4 s, up again. */
+static void press(const body *b, double limit, limit_tick out[PRESS_TICKS])
+{
+    softsim_world *world = make_world(b, limit);
+    for (int n = 0; n < PRESS_TICKS; ++n) {
+        const double t = 1e-3 * n;
+        const double depth =
+            -0.004 + (b->depth + 0.004) * (smooth(t / 0.7) - smooth((t - 1.1) / 0.4));
+        const double aside = 0.010 * smooth((t - 0.7) / 0.4);
+        double x[3], way[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + depth * b->in[a] + aside * b->side[a];
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        for (int a = 0; a < 3; ++a) {
+            out[n].force[a] = force.force[a];
+            way[a] = force.proxy[a] - x[a];
+        }
+        out[n].depth = depth;
+        out[n].slip = limit_norm(way);
+        out[n].model = limit_norm(force.model_force);
+    }
+    softsim_destroy(&world);
+}
+
+/* Unless all are asked for, by an argument: a few rows that each model has one of. */
+static bool is_all;
+
+static bool is_wanted(const body *b, double limit)
+{
+    static const struct {
+        const char *name;
+        double limit;
+    } row[] = {{"kidney", 1.0}, {"ventricle", 0.5},    {"hard liver", 8.0},  {"hard hm1", 2.0},
+               {"xpbd", 0.5},   {"corotational", 8.0}, {"mass-spring", 1.0}, {"chainmail", 2.0}};
+    bool is_row = is_all;
+    /* Where sanitizers are slow the one row of each kind of contact. */
+    for (size_t k = 0; k < sizeof row / sizeof *row; k += IS_SANITIZED ? 4 : 1) {
+        is_row = is_row || (strcmp(b->name, row[k].name) == 0 && limit == row[k].limit);
+    }
+    return is_row;
+}
+
+static const double limits[] = {0.5, 1.0, 2.0, 8.0};
+enum { LIMITS = sizeof limits / sizeof *limits };
+
+static bool is_press_good(const body *b, double limit, const limit_tick *open)
+{
+    static limit_tick tick[PRESS_TICKS];
+    press(b, limit, tick);
+    const limit_verdict v = judge_limit(tick, open, PRESS_TICKS, OUT_TICK, limit);
+    const bool is_good = is_limit_kept(&v) && (is_all || v.judged > 80);
+    print_message("%s, %g N: %d ticks judged, %d below half, |F|/L %.4f..%.7f, turn %.3f deg, step "
+                  "%.4f, leaving %.4f; proxy at most %.1f mm off, reaction %.2f L%s\n",
+                  b->name, limit, v.judged, v.collapsed, v.least, v.most, v.turn, v.step, v.leave,
+                  1e3 * v.slip, v.model, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+static void a_slow_press_stays_at_the_limit(void **state)
+{
+    (void)state;
+    static limit_tick open[PRESS_TICKS];
+    bool is_good = true;
+    write_block_mesh();
+    for (int n = 0; n < BODIES * LIMITS; ++n) {
+        const body *b = &bodies[n / LIMITS];
+        bool is_any = false;
+        for (int k = 0; n % LIMITS == 0 && k < LIMITS; ++k) {
+            is_any = is_any || is_wanted(b, limits[k]);
+        }
+        if (is_any) {
+            press(b, 100.0, open);
+        }
+        if (is_wanted(b, limits[n % LIMITS])) {
+            is_good = is_press_good(b, limits[n % LIMITS], open) && is_good;
+        }
+    }
+    assert_true(is_good);
+}
+
+/* ---- a limit that changes ------------------------------------------------------------------- */
+
+static void set_limit(softsim_world *world, double limit)
+{
+    char argument[64], text[256];
+    ss_command_record record;
+    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%g", limit);
+    if (ss_world_command((ss_world *)world, "set", argument, &record, text, sizeof text) != 0) {
+        fail_msg("%s", text);
+    }
+}
+
+/* Pressed 20 mm deep: a lowered limit is reached by the slew, a raised one within .3 s; the tissue
+ * is never pressed much harder than by the greater of the two. */
+static void a_changed_limit_flings_nothing(void **state)
+{
+    (void)state;
+    static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
+    const body *b = &bodies[0];
+    softsim_world *world = make_world(b, 8.0);
+    double last = 0.0, before = 0.0, most = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+        const int at = n >= 600 && n < 2000 ? (n - 600) / 350 : -1;
+        double x[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + ((b->depth + 0.004) * smooth(n / 500.0) - 0.004) * b->in[a];
+        }
+        if (at >= 0 && (n - 600) % 350 == 0) {
+            set_limit(world, limit[at]);
+            before = last;
+            most = 0.0;
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        const double size = limit_norm(force.force);
+        if (at >= 0) {
+            const int after = (n - 600) % 350 + 1;
+            assert_true(fabs(size - last) <= 2.0 + 1e-9);
+            if (after >= (limit[at] < before ? ceil((before - limit[at]) / 2.0) : 300.0)) {
+                assert_true(fabs(size - limit[at]) <= 1e-4 * limit[at]);
+            }
+            most = fmax(most, limit_norm(force.model_force));
+            assert_true(most <= 1.1 * fmax(before, limit[at]));
+        }
+        last = size;
+    }
+    softsim_destroy(&world);
+}
+
+/* ---- hands ----------------------------------------------------------------------------------
+ */
+
+/* Between the device's frame, z out of the tissue and x along it, and the world. */
+static void axes_of(const body *b, double axis[3][3])
+{
+    for (int a = 0; a < 3; ++a) {
+        axis[0][a] = b->side[a];
+        axis[2][a] = -b->in[a];
+    }
+    for (int a = 0; a < 3; ++a) {
+        const int p = (a + 1) % 3, q = (a + 2) % 3;
+        axis[1][a] = axis[2][p] * axis[0][q] - axis[2][q] * axis[0][p];
+    }
+}
+
+/* A simulated hand presses, slides and lifts; a force takes effect in the tick after. */
+static void move_hand(const body *b, double limit, int hand, ss_felt *out)
+{
+    static ss_felt_row row[HAND_TICKS];
+    softsim_world *world = make_world(b, limit);
+    const ss_sim_config config = {.body = (ss_sim_body)hand,
+                                  .grip = (ss_sim_grip)hand,
+                                  .script = SS_SCRIPT_PRESS,
+                                  .seed = 1,
+                                  .period_s = 1e-3};
+    ss_device device;
+    double axis[3][3];
+    softsim_force force = {.seq = -1};
+    axes_of(b, axis);
+    assert_int_equal(ss_sim_create(&config, &device, NULL), SOFTSIM_OK);
+    for (int n = 0; n < HAND_TICKS; ++n) {
+        ss_device_sample sample;
+        double x[3], exerted[3] = {0.0, 0.0, 0.0};
+        assert_true(device.read(device.state, &sample));
+        row[n] =
+            (ss_felt_row){.time_s = 1e-3 * n, .flags = force.flags, .age_us = force.model_age_us};
+        for (int a = 0; a < 3; ++a) {
+            x[a] = row[n].x[a] = b->touch[a];
+            for (int d = 0; d < 3; ++d) {
+                x[a] += sample.position[d] * axis[d][a];
+                row[n].x[a] += sample.true_position[d] * axis[d][a];
+                exerted[d] += force.force[a] * axis[d][a];
+            }
+            row[n].f[a] = force.force[a];
+        }
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.force_seq = force.seq;
+        device.exert(device.state, exerted);
+        force = feel(world, &pose);
+    }
+    device.destroy(device.state);
+    softsim_destroy(&world);
+    const ss_felt_options options = {.intended_contacts = 2};
+    assert_int_equal(ss_felt_judge(row, HAND_TICKS, &options, out), SOFTSIM_OK);
+}
+
+static void hands_press_without_a_motor(void **state)
+{
+    (void)state;
+    static const char *const names[3] = {"light/soft", "medium/medium", "heavy/firm"};
+    bool is_good = true;
+    write_block_mesh();
+    for (int n = 0; n < BODIES * LIMITS * 3; ++n) {
+        const body *b = &bodies[n / 3 / LIMITS];
+        const double limit = limits[n / 3 % LIMITS];
+        if (!is_wanted(b, limit) || (!is_all && n / 3 / LIMITS % 3 != n % 3)) {
+            continue;
+        }
+        ss_felt felt;
+        move_hand(b, limit, n % 3, &felt);
+        const bool is_still = felt.net_energy_j.value >= -1e-3 && felt.chatter_m.value < 0.05e-3;
+        print_message("%s, %g N, %s: %d contacts, chatter %.4f mm at %.0f Hz, net %.3f mJ%s\n",
+                      b->name, limit, names[n % 3], felt.contacts, 1e3 * felt.chatter_m.value,
+                      felt.chatter_hz, 1e3 * felt.net_energy_j.value, is_still ? "" : ": BAD");
+        is_good = is_good && is_still;
+    }
+    assert_true(is_good);
+}
+
+int main(int argc, char **argv)
+{
+    is_all = argc > 1 && strcmp(argv[1], "all") == 0;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_slow_press_stays_at_the_limit),
+        cmocka_unit_test(a_changed_limit_flings_nothing),
+        cmocka_unit_test(hands_press_without_a_motor),
+    };
+    return cmocka_run_group_tests_name("limit", tests, make_folder, remove_folder);
+}
