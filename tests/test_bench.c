@@ -321,6 +321,41 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     rmdir(in_folder("a"));
 }
 
+/* With a PATH in which there is nothing. */
+static void a_report_without_gnuplot_says_so_before_and_after(void **state)
+{
+    (void)state;
+    char text[4096], kept_path[4096];
+    ss_page page;
+    ss_output script;
+    softsim_error error = {.status = SOFTSIM_OK};
+    const char *nested = in_folder("drawn");
+    assert_true(snprintf(kept_path, sizeof kept_path, "%s", getenv("PATH")) < 4096);
+    setenv("PATH", "/nowhere", 1);
+    int kept = divert(stderr, in_folder("before.txt"));
+    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
+    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
+    restore(stderr, kept);
+    assert_int_equal(ss_page_open(&page, nested, "page", "t", &error), SOFTSIM_OK);
+    assert_int_equal(ss_plot_open(&script, nested, "curve", &error), SOFTSIM_OK);
+    fputs("plot x\n", script.file);
+    assert_int_equal(ss_page_plot(&page, &script, "curve", "caption", &error), SOFTSIM_OK);
+    kept = divert(stderr, in_folder("after.txt"));
+    assert_int_equal(ss_page_close(&page, &error), SOFTSIM_OK);
+    restore(stderr, kept);
+    setenv("PATH", kept_path, 1);
+    read_text("before.txt", text, sizeof text);
+    char *first = strstr(text, "gnuplot is not installed");
+    assert_non_null(first);
+    assert_non_null(strstr(first, "install gnuplot"));
+    assert_null(strstr(first + 1, "gnuplot is not installed")); /* once */
+    read_text("after.txt", text, sizeof text);
+    assert_non_null(strstr(text, "warning: 1 picture is missing"));
+    unlink(in_folder("drawn/page.html"));
+    unlink(in_folder("drawn/curve.gp"));
+    rmdir(nested);
+}
+
 static void a_csv_field_is_quoted_where_it_must_be(void **state)
 {
     (void)state;
@@ -493,8 +528,8 @@ static void speed_of_tetrahedra_adds_up(void **state)
 
 static int remove_files(void **state)
 {
-    static const char *const names[] = {"answers.csv", "good.csv", "long.csv",
-                                        "hand.csv",    "p.sh",     "quote.csv"};
+    static const char *const names[] = {"answers.csv", "good.csv",  "long.csv",   "hand.csv",
+                                        "p.sh",        "quote.csv", "before.txt", "after.txt"};
     (void)state;
     return remove_only(names, sizeof names / sizeof *names);
 }
@@ -502,6 +537,8 @@ static int remove_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        /* First: it is said once a run. */
+        cmocka_unit_test(a_report_without_gnuplot_says_so_before_and_after),
         cmocka_unit_test(quantiles_are_exact_samples),
         cmocka_unit_test(samples_beyond_the_capacity_are_counted),
         cmocka_unit_test(missed_periods_are_held_against_the_bare_loop),

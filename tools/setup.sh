@@ -3,7 +3,7 @@
 #   tools/setup.sh [build] [test] [spy]     default: build
 set -euo pipefail
 build="build-essential cmake ninja-build pkg-config liblcm-dev liblcm-bin libglib2.0-dev libccd-dev
-  libassimp-dev libfyaml-dev libsuitesparse-dev libcmocka-dev libnlopt-dev zlib1g-dev iproute2"
+  libassimp-dev libfyaml-dev libsuitesparse-dev libcmocka-dev libnlopt-dev zlib1g-dev iproute2 gnuplot-nox"
 test="clang clang-format libclang-rt-14-dev tetgen"
 spy="liblcm-java libjchart2d-java default-jre default-jdk-headless"
 wanted=""

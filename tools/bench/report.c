@@ -13,15 +13,44 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "child.h"
 
 enum { MAX_PICTURE = 8 * 1024 * 1024, PATH_SIZE = 4096 };
 static const double gnuplot_timeout_s = 60.0;
 
+/* Is there a gnuplot in the PATH? */
+static bool has_gnuplot(void)
+{
+    char path[PATH_SIZE];
+    const char *at = getenv("PATH");
+    for (; at != NULL && *at != '\0'; at += *at == ':') {
+        const int length = (int)strcspn(at, ":");
+        snprintf(path, sizeof path, "%.*s/gnuplot", length, at);
+        if (access(path, X_OK) == 0) {
+            return true;
+        }
+        at += length;
+    }
+    return false;
+}
+
+/* Once a run: a report of an hour should not end in a surprise. */
+static void warn_of_pictures(void)
+{
+    static bool is_said;
+    if (!is_said && !has_gnuplot()) {
+        fprintf(stderr, "softsim-bench: gnuplot is not installed, so the report will have no "
+                        "pictures: install gnuplot (Debian: gnuplot-nox)\n");
+        is_said = true;
+    }
+}
+
 softsim_status ss_report_make_folder(const char *folder, softsim_error *error)
 {
     char path[PATH_SIZE];
+    warn_of_pictures();
     const size_t length = strlen(folder);
     if (length == 0 || length >= sizeof path) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: not the name of a folder");
@@ -302,6 +331,7 @@ softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, 
         free(picture);
     } else if (exit_status == 127) {
         remove(log);
+        ++page->missing_pictures;
         ss_page_text(page,
                      "No picture: gnuplot is not installed. With it, `gnuplot %s` in this "
                      "folder draws: %s",
@@ -314,6 +344,13 @@ softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, 
 
 softsim_status ss_page_close(ss_page *page, softsim_error *error)
 {
+    if (page->missing_pictures > 0) {
+        fprintf(stderr,
+                "softsim-bench: warning: %d picture%s missing from the report in %s: install "
+                "gnuplot (Debian: gnuplot-nox) and run it again\n",
+                page->missing_pictures, page->missing_pictures == 1 ? " is" : "s are",
+                page->folder);
+    }
     fputs("</body></html>\n", page->output.file);
     return ss_output_commit(&page->output, error);
 }

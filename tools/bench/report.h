@@ -4,7 +4,8 @@
 /*
  * A report: a folder with CSVs, gnuplot scripts, SVGs and one static HTML page that holds the
  * pictures in itself. All text is escaped; files appear complete or not at all. Without gnuplot
- * the page says so in the picture's place and everything else is as ever.
+ * the page says so in the picture's place, stderr says it before the work and after it, and
+ * everything else is as ever.
  * Thread: main.
  */
 #include <stdbool.h>
@@ -19,9 +20,11 @@ enum { SS_PAGE_MAX_CELLS = 16 };
 typedef struct ss_page {
     const char *folder;
     ss_output output;
+    int32_t missing_pictures; /* for want of gnuplot */
 } ss_page;
 
-/* Makes `folder` and its parents where they are missing. */
+/* Makes `folder` and its parents where they are missing. Each report begins with it, so the first
+ * call says on stderr when there is no gnuplot to draw with. */
 softsim_status ss_report_make_folder(const char *folder, softsim_error *error);
 
 /* Opens `folder`/`name`.html. */
@@ -66,6 +69,7 @@ softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const ch
 softsim_status ss_page_plot(ss_page *page, ss_output *script, const char *name, const char *caption,
                             softsim_error *error);
 
+/* Says on stderr how many pictures are missing for want of gnuplot. */
 softsim_status ss_page_close(ss_page *page, softsim_error *error);
 /* Removes what there is of the page; does nothing when not open. */
 void ss_page_abandon(ss_page *page);
