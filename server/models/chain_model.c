@@ -20,7 +20,12 @@
  * fixed axes likewise. A contact is held cells (chain_contact.c), prescribed sets likewise
  * (chain_load.c).
  *
+ * Where the nonlinearity comes from: the dead band of a link's length, and geometry (links turn as
+ * they are pulled, and slack ones join in). Beyond the band a link is linear, and so is the
+ * network; saturation softens.
+ *
  * Left out, as the paper does: neighbourhoods wider than one link, and the control template B.
+ * Cutting and tearing: links never break.
  *
  * State: u, 4 ss_real a node, the share of alpha that acts, and what tools hold.
  */

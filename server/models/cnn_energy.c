@@ -27,6 +27,12 @@
  * at the output K: psi then grows linearly beyond eps_s (cnn_source.c); the cells of several
  * loads share what K leaves them (cnn_saturate.c).
  *
+ * Where the nonlinearity comes from: eps is a Green strain, quadratic in the displacements, so
+ * that bodies harden as they stretch; that is geometric. The network itself is linear until a cell
+ * reaches K, which softens. The paper calls the nonlinearity the network's and not geometric; of
+ * this closure that is true of saturation alone. Left out, as future work in the paper: cutting and
+ * tearing. Links are the mesh's edges and stay.
+ *
  * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
  * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
  * motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed

@@ -7,6 +7,9 @@
  * After the finite element part of the hybrid model's paper (its eqs. (1) to (6), put right in
  * tissue_law.c), which takes its discretisation from O'Brien and Hodgins (1999). The elastic body
  * is ss_fem, everything else ss_body. Mass is lumped, so that an explicit step solves nothing.
+ * Where the nonlinearity comes from: Green strain under a linear law (stvk), quadratic in the
+ * displacement; the other laws are nonlinear of themselves, and the guard stiffens what is squeezed
+ * below 0.65 of its volume. Left out: cutting and tearing. Elements are the mesh's and stay.
  * Rejected as a default: RK4 (four times the cost, and it loses energy), an implicit step (the
  * model `corotational` is that).
  */

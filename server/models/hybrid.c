@@ -11,6 +11,10 @@
  * touched), hybrid_wake.c (activation), hybrid_bound.c (the stable step); hybrid_near.c gathers
  * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
  * tools and the ledger the body's.
+ *
+ * Where the nonlinearity comes from: Green strain, as in `fem`, of tetrahedra and particles alike,
+ * and the pair forces of the share that is cohesion. Left out: cutting and tearing. Neighbours are
+ * those at rest and stay.
  */
 #include <math.h>
 #include <string.h>

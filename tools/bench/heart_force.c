@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Force and shape under a ball: the hybrid beside finite elements, a thin wall with more and fewer
- * particles awake, and a slide over particles that wake and sleep.
+ * Force and shape under a ball: the hybrid and the program's finite elements beside the report's
+ * own (heart_own.h), a thin wall with more and fewer particles awake, and a slide over particles
+ * that wake and sleep.
  */
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,8 @@
 #include <string.h>
 
 #include "heart.h"
+#include "heart_own.h"
+#include "models/hybrid.h"
 #include "rt/vec.h"
 
 enum { DEPTHS = 4, BINS = 12 };
@@ -25,17 +28,15 @@ typedef struct press {
     char name[64];
     double force[DEPTHS];
     double dent[BINS]; /* mean inward displacement by distance from the axis at rest, at 0.1 */
-    int32_t nodes, tetrahedra, awake;
+    int32_t nodes, tetrahedra, particles, awake;
     double us; /* of a step at depth 0.1 */
 } press;
 
 /* Largest distance from the axis that the profile looks at. */
 #define PROFILE_RADIUS 0.6
 
-static void read_profile(const ss_heart_body *body, press *out)
+static void read_profile(const ss_mesh *mesh, const double (*u)[3], press *out)
 {
-    const ss_real *u = body->model_class->displacement(body->model);
-    const ss_mesh *mesh = body->mesh;
     double sum[BINS] = {0};
     int32_t count[BINS] = {0};
     uint8_t *is_surface = calloc((size_t)mesh->node_count, 1);
@@ -48,7 +49,7 @@ static void read_profile(const ss_heart_body *body, press *out)
         const double level = x[0] * x[0] + (r / 0.8) * (r / 0.8);
         const int b = (int)(r / PROFILE_RADIUS * BINS);
         if (is_surface[i] && b < BINS && x[0] > 0.0 && fabs(level - 1.0) < 0.02) {
-            sum[b] -= (double)u[4 * (ptrdiff_t)i];
+            sum[b] -= u[i][0];
             ++count[b];
         }
     }
@@ -56,6 +57,56 @@ static void read_profile(const ss_heart_body *body, press *out)
         out->dent[b] = count[b] > 0 ? sum[b] / count[b] : (double)NAN;
     }
     free(is_surface);
+}
+
+/* The same of a model. */
+static void read_model(const ss_heart_body *body, press *out)
+{
+    const ss_real *from = body->model_class->displacement(body->model);
+    double(*u)[3] = calloc((size_t)body->mesh->node_count, sizeof *u);
+    for (int32_t i = 0; u != NULL && i < body->mesh->node_count; ++i) {
+        for (int a = 0; a < 3; ++a) {
+            u[i][a] = (double)from[4 * (ptrdiff_t)i + a];
+        }
+    }
+    if (u != NULL) {
+        read_profile(body->mesh, (const double(*)[3])u, out);
+    }
+    free(u);
+}
+
+/* The report's own elements pressed to a depth of 0.1 alone; force[2] and the dent. */
+static softsim_status press_own(const ss_paper *paper, int32_t nodes, press *out,
+                                softsim_error *error)
+{
+    enum { RAMP = 300, HOLD = 857 };
+    const double dt = 0.0035, start[3] = {1.21, 0.0, 0.0}, to[3] = {1.1, 0.0, 0.0};
+    const ss_heart_row *row = &ss_heart_table[SS_HEART_ED0];
+    ss_heart_own own;
+    ss_mesh *mesh = ss_heart_ellipsoids(paper, nodes, error);
+    if (mesh == NULL) {
+        return error->status;
+    }
+    *out = (press){.nodes = mesh->node_count, .tetrahedra = mesh->tetrahedron_count};
+    snprintf(out->name, sizeof out->name, "own elements, %.1fk tetrahedra",
+             1e-3 * mesh->tetrahedron_count);
+    if (!ss_heart_own_init(&own, mesh, row->lambda, row->mu, "inner")) {
+        ss_mesh_destroy(&mesh);
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    own.damping = 6.0;
+    own.is_guarded = true;
+    own.radius = 0.2;
+    own.stiffness = CONTACT;
+    ss_copy3(own.ball, start);
+    ss_heart_own_move(&own, to, RAMP, dt);
+    ss_heart_own_run(&own, HOLD, dt);
+    out->force[2] = own.ball_force[0];
+    read_profile(mesh, (const double(*)[3])own.u, out);
+    ss_heart_own_fini(&own);
+    ss_mesh_destroy(&mesh);
+    return SOFTSIM_OK;
 }
 
 static softsim_status press_pole(ss_heart_body *body, press *out, softsim_error *error)
@@ -79,7 +130,7 @@ static softsim_status press_pole(ss_heart_body *body, press *out, softsim_error 
         if (depths[k] == 0.10) {
             out->us = us;
             out->awake = ss_heart_awake(body);
-            read_profile(body, out);
+            read_model(body, out);
         }
     }
     out->nodes = body->mesh->node_count;
@@ -87,17 +138,35 @@ static softsim_status press_pole(ss_heart_body *body, press *out, softsim_error 
     return SOFTSIM_OK;
 }
 
+enum { FEM_COARSE, FEM_FINE, HYBRID, GRADED, HYBRID_COARSE, CASES };
+static const struct {
+    const char *name, *model;
+    int32_t nodes;
+    double spacing, near; /* near: within 0.4 of the pole; 0: the same everywhere */
+} cases[CASES] = {
+    [FEM_COARSE] = {"fem, 3.6k tetrahedra", "fem", 900, 0.0, 0.0},
+    [FEM_FINE] = {"fem, 31k tetrahedra", "fem", 6600, 0.0, 0.0},
+    [HYBRID] = {"hybrid, spacing 0.04", "hybrid", 0, 0.04, 0.0},
+    [GRADED] = {"hybrid, spacing 0.04 at the pole, 0.08 elsewhere", "hybrid", 0, 0.08, 0.04},
+    [HYBRID_COARSE] = {"hybrid, spacing 0.05", "hybrid", 0, 0.05, 0.0}};
+
+/* Spacings of a graded layer; NULL when out of memory. */
+static double *grade(const ss_mesh *mesh, double spacing, double near)
+{
+    static const double pole[3] = {1.0, 0.0, 0.0};
+    double *of = malloc((size_t)mesh->node_count * sizeof *of);
+    for (int32_t i = 0; of != NULL && i < mesh->node_count; ++i) {
+        double d[3];
+        ss_sub3(d, mesh->position[i], pole);
+        of[i] = ss_norm3(d) < 0.4 ? near : spacing;
+    }
+    return of;
+}
+
 static softsim_status press_case(ss_paper *paper, int which, press *out, softsim_error *error)
 {
-    static const struct {
-        const char *name, *model;
-        int32_t nodes;
-        double spacing;
-    } cases[] = {{"fem, 3.6k tetrahedra", "fem", 900, 0.0},
-                 {"fem, 31k tetrahedra", "fem", 6600, 0.0},
-                 {"hybrid, spacing 0.04", "hybrid", 0, 0.04},
-                 {"hybrid, spacing 0.05", "hybrid", 0, 0.05}};
     ss_heart_body body;
+    double *graded = NULL;
     ss_mesh *mesh = cases[which].nodes > 0 ? ss_heart_ellipsoids(paper, cases[which].nodes, error)
                                            : ss_heart_layered_ellipsoids(paper, error);
     if (mesh == NULL) {
@@ -107,9 +176,17 @@ static softsim_status press_case(ss_paper *paper, int which, press *out, softsim
     ss_heart_set(&body, "layer.spacing_m", cases[which].spacing);
     ss_heart_set(&body, "layer.activate_m", 0.3);
     ss_heart_set(&body, "layer.max_active", 600.0);
+    if (cases[which].near > 0.0) {
+        graded = grade(body.mesh, cases[which].spacing, cases[which].near);
+        body.param[SS_HYBRID_SPACING].per_node = graded;
+    }
     snprintf(out->name, sizeof out->name, "%s", cases[which].name);
     const softsim_status status = press_pole(&body, out, error);
+    if (status == SOFTSIM_OK && cases[which].nodes == 0) {
+        out->particles = ((const ss_hybrid *)body.model)->layer->own_count;
+    }
     ss_heart_end(&body);
+    free(graded);
     return status;
 }
 
@@ -128,23 +205,80 @@ static double dent_difference(const press *fem, const press *other)
     return sqrt(difference / sum);
 }
 
-static void judge_indentation(ss_paper *paper, const press *coarse, const press *fem,
-                              const press *hybrid)
+/* Where two meshes lead: errors fall with the square of the elements' size. */
+static double limit_of(const press *coarse, const press *fine)
 {
+    const double ratio = pow((double)fine->tetrahedra / coarse->tetrahedra, 2.0 / 3.0);
+    return fine->force[2] + (fine->force[2] - coarse->force[2]) / (ratio - 1.0);
+}
+
+static void judge_indentation(ss_paper *paper, const press *all, const press *own,
+                              const char *search)
+{
+    const press *fem = &all[FEM_FINE], *hybrid = &all[HYBRID], *graded = &all[GRADED];
     bool is_monotone = true;
     for (int k = 1; k < DEPTHS; ++k) {
         is_monotone = is_monotone && hybrid->force[k] > hybrid->force[k - 1] &&
                       fem->force[k] > fem->force[k - 1];
     }
-    ss_claim_add(paper, "Section 6", is_monotone ? SS_CLAIM_PASS : SS_CLAIM_FAIL,
+    ss_claim_add(paper, "Section 6", SS_FROM_FORM, is_monotone ? SS_CLAIM_PASS : SS_CLAIM_FAIL,
                  "strictly monotone", is_monotone ? "so at every depth" : "not so",
                  "force against depth, %s and %s", fem->name, hybrid->name);
-    ss_claim_near(paper, "Section 6", fem->force[2], hybrid->force[2], 0.1,
-                  "force at depth 0.1, %s beside %s", hybrid->name, fem->name);
-    ss_claim_at_most(paper, "Section 6", dent_difference(fem, coarse), dent_difference(fem, hybrid),
+    ss_claim_near(paper, "Section 6", SS_FROM_CODE, limit_of(&own[0], &own[1]),
+                  limit_of(&all[FEM_COARSE], fem), 0.1,
+                  "force at depth 0.1, fem beside own elements, each extrapolated from its two "
+                  "meshes (contact acts on the smooth surface in fem, on facets in the own)");
+    ss_claim_near(paper, "Section 6", SS_FROM_CODE, own[1].force[2], hybrid->force[2], 0.1,
+                  "force at depth 0.1, %s beside %s", hybrid->name, own[1].name);
+    ss_claim_search(paper, "%s", search);
+    ss_claim_at_most(paper, "Section 6", SS_FROM_CODE, dent_difference(&own[1], &own[0]),
+                     dent_difference(&own[1], hybrid),
                      "shape of the dent at depth 0.1: difference of %s from %s over its size, at "
                      "most that of %s",
-                     hybrid->name, fem->name, coarse->name);
+                     hybrid->name, own[1].name, own[0].name);
+    ss_claim_search(paper, "%s", search);
+    ss_claim_near(paper, "Conclusion", SS_FROM_CODE, own[1].force[2], graded->force[2], 0.1,
+                  "different sizes in the particle zone: force at depth 0.1, %s", graded->name);
+    ss_claim_search(paper, "%s", search);
+    ss_claim_at_most(paper, "Conclusion", SS_FROM_PAPER, 0.5,
+                     (double)graded->particles / hybrid->particles,
+                     "and more efficient: particles of the layer, over those of %s", hybrid->name);
+}
+
+/* What the hybrid's force and dent are at other parameters of the layer, which the paper does not
+ * give. */
+static softsim_status search_layer(ss_paper *paper, const press *own, char out[512],
+                                   softsim_error *error)
+{
+    static const struct {
+        double spacing, cohesion, stabilisation;
+    } tries[] = {{0.04, 0.0, 0.3}, {0.04, 0.0, 0.1}, {0.04, 0.05, 0.1}, {0.05, 0.0, 0.1}};
+    softsim_status status = SOFTSIM_OK;
+    snprintf(out, 512,
+             "other parameters of the layer, of which the paper gives none (spacing, "
+             "share of pair forces, stabilisation: force, dent): ");
+    for (size_t k = 0; k < sizeof tries / sizeof *tries && status == SOFTSIM_OK; ++k) {
+        static press tried;
+        ss_heart_body body;
+        char part[96];
+        ss_mesh *mesh = ss_heart_layered_ellipsoids(paper, error);
+        if (mesh == NULL) {
+            return error->status;
+        }
+        ss_heart_init(&body, mesh, "hybrid", &ss_heart_table[SS_HEART_ED0], "inner");
+        ss_heart_set(&body, "layer.spacing_m", tries[k].spacing);
+        ss_heart_set(&body, "layer.lennard_jones_share", tries[k].cohesion);
+        ss_heart_set(&body, "layer.stabilisation", tries[k].stabilisation);
+        ss_heart_set(&body, "layer.activate_m", 0.3);
+        ss_heart_set(&body, "layer.max_active", 600.0);
+        status = press_pole(&body, &tried, error);
+        ss_heart_end(&body);
+        snprintf(part, sizeof part, "%s%g, %g, %g: %.3g N, %.3g", k > 0 ? "; " : "",
+                 tries[k].spacing, tries[k].cohesion, tries[k].stabilisation, tried.force[2],
+                 dent_difference(own, &tried));
+        strncat(out, part, 512 - strlen(out) - 1);
+    }
+    return status;
 }
 
 static softsim_status plot_indentation(ss_paper *paper, int count, const press *all,
@@ -153,13 +287,13 @@ static softsim_status plot_indentation(ss_paper *paper, int count, const press *
     ss_output csv;
     ss_output script;
     softsim_status status = ss_paper_csv_open(paper, &csv, "indentation",
-                                              "depth,fem3k,fem31k,hybrid04,hybrid05", error);
+                                              "depth,fem3k,fem31k,hybrid04,graded,hybrid05", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     for (int k = 0; k < DEPTHS; ++k) {
         fprintf(csv.file, "%g", depths[k]);
-        for (int i = 0; i < 4; ++i) {
+        for (int i = 0; i < CASES; ++i) {
             fprintf(csv.file, ",%.6g", i < count ? all[i].force[k] : (double)NAN);
         }
         fputc('\n', csv.file);
@@ -187,26 +321,35 @@ static softsim_status plot_indentation(ss_paper *paper, int count, const press *
 
 softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
 {
-    static const char *const head[] = {"model",     "nodes",     "tetrahedra",
-                                       "awake",     "F at 0.02", "F at 0.05",
-                                       "F at 0.10", "F at 0.15", "us a step"};
-    static press all[4];
-    const int count = paper->is_quick ? 3 : 4;
+    static const char *const head[] = {"model",     "nodes",     "tetrahedra", "particles",
+                                       "awake",     "F at 0.02", "F at 0.05",  "F at 0.10",
+                                       "F at 0.15", "us a step"};
+    static press all[CASES], own[2];
+    const int count = paper->is_quick ? HYBRID_COARSE : CASES;
     softsim_status status = SOFTSIM_OK;
     for (int k = 0; k < count && status == SOFTSIM_OK; ++k) {
         status = press_case(paper, k, &all[k], error);
         ss_paper_progress(paper, (k + 1.0) / count);
     }
+    for (int k = 0; k < 2 && status == SOFTSIM_OK; ++k) {
+        status = press_own(paper, k == 0 ? 900 : 6600, &own[k], error);
+    }
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_page_table_begin(&paper->page, 9, head);
+    ss_page_text(&paper->page,
+                 "Where the nonlinearity comes from: Green strain, quadratic in the displacement, "
+                 "with a linear law; and contact, which spreads as the ball sinks in. The %s, "
+                 "which share no code with the program, press %.4g N at depth 0.1; the %s %.4g N.",
+                 own[1].name, own[1].force[2], own[0].name, own[0].force[2]);
+    ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int k = 0; k < count; ++k) {
         ss_row row = {0};
         ss_row_add(&row, "%s", all[k].name);
         ss_row_add(&row, "%d", all[k].nodes);
         ss_row_add(&row, "%d", all[k].tetrahedra);
-        ss_row_add(&row, "%d", k < 2 ? 0 : all[k].awake);
+        ss_row_add(&row, "%d", all[k].particles);
+        ss_row_add(&row, "%d", k < HYBRID ? 0 : all[k].awake);
         for (int d = 0; d < DEPTHS; ++d) {
             ss_row_add_number(&row, all[k].force[d]);
         }
@@ -214,7 +357,14 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
         ss_page_table_row(&paper->page, row.count, row.cell);
     }
     ss_page_table_end(&paper->page);
-    judge_indentation(paper, &all[0], &all[1], &all[2]);
+    char search[512] = "none in a quick report";
+    if (!paper->is_quick) {
+        status = search_layer(paper, &own[1], search, error);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    judge_indentation(paper, all, own, search);
     return plot_indentation(paper, count, all, error);
 }
 
@@ -247,13 +397,50 @@ static softsim_status press_wall(const ss_paper *paper, double spacing, int32_t 
     return status;
 }
 
+/* HM1's wall filled with tetrahedra, by the report's own elements: the force at depth 0.1. */
+static softsim_status press_filled_wall(const ss_paper *paper, double *out_force,
+                                        softsim_error *error)
+{
+    enum { RAMP = 150, HOLD = 480 };
+    const char *const argv[] = {"ventricle",  "--tetrahedra", "--size-mm", "1300,1300,2400",
+                                "--inner-mm", "840,840,2000", "--base-mm", "500",
+                                "--points",   "7000",         NULL};
+    const double dt = 0.0035, to[3] = {WALL_X + 0.1, 0.0, -0.2};
+    const ss_heart_row *row = &ss_heart_table[SS_HEART_HM1];
+    ss_heart_own own;
+    ss_mesh *mesh = ss_heart_generate(paper, argv, error);
+    if (mesh == NULL) {
+        return error->status;
+    }
+    const bool is_good = ss_heart_own_init(&own, mesh, row->lambda, row->mu, "base");
+    if (is_good) {
+        own.damping = 6.0;
+        own.is_guarded = true;
+        own.radius = 0.2;
+        own.stiffness = CONTACT;
+        ss_set3(own.ball, WALL_X + 0.21, 0.0, -0.2);
+        ss_heart_own_move(&own, to, RAMP, dt);
+        ss_heart_own_run(&own, HOLD, dt);
+        *out_force = own.ball_force[0];
+        ss_heart_own_fini(&own);
+    } else {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    }
+    ss_mesh_destroy(&mesh);
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
 static softsim_status write_wall(ss_paper *paper, softsim_error *error)
 {
     static const int32_t active[] = {50, 200, 450, 700, 0};
     static const char *const head[] = {"awake", "force, N", "error"};
     enum { COUNT = sizeof active / sizeof *active };
-    double force[COUNT];
+    double force[COUNT], own = (double)NAN;
     int32_t awake[COUNT];
+    const softsim_status pressed = press_filled_wall(paper, &own, error);
+    if (pressed != SOFTSIM_OK) {
+        return pressed;
+    }
     for (int k = 0; k < COUNT; ++k) {
         ss_heart_body body = {0};
         double f[3];
@@ -271,8 +458,9 @@ static softsim_status write_wall(ss_paper *paper, softsim_error *error)
     }
     ss_page_text(&paper->page,
                  "HM1's wall, 0.23 thick of which 0.1 are the layer, under a ball of 0.2 pressed "
-                 "in by 0.1. What sleeps is counted by coarse cells; without them the prototype's "
-                 "wall softened by 6 to 20 %%.");
+                 "in by 0.1. What sleeps is counted by coarse cells. The wall filled with "
+                 "tetrahedra, by the report's own elements, presses %.4g N.",
+                 own);
     ss_page_table_begin(&paper->page, 3, head);
     for (int k = 0; k < COUNT; ++k) {
         ss_row row = {0};
@@ -282,9 +470,10 @@ static softsim_status write_wall(ss_paper *paper, softsim_error *error)
         ss_page_table_row(&paper->page, row.count, row.cell);
     }
     ss_page_table_end(&paper->page);
-    for (int k = 2; k + 1 < COUNT; ++k) {
-        ss_claim_near(paper, "Section 6", force[COUNT - 1], force[k], 0.05,
-                      "force on a thin wall, %d particles awake beside all of them", awake[k]);
+    for (int k = 1; k < COUNT; ++k) {
+        ss_claim_near(paper, "Section 6", SS_FROM_CODE, own, force[k], 0.1,
+                      "force on a thin wall, %d particles awake%s, beside own elements", awake[k],
+                      k + 1 == COUNT ? " (all)" : "");
     }
     return SOFTSIM_OK;
 }
@@ -330,7 +519,7 @@ static softsim_status write_slide(ss_paper *paper, softsim_error *error)
         const double own = fabs(change - plain) / force[0][k];
         jump = isfinite(own) ? fmax(jump, own) : (double)INFINITY; /* no contact is no pass */
     }
-    ss_claim_at_most(paper, "Section 6", 0.02, jump,
+    ss_claim_at_most(paper, "Section 6", SS_FROM_FORM, 0.02, jump,
                      "a slide around HM1's wall over four spacings: largest change of the force "
                      "between two stops that %s, over the force",
                      paper->is_quick ? "its neighbours' mean does not have"

@@ -64,9 +64,10 @@ static void print_summary(const ss_paper *paper)
 {
     for (int32_t i = 0; i < paper->claim_count; ++i) {
         const ss_claim *at = &paper->claim[i];
-        if (at->result == SS_CLAIM_FAIL) {
-            printf("fail  %s: %s: expected %s, measured %s\n", at->figure, at->claim, at->expected,
-                   at->measured);
+        if (at->result != SS_CLAIM_PASS) {
+            printf("%s  %s: %s: expected %s, measured %s\n",
+                   at->result == SS_CLAIM_FAIL ? "fail" : "differs", at->figure, at->claim,
+                   at->expected, at->measured);
         }
     }
     for (int32_t i = 0; i < paper->missing_count; ++i) {

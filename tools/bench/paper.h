@@ -3,10 +3,15 @@
 #pragma once
 /*
  * What the reports on papers share: the claims and their verdicts, the page and its sections,
- * progress, runs of scenes without LCM. A claim has an expected and a measured value and a result:
- * pass, fail, or differs where the paper's own words hold in no well-posed reading (the reason is
- * in the measured text). What the built program refuses to do is missing, not failed: the page says
- * so. Thread: main.
+ * progress, runs of scenes without LCM.
+ *
+ * A claim has an expected value with its source and tolerance, a measured value and a result: pass,
+ * fail, or differs where the paper's own words hold in no well-posed reading. The source is the
+ * paper (a figure or a sentence of it), a closed form, or an independent program (zhong_net.h,
+ * zhong_motion.h, zhang_own.h, heart_own.h, static_fem.h: double precision, no code shared with the
+ * models); never what the models or a prototype of them once printed. A claim that fails or differs
+ * carries the search that was made, and the page's closing note lists both.
+ * What the built program refuses to do is missing, not failed: the page says so. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,9 +26,14 @@
 
 typedef enum ss_claim_result { SS_CLAIM_PASS, SS_CLAIM_FAIL, SS_CLAIM_DIFFERS } ss_claim_result;
 
+typedef enum ss_claim_source { SS_FROM_PAPER, SS_FROM_FORM, SS_FROM_CODE } ss_claim_source;
+
 typedef struct ss_claim {
     char figure[16]; /* as the paper calls it */
     char claim[256], expected[96], measured[320];
+    char tolerance[16]; /* a fraction of `expected`; empty where that is a bound or words */
+    char search[512];   /* what was tried, of a claim that does not pass; empty: nothing to try */
+    ss_claim_source source;
     ss_claim_result result;
 } ss_claim;
 
@@ -59,17 +69,24 @@ typedef struct ss_paper_section {
 } ss_paper_section;
 
 /* Adds a claim; `claim`, `expected` and `measured` are copied, the claim in printf form. */
-void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_result result, const char *expected,
-                  const char *measured, const char *claim, ...)
-    __attribute__((format(printf, 6, 7)));
+void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_source source,
+                  ss_claim_result result, const char *expected, const char *measured,
+                  const char *claim, ...) __attribute__((format(printf, 7, 8)));
 /* Passes when `measured` is within `tolerance` (a fraction) of `expected`. */
-void ss_claim_near(ss_paper *paper, const char *figure, double expected, double measured,
-                   double tolerance, const char *claim, ...) __attribute__((format(printf, 6, 7)));
+void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, double expected,
+                   double measured, double tolerance, const char *claim, ...)
+    __attribute__((format(printf, 7, 8)));
 /* Passes when `measured` is at most `limit`. */
-void ss_claim_at_most(ss_paper *paper, const char *figure, double limit, double measured,
-                      const char *claim, ...) __attribute__((format(printf, 5, 6)));
-void ss_claim_at_least(ss_paper *paper, const char *figure, double limit, double measured,
-                       const char *claim, ...) __attribute__((format(printf, 5, 6)));
+void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
+                      double measured, const char *claim, ...)
+    __attribute__((format(printf, 6, 7)));
+void ss_claim_at_least(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
+                       double measured, const char *claim, ...)
+    __attribute__((format(printf, 6, 7)));
+/* What was tried to make the last claim hold, and with what result; shown where it does not pass.
+ */
+void ss_claim_search(ss_paper *paper, const char *search, ...)
+    __attribute__((format(printf, 2, 3)));
 /* Something that this program refuses; `why` is its own words. */
 void ss_paper_miss(ss_paper *paper, const char *why, const char *what, ...)
     __attribute__((format(printf, 3, 4)));
@@ -94,8 +111,9 @@ softsim_status ss_paper_run_sections(ss_paper *paper, int32_t count,
                                      const ss_paper_section *section, softsim_error *error);
 /* A table of what is missing; nothing when all is there. */
 void ss_paper_write_missing(ss_paper *paper);
-/* How many claims pass, fail and differ; `differ` ends the sentence after the last number. */
-void ss_paper_write_verdict(ss_paper *paper, const char *differ);
+/* The closing note: how many claims pass, fail and differ, and each that does not pass, with the
+ * search that was made. */
+void ss_paper_write_verdict(ss_paper *paper);
 
 /* ---- runs of scenes ----------------------------------------------------------------------- */
 
@@ -143,6 +161,9 @@ softsim_status ss_trial_write_mesh(const ss_paper *paper, const char *name, int3
 /* softsim-mesh generate `shape` with exactly `points` points, `size_mm` NULL for its own. */
 softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const char *shape,
                                  int32_t points, const char *size_mm, softsim_error *error);
+/* The same filled with tetrahedra. */
+softsim_status ss_trial_generate_solid(const ss_paper *paper, const char *name, const char *shape,
+                                       int32_t points, const char *size_mm, softsim_error *error);
 
 /* ---- papers ------------------------------------------------------------------------------- */
 

@@ -9,71 +9,86 @@
 #include "rt/clock.h"
 
 static const char *const result_names[] = {"pass", "fail", "differs"};
+static const char *const source_names[] = {"paper", "closed form", "independent"};
 
 /* ---- adding ------------------------------------------------------------------------------- */
 
 /* The next claim with its text; the last slot is used again and again when all are taken, so that
  * a count at the limit shows itself. */
-static ss_claim *next(ss_paper *paper, const char *figure, const char *claim, va_list arguments)
+static ss_claim *next(ss_paper *paper, const char *figure, ss_claim_source source,
+                      const char *claim, va_list arguments)
 {
     ss_claim *to =
         &paper->claim[paper->claim_count < SS_PAPER_MAX_CLAIMS ? paper->claim_count++
                                                                : SS_PAPER_MAX_CLAIMS - 1];
-    *to = (ss_claim){.result = SS_CLAIM_FAIL};
+    *to = (ss_claim){.result = SS_CLAIM_FAIL, .source = source};
     snprintf(to->figure, sizeof to->figure, "%s", figure);
     vsnprintf(to->claim, sizeof to->claim, claim, arguments);
     return to;
 }
 
-void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_result result, const char *expected,
-                  const char *measured, const char *claim, ...)
+void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_source source,
+                  ss_claim_result result, const char *expected, const char *measured,
+                  const char *claim, ...)
 {
     va_list arguments;
     va_start(arguments, claim);
-    ss_claim *to = next(paper, figure, claim, arguments);
+    ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
     snprintf(to->expected, sizeof to->expected, "%s", expected);
     snprintf(to->measured, sizeof to->measured, "%s", measured);
     to->result = result;
 }
 
-void ss_claim_near(ss_paper *paper, const char *figure, double expected, double measured,
-                   double tolerance, const char *claim, ...)
+void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, double expected,
+                   double measured, double tolerance, const char *claim, ...)
 {
     va_list arguments;
     va_start(arguments, claim);
-    ss_claim *to = next(paper, figure, claim, arguments);
+    ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
     const double error = fabs(measured - expected);
-    snprintf(to->expected, sizeof to->expected, "%.4g (within %.3g %%)", expected,
-             100.0 * tolerance);
+    snprintf(to->expected, sizeof to->expected, "%.5g", expected);
+    snprintf(to->tolerance, sizeof to->tolerance, "%g", tolerance);
     snprintf(to->measured, sizeof to->measured, "%.5g (%+.2g %%)", measured,
              100.0 * (measured / expected - 1.0));
     to->result = error <= tolerance * fabs(expected) ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
 }
 
-void ss_claim_at_most(ss_paper *paper, const char *figure, double limit, double measured,
-                      const char *claim, ...)
+void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
+                      double measured, const char *claim, ...)
 {
     va_list arguments;
     va_start(arguments, claim);
-    ss_claim *to = next(paper, figure, claim, arguments);
+    ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
     snprintf(to->expected, sizeof to->expected, "at most %.3g", limit);
     snprintf(to->measured, sizeof to->measured, "%.4g", measured);
     to->result = measured <= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
 }
 
-void ss_claim_at_least(ss_paper *paper, const char *figure, double limit, double measured,
-                       const char *claim, ...)
+void ss_claim_at_least(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
+                       double measured, const char *claim, ...)
 {
     va_list arguments;
     va_start(arguments, claim);
-    ss_claim *to = next(paper, figure, claim, arguments);
+    ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
     snprintf(to->expected, sizeof to->expected, "at least %.3g", limit);
     snprintf(to->measured, sizeof to->measured, "%.4g", measured);
     to->result = measured >= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
+}
+
+void ss_claim_search(ss_paper *paper, const char *search, ...)
+{
+    if (paper->claim_count == 0) {
+        return;
+    }
+    ss_claim *to = &paper->claim[paper->claim_count - 1];
+    va_list arguments;
+    va_start(arguments, search);
+    vsnprintf(to->search, sizeof to->search, search, arguments);
+    va_end(arguments);
 }
 
 void ss_paper_miss(ss_paper *paper, const char *why, const char *what, ...)
@@ -121,15 +136,22 @@ softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *n
 softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error)
 {
     ss_output csv;
-    const softsim_status status = ss_paper_csv_open(
-        paper, &csv, "claims", "paper,figure,claim,expected,measured,result", error);
+    const softsim_status status =
+        ss_paper_csv_open(paper, &csv, "claims",
+                          "paper,figure,claim,expected,measured,tolerance,source,result", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     for (int32_t i = 0; i < paper->claim_count; ++i) {
         const ss_claim *at = &paper->claim[i];
-        const char *const cell[] = {paper->name,  at->figure,   at->claim,
-                                    at->expected, at->measured, result_names[at->result]};
+        const char *const cell[] = {paper->name,
+                                    at->figure,
+                                    at->claim,
+                                    at->expected,
+                                    at->measured,
+                                    at->tolerance,
+                                    source_names[at->source],
+                                    result_names[at->result]};
         for (size_t k = 0; k < sizeof cell / sizeof *cell; ++k) {
             if (k > 0) {
                 fputc(',', csv.file);
@@ -143,14 +165,20 @@ softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error
 
 void ss_paper_show_claims(ss_paper *paper)
 {
-    static const char *const head[] = {"figure", "claim", "expected", "measured", "verdict"};
+    static const char *const head[] = {"figure", "claim", "expected", "measured",
+                                       "within", "from",  "verdict"};
     if (paper->shown_count == paper->claim_count) {
         return;
     }
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (; paper->shown_count < paper->claim_count; ++paper->shown_count) {
         const ss_claim *at = &paper->claim[paper->shown_count];
-        const char *const cell[] = {at->figure, at->claim, at->expected, at->measured,
+        const char *const cell[] = {at->figure,
+                                    at->claim,
+                                    at->expected,
+                                    at->measured,
+                                    at->tolerance,
+                                    source_names[at->source],
                                     result_names[at->result]};
         ss_page_table_row(&paper->page, (int32_t)(sizeof cell / sizeof *cell), cell);
     }
@@ -207,11 +235,26 @@ void ss_paper_write_missing(ss_paper *paper)
     ss_page_table_end(&paper->page);
 }
 
-void ss_paper_write_verdict(ss_paper *paper, const char *differ)
+void ss_paper_write_verdict(ss_paper *paper)
 {
+    static const char *const head[] = {"result", "figure", "claim", "measured", "search"};
+    const int32_t pass = ss_paper_count(paper, SS_CLAIM_PASS);
     ss_page_heading(&paper->page, "Verdict");
-    ss_page_text(&paper->page, "%d claims: %d pass, %d fail, %d differ%s", paper->claim_count,
-                 ss_paper_count(paper, SS_CLAIM_PASS), ss_paper_count(paper, SS_CLAIM_FAIL),
-                 ss_paper_count(paper, SS_CLAIM_DIFFERS), differ);
+    ss_page_text(&paper->page, "%d claims: %d pass, %d fail, %d differ.%s", paper->claim_count,
+                 pass, ss_paper_count(paper, SS_CLAIM_FAIL),
+                 ss_paper_count(paper, SS_CLAIM_DIFFERS),
+                 pass < paper->claim_count ? " Those that do not pass:" : "");
+    if (pass < paper->claim_count) {
+        ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
+        for (int32_t i = 0; i < paper->claim_count; ++i) {
+            const ss_claim *at = &paper->claim[i];
+            const char *const cell[] = {result_names[at->result], at->figure, at->claim,
+                                        at->measured, at->search[0] != '\0' ? at->search : "none"};
+            if (at->result != SS_CLAIM_PASS) {
+                ss_page_table_row(&paper->page, (int32_t)(sizeof cell / sizeof *cell), cell);
+            }
+        }
+        ss_page_table_end(&paper->page);
+    }
     ss_page_link(&paper->page, "claims.csv");
 }

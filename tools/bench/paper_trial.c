@@ -183,16 +183,24 @@ softsim_status ss_trial_write_mesh(const ss_paper *paper, const char *name, int3
     return status;
 }
 
-softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const char *shape,
-                                 int32_t points, const char *size_mm, softsim_error *error)
+static softsim_status generate(const ss_paper *paper, const char *name, const char *shape,
+                               int32_t points, const char *size_mm, bool is_solid,
+                               softsim_error *error)
 {
     char program[sizeof paper->bin + 16], count[16], mesh[PATH_SIZE];
     snprintf(program, sizeof program, "%s/softsim-mesh", paper->bin);
     snprintf(count, sizeof count, "%d", points);
     file_name(paper, name, mesh);
-    const char *const argv[] = {program, "generate", shape, "--points",
-                                count,   "--out",    mesh,  size_mm != NULL ? "--size-mm" : NULL,
-                                size_mm, NULL};
+    const char *argv[] = {program, "generate", shape, "--points", count, "--out",
+                          mesh,    NULL,       NULL,  NULL,       NULL};
+    int used = 7;
+    if (is_solid) {
+        argv[used++] = "--tetrahedra";
+    }
+    if (size_mm != NULL) {
+        argv[used++] = "--size-mm";
+        argv[used++] = size_mm;
+    }
     const ss_child_plan plan = {.name = "softsim-mesh", .argv = argv};
     const int result = ss_child_run(&plan, mesh_timeout_s);
     if (result != 0) {
@@ -204,4 +212,16 @@ softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const 
         return SOFTSIM_ERROR_SYSTEM;
     }
     return SOFTSIM_OK;
+}
+
+softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const char *shape,
+                                 int32_t points, const char *size_mm, softsim_error *error)
+{
+    return generate(paper, name, shape, points, size_mm, false, error);
+}
+
+softsim_status ss_trial_generate_solid(const ss_paper *paper, const char *name, const char *shape,
+                                       int32_t points, const char *size_mm, softsim_error *error)
+{
+    return generate(paper, name, shape, points, size_mm, true, error);
 }

@@ -8,6 +8,7 @@
  * along -z; C = 1 s, k = 1 N/m, so that figures are those of the network in its own units.
  */
 #include "paper.h"
+#include "zhang_own.h"
 #include "zhang_run.h"
 
 enum {
@@ -43,6 +44,10 @@ typedef struct ss_zhang {
 
 softsim_status ss_zhang_plane_init(ss_zhang_plane *plane, softsim_error *error);
 void ss_zhang_plane_fini(ss_zhang_plane *plane);
+/* The report's own network of it, alpha 0.02; stiffness_of NULL: 1 N/m. SOFTSIM_ERROR_MEMORY. */
+softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rule,
+                                  const double *stiffness_of, ss_zhang_own *out,
+                                  softsim_error *error);
 /* softsim-mesh generate SHAPE --tetrahedra with so many points; supports and patch are chosen by
  * the two functions below. */
 softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int32_t points,
@@ -56,6 +61,9 @@ softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out,
  * passes furthest out, pushed against it. SOFTSIM_ERROR_MEMORY. */
 softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
                                     const double towards[3], int32_t count, softsim_error *error);
+/* The report's own network of it, k 100 N/m, C 1 s. SOFTSIM_ERROR_MEMORY. */
+softsim_status ss_zhang_solid_own(const ss_zhang_solid *solid, double alpha, ss_zhang_rule rule,
+                                  ss_zhang_own *out, softsim_error *error);
 /* A setup on it. */
 ss_zhang_setup ss_zhang_solid_setup(const ss_zhang_solid *solid, const char *model, double depth);
 /* Its surface displaced by u, seen from two sides. */
@@ -70,6 +78,7 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error);     /* Fi
 softsim_status ss_zhang_hysteresis(ss_paper *paper, softsim_error *error); /* Fig. 5b */
 softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error); /* Fig. 5c */
 softsim_status ss_zhang_liver(ss_paper *paper, softsim_error *error);      /* Fig. 6 */
+softsim_status ss_zhang_tissue(ss_paper *paper, softsim_error *error);     /* two tissues */
 softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error);      /* future work */
 softsim_status ss_zhang_fitting(ss_paper *paper, softsim_error *error);    /* future work */
 softsim_status ss_zhang_speed(ss_paper *paper, softsim_error *error);

@@ -122,6 +122,12 @@ softsim_status ss_zhang_begin(const ss_zhang_setup *setup, ss_zhang_run *out_run
             return SOFTSIM_OK;
         }
     }
+    for (int32_t i = 0; i < run->class->row_count; ++i) {
+        if (setup->stiffness_of != NULL &&
+            strcmp(run->class->row[i].name, "link_stiffness_n_per_m") == 0) {
+            run->param[i].per_node = setup->stiffness_of;
+        }
+    }
     run->step_s = setup->step_s > 0.0 ? setup->step_s : 1e-3;
     create(run, run->step_s);
     if (run->model != NULL && !(setup->step_s > 0.0)) {

@@ -22,6 +22,7 @@ enum { SS_ZHANG_MAX_PARAM = 12 };
 typedef struct ss_zhang_setup {
     const char *model;
     const char *param[SS_ZHANG_MAX_PARAM]; /* "alpha=0.02", "unloading=keep"; NULL ends them */
+    double *stiffness_of;                  /* N/m: link stiffness by node; NULL: as in param */
     const ss_mesh *mesh;
     const uint8_t *fixed; /* node_count: 7 fixed, 0 free */
     int32_t *pushed;      /* the patch */

@@ -11,16 +11,6 @@
 #include "chain_speed.h"
 #include "zhang.h"
 
-/* Of the prototype, on another processor: shown beside, not claimed. */
-static const struct {
-    const char *what;
-    double us;
-} prototype[] = {
-    {"full step, liver of 5779 nodes", 83.0},
-    {"poke, a step, liver", 11.9},
-    {"poke, frame of eight sub-steps, liver", 88.0},
-};
-
 static void show(ss_paper *paper, const ss_chain_speed *row, int32_t count)
 {
     static const char *const head[] = {"body",
@@ -43,11 +33,6 @@ static void show(ss_paper *paper, const ss_chain_speed *row, int32_t count)
         ss_page_table_row(&paper->page, cells.count, cells.cell);
     }
     ss_page_table_end(&paper->page);
-    ss_page_text(&paper->page,
-                 "The prototype, on another processor: %s %.3g us; %s %.3g us; %s "
-                 "%.3g us.",
-                 prototype[0].what, prototype[0].us, prototype[1].what, prototype[1].us,
-                 prototype[2].what, prototype[2].us);
 }
 
 static softsim_status write_csv(ss_paper *paper, const ss_chain_speed *row, int32_t count,
@@ -78,11 +63,11 @@ static void claim(ss_paper *paper, const ss_chain_speed *row, int32_t count)
             most = fmax(most, row[r].visits);
         }
     }
-    ss_claim_at_most(paper, "section 1", 1.05, most / least,
+    ss_claim_at_most(paper, "section 1", SS_FROM_FORM, 1.05, most / least,
                      "a poke moves as many cells in large bodies as in small ones: most over least "
                      "of blocks of %d to %d nodes",
                      row[1].nodes, row[count - 1].nodes);
-    ss_claim_at_most(paper, "section 1", 1000.0, row[0].frame_us,
+    ss_claim_at_most(paper, "section 1", SS_FROM_PAPER, 1000.0, row[0].frame_us,
                      "real time: a haptic frame of eight sub-steps on the liver, us of 1000");
 }
 

@@ -12,6 +12,7 @@
  * Thread: main.
  */
 #include "paper.h"
+#include "zhong_motion.h"
 #include "zhong_net.h"
 
 enum {
@@ -88,8 +89,23 @@ softsim_status ss_tube_static(ss_paper *paper, const ss_tube *tube, const ss_tub
 ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across);
 /* Its static depth (and ring width, may be NULL) under a force on the contact; ks of a point is
  * stiffness[i] or, with NULL, 0.1. */
-double ss_tube_net_static(const ss_zhong_net *net, double force, const double *stiffness,
+double ss_tube_net_static(ss_zhong_net *net, double force, const double *stiffness,
                           double *out_width);
+
+/* ---- zhong_literal.c ---------------------------------------------------------------------- */
+
+typedef struct ss_zhong_outcome {
+    double loaded;   /* m: depth at the end of the load */
+    double left;     /* share of it at the end of the run */
+    double shortest; /* edge over its length at rest, least of the run */
+} ss_zhong_outcome;
+
+/* Loads the contact of the own network for 50 s and leaves it alone for left_s, with a row
+ * reading,force_n,time_s,u_m,shortest_edge a sample. */
+softsim_status ss_zhong_load_and_leave(const ss_zhong_net *net, const ss_tube *tube,
+                                       const ss_zhong_law *law, const char *name, double force,
+                                       double left_s, FILE *csv, ss_zhong_outcome *out,
+                                       softsim_error *error);
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
@@ -100,7 +116,9 @@ softsim_status ss_zhong_materials(ss_paper *paper, softsim_error *error);   /* F
 softsim_status ss_zhong_kidney(ss_paper *paper, softsim_error *error);      /* Figs. 12, 13 */
 softsim_status ss_zhong_rates(ss_paper *paper, softsim_error *error);       /* Table 1 */
 softsim_status ss_zhong_organs(ss_paper *paper, softsim_error *error);
+softsim_status ss_zhong_volume(ss_paper *paper, softsim_error *error); /* conclusion */
 softsim_status ss_zhong_invariants(ss_paper *paper, softsim_error *error);
 softsim_status ss_zhong_templates(ss_paper *paper, softsim_error *error);  /* eqs. 14 to 18, 26 */
 softsim_status ss_zhong_relaxation(ss_paper *paper, softsim_error *error); /* eqs. 1, 2, 19, 20 */
-softsim_status ss_zhong_literal(ss_paper *paper, softsim_error *error);    /* eqs. 3 to 9 */
+softsim_status ss_zhong_literal(ss_paper *paper, softsim_error *error);    /* eqs. 3, 4, 26, 28 */
+softsim_status ss_zhong_density(ss_paper *paper, softsim_error *error);    /* eqs. 5 to 9 */

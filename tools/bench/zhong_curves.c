@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Figures 4 to 6: creep, hysteresis, load and deformation of the cylinder's contact. The expected
- * figures of the grid (and those of the triangles that have one) are a prototype's, printed with
- * the closure; where a mesh has none the report's own network (zhong_motion.h) gives it.
+ * Figures 4 to 6: creep, hysteresis, load and deformation of the cylinder's contact. The paper
+ * prints curves without numbers, so what it says is their shape; the numbers expected here are
+ * those of the report's own network (zhong_net.h, zhong_motion.h) on the same protocol.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "zhong.h"
 #include "zhong_motion.h"
 
-static const double tolerance = 0.02;
+static const double tolerance = 1e-3; /* of two codes for one equation, one of them single */
 
 enum { MAX_CURVES = 8 };
 
@@ -185,18 +185,16 @@ static double time_of_90(const table *t, int32_t c)
     return *cell(t, k - 1, 0) + share * (*cell(t, k, 0) - *cell(t, k - 1, 0));
 }
 
-static softsim_status expect_t90(const ss_tube *tube, double gamma, double printed, double *out_s,
-                                 softsim_error *error)
+/* The same of the own network, and its displacement in the end. */
+static softsim_status own_creep(const ss_tube *tube, double gamma, double *out_t90_s,
+                                double *out_last, softsim_error *error)
 {
     table own;
-    *out_s = printed;
-    if (tube->is_grid) {
-        return SOFTSIM_OK;
-    }
     softsim_status status = table_init(&own, CREEP_ROWS, 1, error);
     if (status == SOFTSIM_OK) {
         status = record_own(tube, gamma, creep_force, &own, 1, CREEP_EVERY, creep_step_s, error);
-        *out_s = status == SOFTSIM_OK ? time_of_90(&own, 1) : (double)NAN;
+        *out_t90_s = status == SOFTSIM_OK ? time_of_90(&own, 1) : (double)NAN;
+        *out_last = *cell(&own, CREEP_ROWS - 1, 1);
     }
     free(own.value);
     return status;
@@ -206,31 +204,33 @@ static softsim_status creep_claims(ss_zhong *zhong, const ss_tube *tube, const t
                                    softsim_error *error)
 {
     ss_paper *paper = zhong->paper;
-    double overshoot = 0.0, fastest_s = 0.0, slowest_s = 0.0;
-    ss_claim_near(paper, "Fig. 4", tube->is_grid ? 0.5193 : 0.5102, *cell(t, t->rows - 1, 1),
-                  tolerance, "%s: displacement under a constant 0.25 N in the end, m", tube->name);
+    double overshoot = 0.0, t90_s[2] = {0.0, 0.0}, last[2] = {0.0, 0.0};
     for (int32_t c = 1; c <= t->curves; ++c) {
         for (int32_t k = 1; k < t->rows; ++k) {
-            const double last = *cell(t, t->rows - 1, c);
-            overshoot = fmax(overshoot, (*cell(t, k, c) - last) / last);
+            const double end = *cell(t, t->rows - 1, c);
+            overshoot = fmax(overshoot, (*cell(t, k, c) - end) / end);
         }
     }
-    ss_claim_at_most(paper, "Fig. 4", 1e-4, overshoot,
-                     "%s: rises towards a maximum, no overshoot (beyond the last value, fraction)",
+    ss_claim_at_most(paper, "Fig. 4", SS_FROM_PAPER, 1e-4, overshoot,
+                     "%s: builds up asymptotically towards a maximum, no overshoot (beyond the "
+                     "last value, fraction)",
                      tube->name);
-    ss_claim_at_least(paper, "Fig. 4", 1e-5, least_gap(t, 2, 200),
+    ss_claim_at_least(paper, "Fig. 4", SS_FROM_PAPER, 1e-5, least_gap(t, 2, 200),
                       "%s: the eight curves in strict order of damping from 1 to 100 s (least "
                       "distance between neighbours, m)",
                       tube->name);
-    softsim_status status = expect_t90(tube, 3.0, 38.0, &fastest_s, error);
-    if (status == SOFTSIM_OK) {
-        status = expect_t90(tube, 10.0, 123.5, &slowest_s, error);
+    softsim_status status = SOFTSIM_OK;
+    for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
+        const double gamma = creep_gamma[k == 0 ? 0 : t->curves - 1];
+        status = own_creep(tube, gamma, &t90_s[k], &last[k], error);
     }
-    if (status == SOFTSIM_OK) {
-        ss_claim_near(paper, "Fig. 4", fastest_s, time_of_90(t, 1), tolerance,
-                      "%s: time to 90 %% of the displacement at 400 s, damping 3, s", tube->name);
-        ss_claim_near(paper, "Fig. 4", slowest_s, time_of_90(t, t->curves), tolerance,
-                      "%s: the same, damping 10, s", tube->name);
+    for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
+        const int32_t c = k == 0 ? 1 : t->curves;
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, last[k], *cell(t, t->rows - 1, c), tolerance,
+                      "%s: displacement after 400 s under a constant 0.25 N, damping %g, m",
+                      tube->name, creep_gamma[c - 1]);
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, t90_s[k], time_of_90(t, c), tolerance,
+                      "%s: time to 90 %% of it, damping %g, s", tube->name, creep_gamma[c - 1]);
     }
     return status;
 }
@@ -312,23 +312,17 @@ static double loop_area(const table *t, int32_t c)
     return area;
 }
 
-/* Area, U at a quarter of the way up and down; printed or the report's own. */
-static softsim_status expect_loop(const ss_tube *tube, int which, double out[3],
-                                  softsim_error *error)
+/* Area, U at a quarter of the way up and down, by the own network. */
+static softsim_status own_loop(const ss_tube *tube, double gamma, double out[3],
+                               softsim_error *error)
 {
-    static const double printed[2][3] = {{0.113, 0.359, 0.585}, {0.118, 0.203, 0.444}};
-    static const double area_of_triangles[2] = {0.106, 0.115};
     table own;
-    memcpy(out, printed[which], sizeof printed[which]);
-    if (tube->is_grid) {
-        return SOFTSIM_OK;
-    }
     softsim_status status = table_init(&own, LOOP_ROWS, 1, error);
     if (status == SOFTSIM_OK) {
-        status = record_own(tube, loop_gamma[which], loop_force, &own, 1, 1, loop_step_s, error);
+        status = record_own(tube, gamma, loop_force, &own, 1, 1, loop_step_s, error);
     }
     if (status == SOFTSIM_OK) {
-        out[0] = area_of_triangles[which];
+        out[0] = loop_area(&own, 1);
         out[1] = *cell(&own, LOOP_QUARTER, 1);
         out[2] = *cell(&own, LOOP_HALF + LOOP_QUARTER, 1);
     }
@@ -341,48 +335,58 @@ static softsim_status loop_claims(ss_zhong *zhong, const ss_tube *tube, const ta
 {
     ss_paper *paper = zhong->paper;
     for (int which = 0; which < 2; ++which) {
-        double expected[3];
+        double own[3];
         const double gamma = loop_gamma[which];
         const double up = *cell(t, LOOP_QUARTER, 1 + which);
         const double down = *cell(t, LOOP_HALF + LOOP_QUARTER, 1 + which);
-        const softsim_status status = expect_loop(tube, which, expected, error);
+        const softsim_status status = own_loop(tube, gamma, own, error);
         if (status != SOFTSIM_OK) {
             return status;
         }
-        ss_claim_at_least(paper, "Fig. 5", 0.05, down - up,
-                          "%s: two paths, damping %g: unloading above loading at 0.25 N by, m",
+        ss_claim_at_least(paper, "Fig. 5", SS_FROM_PAPER, 0.05, down / up - 1.0,
+                          "%s: two distinct paths, damping %g: unloading above loading at 0.25 N "
+                          "by, fraction",
                           tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", expected[0], loop_area(t, 1 + which), tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[0], loop_area(t, 1 + which), tolerance,
                       "%s: area of the loop, damping %g, J", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", expected[1], up, tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[1], up, tolerance,
                       "%s: displacement at 0.25 N while loading, damping %g, m", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", expected[2], down, tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[2], down, tolerance,
                       "%s: the same while unloading, damping %g, m", tube->name, gamma);
     }
     return SOFTSIM_OK;
+}
+
+/* The network is cubic in a small dent, so the last part of the return is a damped spring's:
+ * m x'' + gamma x' + ks x = 0, overdamped. */
+static double slow_rate(double gamma)
+{
+    return 0.5 * (gamma - sqrt(gamma * gamma - 4.0 * SS_TUBE_KS));
 }
 
 static softsim_status loop_returns(ss_zhong *zhong, const ss_tube *tube, softsim_error *error)
 {
     ss_trial trial;
     ss_tube_setup setup;
+    const double begin_s = 380.0, end_s = 480.0;
+    double depth[2];
     loop_setup(loop_gamma[0], &setup);
     softsim_status status = ss_tube_begin(zhong->paper, tube, &setup, &trial, error);
     if (status != SOFTSIM_OK || trial.world == NULL) {
         return status;
     }
-    status = ss_trial_run(&trial, (int32_t)(480.0 / loop_step_s), error);
-    double largest = 0.0;
-    for (int32_t i = 0; i < SS_TUBE_POINTS; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            largest = fmax(largest, fabs(trial.u[i][k]));
-        }
+    status = ss_trial_run(&trial, (int32_t)(begin_s / loop_step_s), error);
+    depth[0] = ss_tube_depth(tube, &trial);
+    if (status == SOFTSIM_OK) {
+        status = ss_trial_run(&trial, (int32_t)((end_s - begin_s) / loop_step_s), error);
     }
+    depth[1] = ss_tube_depth(tube, &trial);
     ss_trial_end(&trial);
-    ss_claim_at_most(zhong->paper, "Fig. 5", 1e-9, largest,
-                     "%s: returns to rest, damping 2: largest displacement 400 s after the load "
-                     "has gone, m (5e-10 is what exp(-t ks/gamma) leaves)",
-                     tube->name);
+    ss_claim_near(zhong->paper, "Fig. 5", SS_FROM_FORM, slow_rate(loop_gamma[0]),
+                  log(depth[0] / depth[1]) / (end_s - begin_s), 1e-2,
+                  "%s: returns to rest, damping 2: rate of the decay from 300 to 400 s after the "
+                  "load has gone, 1/s",
+                  tube->name);
     return status;
 }
 
@@ -472,14 +476,10 @@ softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error)
 /* ---- Fig. 6: load and deformation --------------------------------------------------------- */
 
 static const double ramp_gamma[MAX_CURVES] = {1, 2, 4, 5, 6, 7, 9, 10};
-static const double ramp_printed[MAX_CURVES] = {0.709, 0.586, 0.468, 0.433,
-                                                0.405, 0.383, 0.348, 0.334};
 static const double ramp_step_s = 0.05, ramp_s = 10.0;
 enum { RAMP_ROWS = 201 };
 enum { STATIC_COUNT = 7 };
 static const double static_force[STATIC_COUNT] = {0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
-static const double static_printed[STATIC_COUNT] = {0.087, 0.332, 0.519, 0.720,
-                                                    0.994, 1.365, 1.863};
 
 static double ramp_force(double time)
 {
@@ -505,25 +505,21 @@ static softsim_status ramp_claims(ss_zhong *zhong, const ss_tube *tube, const ta
     double least_bend = 1.0;
     softsim_status status = table_init(&own, RAMP_ROWS, 1, error);
     for (int32_t c = 1; status == SOFTSIM_OK && c <= MAX_CURVES; ++c) {
-        double expected = ramp_printed[c - 1];
-        if (!tube->is_grid) {
-            status =
-                record_own(tube, ramp_gamma[c - 1], ramp_force, &own, 1, 1, ramp_step_s, error);
-            expected = *cell(&own, RAMP_ROWS - 1, 1);
-        }
-        ss_claim_near(paper, "Fig. 6", expected, *cell(t, RAMP_ROWS - 1, c), tolerance,
+        status = record_own(tube, ramp_gamma[c - 1], ramp_force, &own, 1, 1, ramp_step_s, error);
+        ss_claim_near(paper, "Fig. 6", SS_FROM_CODE, *cell(&own, RAMP_ROWS - 1, 1),
+                      *cell(t, RAMP_ROWS - 1, c), tolerance,
                       "%s: displacement at 1 N after a ramp of 10 s, damping %g, m", tube->name,
                       ramp_gamma[c - 1]);
         least_bend = fmin(least_bend, bend(t, c));
     }
     free(own.value);
-    ss_claim_at_least(paper, "Fig. 6", 0.05, least_bend,
+    ss_claim_at_least(paper, "Fig. 6", SS_FROM_PAPER, 0.05, least_bend,
                       "%s: displacement is not linear in the force (least departure of the eight "
                       "curves from a straight line, fraction)",
                       tube->name);
-    ss_claim_at_least(paper, "Fig. 6", 1e-4, least_gap(t, RAMP_ROWS / 5, RAMP_ROWS - 1),
-                      "%s: in strict order of damping from 0.2 N on (least distance, m)",
-                      tube->name);
+    ss_claim_at_least(
+        paper, "Fig. 6", SS_FROM_PAPER, 1e-4, least_gap(t, RAMP_ROWS / 5, RAMP_ROWS - 1),
+        "%s: in strict order of damping from 0.2 N on (least distance, m)", tube->name);
     return status;
 }
 
@@ -531,9 +527,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
                                     softsim_error *error)
 {
     ss_output csv;
-    double last_stiffness = 0.0;
-    bool is_hardening = true;
-    char text[96] = "";
+    double stiffness[STATIC_COUNT], own_stiffness[STATIC_COUNT];
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
     softsim_status status =
         ss_paper_csv_open(zhong->paper, &csv, name, "force_n,u_m,own_network_m", error);
@@ -546,18 +540,21 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
         const double own =
             net != NULL ? ss_tube_net_static(net, static_force[k], NULL, NULL) : (double)NAN;
         fprintf(csv.file, "%g,%.8g,%.8g\n", static_force[k], depth, own);
-        ss_claim_near(zhong->paper, "Fig. 6", tube->is_grid ? static_printed[k] : own, depth,
-                      tolerance, "%s: static displacement at %g N, m", tube->name, static_force[k]);
-        is_hardening = is_hardening && static_force[k] / depth > last_stiffness;
-        last_stiffness = static_force[k] / depth;
+        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, own, depth, tolerance,
+                      "%s: static displacement at %g N, m", tube->name, static_force[k]);
+        stiffness[k] = static_force[k] / depth;
+        own_stiffness[k] = static_force[k] / own;
         ss_paper_progress(zhong->paper, (tube->is_grid ? 0.3 : 0.8) + 0.02 * k);
     }
     ss_zhong_net_destroy(&net);
-    snprintf(text, sizeof text, "%s; %.3g N/m at 4 N", is_hardening ? "rises" : "does not",
-             last_stiffness);
-    ss_claim_add(zhong->paper, "Fig. 6", is_hardening ? SS_CLAIM_PASS : SS_CLAIM_FAIL,
-                 "rises with force", text, "%s: the body hardens: static force over displacement",
-                 tube->name);
+    if (status == SOFTSIM_OK) {
+        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE,
+                      own_stiffness[STATIC_COUNT - 1] / own_stiffness[0],
+                      stiffness[STATIC_COUNT - 1] / stiffness[0], tolerance,
+                      "%s: the body hardens: static force over displacement at %g N, over that at "
+                      "%g N",
+                      tube->name, static_force[STATIC_COUNT - 1], static_force[0]);
+    }
     if (status == SOFTSIM_OK) {
         return ss_paper_csv_close(zhong->paper, &csv, name, error);
     }
@@ -625,7 +622,11 @@ softsim_status ss_zhong_load_curves(ss_paper *paper, softsim_error *error)
     ss_page_text(&paper->page,
                  "The paper: the force is raised at a constant rate; the deformation varies "
                  "nonlinearly with it, for eight dampings from 1 (right) to 10 (left). Here: up to "
-                 "1 N in 10 s, and beside it the static curve, which hardens: the displacement "
-                 "grows about as the square root of the force at first, more slowly later.");
+                 "1 N in 10 s, and beside it the static curve, which hardens. The hardening is "
+                 "geometric: the tension of an edge follows its Green strain, which is quadratic "
+                 "in the displacement, while the cells stay below their bound and the network is "
+                 "linear. The cell's own nonlinearity, its bound K, softens: see equation 1 "
+                 "below. The paper's sentence that the nonlinearity is the network's and not "
+                 "geometric holds for the second alone.");
     return on_tubes(paper->shared, ramp_on, error);
 }

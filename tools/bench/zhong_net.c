@@ -155,6 +155,45 @@ ss_zhong_net *ss_zhong_net_triangles(int32_t node_count, const double (*position
     return net;
 }
 
+/* Within a tetrahedron the cells of i and j meet on the plane figure of the edge's middle m, the
+ * centroids f, f' of the two faces on the edge and the tetrahedron's own c: half |c - m| x |f' - f|
+ * of the vectors. */
+ss_zhong_net *ss_zhong_net_tetrahedra(int32_t node_count, const double (*position)[3],
+                                      int32_t tetrahedron_count, const int32_t (*tetrahedron)[4])
+{
+    ss_zhong_net *net = make(node_count, 6 * tetrahedron_count, position);
+    if (net != NULL) {
+        net->is_volume = true;
+    }
+    for (int32_t t = 0; net != NULL && t < tetrahedron_count; ++t) {
+        const int32_t *corner = tetrahedron[t];
+        double centroid[3] = {0.0, 0.0, 0.0}, u[3], v[3], w[3], n[3];
+        for (int k = 0; k < 4; ++k) {
+            ss_madd3(centroid, centroid, 0.25, net->rest[corner[k]]);
+        }
+        ss_sub3(u, net->rest[corner[1]], net->rest[corner[0]]);
+        ss_sub3(v, net->rest[corner[2]], net->rest[corner[0]]);
+        ss_sub3(w, net->rest[corner[3]], net->rest[corner[0]]);
+        ss_cross3(n, u, v);
+        for (int k = 0; k < 4; ++k) {
+            net->area[corner[k]] += fabs(ss_dot3(n, w)) / 24.0;
+        }
+        for (int a = 0; a < 4; ++a) {
+            for (int b = a + 1; b < 4; ++b) {
+                const int other = a == 0 ? (b == 1 ? 2 : 1) : 0; /* f' - f = (last - other)/3 */
+                double middle[3], apart[3];
+                const int32_t e = edge_between(net, corner[a], corner[b]);
+                ss_add3(middle, net->rest[corner[a]], net->rest[corner[b]]);
+                ss_madd3(middle, centroid, -0.5, middle);
+                ss_sub3(apart, net->rest[corner[6 - a - b - other]], net->rest[corner[other]]);
+                ss_cross3(n, middle, apart);
+                net->conductance[e] += ss_norm3(n) / 6.0 / net->length[e];
+            }
+        }
+    }
+    return net;
+}
+
 /* ---- the potential ------------------------------------------------------------------------ */
 
 bool ss_zhong_cholesky(int32_t n, double *a, int32_t columns, double *b)
@@ -242,6 +281,7 @@ bool ss_zhong_net_solve(ss_zhong_net *net)
         const double drop = fabs(net->potential[net->edge[e][0]] - net->potential[net->edge[e][1]]);
         const double square = net->length[e] * net->length[e];
         net->flux[e] = ss_zhong_net_rho(net, e) * drop / square;
+        net->flux[e] *= net->is_volume ? net->conductance[e] : 1.0;
         net->flux_strain += net->flux[e] * square;
     }
     free(matrix);
@@ -303,7 +343,7 @@ static bool shape_at(const ss_zhong_net *net, double current, const double *stif
     return true;
 }
 
-double ss_zhong_net_static(const ss_zhong_net *net, double modulus, const double *stiffness,
+double ss_zhong_net_static(ss_zhong_net *net, double modulus, const double *stiffness,
                            const double (*force)[3], double (*out_u)[3])
 {
     enum { HALVINGS = 40 };
@@ -319,7 +359,8 @@ double ss_zhong_net_static(const ss_zhong_net *net, double modulus, const double
         is_good =
             shape_at(net, current, stiffness, force, (const double(*)[3])pull, matrix, b, out_u);
         const double strain = ss_zhong_net_strain(net, (const double(*)[3])out_u);
-        const double wanted = modulus * fmax(0.0, strain / net->flux_strain);
+        double wanted = modulus * fmax(0.0, strain / net->flux_strain);
+        wanted = net->most_current > 0.0 ? fmin(wanted, net->most_current) : wanted;
         if (k == 0) { /* softest: no current at all */
             high = wanted;
         } else if (wanted > current) {
@@ -332,5 +373,24 @@ double ss_zhong_net_static(const ss_zhong_net *net, double modulus, const double
     free(matrix);
     free(b);
     free(pull);
-    return is_good ? current : (double)NAN;
+    net->current = is_good ? current : (double)NAN;
+    return net->current;
+}
+
+bool ss_zhong_net_shape(const ss_zhong_net *net, double current, const double *stiffness,
+                        const double (*force)[3], double (*out_u)[3])
+{
+    const size_t n = (size_t)net->unknown_count;
+    double *matrix = calloc(n * n, sizeof *matrix), *b = calloc(3 * n, sizeof *b);
+    double(*pull)[3] = calloc((size_t)net->node_count, sizeof *pull);
+    bool is_good = matrix != NULL && b != NULL && pull != NULL;
+    if (is_good) {
+        ss_zhong_net_pull(net, (const double(*)[3])net->rest, pull);
+        is_good =
+            shape_at(net, current, stiffness, force, (const double(*)[3])pull, matrix, b, out_u);
+    }
+    free(matrix);
+    free(b);
+    free(pull);
+    return is_good;
 }

@@ -279,7 +279,7 @@ ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across)
     return net;
 }
 
-double ss_tube_net_static(const ss_zhong_net *net, double force, const double *stiffness,
+double ss_tube_net_static(ss_zhong_net *net, double force, const double *stiffness,
                           double *out_width)
 {
     static double pushed[SS_TUBE_POINTS][3], u[SS_TUBE_POINTS][3];

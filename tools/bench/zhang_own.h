@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The network of Zhang et al. (2018) once more, small and plain: double precision, one loop over
+ * links, equations (5), (13) and (4) as printed, sharing no code with the model cnn-chainmail. The
+ * report checks the model against it on the same protocol.
+ *
+ * In: nodes, elements whose edges are the links, fixed nodes, a patch that is moved along a
+ * direction, alpha, k (of a node; a link has the mean of its ends'), C. Out: places, the force on
+ * the patch. No coarse level, no saturation, no guard of tetrahedra. Thread: any.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum ss_zhang_rule { SS_OWN_KEEP, SS_OWN_RAMP, SS_OWN_LITERAL } ss_zhang_rule;
+
+typedef struct ss_zhang_own {
+    int32_t node_count, link_count;
+    double (*rest)[3], (*at)[3]; /* m */
+    double (*flow)[3];           /* dP of (12), m */
+    int32_t (*link)[2];
+    double *length;        /* m, at rest */
+    double *weight;        /* k of a link over the mean k */
+    uint8_t *is_held;      /* fixed nodes and the patch */
+    const int32_t *pushed; /* the patch, borrowed */
+    int32_t pushed_count;
+    double direction[3];
+    double alpha, stiffness, capacitance; /* -, N/m (the mean), s */
+    double share;                         /* of alpha that acts */
+    ss_zhang_rule rule;                   /* of unloading */
+    double depth, deepest;                /* m */
+    double stable_step;                   /* s: 4 C/max(s_a + s_b) */
+    double force;                         /* N, along the push, as the patch has moved */
+} ss_zhang_own;
+
+typedef struct ss_zhang_own_plan {
+    int32_t node_count, element_count, corners; /* 4: quads in a ring; -4: tetrahedra */
+    const double (*rest)[3];
+    const int32_t (*element)[4];
+    const uint8_t *fixed; /* not 0: fixed */
+    const int32_t *pushed;
+    int32_t pushed_count;
+    double direction[3];
+    double alpha, stiffness, capacitance;
+    const double *stiffness_of; /* N/m a node; NULL: `stiffness` everywhere */
+    ss_zhang_rule rule;
+} ss_zhang_own_plan;
+
+/* False when out of memory. */
+bool ss_zhang_own_init(ss_zhang_own *own, const ss_zhang_own_plan *plan);
+void ss_zhang_own_fini(ss_zhang_own *own);
+/* The patch goes to `depth`, the force is taken, then the other cells answer for h seconds by
+ * Euler. */
+void ss_zhang_own_step(ss_zhang_own *own, double depth, double h);
+/* To `depth` at a speed, and held, in steps of h. */
+void ss_zhang_own_go(ss_zhang_own *own, double depth, double speed, double h);
+void ss_zhang_own_hold(ss_zhang_own *own, double time, double h);
+/* The equilibrium with the patch where it is, by another algorithm than time: Nesterov's
+ * accelerated gradient of W with restarts, until no cell would move by more than `least` of a mean
+ * link in a C. False when it does not settle. */
+bool ss_zhang_own_settle(ss_zhang_own *own, double least);
+
+/* Traditional ChainMail along a straight row of links of length 1, its first node pushed to `depth`
+ * across the row in `steps` equal steps, its last one fixed: each node in turn is brought into the
+ * band [1 - alpha, 1 + alpha] along the link to the one before it. out_at: `count` pairs (along,
+ * across). */
+void ss_zhang_own_row(int32_t count, double alpha, double depth, int32_t steps,
+                      double (*out_at)[2]);
