@@ -223,6 +223,9 @@ static softsim_status write_bounds(ss_paper *paper, softsim_error *error)
                              "%s: the step that the program calls stable, at most dt* by the own "
                              "elements, s",
                              all[b].name);
+            ss_claim_near(paper, "eq. 14", SS_FROM_CODE, all[b].own_stable, all[b].stable, 0.02,
+                          "%s: the same within 2 %%, s", all[b].name);
+            ss_claim_search(paper, "the program's step errs to the safe side");
         }
     }
     for (int r = 0; r < READINGS; ++r) {
