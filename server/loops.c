@@ -10,11 +10,13 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "claim.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "rt/program.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
+#include "tell.h"
 
 /*
  * Every loop runs on the absolute monotonic clock from one common start, so that tick n is due at
@@ -40,21 +42,13 @@ enum {
 };
 static const int64_t STATUS_PERIOD_NS = 250000000;
 static const int64_t RATE_PERIOD_NS = 250000000;
-static const int64_t SILENCE_NS = 5000000000;      /* a status says so for as long */
-static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
+static const int64_t SILENCE_NS = 5000000000; /* a status says so for as long */
 
 /* Steps a second of the clock: over the last second, once there is one. */
 typedef struct rate_meter {
     int64_t time_ns[RATE_MARKS], step[RATE_MARKS];
     int64_t count; /* of marks ever made */
 } rate_meter;
-
-/* What the newest status says. */
-typedef struct ss_opinion {
-    softsim_verdict verdict;
-    char reason[160];
-    bool has_rival; /* another server was heard on this prefix */
-} ss_opinion;
 
 typedef struct ss_loops {
     ss_world *world;
@@ -66,7 +60,6 @@ typedef struct ss_loops {
     atomic_bool is_ending; /* loops return */
     atomic_bool is_over;   /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
-    atomic_int_least64_t ready_ns;                /* main -> net: uptime counts from here */
     atomic_int refreshes;                         /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
     _Atomic double rate_hz;                       /* simulation -> net: achieved */
@@ -79,6 +72,8 @@ typedef struct ss_loops {
     softsim_status open_status; /* main reads it from is_listening on */
     softsim_status net_status;  /* main reads it after the thread's end */
     softsim_error net_error;
+    bool is_open; /* the prefix is ours: poses and commands are taken */
+    ss_claim claim;
     int64_t last_tick[SOFTSIM_MAX_PROBES];
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
@@ -91,10 +86,7 @@ typedef struct ss_loops {
     ss_simulation_stats simulation_stats;
 
     /* main thread */
-    int64_t next_log_ns, logged_refusals;
-    int64_t next_verdict_log_ns;
-    softsim_verdict logged_verdict; /* good again once it is better than degraded */
-    bool is_rival_logged;
+    ss_teller teller;
 
     /* publish thread; read by net */
     ss_publisher *publisher;
@@ -161,6 +153,9 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
 {
     ss_loops *loops = context;
     ss_world *world = loops->world;
+    if (!loops->is_open) {
+        return;
+    }
     if (loops->options->lockstep) {
         answer_lockstep(loops, pose, channel);
         return;
@@ -185,7 +180,9 @@ static void handle_refusal(void *context, softsim_refusal reason, int32_t channe
 {
     ss_loops *loops = context;
     (void)channel;
-    ss_gate_refuse(loops->world->gate, reason);
+    if (loops->is_open) {
+        ss_gate_refuse(loops->world->gate, reason);
+    }
 }
 
 static void send_status(ss_loops *loops);
@@ -194,6 +191,9 @@ static int32_t handle_command(void *context, const char *name, const char *argum
                               int32_t text_size)
 {
     ss_loops *loops = context;
+    if (!loops->is_open) {
+        return -1;
+    }
     if (!loops->takes_commands && strcmp(name, "refresh") != 0 && strcmp(name, "status") != 0) {
         snprintf(out_text, (size_t)text_size,
                  loops->options->no_commands
@@ -362,7 +362,9 @@ static void send_status(ss_loops *loops)
     const ss_model_info *info = &simulation->info;
     ss_gate_counts counts;
     ss_gate_read(world->gate, &counts);
+    const int64_t utime_us = ss_clock_now_ns() / 1000;
     ss_report report = {
+        .utime_us = utime_us,
         .threads = world->threads,
         .nodes = scene->mesh->node_count,
         .active_nodes = info->active_nodes,
@@ -377,8 +379,7 @@ static void send_status(ss_loops *loops)
         .poses_superseded = haptic->superseded + loops->queue_refused,
         .mesh_bytes_sent = loops->publisher ? ss_publisher_bytes(loops->publisher) : 0,
         .wire_dropped = ss_net_dropped(loops->net),
-        .uptime_s = 1e-9 * (double)(ss_clock_now_ns() -
-                                    atomic_load_explicit(&loops->ready_ns, memory_order_relaxed)),
+        .uptime_s = 1e-6 * (double)(utime_us - loops->claim.start_us),
         .simulation_rate_hz = atomic_load_explicit(&loops->rate_hz, memory_order_relaxed),
         .stable_step_s = info->stable_step,
         .kinetic_j = info->kinetic,
@@ -408,105 +409,18 @@ static void send_status(ss_loops *loops)
     ss_opinion *opinion = ss_mailbox_draft(loops->opinion);
     opinion->verdict = report.verdict;
     snprintf(opinion->reason, sizeof opinion->reason, "%s", report.reason);
-    opinion->has_rival = ss_net_foreign(loops->net) > 0;
+    const ss_rival *rival = ss_net_rival(loops->net);
+    const bool has_rival = ss_rival_is_alive(rival, ss_clock_now_ns());
+    snprintf(opinion->rival, sizeof opinion->rival, "%.200s", has_rival ? rival->status.scene : "");
     ss_mailbox_post(loops->opinion);
-}
-
-/* ---- main thread: what stderr tells, so that a reader who stalls holds up no force
- * ------------------------------------------------------------------------------------ */
-
-/* When the verdict gets to degraded or worse: once, until it was better in between. */
-static void log_verdict(ss_loops *loops, const ss_opinion *opinion, int64_t now_ns)
-{
-    if (opinion->verdict < SOFTSIM_VERDICT_DEGRADED) {
-        loops->logged_verdict = SOFTSIM_VERDICT_GOOD;
-        return;
-    }
-    if (opinion->verdict <= loops->logged_verdict ||
-        (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < loops->next_verdict_log_ns)) {
-        return;
-    }
-    fprintf(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
-            opinion->reason);
-    loops->logged_verdict = opinion->verdict;
-    loops->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
-}
-
-/* Two servers on one prefix answer every pose twice. */
-static void log_rival(ss_loops *loops, const ss_opinion *opinion)
-{
-    if (opinion->has_rival && !loops->is_rival_logged) {
-        fprintf(stderr,
-                "softsimd: warning: another server answers on prefix %s: clients hear both; stop "
-                "one of them, or give it another --prefix\n",
-                loops->options->prefix);
-        loops->is_rival_logged = true;
-    }
-}
-
-/* At most once a second: how many poses were refused since, by reason. */
-static void log_refusals(ss_loops *loops, int64_t now_ns)
-{
-    if (now_ns < loops->next_log_ns) {
-        return;
-    }
-    loops->next_log_ns = now_ns + 1000000000;
-    ss_gate_counts counts;
-    ss_gate_read(loops->world->gate, &counts);
-    int64_t total = 0;
-    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
-        total += counts.refused[i];
-    }
-    if (total == loops->logged_refusals) {
-        return;
-    }
-    fprintf(stderr, "softsimd: warning: %lld messages refused so far:", (long long)total);
-    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
-        if (counts.refused[i] > 0) {
-            fprintf(stderr, " %s %lld", softsim_refusal_name(i), (long long)counts.refused[i]);
-        }
-    }
-    fprintf(stderr, "\n");
-    loops->logged_refusals = total;
-}
-
-static void log_warnings(ss_loops *loops, int64_t now_ns)
-{
-    const ss_opinion *opinion = ss_mailbox_take(loops->opinion, NULL);
-    if (loops->options->log_level < SS_LOG_WARNING) {
-        return;
-    }
-    log_refusals(loops, now_ns);
-    if (opinion) {
-        log_verdict(loops, opinion, now_ns);
-        log_rival(loops, opinion);
-    }
 }
 
 /* ---- net thread
  * --------------------------------------------------------------------------------------- */
 
-static void *net_body(void *argument)
+/* Until the end: statuses at their time, messages as they come, forces as they are due. */
+static void take_turns(ss_loops *loops)
 {
-    ss_loops *loops = argument;
-    const ss_net_config config = {.lcm_url = loops->options->lcm_url,
-                                  .prefix = loops->options->prefix,
-                                  .is_lockstep = loops->options->lockstep};
-    const ss_net_calls calls = {.context = loops,
-                                .handle_pose = handle_pose,
-                                .handle_refusal = handle_refusal,
-                                .handle_command = handle_command};
-    loops->open_status = ss_net_open(&config, &calls, &loops->net, &loops->net_error);
-    const bool is_open = loops->open_status == SOFTSIM_OK;
-    if (!is_open && loops->net_error.fault_count == 0) {
-        softsim_error_add(&loops->net_error, loops->open_status, "cannot open LCM: %s",
-                          softsim_status_text(loops->open_status));
-    }
-    atomic_store_explicit(&loops->is_listening, true, memory_order_release);
-    ss_wake_signal(loops->event_fd);
-    if (!is_open) {
-        return NULL;
-    }
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
         const int64_t now = ss_clock_now_ns();
         if (now >= loops->next_status_ns) {
@@ -521,10 +435,44 @@ static void *net_body(void *argument)
             end(loops);
             break;
         }
+        if (loops->net_status == SOFTSIM_OK &&
+            !ss_claim_hold(&loops->claim, loops->net, loops->options, &loops->net_error)) {
+            loops->net_status = SOFTSIM_ERROR_NETWORK;
+            end(loops);
+        }
         if (!loops->options->lockstep) {
             settle_forces(loops);
         }
     }
+}
+
+static void *net_body(void *argument)
+{
+    ss_loops *loops = argument;
+    const ss_net_config config = {.lcm_url = loops->options->lcm_url,
+                                  .prefix = loops->options->prefix,
+                                  .is_lockstep = loops->options->lockstep};
+    const ss_net_calls calls = {.context = loops,
+                                .handle_pose = handle_pose,
+                                .handle_refusal = handle_refusal,
+                                .handle_command = handle_command};
+    loops->open_status = ss_net_open(&config, &calls, &loops->net, &loops->net_error);
+    if (loops->open_status != SOFTSIM_OK && loops->net_error.fault_count == 0) {
+        softsim_error_add(&loops->net_error, loops->open_status, "cannot open LCM: %s",
+                          softsim_status_text(loops->open_status));
+    }
+    if (loops->open_status == SOFTSIM_OK) {
+        loops->open_status = ss_claim_prefix(loops->net, loops->options, &loops->net_error);
+    }
+    loops->is_open = loops->open_status == SOFTSIM_OK;
+    loops->claim.start_us = ss_clock_now_ns() / 1000;
+    atomic_store_explicit(&loops->is_listening, true, memory_order_release);
+    ss_wake_signal(loops->event_fd);
+    if (!loops->is_open) {
+        ss_net_close(&loops->net);
+        return NULL;
+    }
+    take_turns(loops);
     settle_forces(loops);
     send_status(loops);
     ss_net_close(&loops->net);
@@ -693,13 +641,10 @@ static softsim_status start_all(ss_loops *loops, ss_loop_threads *threads, softs
     if (loops->world->surface) {
         status = open_publisher(loops, error);
     }
-    atomic_store_explicit(&loops->ready_ns, ss_clock_now_ns(), memory_order_relaxed);
     if (status == SOFTSIM_OK) {
         status = start_net(loops, threads, error);
     }
-    const int64_t now = ss_clock_now_ns();
-    atomic_store_explicit(&loops->ready_ns, now, memory_order_relaxed);
-    loops->start_ns = now + loops->period_ns;
+    loops->start_ns = ss_clock_now_ns() + loops->period_ns;
     if (status == SOFTSIM_OK && !is_lockstep) {
         status = start_loop(loops, "simulation", SIMULATION_PRIORITY, simulation_body,
                             &threads->simulation, threads, error);
@@ -728,7 +673,10 @@ static void wait_for_end(ss_loops *loops)
         if (left <= 0) {
             return;
         }
-        log_warnings(loops, now);
+        const ss_opinion *opinion = ss_mailbox_take(loops->opinion, NULL);
+        if (loops->options->log_level >= SS_LOG_WARNING) {
+            ss_tell(&loops->teller, opinion, now);
+        }
         const int64_t wait = left < 50000000 ? left : 50000000;
         const struct timespec timeout = {.tv_nsec = (long)wait};
         if (sigtimedwait(&signals, NULL, &timeout) > 0) {
@@ -772,6 +720,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
     loops->opinion = ss_mailbox_create(sizeof(ss_opinion));
+    loops->teller = (ss_teller){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
 

@@ -494,27 +494,121 @@ static void another_server_is_told_from_ourselves(void **state)
         assert_true(ss_net_send_status(net, &report));
         assert_true(ss_net_wait(net, -1, 1000));
     }
-    assert_int_equal(ss_net_foreign(net), 0);
-    static char text[] = "";
-    softsim_server_status_t wire = {
-        .utime = 1, .seq = 2000, .scene = text, .model = text, .reason = text};
+    assert_true(ss_net_rival(net)->last_ns == 0);
+    static char text[] = "", scene[] = "kidney.yaml";
+    softsim_server_status_t wire = {.utime = 1,
+                                    .seq = 2000,
+                                    .verdict = 3,
+                                    .uptime_s = 12.5,
+                                    .simulation_rate_hz = 3.0,
+                                    .stiffness_backoffs = 4,
+                                    .scene = scene,
+                                    .model = text,
+                                    .reason = text};
     uint8_t message[MESSAGE_SIZE];
     const int size = softsim_server_status_t_encode(message, 0, sizeof message, &wire);
-    assert_true(size > 0);
-    int64_t utime = 0;
-    int32_t seq = 0;
-    for (int n = 0; n < 20; ++n) { /* too short to tell */
+    const int used = size - 2 * 5; /* what comes after the scene is not looked at */
+    ss_net_status status;
+    for (int n = 0; n < used; ++n) {
         void *copy = exact_copy(message, n);
-        assert_int_equal(ss_net_decode_status(copy, n, &utime, &seq), SOFTSIM_REFUSED_MALFORMED);
+        assert_int_equal(ss_net_decode_status(copy, n, &status), SOFTSIM_REFUSED_MALFORMED);
         free(copy);
         lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)n);
         assert_true(ss_net_wait(net, -1, 1000));
     }
-    assert_int_equal(ss_net_foreign(net), 0);
+    assert_true(ss_net_rival(net)->last_ns == 0);
     lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)size);
     assert_true(ss_net_wait(net, -1, 1000));
-    assert_int_equal(ss_net_foreign(net), 1);
+    const ss_rival *rival = ss_net_rival(net);
+    assert_true(rival->last_ns != 0 && rival->status.uptime_s == 12.5);
+    assert_int_equal(rival->status.utime_us, 1);
+    assert_int_equal(rival->status.seq, 2000);
+    assert_string_equal(rival->status.scene, scene);
+    static const double bad[] = {-1.0, 1e11, (double)INFINITY, (double)NAN};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+        wire.uptime_s = bad[k];
+        softsim_server_status_t_encode(message, 0, sizeof message, &wire);
+        assert_int_equal(ss_net_decode_status(message, size, &status), SOFTSIM_REFUSED_MALFORMED);
+    }
     ss_net_close(&net);
+}
+
+/* A server's command to the others must not be taken for one to itself. */
+static void own_commands_are_passed_over(void **state)
+{
+    (void)state;
+    static heard h;
+    ss_net *net = net_make(&h, false, "R");
+    lcm_subscribe(ss_net_lcm(net), "R_COMMAND", hear_message, &h);
+    ss_net_send_command(net, "shutdown");
+    assert_true(ss_net_wait(net, -1, 1000));
+    ss_net_command command;
+    assert_int_equal(ss_net_decode_command(h.data, h.size, &command), SOFTSIM_ACCEPTED);
+    assert_string_equal(command.name, "shutdown");
+    assert_true(command.sender != 0);
+    assert_int_equal(h.commands, 0);
+    ss_net_close(&net);
+}
+
+/* ---- who stays --------------------------------------------------------------------------------
+ */
+
+enum { SECOND_NS = 1000000000 };
+
+static ss_net_status status_of(double start_s, double clock_s, double now_s)
+{
+    const ss_net_status status = {
+        .utime_us = llround(1e6 * (clock_s + now_s)), .uptime_s = now_s - start_s, .scene = "s"};
+    return status;
+}
+
+static void only_a_server_that_stays_counts(void **state)
+{
+    (void)state;
+    ss_rival rival = {0};
+    assert_false(ss_rival_is_alive(&rival, 5 * (int64_t)SECOND_NS));
+    for (int k = 0; k < 3; ++k) { /* the last word of one that ends */
+        const ss_net_status status = status_of(1.0, 0.0, 10.0 + 0.05 * k);
+        ss_rival_hear(&rival, &status, 10 * (int64_t)SECOND_NS + k * 50000000);
+        assert_false(ss_rival_is_alive(&rival, 10 * (int64_t)SECOND_NS + k * 50000000));
+    }
+    for (int k = 0; k < 9; ++k) { /* of two the first counts, however often the other speaks */
+        const ss_net_status status = status_of(k % 2 == 0 ? 1.0 : 2.0, 0.0, 10.0 + 0.25 * k);
+        ss_rival_hear(&rival, &status, 10 * (int64_t)SECOND_NS + k * 250000000);
+        assert_true(rival.status.uptime_s == 9.0 + 0.25 * (k - k % 2));
+    }
+    assert_true(ss_rival_is_alive(&rival, 12 * (int64_t)SECOND_NS));
+    assert_false(ss_rival_is_alive(&rival, 14 * (int64_t)SECOND_NS));
+    const ss_net_status later = status_of(13.0, 0.0, 14.0);
+    ss_rival_hear(&rival, &later, 14 * (int64_t)SECOND_NS);
+    assert_false(ss_rival_is_alive(&rival, 14 * (int64_t)SECOND_NS));
+}
+
+/* Whatever the delays and the clocks of two hosts: never both, and soon one. */
+static void of_two_servers_at_most_one_gives_way(void **state)
+{
+    (void)state;
+    static const double apart_s[] = {1e-6, 1e-3, 0.2, 0.9, 1.1, 30.0};
+    static const double clock_s[] = {0.0, 1000.0, -1000.0};
+    static const double delay_s[] = {0.0, 0.01, 0.3, 0.95};
+    for (size_t a = 0; a < sizeof apart_s / sizeof *apart_s; ++a) {
+        for (size_t c = 0; c < sizeof clock_s / sizeof *clock_s; ++c) {
+            for (size_t d = 0; d < sizeof delay_s / sizeof *delay_s; ++d) {
+                const double now_s = 100.0, elder_s = 50.0, younger_s = elder_s + apart_s[a];
+                const ss_rival elder = {.status =
+                                            status_of(elder_s, clock_s[c], now_s - delay_s[d])};
+                const ss_rival younger = {.status = status_of(younger_s, 0.0, now_s - delay_s[d])};
+                const bool goes =
+                    ss_rival_is_senior(&elder, now_s - younger_s, llround(1e6 * younger_s));
+                const bool elder_goes = ss_rival_is_senior(&younger, now_s - elder_s,
+                                                           llround(1e6 * (elder_s + clock_s[c])));
+                assert_false(goes && elder_goes);
+                assert_true(clock_s[c] != 0.0 || !elder_goes); /* one host: the true order */
+                assert_true(goes || elder_goes || apart_s[a] > 1.0 || clock_s[c] > 0.0);
+                assert_true(delay_s[d] > 0.01 || goes || elder_goes);
+            }
+        }
+    }
 }
 
 static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
@@ -664,6 +758,9 @@ int main(void)
         cmocka_unit_test(commands_have_a_budget),
         cmocka_unit_test(an_urls_parts_are_read),
         cmocka_unit_test(a_url_of_ones_own_is_given_or_in_the_environment),
+        cmocka_unit_test(own_commands_are_passed_over),
+        cmocka_unit_test(only_a_server_that_stays_counts),
+        cmocka_unit_test(of_two_servers_at_most_one_gives_way),
         cmocka_unit_test(bad_urls_and_prefixes_are_refused_with_a_hint),
     };
     return cmocka_run_group_tests_name("softsim.net", tests, NULL, NULL);

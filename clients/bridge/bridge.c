@@ -12,8 +12,9 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
-static const int64_t away_ns = 250000000; /* without a force: they have stopped */
-enum { FIRST_FORCES = 100 };              /* in which a start inside the tissue shows */
+static const int64_t away_ns = 250000000;             /* without a force: they have stopped */
+static const double let_go_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
+enum { FIRST_FORCES = 100 };                          /* in which a start inside the tissue shows */
 
 #define COLUMNS "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
 const char ss_bridge_csv_header[] = COLUMNS "\n";
@@ -163,6 +164,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     double device[3];
     pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
     ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
+    ss_scale3(world, world, 1.0 - bridge->let_go);
     ss_frame_force_to_device(&bridge->frame, world, device);
     const bool is_contact =
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
@@ -264,6 +266,19 @@ static void take_arrived(ss_bridge *bridge, int64_t now_ns)
     }
 }
 
+/* Lets go of the hand while two servers answer. */
+static void watch_servers(ss_bridge *bridge, const softsim_client *client)
+{
+    const bool are_two = softsim_client_hears_two(client);
+    const double period_s = bridge->device.period_s;
+    const double change = are_two ? period_s / let_go_s : -period_s / take_up_s;
+    bridge->let_go = fmin(1.0, fmax(0.0, bridge->let_go + change));
+    if (are_two && bridge->config.program != NULL) {
+        ss_process_tell_two(bridge->config.program, "the force is let go", true);
+    }
+    bridge->summary.has_let_go = bridge->summary.has_let_go || are_two;
+}
+
 /* What was still going on at the end. */
 static void close_summary(ss_bridge *bridge)
 {
@@ -311,6 +326,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         }
         const int64_t now_ns = softsim_client_now_ns();
         take_arrived(bridge, now_ns);
+        watch_servers(bridge, client);
         if (!read_device(bridge) || bridge->summary.ticks >= bridge->config.tick_count ||
             bridge->seq == INT32_MAX || ss_process_is_stopped()) {
             close_summary(bridge);

@@ -13,6 +13,8 @@
  * meanwhile, which costs realism but never runs two periods on one force.
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
  * have long faded by then (correct.h). A server that is started again is simply taken up again.
+ * While two servers answer, the force goes to zero in 20 ms, and comes back in 500 ms when one is
+ * left: no hand shall feel now one body, now the other.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
  * whose writing out once a second is the one thing that may cost a period.
  */
@@ -48,6 +50,7 @@ typedef struct ss_bridge_summary {
     double other_s;   /* from the first of them to the first force after */
     bool was_inside;  /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped; /* forces came, and were away at the end */
+    bool has_let_go;  /* two servers were heard */
 } ss_bridge_summary;
 
 typedef struct ss_bridge {
@@ -70,6 +73,7 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
+    double let_go;                   /* share of the force that is kept back: two servers answer */
     ss_bus *poses_out, *forces_in;   /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;

@@ -205,8 +205,9 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                 "ready\n",
                 program);
     }
-    return is_good && bridge->summary.forces > 0 && !bridge->summary.has_stopped ? EXIT_SUCCESS
-                                                                                 : EXIT_FAILURE;
+    const ss_bridge_summary *s = &bridge->summary;
+    return is_good && s->forces > 0 && !s->has_stopped && !s->has_let_go ? EXIT_SUCCESS
+                                                                         : EXIT_FAILURE;
 }
 
 /* Opens device and file, runs, reports. An exit status. */

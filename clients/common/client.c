@@ -12,10 +12,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 
 #include "net/receiver.h"
 #include "net/wire.h"
+#include "origin.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
@@ -35,12 +35,17 @@ enum {
     ARGUMENT_SIZE = 1024
 };
 
+/* A server is gone: no restart is as quick as the first, statuses come every 250 ms. */
+static const int64_t FORCE_SILENT_NS = 100000000;
+static const int64_t STATUS_SILENT_NS = 1000000000;
+
 struct softsim_client {
     softsim_client_config config;
     lcm_t *lcm; /* sends */
     ss_receiver *receiver;
     int64_t sender;
     softsim_client_counts counts;
+    ss_origin force_origin, status_origin;
     char probe_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
     char force_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
     char command_channel[SOFTSIM_LOG_CHANNEL_SIZE];
@@ -77,6 +82,8 @@ static void receive_force(void *context, const ss_packet *packet)
         ++client->counts.malformed;
     } else if (force.sender != client->sender && !client->config.hears_all) {
         ++client->counts.foreign;
+    } else if (!ss_origin_take(&client->force_origin, packet->source, now_ns)) {
+        ++client->counts.second;
     } else {
         client->config.handle_force(client->config.context, &force, now_ns);
     }
@@ -117,7 +124,11 @@ static void receive_status(softsim_client *client, const ss_packet *packet)
         ++client->counts.malformed;
         return;
     }
-    client->config.handle_status(client->config.context, &status, now_ns);
+    if (ss_origin_take(&client->status_origin, packet->source, now_ns)) {
+        client->config.handle_status(client->config.context, &status, now_ns);
+    } else {
+        ++client->counts.second;
+    }
     softsim_server_status_t_decode_cleanup(&status);
 }
 
@@ -139,16 +150,6 @@ static void receive_reply(softsim_client *client, const ss_packet *packet)
 }
 
 /* ---- opening -------------------------------------------------------------------------------- */
-
-static int64_t draw_sender(void)
-{
-    uint64_t number = 0;
-    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
-        number = (uint64_t)ss_clock_now_ns() * 0x9E3779B97F4A7C15u;
-    }
-    number &= INT64_MAX;
-    return number != 0 ? (int64_t)number : 1;
-}
 
 /* Names as in the lane below. */
 static void receive_other(void *context, const ss_packet *packet)
@@ -203,7 +204,9 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
         return SOFTSIM_ERROR_MEMORY;
     }
     client->config = *config;
-    client->sender = draw_sender();
+    client->sender = ss_wire_draw_sender();
+    client->force_origin.silent_ns = FORCE_SILENT_NS;
+    client->status_origin.silent_ns = STATUS_SILENT_NS;
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         snprintf(client->probe_channel[p], SOFTSIM_LOG_CHANNEL_SIZE, "%s_PROBE_%d", prefix, p);
         snprintf(client->force_channel[p], SOFTSIM_LOG_CHANNEL_SIZE, "%s_FORCE_%d", prefix, p);
@@ -296,6 +299,13 @@ int32_t softsim_client_send_command(softsim_client *client, const char *name, co
 int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns)
 {
     return ss_receiver_wait(client->receiver, -1, deadline_ns);
+}
+
+bool softsim_client_hears_two(const softsim_client *client)
+{
+    const int64_t now_ns = ss_clock_now_ns();
+    return ss_origin_hears_two(&client->force_origin, now_ns) ||
+           ss_origin_hears_two(&client->status_origin, now_ns);
 }
 
 softsim_client_counts softsim_client_read_counts(const softsim_client *client)

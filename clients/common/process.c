@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdio.h>
 
 #include "rt/program.h"
 
@@ -41,4 +42,17 @@ bool ss_process_raise_priority(void)
 {
     const struct sched_param parameter = {.sched_priority = client_priority};
     return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;
+}
+
+bool ss_process_tell_two(const char *program, const char *consequence, bool are_two)
+{
+    static bool is_told;
+    if (are_two && !is_told) {
+        fprintf(stderr,
+                "%s: two servers answer on this prefix: %s; stop one of them, or give it another "
+                "--prefix\n",
+                program, consequence);
+        is_told = true;
+    }
+    return is_told;
 }

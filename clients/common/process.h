@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* What the client programs ask of the system. */
+/* What the client programs ask of the system, and say alike. */
 #include <stdbool.h>
 
 /* From here on SIGINT, SIGTERM and SIGHUP ask the program to end by itself. Thread: main, at start.
@@ -12,3 +12,6 @@ bool ss_process_is_stopped(void);
 
 /* Moves the calling thread to SCHED_FIFO; false where that is not allowed. */
 bool ss_process_raise_priority(void);
+
+/* Tells stderr, once, that two servers answer. Returns whether it has been told. */
+bool ss_process_tell_two(const char *program, const char *consequence, bool are_two);

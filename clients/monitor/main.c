@@ -82,7 +82,8 @@ static void say_silent(const char *program, double silent_s)
             program, silent_s);
 }
 
-/* An exit status: failure also when the time was up before any status came. */
+/* An exit status: failure also when the time was up before any status came, or two servers were
+ * heard. */
 static int watch(const char *program, monitor *m, softsim_client *client, double duration_s)
 {
     const int64_t start_ns = softsim_client_now_ns();
@@ -109,11 +110,13 @@ static int watch(const char *program, monitor *m, softsim_client *client, double
             fprintf(stderr, "%s: LCM failed\n", program);
             return EXIT_FAILURE;
         }
+        ss_process_tell_two(program, "the first is shown", softsim_client_hears_two(client));
         if (ferror(stdout)) {
             return EXIT_FAILURE; /* ss_program_finish says why */
         }
     }
-    return m->received_ns != 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    const bool is_one = !ss_process_tell_two(program, "", false);
+    return m->received_ns != 0 && is_one ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)

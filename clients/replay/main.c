@@ -239,6 +239,8 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
         fprintf(stderr, "%s: LCM failed\n", program);
     }
     const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
+    const bool is_one =
+        !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);
     const bool is_written = finish_files(program, &replay);
     report(&replay, found);
     softsim_client_close(&replay.client);
@@ -247,7 +249,8 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     } else if (result == SS_REPLAY_DONE && !is_answered) {
         ss_silence_explain(program, &config, -1, "no answer came");
     }
-    return result == SS_REPLAY_DONE && is_answered && is_written ? EXIT_SUCCESS : EXIT_FAILURE;
+    return result == SS_REPLAY_DONE && is_answered && is_written && is_one ? EXIT_SUCCESS
+                                                                           : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)

@@ -166,6 +166,7 @@ static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32
         if (ss_process_is_stopped()) {
             return SS_REPLAY_STOPPED;
         }
+        replay->has_heard_two = replay->has_heard_two || softsim_client_hears_two(replay->client);
         const int64_t now_ns = softsim_client_now_ns();
         if (replay->silent_since_ns != 0 && now_ns - replay->silent_since_ns > silence_ns) {
             return SS_REPLAY_SILENT;

@@ -52,6 +52,7 @@ typedef struct ss_replay {
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
     int64_t silent_since_ns;                  /* first unanswered send; 0: none */
+    bool has_heard_two;                       /* servers; the first one's answers are kept */
     ss_replay_statistics statistics;
 } ss_replay;
 

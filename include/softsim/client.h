@@ -7,8 +7,9 @@
  * simply go unanswered.
  *
  * What arrives is checked before it is decoded: exact size, type hash, finite values, and forces
- * only when they answer this client's own sender number. Messages are handled by callbacks from
- * softsim_client_wait, every one that is there, up to a hundred a millisecond.
+ * only when they answer this client's own sender number and come from one server. Messages are
+ * handled by callbacks from softsim_client_wait, every one that is there, up to a hundred a
+ * millisecond.
  * Thread: a client belongs to one thread, and has none of its own.
  */
 #include <stdbool.h>
@@ -43,6 +44,7 @@ typedef struct softsim_client_config {
 typedef struct softsim_client_counts {
     int64_t malformed; /* wrong size, type or channel, values that are not finite */
     int64_t foreign;   /* forces for other senders */
+    int64_t second;    /* messages of a second server on the prefix */
     int64_t unsent;    /* poses that LCM could not send */
 } softsim_client_counts;
 
@@ -70,6 +72,9 @@ int32_t softsim_client_send_command(softsim_client *client, const char *name, co
  * the monotonic clock. Returns how many it handled, 0 after the deadline or a signal, -1 when LCM
  * is broken. */
 int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns);
+/* Do two servers answer on the prefix, or did they a moment ago? Only the first one's messages are
+ * handed on, and no force should be exerted: the hand would feel now one body, now the other. */
+bool softsim_client_hears_two(const softsim_client *client);
 softsim_client_counts softsim_client_read_counts(const softsim_client *client);
 /* The monotonic clock, and the microseconds of it that go into `utime`. */
 int64_t softsim_client_now_ns(void);

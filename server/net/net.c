@@ -52,11 +52,13 @@ struct ss_net {
     char force_channel[SOFTSIM_MAX_PROBES][SS_WIRE_CHANNEL_SIZE];
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
+    char command_channel[SS_WIRE_CHANNEL_SIZE];
     int32_t status_seq;
     int64_t status_utime[STATUS_MEMORY]; /* of the own status seq, by its remainder */
     int32_t reply_seq;
     atomic_int_least64_t dropped; /* statistics: relaxed */
-    atomic_int_least64_t foreign;
+    int64_t sender;               /* of the own commands, which come back too */
+    ss_rival rival;
     char reply_text[REPLY_TEXT_SIZE];
     char status_text[3][STATUS_TEXT_SIZE];
     uint8_t buffer[SS_WIRE_MAX_MESSAGE];
@@ -127,7 +129,7 @@ static char *bounded_text(ss_net *net, int slot, const char *text)
 bool ss_net_send_status(ss_net *net, const ss_report *report)
 {
     softsim_server_status_t wire = {
-        .utime = now_us(),
+        .utime = report->utime_us != 0 ? report->utime_us : now_us(),
         .seq = ++net->status_seq,
         .verdict = (int32_t)report->verdict,
         .fault_bits = report->fault_bits,
@@ -184,9 +186,19 @@ int64_t ss_net_dropped(const ss_net *net)
     return atomic_load_explicit(&net->dropped, memory_order_relaxed);
 }
 
-int64_t ss_net_foreign(const ss_net *net)
+const ss_rival *ss_net_rival(const ss_net *net)
 {
-    return atomic_load_explicit(&net->foreign, memory_order_relaxed);
+    return &net->rival;
+}
+
+void ss_net_send_command(ss_net *net, const char *name)
+{
+    char text[32], none[] = "";
+    snprintf(text, sizeof text, "%s", name);
+    const softsim_command_t wire = {
+        .utime = now_us(), .sender = net->sender, .name = text, .argument = none};
+    publish(net, net->command_channel,
+            softsim_command_t_encode(net->buffer, 0, sizeof net->buffer, &wire));
 }
 
 /* ---- in ----------------------------------------------------------------------------------- */
@@ -219,22 +231,26 @@ static void receive_command(ss_net *net, const ss_packet *packet)
         return;
     }
     ss_budget_spend(&net->commands, 1);
+    if (command.sender == net->sender) {
+        return;
+    }
     net->reply_text[0] = '\0';
     const int32_t code =
         net->calls.handle_command(net->calls.context, command.name, command.argument,
                                   net->reply_text, (int32_t)sizeof net->reply_text);
     net->reply_text[sizeof net->reply_text - 1] = '\0';
-    send_reply(net, &command, code);
+    if (code >= 0) {
+        send_reply(net, &command, code);
+    }
 }
 
 /* Multicast brings our own status back too; any other is another server's. */
 static void receive_status(ss_net *net, const ss_packet *packet)
 {
-    int64_t utime = 0;
-    int32_t seq = 0;
-    if (ss_net_decode_status(packet->data, packet->size, &utime, &seq) == SOFTSIM_ACCEPTED &&
-        net->status_utime[(uint32_t)seq % STATUS_MEMORY] != utime) {
-        atomic_fetch_add_explicit(&net->foreign, 1, memory_order_relaxed);
+    ss_net_status status;
+    if (ss_net_decode_status(packet->data, packet->size, &status) == SOFTSIM_ACCEPTED &&
+        net->status_utime[(uint32_t)status.seq % STATUS_MEMORY] != status.utime_us) {
+        ss_rival_hear(&net->rival, &status, ss_clock_now_ns());
     }
 }
 
@@ -286,6 +302,7 @@ static void name_channels(ss_net *net, const char *prefix)
     }
     snprintf(net->status_channel, sizeof net->status_channel, "%s_STATUS", prefix);
     snprintf(net->reply_channel, sizeof net->reply_channel, "%s_REPLY", prefix);
+    snprintf(net->command_channel, sizeof net->command_channel, "%s_COMMAND", prefix);
 }
 
 void ss_net_close(ss_net **net)
@@ -321,6 +338,7 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     }
     net->calls = *calls;
     net->is_lockstep = config->is_lockstep;
+    net->sender = ss_wire_draw_sender();
     net->commands = (ss_budget){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
     compute_hashes();
     name_channels(net, config->prefix);

@@ -111,9 +111,14 @@ typedef struct ss_net_command {
     char argument[1024]; /* likewise */
 } ss_net_command;
 softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_command *out_command);
-/* Only what tells one status from another. */
-softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *out_utime_us,
-                                     int32_t *out_seq);
+/* What tells one server from another. */
+typedef struct ss_net_status {
+    int64_t utime_us;
+    int32_t seq;
+    double uptime_s;  /* finite, 0 or more */
+    char scene[1024]; /* longer is malformed, as is a control character */
+} ss_net_status;
+softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_status *out_status);
 
 /* Did the user name a url, by argument or by LCM_DEFAULT_URL? Thread: set-up only. */
 bool ss_net_is_own_url(const char *lcm_url);
@@ -131,7 +136,7 @@ typedef struct ss_net_config {
  * messages that could not be decoded, and of commands beyond their budget (other);
  * `channel_probe` is -1 when it was a command.
  * `handle_command` runs the command and answers by returning the code and filling the text
- * (text_size bytes, empty before). */
+ * (text_size bytes, empty before); a negative code is no answer. */
 typedef struct ss_net_calls {
     void *context;
     void (*handle_pose)(void *context, const softsim_pose *pose, int32_t channel_probe,
@@ -140,6 +145,19 @@ typedef struct ss_net_calls {
     int32_t (*handle_command)(void *context, const char *name, const char *argument, char *out_text,
                               int32_t text_size);
 } ss_net_calls;
+
+/* Another server on the prefix, by what it says of itself; see rival.c. */
+typedef struct ss_rival {
+    int64_t first_ns, last_ns; /* when it was first and last heard; 0: never */
+    ss_net_status status;      /* the newest */
+} ss_rival;
+/* Takes a status of another server; of several, the first until it is silent. Thread: net. */
+void ss_rival_hear(ss_rival *rival, const ss_net_status *status, int64_t now_ns);
+/* Is it there to stay? One that ends says a last word, and is heard for less than 0.3 s then. */
+bool ss_rival_is_alive(const ss_rival *rival, int64_t now_ns);
+/* Was it there before a server that has run for `uptime_s` since `start_us`, by the statuses of
+ * both? Of two servers at most one gets a yes, whatever the delay between them. */
+bool ss_rival_is_senior(const ss_rival *rival, double uptime_s, int64_t start_us);
 
 typedef struct ss_net ss_net;
 
@@ -156,11 +174,14 @@ bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms);
 bool ss_net_send_force(ss_net *net, const softsim_force *force);
 /* Thread: any. */
 int64_t ss_net_dropped(const ss_net *net);
-/* Statuses of another server that came in on this prefix. Thread: any. */
-int64_t ss_net_foreign(const ss_net *net);
+/* The server heard on this prefix that is not this one. Thread: net. */
+const ss_rival *ss_net_rival(const ss_net *net);
+/* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
+void ss_net_send_command(ss_net *net, const char *name);
 
 /* The server's report: what server_status_t carries. */
 typedef struct ss_report {
+    int64_t utime_us; /* uptime_s counts up to then */
     softsim_verdict verdict;
     int32_t fault_bits, threads, nodes, active_nodes, elements, worst_element, substeps, probes;
     int64_t plan_hash, state_hash, step, bytes_in_use, poses_received, poses_superseded;

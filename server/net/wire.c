@@ -19,9 +19,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
@@ -33,6 +35,7 @@ enum {
     POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8,
     HASH_SIZE = 8
 };
+static const double MAX_UPTIME = 1e10; /* s: its microseconds are a number of 64 bits */
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
@@ -197,6 +200,16 @@ bool ss_wire_check_prefix(const char *prefix, softsim_error *error)
     return true;
 }
 
+int64_t ss_wire_draw_sender(void)
+{
+    uint64_t number = 0;
+    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
+        number = (uint64_t)ss_clock_now_ns() * 0x9E3779B97F4A7C15u;
+    }
+    number &= INT64_MAX;
+    return number != 0 ? (int64_t)number : 1;
+}
+
 /* ---- decoding ----------------------------------------------------------------------------- */
 
 /* A bounded reader of LCM's big-endian encoding: once it has run short it stays failed. */
@@ -302,9 +315,24 @@ softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_com
     return in.has_failed || in.left != 0 ? SOFTSIM_REFUSED_MALFORMED : SOFTSIM_ACCEPTED;
 }
 
-softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *out_utime_us,
-                                     int32_t *out_seq)
+static double read_double(reader *in)
 {
+    const uint64_t bits = read_unsigned(in, 8);
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static void skip(reader *in, int64_t bytes)
+{
+    in->has_failed = in->has_failed || in->left < bytes;
+    in->at += in->has_failed ? 0 : bytes;
+    in->left -= in->has_failed ? 0 : bytes;
+}
+
+softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_status *out_status)
+{
+    enum { BEFORE_UPTIME = 9 * 4 + 6 * 8 + 8 * 8 + 2 * 8 + 3 * 8 * 8, BEFORE_SCENE = 33 * 8 };
     reader in = {.at = data, .left = size};
     if (size < HASH_SIZE) {
         return SOFTSIM_REFUSED_MALFORMED;
@@ -312,7 +340,14 @@ softsim_refusal ss_net_decode_status(const void *data, int64_t size, int64_t *ou
     if (read_int64(&in) != __softsim_server_status_t_get_hash()) {
         return SOFTSIM_REFUSED_TYPE_HASH;
     }
-    *out_utime_us = read_int64(&in);
-    *out_seq = read_int32(&in);
-    return in.has_failed ? SOFTSIM_REFUSED_MALFORMED : SOFTSIM_ACCEPTED;
+    memset(out_status, 0, sizeof *out_status);
+    out_status->utime_us = read_int64(&in);
+    out_status->seq = read_int32(&in);
+    skip(&in, BEFORE_UPTIME);
+    out_status->uptime_s = read_double(&in);
+    skip(&in, BEFORE_SCENE);
+    read_string(&in, out_status->scene, sizeof out_status->scene);
+    return in.has_failed || !(out_status->uptime_s >= 0.0 && out_status->uptime_s < MAX_UPTIME)
+               ? SOFTSIM_REFUSED_MALFORMED
+               : SOFTSIM_ACCEPTED;
 }

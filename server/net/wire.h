@@ -32,5 +32,8 @@ lcm_t *ss_wire_open(const char *lcm_url, softsim_error *error);
 /* False with a line in `error` when `prefix` cannot begin a channel name. Thread: set-up only. */
 bool ss_wire_check_prefix(const char *prefix, softsim_error *error);
 
+/* A number that nobody else has, never 0: LCM itself names no source. Thread: set-up only. */
+int64_t ss_wire_draw_sender(void);
+
 lcm_t *ss_net_lcm(ss_net *net);
 lcm_t *ss_publisher_lcm(ss_publisher *publisher);

@@ -216,27 +216,6 @@ static void a_slow_server_says_so(void **state)
     assert_null(strstr(said + 1, "warning: degraded")); /* once */
 }
 
-static void two_servers_on_one_prefix_are_told(void **state)
-{
-    (void)state;
-    const char *const elsewhere[] = {"softsimd", KIDNEY, "--prefix", "ELSEWHERE", NULL};
-    start_daemon(NULL);
-    process_start(&other, elsewhere, NULL);
-    assert_true(process_wait_for(&other, "softsimd: ready"));
-    const char *const watching[] = {"softsim-monitor", "--duration", "1", NULL};
-    assert_int_equal(process_run(&client, watching), 0);
-    process_signal(&other, SIGTERM);
-    assert_int_equal(process_finish(&other), 0);
-    assert_null(strstr(other.err, "another server"));
-    const char *const here[] = {"softsimd", KIDNEY, NULL};
-    process_start(&other, here, NULL);
-    assert_true(process_wait_for(&other, "another server answers on prefix SOFTSIM"));
-    assert_true(process_wait_for(&daemon_process, "another server answers on prefix SOFTSIM"));
-    process_signal(&other, SIGTERM);
-    assert_int_equal(process_finish(&other), 0);
-    assert_int_equal(stop_daemon(), 0);
-}
-
 static void monitor_prints_one_status(void **state)
 {
     (void)state;
@@ -297,7 +276,6 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(monitor_sends_commands, make_folder, tear_down),
         cmocka_unit_test_setup_teardown(a_slow_server_says_so, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(two_servers_on_one_prefix_are_told, make_folder, tear_down),
         cmocka_unit_test_setup_teardown(monitor_prints_one_status, make_folder, tear_down),
         cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, make_folder,
                                         tear_down),

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "claim.h"
+
+#include "rt/clock.h"
+
+static const int64_t LISTEN_NS = 300000000;   /* statuses come every 250 ms, asked or not */
+static const int64_t CONFIRM_NS = 1300000000; /* from its first status until it is here to stay */
+static const int64_t ASK_NS = 100000000;
+static const int64_t SILENT_NS = 600000000; /* after its shutdown: two statuses missed */
+static const int64_t TAKEOVER_NS = 3000000000;
+static const int64_t TELL_NS = 1000000000; /* between two commands to shut down */
+static const double YOUNG_S = 10.0;
+
+/* Handles what comes until `until_ns`, asking for statuses as it goes. False when LCM is broken. */
+static bool listen_until(ss_net *net, int64_t until_ns, int64_t *next_ask_ns)
+{
+    const int64_t now_ns = ss_clock_now_ns();
+    if (now_ns >= *next_ask_ns) {
+        *next_ask_ns = now_ns + ASK_NS;
+        ss_net_send_command(net, "status");
+    }
+    const int64_t end_ns = until_ns < *next_ask_ns ? until_ns : *next_ask_ns;
+    const int64_t wait_ms = (end_ns - now_ns) / 1000000 + 1;
+    return ss_net_wait(net, -1, wait_ms > 0 ? (int)wait_ms : 0);
+}
+
+/* Is there another server? False when LCM is broken. */
+static bool find_rival(ss_net *net, bool *out_is_alive)
+{
+    const ss_rival *rival = ss_net_rival(net);
+    const int64_t start_ns = ss_clock_now_ns();
+    int64_t next_ask_ns = start_ns;
+    for (;;) {
+        const int64_t now_ns = ss_clock_now_ns();
+        const int64_t until_ns =
+            rival->last_ns == 0 ? start_ns + LISTEN_NS : rival->first_ns + CONFIRM_NS;
+        *out_is_alive = ss_rival_is_alive(rival, now_ns);
+        if (*out_is_alive || now_ns >= until_ns) {
+            return true;
+        }
+        if (!listen_until(net, until_ns, &next_ask_ns)) {
+            return false;
+        }
+    }
+}
+
+/* Tells the other server to shut down until it is silent, or for some time. */
+static bool take_over(ss_net *net)
+{
+    const ss_rival *rival = ss_net_rival(net);
+    const int64_t start_ns = ss_clock_now_ns();
+    int64_t next_ask_ns = start_ns, next_tell_ns = start_ns;
+    for (;;) {
+        const int64_t now_ns = ss_clock_now_ns();
+        const int64_t silent_from_ns = rival->last_ns > start_ns ? rival->last_ns : start_ns;
+        if (now_ns - silent_from_ns > SILENT_NS || now_ns - start_ns > TAKEOVER_NS) {
+            return true;
+        }
+        if (now_ns >= next_tell_ns) {
+            next_tell_ns = now_ns + TELL_NS;
+            ss_net_send_command(net, "shutdown");
+        }
+        if (!listen_until(net, now_ns + ASK_NS, &next_ask_ns)) {
+            return false;
+        }
+    }
+}
+
+softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_error *error)
+{
+    bool is_taken = false;
+    bool is_good = find_rival(net, &is_taken);
+    if (is_good && is_taken && options->takeover) {
+        is_good = take_over(net);
+    } else if (is_good && is_taken) {
+        const ss_net_status *first = &ss_net_rival(net)->status;
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "another server answers on prefix %s: %.400s, up %.1f s; stop it, give "
+                          "this one another --prefix, or replace it with --takeover",
+                          options->prefix, first->scene, first->uptime_s);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    if (!is_good) {
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "LCM stopped working; check the network and start again");
+        return SOFTSIM_ERROR_NETWORK;
+    }
+    return SOFTSIM_OK;
+}
+
+bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, softsim_error *error)
+{
+    const ss_rival *rival = ss_net_rival(net);
+    const int64_t now_ns = ss_clock_now_ns();
+    const double uptime_s = 1e-6 * (double)(now_ns / 1000 - claim->start_us);
+    if (uptime_s > YOUNG_S || !ss_rival_is_alive(rival, now_ns) ||
+        !ss_rival_is_senior(rival, uptime_s, claim->start_us)) {
+        return true;
+    }
+    if (options->takeover) {
+        if (now_ns >= claim->next_shutdown_ns) {
+            claim->next_shutdown_ns = now_ns + TELL_NS;
+            ss_net_send_command(net, "shutdown");
+        }
+        return true;
+    }
+    softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                      "gives way to the server that was first on prefix %s: %.400s, up %.1f s; "
+                      "stop it, give this one another --prefix, or replace it with --takeover",
+                      options->prefix, rival->status.scene, rival->status.uptime_s);
+    return false;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * One server a prefix. Two would answer every pose twice, each with the force of its own body.
+ *
+ *   before ready   listens for 0.3 s, having asked for a status, which a server sends at once; who
+ *                  is heard for 0.3 s and more is there to stay. Then this one refuses to start;
+ *                  with --takeover it tells the other to shut down, waits until it is silent, or
+ *                  3 s, and starts whatever the other does
+ *   while running  where both started unheard (at once, or one was stopped), the younger gives way
+ *                  (rival.c) in its first ten seconds; with --takeover it asks for a shutdown
+ *                  instead, once a second
+ *
+ * Beyond ten seconds a server only warns: clients let go while they hear two (clients/common), and
+ * a forged status must not end a server that refuses commands.
+ * Thread: net.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "net/net.h"
+#include "options.h"
+
+/* Before the first pose and command are taken. SOFTSIM_OK, or SOFTSIM_ERROR_ARGUMENT with a line
+ * that names the other server, or SOFTSIM_ERROR_NETWORK. */
+softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_error *error);
+
+/* A claim held by a server that is ready since `start_us` of its clock. */
+typedef struct ss_claim {
+    int64_t start_us;
+    int64_t next_shutdown_ns; /* --takeover: when the other may be told again */
+} ss_claim;
+/* False when this server must give way, with a line in `error`. */
+bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, softsim_error *error);

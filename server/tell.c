@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "tell.h"
+
+#include <stdio.h>
+
+static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
+
+/* When the verdict gets to degraded or worse: once, until it was better in between. */
+static void log_verdict(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
+{
+    if (opinion->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        teller->logged_verdict = SOFTSIM_VERDICT_GOOD;
+        return;
+    }
+    if (opinion->verdict <= teller->logged_verdict ||
+        (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < teller->next_verdict_log_ns)) {
+        return;
+    }
+    fprintf(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
+            opinion->reason);
+    teller->logged_verdict = opinion->verdict;
+    teller->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
+}
+
+/* Two servers on one prefix answer every pose twice. */
+static void log_rival(ss_teller *teller, const ss_opinion *opinion)
+{
+    if (opinion->rival[0] != '\0' && !teller->is_rival_logged) {
+        fprintf(stderr,
+                "softsimd: warning: another server answers on prefix %s: %s; clients let go while "
+                "they hear both: stop one, or give it another --prefix\n",
+                teller->prefix, opinion->rival);
+        teller->is_rival_logged = true;
+    }
+}
+
+/* At most once a second: how many poses were refused since, by reason. */
+static void log_refusals(ss_teller *teller, int64_t now_ns)
+{
+    if (now_ns < teller->next_log_ns) {
+        return;
+    }
+    teller->next_log_ns = now_ns + 1000000000;
+    ss_gate_counts counts;
+    ss_gate_read(teller->gate, &counts);
+    int64_t total = 0;
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        total += counts.refused[i];
+    }
+    if (total == teller->logged_refusals) {
+        return;
+    }
+    fprintf(stderr, "softsimd: warning: %lld messages refused so far:", (long long)total);
+    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
+        if (counts.refused[i] > 0) {
+            fprintf(stderr, " %s %lld", softsim_refusal_name(i), (long long)counts.refused[i]);
+        }
+    }
+    fprintf(stderr, "\n");
+    teller->logged_refusals = total;
+}
+
+void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
+{
+    log_refusals(teller, now_ns);
+    if (opinion) {
+        log_verdict(teller, opinion, now_ns);
+        log_rival(teller, opinion);
+    }
+}

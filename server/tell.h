@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What stderr tells while the server runs: told by the main thread, so that a reader who stalls
+ * holds up no force. Thread: main.
+ */
+#include "net/net.h"
+
+/* What the newest status says. */
+typedef struct ss_opinion {
+    softsim_verdict verdict;
+    char reason[160];
+    char rival[256]; /* scene of another server on this prefix; empty: none */
+} ss_opinion;
+
+typedef struct ss_teller {
+    /* parameters */
+    const char *prefix;
+    const ss_gate *gate;
+    /* state */
+    int64_t next_log_ns, logged_refusals;
+    int64_t next_verdict_log_ns;
+    softsim_verdict logged_verdict; /* good again once it is better than degraded */
+    bool is_rival_logged;
+} ss_teller;
+
+/* Warns of what is new; `opinion` is NULL before the first status. */
+void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns);
