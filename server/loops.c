@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "claim.h"
+#include "pace.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "rt/program.h"
@@ -36,7 +37,6 @@ enum {
     FAULT_WIRE_CLAMPED = 1 << 16,
     FAULT_WIRE_CAPPED = 1 << 17,
     FAULT_SLOW = 1 << 18,
-    SLOW_STEPS = 21, /* more late steps than punctual ones: slower than real time */
     STOP_TICKS = 25, /* the force ramps to zero in 20 */
     RATE_MARKS = 5   /* a quarter of a second apart */
 };
@@ -65,6 +65,7 @@ typedef struct ss_loops {
     _Atomic double rate_hz;                       /* simulation -> net: achieved */
     ss_mailbox *opinion;                          /* net -> main: ss_opinion */
     rate_meter meter;                             /* simulation thread; net in lockstep */
+    ss_pace pace;                                 /* simulation thread */
 
     /* net thread */
     ss_net *net;
@@ -329,13 +330,15 @@ static void judge(ss_loops *loops, ss_report *report)
         report->reason =
             *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
     }
-    if (loops->simulation_stats.is_slow) {
+    const double pace = 1.0 - loops->simulation_stats.lag;
+    if (pace < SS_PACE_LEAST) {
         report->fault_bits |= FAULT_SLOW;
         if (report->verdict < SOFTSIM_VERDICT_DEGRADED) {
             report->verdict = SOFTSIM_VERDICT_DEGRADED;
             snprintf(loops->slow_reason, sizeof loops->slow_reason,
-                     "the simulation is slower than real time: %.0f of %.0f steps a second",
-                     report->simulation_rate_hz, 1.0 / loops->world->step_period);
+                     "simulated %.0f %% of real time: lower simulation.rate_hz, choose a coarser "
+                     "mesh, or leave the machine less to do",
+                     100.0 * pace);
             report->reason = loops->slow_reason;
         }
     }
@@ -519,20 +522,14 @@ static void *simulation_body(void *argument)
     ss_loops *loops = argument;
     ss_world *world = loops->world;
     int64_t step = 0;
-    int32_t slow = 0;  /* steps for which the verdict still holds: half a second of them */
-    int32_t lates = 0; /* late steps less punctual ones; bounded, so that overload is forgotten */
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
         int64_t skipped = 0;
         next_period(loops->start_ns, loops->step_period_ns, &step, &skipped);
-        lates = skipped > 0 ? lates + (lates < SLOW_STEPS) : lates - (lates > 0);
-        if (lates == SLOW_STEPS) {
-            slow = (int32_t)(500000000 / loops->step_period_ns) + 1;
-        }
-        slow -= slow > 0;
-        world->is_slow = slow > 0;
+        world->lag = 1.0 - ss_pace_share(&loops->pace);
         ss_world_step_begin(world);
         ss_world_step_compute(world);
         ss_world_step_post(world);
+        ss_pace_note(&loops->pace, ss_clock_now_ns());
         measure_rate(loops);
     }
     return NULL;
@@ -717,6 +714,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
         !options->no_commands && (options->allow_commands || !ss_net_is_own_url(options->lcm_url));
     loops->period_ns = (int64_t)llround(world->period * 1e9);
     loops->step_period_ns = loops->period_ns * world->step_ticks;
+    ss_pace_init(&loops->pace, loops->step_period_ns);
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
     loops->opinion = ss_mailbox_create(sizeof(ss_opinion));

@@ -783,7 +783,7 @@ void ss_world_step_post(ss_world *world)
         }
     }
     memcpy(stats->step_us, world->step_quantiles, sizeof stats->step_us);
-    stats->is_slow = world->is_slow;
+    stats->lag = world->lag;
     ss_mailbox_post(world->simulation_stats);
 }
 

@@ -58,7 +58,7 @@ typedef struct ss_haptic_stats {
 typedef struct ss_simulation_stats {
     ss_model_info info;
     double step_us[3]; /* p50, p99, max */
-    bool is_slow;      /* steps take longer than their period */
+    double lag;        /* share of real time that is not simulated; 0 in lockstep */
     bool is_paused;
 } ss_simulation_stats;
 
@@ -135,7 +135,7 @@ typedef struct ss_world {
     int64_t steps;
     int64_t substeps; /* of all steps */
     bool simulation_paused;
-    bool is_slow;
+    double lag; /* as in the stats */
     ss_energy_watch energy;
     int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
