@@ -215,6 +215,7 @@ softsim_world *softsim_create(const char *scene_path, const softsim_config *conf
                                       .set_count = config->set_count,
                                       .threads = config->threads,
                                       .step_s = config->step_s,
+                                      .has_budget = config->has_budget,
                                       .is_lockstep = true,
                                       .import_program = config->import_program};
     ss_world *world = NULL;

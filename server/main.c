@@ -56,7 +56,8 @@ int main(int argc, char **argv)
                                             .set = options.set.value,
                                             .set_count = options.set.count,
                                             .threads = (int32_t)options.threads,
-                                            .is_lockstep = options.lockstep};
+                                            .is_lockstep = options.lockstep,
+                                            .has_budget = !options.lockstep};
     ss_world *world = NULL;
     ss_program_drop_capabilities(true);
     ss_progress_begin("softsimd", "loading %s", options.scene_path);

@@ -28,7 +28,8 @@ enum {
     POSE_RING = 256,   /* a quarter of a second of poses at 1 kHz */
     FORCE_RING = 8192, /* one second of eight probes */
     COMMAND_RING = 64,
-    TICK_POSES = 64 /* more are left for the next tick */
+    TICK_POSES = 64,          /* more are left for the next tick */
+    UNTIMED_SUBSTEPS = 100000 /* the most that simulation.max_substeps takes; beyond, a verdict */
 };
 static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
@@ -128,7 +129,8 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .working_force = scene->working_force_n,
                           .contact_stiffness = scene->contact_stiffness_n_per_m3,
                           .max_force = scene->max_force_n,
-                          .max_substeps = scene->max_substeps,
+                          .max_substeps =
+                              world->has_budget ? scene->max_substeps : UNTIMED_SUBSTEPS,
                           .threads = world->threads};
     ss_copy3(plan.gravity, scene->gravity);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -343,6 +345,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
         return SOFTSIM_ERROR_MEMORY;
     }
     world->threads = options->threads > 0 ? options->threads : 1;
+    world->has_budget = options->has_budget;
     const ss_scene_model *models = NULL;
     const int32_t model_count = ss_world_scene_models(&models);
     softsim_status status =

@@ -100,6 +100,7 @@ typedef struct ss_world {
     ss_world_probe probe[SOFTSIM_MAX_PROBES];
     uint8_t used_probes;
     int32_t threads;
+    bool has_budget;     /* of sub-steps, by simulation.max_substeps */
     double period;       /* s, T */
     int32_t step_ticks;  /* m */
     double step_period;  /* s, h = m T */
@@ -155,6 +156,8 @@ typedef struct ss_world_options {
     int32_t threads;
     double step_s; /* 0: the scene's rates */
     bool is_lockstep;
+    bool has_budget; /* max_substeps limits a step; without a clock to meet nothing but a bound on
+                      * the loop does */
     const char *import_program;
 } ss_world_options;
 

@@ -128,6 +128,48 @@ static void the_worst_verdict_needs_no_reading(void **state)
     softsim_destroy(&left_alone);
 }
 
+/* So light that a tick takes some dozens of sub-steps. Without a clock to meet it gets them. */
+static void a_run_without_a_clock_has_no_budget(void **state)
+{
+    (void)state;
+    static const char *const set[3][3] = {
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=2"},
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=1000"},
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=2"},
+    };
+    uint64_t hash[3];
+    softsim_state s[3];
+    for (int run = 0; run < 3; ++run) {
+        softsim_config config = softsim_default_config();
+        config.set = set[run];
+        config.set_count = 3;
+        config.has_budget = run == 2;
+        config.import_program = BIN_DIR "/softsim-import";
+        softsim_world *world = softsim_create(KIDNEY, &config, &error);
+        assert_non_null(world);
+        for (int32_t k = 0; k < 150; ++k) {
+            softsim_force force[SOFTSIM_MAX_PROBES];
+            const softsim_pose pose =
+                pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.001 - 0.004 * smooth(k / 150.0));
+            const int32_t channel = 0;
+            softsim_tick(world, &pose, &channel, 1, force);
+        }
+        softsim_read(world, &s[run]);
+        hash[run] = softsim_hash(world);
+        print_message("%d sub-steps a tick, worst verdict %d (%s)\n", s[run].substeps,
+                      (int)s[run].worst_verdict, s[run].worst_reason);
+        softsim_destroy(&world);
+    }
+    assert_true(s[0].substeps > 2);
+    assert_true(hash[0] == hash[1]);
+    assert_true(s[0].worst_verdict <= SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(s[2].worst_verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(s[2].worst_reason, "max_substeps"));
+}
+
 static void a_configuration_without_its_cookie_is_refused(void **state)
 {
     (void)state;
@@ -145,6 +187,7 @@ int main(void)
         cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
         cmocka_unit_test(results_come_one_period_late),
         cmocka_unit_test(the_worst_verdict_needs_no_reading),
+        cmocka_unit_test(a_run_without_a_clock_has_no_budget),
         cmocka_unit_test(a_configuration_without_its_cookie_is_refused),
     };
     return cmocka_run_group_tests_name("headless", tests, NULL, NULL);

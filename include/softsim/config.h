@@ -5,6 +5,7 @@
  * How a world is created. Always start from softsim_default_config(): it sets every field and a
  * cookie that softsim_create checks, so that new fields never break a caller.
  */
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct softsim_config {
@@ -13,6 +14,8 @@ typedef struct softsim_config {
     int32_t set_count;
     int32_t threads;            /* for set-up and workers; results do not depend on it */
     double step_s;              /* outer step and tick; 0: the scene's own rates */
+    bool has_budget;            /* simulation.max_substeps limits a step, as the clock makes it in
+                                 * real time; without, a step takes what its bound demands */
     const char *import_program; /* NULL: softsim-import beside the program, else in libexec */
 } softsim_config;
 

@@ -297,7 +297,7 @@ static const ss_scene_row simulation_row[] = {
      .min = 1,
      .max = 1e5,
      .fallback = 64,
-     .help = "more would be needed: slower than real time, and flagged",
+     .help = "in real time; more would be needed: slower than real time, and flagged",
      FIELD(max_substeps)},
 };
 static const ss_scene_row coupling_row[] = {

@@ -143,6 +143,37 @@ static void chainmail_is_felt_in_lockstep(void **state)
     assert_true(largest > 0.5);
 }
 
+/* Neither has a clock to meet: simulation.max_substeps limits neither, and they agree. */
+static void a_budget_that_would_bind_changes_nothing(void **state)
+{
+    (void)state;
+    static const char *const budgets[] = {"simulation.max_substeps=2",
+                                          "simulation.max_substeps=500"};
+    char wanted[32], got[32];
+    for (int i = 0; i < 2; ++i) {
+        const char *const run[] = {"softsim-run", KIDNEY,       "--poses",
+                                   POKE,          "--duration", "0.2",
+                                   "--hash",      "--set",      "model.area_density_kg_m2=1e-3",
+                                   "--set",       budgets[i],   NULL};
+        assert_int_equal(process_run(&client, run), 0);
+        last_word(client.out, i == 0 ? wanted : got);
+        assert_null(strstr(client.err, "max_substeps"));
+    }
+    assert_string_equal(got, wanted);
+    const char *const argv[] = {
+        "softsimd", KIDNEY,     "--lockstep", "--duration",
+        "0.2",      "--hash",   "--set",      "model.area_density_kg_m2=1e-3",
+        "--set",    budgets[0], NULL};
+    start(argv);
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+    process_start(&client, replay, NULL);
+    assert_int_equal(process_finish(&server), 0);
+    process_signal(&client, SIGKILL);
+    process_finish(&client);
+    last_word(server.out, got);
+    assert_string_equal(got, wanted);
+}
+
 /* ---- a client of our own -------------------------------------------------------------------- */
 
 static softsim_contact_force_t force;
@@ -239,6 +270,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(duration_ends_on_its_tick, tear_down),
         cmocka_unit_test_teardown(chainmail_is_felt_in_lockstep, tear_down),
+        cmocka_unit_test_teardown(a_budget_that_would_bind_changes_nothing, tear_down),
         cmocka_unit_test_teardown(answers_to_another_sender_count_nowhere, tear_down),
     };
     return cmocka_run_group_tests_name("lockstep", tests, NULL, NULL);

@@ -158,6 +158,7 @@ static softsim_status begin(runner *r, softsim_error *error)
         return status;
     }
     config.step_s = r->plan.step_s;
+    config.has_budget = true; /* judged as in real time */
     name_file(&r->folder, "scene.yaml", path);
     r->world = softsim_create(path, &config, &refusal);
     if (r->world == NULL && refusal.status == SOFTSIM_ERROR_MEMORY) {
