@@ -13,6 +13,7 @@
 #include "rt/printer.h"
 #include "world.h"
 
+enum { ALL_AXES = 7 };
 static const double SMALLEST_BODY_M = 1e-3;
 static const double LARGEST_BODY_M = 10.0;
 static const double SMALLEST_TOOL_SHARE = 1e-3; /* of the body's diagonal */
@@ -77,6 +78,21 @@ static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
     }
 }
 
+/* A body that gives way nowhere is a wall: each of its constants is without effect. */
+static void doubt_supports(const doubts *to, const ss_scene *scene)
+{
+    const ss_mesh *mesh = scene->mesh;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int corner = 0; corner < 3; ++corner) {
+            if ((scene->fixed[mesh->triangle[t][corner]] & ALL_AXES) != ALL_AXES) {
+                return;
+            }
+        }
+    }
+    say(to, "object.fixed: every node of the surface is held, so nothing that a tool touches can "
+            "move; are box_m, plane and sphere in metres, and where the body is?");
+}
+
 /* What the model's plan warns of, for those who do not ask it to explain itself. */
 static void doubt_plan(void *sink, const char *text)
 {
@@ -96,6 +112,7 @@ void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *
         say(&to, "object.units: the body's diagonal is %.4g m; are these the mesh file's units?",
             diagonal);
     }
+    doubt_supports(&to, scene);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
             doubt_tool(&to, p, &scene->tool[p].shape, diagonal);

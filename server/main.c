@@ -14,18 +14,35 @@ static void print_line(void *sink, const char *text)
     fprintf(sink, "%s\n", text);
 }
 
-static void print_warning(void *sink, const char *text)
+/* Where warnings go, and how many there were. */
+typedef struct warnings {
+    FILE *out; /* NULL: they are only counted */
+    int32_t count;
+} warnings;
+
+static void warn(void *sink, const char *text)
 {
-    fprintf(sink, "softsimd: warning: %s\n", text);
+    warnings *w = sink;
+    ++w->count;
+    if (w->out) {
+        fprintf(w->out, "softsimd: warning: %s\n", text);
+    }
 }
 
-static void print_check(const ss_world *world)
+/* An exit status, as that of softsim-mesh check. */
+static int print_check(const ss_world *world, int32_t warning_count)
 {
+    char verdict[48] = "good";
+    if (warning_count > 0) {
+        snprintf(verdict, sizeof verdict, "usable, with %d warning%s", warning_count,
+                 warning_count == 1 ? "" : "s");
+    }
     const ss_scene *scene = world->scene;
     const int tools = __builtin_popcount(world->used_probes);
-    fprintf(stderr, "softsimd: %s: good (%d nodes, %d triangles, %s, %d tool%s)\n", scene->path,
-            scene->mesh->node_count, scene->mesh->triangle_count, scene->model_name, tools,
+    fprintf(stderr, "softsimd: %s: %s (%d nodes, %d triangles, %s, %d tool%s)\n", scene->path,
+            verdict, scene->mesh->node_count, scene->mesh->triangle_count, scene->model_name, tools,
             tools == 1 ? "" : "s");
+    return warning_count > 0 ? 1 : 0;
 }
 
 /* Before the loops start their threads, so that only the main thread takes them; not before the
@@ -68,11 +85,10 @@ int main(int argc, char **argv)
         return 2;
     }
     int exit_code = 0;
-    if (options.log_level >= SS_LOG_WARNING) {
-        ss_world_doubt(world, print_warning, stderr);
-    }
+    warnings told = {.out = options.log_level >= SS_LOG_WARNING ? stderr : NULL};
+    ss_world_doubt(world, warn, &told);
     if (options.check) {
-        print_check(world);
+        exit_code = print_check(world, told.count);
     }
     if (options.explain) {
         ss_world_explain(world, print_line, stdout);

@@ -133,6 +133,10 @@ static void explain_material(const ss_model *model, const ss_printer *out)
     } else {
         ss_say(out, "left out: leak (what is slack stays where it was pushed)");
     }
+    if (!(model->leak > 0.0) && model->plan.mesh->tetrahedron_count == 0) {
+        ss_say(out, "note: the force of a held press fades (a surface of links has nothing inside "
+                    "and bends freely); leak_resistance: 10 keeps most of it, less keeps more");
+    }
     if (isfinite(model->saturation)) {
         ss_say(out, "saturation: %.4g m", model->saturation);
     } else {
