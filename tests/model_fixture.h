@@ -175,6 +175,26 @@ static inline ss_mesh *make_ellipsoid(int f, double ax, double ay, double az)
     return draft_finish(&d);
 }
 
+/* Copies of a body side by side along x, `apart` metres from one another. Takes `one`. */
+static inline ss_mesh *make_bodies(ss_mesh *one, int copies, double apart)
+{
+    draft d;
+    draft_init(&d, copies * one->node_count, copies * one->triangle_count);
+    for (int c = 0; c < copies; ++c) {
+        const int32_t first = d.nodes;
+        for (int32_t i = 0; i < one->node_count; ++i) {
+            const double *x = one->position[i];
+            draft_node(&d, x[0] + c * apart, x[1], x[2]);
+        }
+        for (int32_t t = 0; t < one->triangle_count; ++t) {
+            const int32_t *n = one->triangle[t];
+            draft_triangle(&d, first + n[0], first + n[1], first + n[2]);
+        }
+    }
+    ss_mesh_destroy(&one);
+    return draft_finish(&d);
+}
+
 /* ---- a model ------------------------------------------------------------------------------ */
 
 static inline void give_field(setup *s, const char *name, double *per_node)
@@ -302,8 +322,8 @@ static inline double potential(setup *s, int32_t node, int axis, double *out_for
                  first->c1 * (double)first->r[at] +
                  first->c2 * (double)(m->is_held ? first->b : first->b_turned)[at];
     *out_force -= (double)m->load_force[at];
-    if (m->normal) {
-        *out_force -= m->pressure * (double)m->normal[at];
+    if (m->enclosed_count == 1) {
+        *out_force -= m->enclosed[0].pressure * (double)m->normal[at];
     }
     return info_of(s).elastic;
 }

@@ -321,6 +321,95 @@ static void what_is_enclosed_keeps_most_of_its_volume(void **state)
     assert_true(fabs(lost[1]) < 0.4 * lost[0]);
 }
 
+/* Each body encloses a volume of its own: what presses one does not inflate the other. */
+static void bodies_of_one_mesh_enclose_a_volume_each(void **state)
+{
+    (void)state;
+    static setup s[2];
+    for (int k = 0; k < 2; ++k) {
+        setup_init(&s[k], "cnn-energy", make_bodies(make_ellipsoid(4, 1.0, 0.9, 0.8), k + 1, 3.0));
+        for (int32_t i = 0; i < s[k].mesh->node_count; ++i) {
+            s[k].fixed[i] = s[k].mesh->position[i][2] < -0.5 ? 7 : 0;
+        }
+        per_node(&s[k], 1.0, 1.0, 1.0);
+        give(&s[k], "modulus_j", 5.0);
+        give(&s[k], "pretension_j", 1.0);
+        give(&s[k], "enclosed_bulk_pa", 20.0);
+        static int32_t patch[2][200];
+        int32_t count = 0;
+        for (int32_t i = 0; i < s[k].mesh->node_count; ++i) {
+            if (s[k].mesh->position[i][2] > 0.6 && s[k].mesh->position[i][0] < 1.5) {
+                patch[k][count++] = i;
+            }
+        }
+        s[k].load[0] = (ss_load){
+            .node = patch[k], .node_count = count, .force = {0, 0, -1.0}, .to = (double)INFINITY};
+        s[k].plan.load_count = 1;
+        create(&s[k]);
+        steps(&s[k], 300, 0.1);
+    }
+    const int32_t half = s[0].mesh->node_count;
+    double largest = 0.0, other = 0.0, differs = 0.0;
+    for (int32_t i = 0; i < half; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double alone = moved(&s[0], i, axis);
+            largest = fmax(largest, fabs(alone));
+            differs = fmax(differs, fabs(moved(&s[1], i, axis) - alone));
+            other = fmax(other, fabs(moved(&s[1], half + i, axis)));
+        }
+    }
+    print_message("moved %.3g, beside another %.3g otherwise; the other moved %.3g\n", largest,
+                  differs, other);
+    assert_true(largest > 0.01);
+    assert_true(differs < 1e-5 * largest);
+    assert_true(other == 0.0);
+    assert_true(fabs(ledger(&s[1])) < 1e-3 * info_of(&s[1]).work);
+    for (int k = 0; k < 2; ++k) {
+        setup_fini(&s[k]);
+    }
+}
+
+/* A ball in a ball, the inner one inside out, and a third beside them. */
+static void a_cavity_belongs_to_the_body_around_it(void **state)
+{
+    (void)state;
+    setup s;
+    ss_mesh *ball[3] = {make_ellipsoid(4, 1.0, 1.0, 1.0), make_ellipsoid(3, 0.5, 0.5, 0.5),
+                        make_ellipsoid(2, 0.4, 0.4, 0.4)};
+    draft d;
+    draft_init(&d, 2000, 4000);
+    for (int k = 0; k < 3; ++k) {
+        const int32_t first = d.nodes;
+        for (int32_t i = 0; i < ball[k]->node_count; ++i) {
+            const double *x = ball[k]->position[i];
+            draft_node(&d, x[0] + (k == 2 ? 2.0 : 0.0), x[1], x[2]);
+        }
+        for (int32_t t = 0; t < ball[k]->triangle_count; ++t) {
+            const int32_t *n = ball[k]->triangle[t];
+            draft_triangle(&d, first + n[0], first + n[k == 1 ? 2 : 1], first + n[k == 1 ? 1 : 2]);
+        }
+    }
+    setup_init(&s, "cnn-energy", draft_finish(&d));
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = s.mesh->position[i][2] < -0.2 ? 7 : 0;
+    }
+    per_node(&s, 1.0, 1.0, 1.0);
+    give(&s, "modulus_j", 5.0);
+    give(&s, "enclosed_bulk_pa", 20.0);
+    create(&s);
+    assert_int_equal(s.model->enclosed_count, 2);
+    double volume[3];
+    for (int k = 0; k < 3; ++k) {
+        ss_mesh_report report;
+        assert_int_equal(ss_mesh_check(ball[k], &report), SOFTSIM_OK);
+        volume[k] = report.volume;
+        ss_mesh_destroy(&ball[k]);
+    }
+    assert_near(s.model->enclosed[0].volume, volume[0] - volume[1], 1e-12);
+    assert_near(s.model->enclosed[1].volume, volume[2], 1e-12);
+    setup_fini(&s);
+}
+
 /* Runge-Kutta near its stable step: at omega h = 1.9 a cycle loses a third of its energy. */
 static void a_step_that_loses_energy_says_so(void **state)
 {
@@ -355,6 +444,8 @@ int main(void)
         cmocka_unit_test(pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body),
         cmocka_unit_test(gravity_hangs_each_node_on_its_spring),
         cmocka_unit_test(what_is_enclosed_keeps_most_of_its_volume),
+        cmocka_unit_test(bodies_of_one_mesh_enclose_a_volume_each),
+        cmocka_unit_test(a_cavity_belongs_to_the_body_around_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

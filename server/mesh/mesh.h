@@ -239,6 +239,11 @@ static inline int32_t ss_mesh_file_element(const ss_mesh *mesh, int32_t element)
 /* Where x lies on the Hilbert curve through the cube of edge `size` at `low`. */
 uint64_t ss_mesh_curve_place(const double x[3], const double low[3], double size);
 
+/* The solid bodies of a closed surface, numbered from 0: parts connected by triangles or
+ * tetrahedra, cavities counted to the smallest body around them. out_body has node_count values, -1
+ * for loose nodes. Returns their number, -1 when out of memory. */
+int32_t ss_mesh_find_bodies(const ss_mesh *mesh, int32_t *out_body);
+
 /* A third of the area of the triangles around each node, m^2: out has node_count values. Quads
  * count as the mean of both ways of cutting them: a rectangle gives each corner a quarter. */
 void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);

@@ -343,6 +343,56 @@ bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t par
     return any;
 }
 
+/* The smallest part of positive volume whose box a cavity's box lies in; -1: none. */
+static int32_t find_shell(const ss_mesh_part *parts, int32_t count, int32_t cavity)
+{
+    int32_t best = -1;
+    for (int32_t i = 0; i < count; ++i) {
+        if (parts[i].volume > 0.0 && box_lies_inside(&parts[cavity], &parts[i]) &&
+            (best < 0 || parts[i].volume < parts[best].volume)) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Closes up the numbers of `count` parts after cavities have got those of their shells. */
+static int32_t join_cavities(const ss_mesh_part *parts, int32_t count, int32_t *number)
+{
+    int32_t bodies = 0;
+    for (int32_t p = 0; p < count; ++p) {
+        const bool is_cavity = parts[p].volume < 0.0 && count <= SS_MESH_MAX_PARTS;
+        const int32_t shell = is_cavity ? find_shell(parts, count, p) : -1;
+        number[p] = shell >= 0 ? -1 - shell : bodies++;
+    }
+    for (int32_t p = 0; p < count; ++p) {
+        number[p] = number[p] < 0 ? number[-1 - number[p]] : number[p];
+    }
+    return bodies;
+}
+
+int32_t ss_mesh_find_bodies(const ss_mesh *mesh, int32_t *out_body)
+{
+    const ss_mesh_tuples no_edges = {0};
+    const int32_t count = ss_mesh_find_parts(mesh, true, out_body);
+    if (count < 2) {
+        return count;
+    }
+    ss_mesh_part *parts = ss_memory_get((size_t)count, sizeof *parts);
+    int32_t *number = ss_memory_get((size_t)count, sizeof *number);
+    int32_t bodies = -1;
+    if (parts != NULL && number != NULL) {
+        ss_mesh_measure_parts(mesh, out_body, count, &no_edges, parts, NULL);
+        bodies = join_cavities(parts, count, number);
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            out_body[i] = out_body[i] < 0 ? -1 : number[out_body[i]];
+        }
+    }
+    ss_memory_free(parts);
+    ss_memory_free(number);
+    return bodies;
+}
+
 bool ss_mesh_find_closed(ss_mesh *mesh)
 {
     ss_mesh_tuples edges = {0};

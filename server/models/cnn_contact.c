@@ -84,13 +84,7 @@ static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
             square += source->rank * along * along;
         }
     }
-    if (model->normal) {
-        const double rate = model->material.bulk / model->volume;
-        const double change = kernels->dot(part, model->normal, x);
-        kernels->axpy(part, rate * change, model->normal, out);
-        square += rate * change * change;
-    }
-    return square;
+    return square + ss_cnn_enclosed_tangent(model, x, out);
 }
 
 /* Rows of the Jacobi preconditioner, from the step bound's: 0 on axes that cannot move. */

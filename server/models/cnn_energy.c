@@ -18,7 +18,8 @@
  *   eps     = 1/2 sum_e kap_e (|P_e|^2 - L0_e^2)        the flux-weighted mean Green strain, so
  *   psi     = E^ eps+^2 / 2 + T0 eta                    the source is modulus x strain (equation 5)
  *   eta     = 1/2 sum_e kap_e |u_e|^2                   pretension in balance at rest
- *   Pi      = sum_sources a psi + contact + 1/2 sum ks |P - P*|^2 + 1/2 (B/V0) (sum N.u)^2
+ *   Pi      = sum_sources a psi + contact + 1/2 sum ks |P - P*|^2
+ *             + sum_bodies 1/2 (B/V0) (sum N.u)^2
  *   m P'' + gamma P' = F - dPi/dP
  *
  * Pi is one potential of positions and tool poses, without memory: for fixed weights it is convex
@@ -137,40 +138,6 @@ static void set_extremes(ss_model *model)
             }
         }
     }
-}
-
-/* N_i, V0 and the pressure's share of the step bound. */
-static softsim_status set_volume(ss_model *model, softsim_error *error)
-{
-    const ss_mesh *mesh = model->plan.mesh;
-    if (!model->normal) {
-        return SOFTSIM_OK;
-    }
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        const int32_t *c = mesh->triangle[t];
-        double u[3], v[3], n[3];
-        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-        ss_cross3(n, u, v);
-        for (int a = 0; a < 3; ++a) {
-            for (int k = 0; k < 3; ++k) {
-                model->normal[4 * (ptrdiff_t)c[a] + k] += (ss_real)(n[k] / 6.0);
-            }
-        }
-        double r[3];
-        ss_sub3(r, mesh->position[c[0]], mesh->position[0]);
-        model->volume += ss_dot3(n, r) / 6.0;
-    }
-    if (!(model->volume > 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                          "cnn-energy: enclosed_bulk_pa: the surface encloses no volume (is it "
-                          "inside out?)");
-        return SOFTSIM_ERROR_MESH;
-    }
-    model->bulk_rate =
-        model->material.bulk / model->volume *
-        model->kernels->weighted_square(&model->whole, model->normal, model->mobility);
-    return SOFTSIM_OK;
 }
 
 /* Centroid and size; of free bodies the weights of the fit. */
@@ -310,7 +277,9 @@ static void reset(ss_model *model)
     model->substeps = 0;
     model->work = model->load_work = model->dissipated = model->kinetic = model->elastic = 0.0;
     model->pool = 0.0;
-    model->pressure = 0.0;
+    for (int32_t k = 0; k < model->enclosed_count; ++k) {
+        model->enclosed[k].pressure = 0.0;
+    }
     model->is_ready = false;
     model->has_loads_only = false;
     model->first = NULL;
@@ -329,6 +298,7 @@ static void destroy(ss_model *model)
     }
     ss_cnn_loads_fini(model);
     ss_cnn_window_destroy(&model->window);
+    ss_cnn_enclosed_fini(model);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         ss_touch_destroy(&tool->touch);
@@ -398,7 +368,7 @@ static softsim_status build(ss_model *model, softsim_error *error)
     }
     set_extremes(model);
     set_geometry(model);
-    status = set_volume(model, error);
+    status = ss_cnn_enclosed_create(model, error);
     status = status == SOFTSIM_OK ? create_relaxation(model, error) : status;
     status = status == SOFTSIM_OK ? create_tools(model, error) : status;
     status = status == SOFTSIM_OK ? ss_cnn_window_create(model) : status;

@@ -157,6 +157,14 @@ typedef struct ss_cnn_driven {
     int32_t source; /* -1: none of its nodes can carry one */
 } ss_cnn_driven;
 
+/* What one body of the mesh encloses; see cnn_enclosed.c. */
+typedef struct ss_cnn_enclosed {
+    double volume;   /* V0, m^3 */
+    double change;   /* sum N.u at the last evaluation, m^3 */
+    double pressure; /* Pa, likewise */
+    double along;    /* m^3: N.x of the tangent, scratch */
+} ss_cnn_enclosed;
+
 /* Sources, and the enclosed volume, whose forces lead the far nodes; see cnn_window.c. */
 enum { SS_CNN_MAX_MODES = 8 };
 
@@ -203,14 +211,17 @@ struct ss_model {
     ss_surface *surface;
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
-    bool is_one_cell;        /* a source is the contact cell alone, equation (10) */
-    bool is_relaxed;         /* the network in its own time, equation (2) */
-    ss_cnn_relax *relax;     /* NULL at equilibrium */
-    double diagonal, volume; /* m, m^3 */
-    double small_energy;     /* J: what no hand feels; without tools, rounding */
-    double smallest_sigma;   /* kg/m^2 of the surface */
+    bool is_one_cell;      /* a source is the contact cell alone, equation (10) */
+    bool is_relaxed;       /* the network in its own time, equation (2) */
+    ss_cnn_relax *relax;   /* NULL at equilibrium */
+    double diagonal;       /* m */
+    double small_energy;   /* J: what no hand feels; without tools, rounding */
+    double smallest_sigma; /* kg/m^2 of the surface */
     double damping_rate_min, damping_rate_max; /* gamma/m, 1/s */
-    double bulk_rate;                          /* (B/V0) sum |N|^2/m, 1/s^2 */
+    double bulk_rate;                          /* largest (B/V0) sum |N|^2/m, 1/s^2 */
+    int32_t enclosed_count;                    /* bodies with B; 0 without */
+    ss_cnn_enclosed *enclosed;                 /* by body */
+    int32_t *body;                             /* of each node; NULL where there is one */
     uint8_t *held;                             /* cells held at zero: fixed on all axes */
     ss_cnn_span whole_span;
     ss_cnn_part whole;         /* all nodes and rows that may move */
@@ -238,9 +249,7 @@ struct ss_model {
     bool is_ready, has_strain, has_totals;
     bool has_loads_only;            /* base and force are load_force: no tool, no second source */
     ss_cnn_totals totals;           /* of u and v, where has_totals */
-    double volume_change;           /* sum N.u, likewise; not where nodes are driven */
     double kinetic, elastic, bound; /* J, J, s */
-    double pressure;                /* Pa */
     const ss_real *d;               /* P - P* at the last evaluation: u, or fitted */
     const ss_cnn_source *first;     /* the source that `force` does not hold yet; NULL: none on */
     double rotation[3][3], centroid_rest[3], fit_weight; /* of a free body; fit_weight = sum ks */
@@ -275,6 +284,23 @@ ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_mat
  * fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
                                  bool *out_is_held, softsim_error *error);
+
+/* ---- cnn_enclosed.c: what the bodies enclose ---------------------------------------------------
+ */
+
+/* Finds the bodies, their volumes and the pressure's share of the step bound; nothing without B.
+ * Thread: set-up only. */
+softsim_status ss_cnn_enclosed_create(ss_model *model, softsim_error *error);
+void ss_cnn_enclosed_fini(ss_model *model);
+/* N for the stage, which takes the pressure of one body along; NULL: none, or several, whose
+ * pressures ss_cnn_enclosed_evaluate puts into model->force. */
+const ss_real *ss_cnn_enclosed_normal(const ss_model *model);
+/* Pressures at displacements `u`. One body: `change` belongs to u but for `far_change` of the
+ * window; several: model->force must hold no pressure yet. */
+void ss_cnn_enclosed_evaluate(ss_model *model, const ss_real *u, double far_change);
+/* out += (B/V0) N (N.x) for every body; returns x.out. */
+double ss_cnn_enclosed_tangent(const ss_model *model, const ss_real *x, ss_real *out);
+double ss_cnn_enclosed_energy(const ss_model *model);
 
 /* ---- cnn_source.c: where energy enters the network ---------------------------------------- */
 

@@ -38,6 +38,8 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
 /* The planned sub-steps of a contact, against one: weights, columns and contacts once a step. */
 #define COST_CONTACT 2.3
 
+enum { MOST_BODIES = 8 }; /* with an enclosed volume: told one by one */
+
 /* Edges of the network: half the sides of a closed surface; of a volume by Euler's formula. */
 static double edge_count(const ss_model_plan *plan)
 {
@@ -238,7 +240,13 @@ static void explain_material(const ss_model *model, const ss_printer *out)
         ss_say(out, "left out: pretension (pretension_j is 0)");
     }
     if (model->normal) {
-        ss_say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->volume, m->bulk);
+        for (int32_t k = 0; k < model->enclosed_count && k < MOST_BODIES; ++k) {
+            ss_say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->enclosed[k].volume, m->bulk);
+        }
+        if (model->enclosed_count > MOST_BODIES) {
+            ss_say(out, "and %d bodies more, with a volume each",
+                   model->enclosed_count - MOST_BODIES);
+        }
     } else {
         ss_say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
     }

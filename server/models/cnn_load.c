@@ -362,6 +362,7 @@ static void support_at(const ss_model *model, int32_t i, const ss_real *d, const
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)i;
     const ss_cnn_source *first = model->first;
+    const ss_real *normal = ss_cnn_enclosed_normal(model);
     for (int k = 0; k < 3; ++k) {
         out[k] = (double)model->rest_stiffness[i] * (double)d[at + k] +
                  (double)model->damping[i] * (double)v[at + k] - (double)model->force[at + k];
@@ -369,8 +370,8 @@ static void support_at(const ss_model *model, int32_t i, const ss_real *d, const
             const ss_real *b = first->b_turned ? first->b_turned : first->b;
             out[k] += first->c1 * (double)first->r[at + k] - first->c2 * (double)b[at + k];
         }
-        if (model->normal) {
-            out[k] += model->pressure * (double)model->normal[at + k];
+        if (normal) {
+            out[k] += model->enclosed[0].pressure * (double)normal[at + k];
         }
     }
 }

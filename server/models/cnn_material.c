@@ -60,11 +60,12 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                              .is_live = true,
                              .help = "tension of the surface at rest (J), balanced by what it "
                                      "encloses; recommended for closed bodies that are fixed"},
-    [SS_CNN_ENCLOSED_BULK_PA] = {.name = "enclosed_bulk_pa",
-                                 .kind = SS_PARAM_NUMBER,
-                                 .max = 1e12,
-                                 .help = "resistance of the enclosed volume to change; closed "
-                                         "bodies that are fixed"},
+    [SS_CNN_ENCLOSED_BULK_PA] =
+        {.name = "enclosed_bulk_pa",
+         .kind = SS_PARAM_NUMBER,
+         .max = 1e12,
+         .help = "resistance of the enclosed volume of each body to change; closed "
+                 "bodies that are fixed"},
     [SS_CNN_RHO] = {.name = "rho",
                     .kind = SS_PARAM_FIELD,
                     .max = 1e12,

@@ -208,7 +208,11 @@ static void evaluate_sources(ss_model *model)
 {
     const ss_cnn_kernels *kernels = model->kernels;
     model->first = NULL;
-    bool is_clean = false;
+    bool is_clean = model->enclosed_count > 1; /* their pressures come on top */
+    if (is_clean) {
+        copy_quads(model->part, model->base, model->force);
+        model->has_loads_only = false;
+    }
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_source *source = ss_cnn_source_on(model, k);
         if (source) {
@@ -241,7 +245,7 @@ static void evaluate_sources(ss_model *model)
 }
 
 /* All forces at displacements `u` with the tools at `path`; model->force must hold no contact, and
- * model->volume_change belongs to u. */
+ * the change of one enclosed volume belongs to u. */
 static void evaluate(ss_model *model, ss_real *u, double path)
 {
     model->d = ss_cnn_fit(model, u);
@@ -255,10 +259,7 @@ static void evaluate(ss_model *model, ss_real *u, double path)
         }
     }
     evaluate_sources(model);
-    if (model->normal) {
-        model->pressure =
-            model->material.bulk / model->volume * (model->volume_change + far_change);
-    }
+    ss_cnn_enclosed_evaluate(model, u, far_change);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tool[k].is_present) {
             add_contact(model, &model->tool[k], u, path);
@@ -319,10 +320,7 @@ static void set_energies(ss_model *model)
         const ss_cnn_tool *tool = &model->tool[k];
         elastic += tool->is_present ? tool->penalty + tool->grasp.share * tool->grasp.square : 0.0;
     }
-    if (model->normal && model->material.bulk > 0.0) {
-        elastic += 0.5 * model->pressure * model->pressure * model->volume / model->material.bulk;
-    }
-    model->elastic = elastic;
+    model->elastic = elastic + ss_cnn_enclosed_energy(model);
 }
 
 /* Everything at the present state with the tools at `path`: weights, forces, energies, bound. */
@@ -349,8 +347,9 @@ static void prepare(ss_model *model, double path)
         copy_quads(model->part, model->base, model->force);
         model->has_loads_only = !has_tool;
     }
-    if (model->normal && (!model->has_totals || model->plan.prescribed_count > 0)) {
-        model->volume_change = model->kernels->dot(model->part, model->normal, model->u);
+    const ss_real *normal = ss_cnn_enclosed_normal(model);
+    if (normal && (!model->has_totals || model->plan.prescribed_count > 0)) {
+        model->enclosed[0].change = model->kernels->dot(model->part, normal, model->u);
     }
     evaluate(model, model->u, path);
     set_energies(model);
@@ -406,7 +405,7 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
     ss_cnn_stage stage = {.part = model->part,
                           .h = h,
                           .force = model->force,
-                          .normal = model->normal,
+                          .normal = ss_cnn_enclosed_normal(model),
                           .rest_stiffness = model->rest_stiffness,
                           .damping = model->damping,
                           .mass = model->mass,
@@ -431,7 +430,7 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         stage.b = first ? (model->is_held ? first->b : first->b_turned) : NULL;
         stage.c1 = first ? first->c1 : 0.0;
         stage.c2 = first ? first->c2 : 0.0;
-        stage.pressure = model->pressure;
+        stage.pressure = stage.normal ? model->enclosed[0].pressure : 0.0;
         model->work += tool_work(model, fraction, share[s]);
         if (model->plan.prescribed_count > 0) {
             const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
@@ -441,7 +440,9 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         }
         model->dissipated += h * share[s] * model->kernels->stage(&stage);
         model->dissipated += h * share[s] * ss_cnn_window_stage(model, s, h);
-        model->volume_change = stage.volume;
+        if (stage.normal) {
+            model->enclosed[0].change = stage.volume;
+        }
         if (s == 0) {
             ready_contact(model, path, path + fraction);
         }

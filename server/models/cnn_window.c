@@ -104,6 +104,9 @@ static const char *find_reason(const ss_model *model, double *out_damping_rate, 
     if (model->has_gravity || !model->is_held) {
         return model->has_gravity ? "gravity moves every node" : "the body is free";
     }
+    if (model->enclosed_count > 1) {
+        return "several bodies enclose a volume each";
+    }
     if (model->source_count + (model->normal ? 1 : 0) > SS_CNN_MAX_MODES) {
         return "too many loads";
     }
@@ -476,7 +479,7 @@ double ss_cnn_window_stage(ss_model *model, int index, double h)
     const double power = window->damping_rate * far_square(window, window->now_w);
     for (int32_t m = 0; m < window->mode_count; ++m) {
         const ss_cnn_source *source = m < model->source_count ? &model->source[m] : NULL;
-        const double tension = !source         ? model->pressure
+        const double tension = !source         ? model->enclosed[0].pressure
                                : source->is_on ? source->c1 - source->c2
                                                : 0.0;
         const double rate = window->now_w[m];
