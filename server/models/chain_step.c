@@ -224,10 +224,20 @@ static bool choose_full(ss_model *model, int32_t index, bool is_changed)
     return model->is_all_awake;
 }
 
-/* What the network stores now, and what that says of the sub-steps before. */
+/* W of the leak, m^2: its pull -u/R_rest is the gradient of -|u|^2/(2 R_rest). */
+static double leak_energy(const ss_model *model)
+{
+    double sum = 0.0;
+    for (ptrdiff_t at = 0; model->leak > 0.0 && at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        sum += (double)model->u[at] * (double)model->u[at];
+    }
+    return 0.5 * model->leak * sum;
+}
+
+/* What the network and its leak store now, and what that says of the sub-steps before. */
 static void balance(ss_model *model)
 {
-    double elastic = 2.0 * model->k * model->network;
+    double elastic = 2.0 * model->k * (model->network + leak_energy(model));
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         elastic += model->tool[k].is_present ? ss_chain_tool_energy(&model->tool[k]) : 0.0;
     }
