@@ -9,6 +9,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "effort.h"
 #include "rt/vec.h"
 #include "tool_fixture.h"
 
@@ -110,7 +111,7 @@ bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void
 static void a_liver_of_tetrahedra_is_as_large_as_the_published_one(void **state)
 {
     (void)state;
-    if (IS_SANITIZED) {
+    if (!FULL_IN_RELEASE(true, false)) {
         skip();
     }
     ss_mesh *m = generate("liver --tetrahedra", "liver.msh", 1e-3);
@@ -228,7 +229,7 @@ static void the_surface_of_a_box_needs_no_inside(void **state)
     assert_int_equal(find_group(alone, "top")->node_count, find_group(whole, "top")->node_count);
     ss_mesh_destroy(&whole);
     ss_mesh_destroy(&alone);
-    if (IS_SANITIZED) {
+    if (!FULL_IN_LONG_RUN(true, false)) {
         return;
     }
     assert_int_equal(run(TOOL "generate block --points 1000000 --out m.msh", out, sizeof out), 0);

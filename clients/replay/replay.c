@@ -12,6 +12,9 @@
 static const int64_t silence_ns = 5000000000; /* without an answer: failure */
 static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
 static const int64_t drain_ns = 500000000;    /* for the last answers */
+/* Between two looks at the clock: what is longer, the machine held this program back, and an answer
+ * may lie unread; it is counted as so much. */
+static const int64_t look_ns = 100000000;
 
 const char ss_replay_csv_header[] = "pose_seq,pose_utime,probe,fx,fy,fz,tx,ty,tz,depth_m,"
                                     "stiffness_n_per_m,model_age_us,flags,latency_us,"
@@ -105,7 +108,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     int32_t *answered = &replay->answered_seq[force->probe];
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
-    replay->silent_since_ns = 0;
+    replay->is_asking = false;
     if (replay->record != NULL) {
         softsim_log_write_force(replay->record, wall_clock_us(),
                                 softsim_client_force_channel(replay->client, force->probe), force);
@@ -145,8 +148,10 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event)
     replay->sent_seq[channel] = replay->seq;
     event->pose.utime_us = softsim_client_now_us();
     ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
-    if (replay->silent_since_ns == 0) {
-        replay->silent_since_ns = softsim_client_now_ns();
+    if (!replay->is_asking) {
+        replay->is_asking = true;
+        replay->silent_ns = 0;
+        replay->looked_ns = softsim_client_now_ns();
     }
     softsim_client_send_pose(replay->client, &event->pose, channel);
     ++replay->statistics.poses;
@@ -156,11 +161,24 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event)
     }
 }
 
+/* Counts the time that this program has waited for an answer; not what it was held back. */
+static bool is_silent(ss_replay *replay, int64_t now_ns)
+{
+    const int64_t since_ns = now_ns - replay->looked_ns;
+    replay->looked_ns = now_ns;
+    if (replay->is_asking) {
+        replay->silent_ns += since_ns < look_ns ? since_ns : look_ns;
+    }
+    return replay->is_asking && replay->silent_ns > silence_ns;
+}
+
 /* Takes answers until `deadline_ns`, or until `channel` (-1: none) has all its poses answered. */
 static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32_t channel)
 {
     for (;;) {
-        if (softsim_client_wait(replay->client, deadline_ns) < 0) {
+        const int64_t look_at_ns = softsim_client_now_ns() + look_ns / 2;
+        if (softsim_client_wait(replay->client,
+                                look_at_ns < deadline_ns ? look_at_ns : deadline_ns) < 0) {
             return SS_REPLAY_BROKEN;
         }
         if (ss_process_is_stopped()) {
@@ -168,7 +186,7 @@ static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32
         }
         replay->has_heard_two = replay->has_heard_two || softsim_client_hears_two(replay->client);
         const int64_t now_ns = softsim_client_now_ns();
-        if (replay->silent_since_ns != 0 && now_ns - replay->silent_since_ns > silence_ns) {
+        if (is_silent(replay, now_ns)) {
             return SS_REPLAY_SILENT;
         }
         if (channel >= 0 && replay->answered_seq[channel] == replay->sent_seq[channel]) {

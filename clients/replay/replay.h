@@ -51,8 +51,9 @@ typedef struct ss_replay {
     int32_t seq;                              /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
-    int64_t silent_since_ns;                  /* first unanswered send; 0: none */
-    bool has_heard_two;                       /* servers; the first one's answers are kept */
+    bool is_asking;                           /* a pose was sent since the last answer */
+    int64_t silent_ns, looked_ns; /* waited for one since then; last look at the clock */
+    bool has_heard_two;           /* servers; the first one's answers are kept */
     ss_replay_statistics statistics;
 } ss_replay;
 

@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static double now_s(void)
+double process_now_s(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -112,7 +112,7 @@ static bool pump(process *p, double deadline)
     if (p->out_fd < 0 && p->err_fd < 0) {
         return false;
     }
-    const double left = deadline - now_s();
+    const double left = deadline - process_now_s();
     if (left <= 0.0 || poll(fds, 2, (int)(left * 1e3) + 1) < 0) {
         return false;
     }
@@ -127,7 +127,7 @@ static bool pump(process *p, double deadline)
 
 bool process_wait_for(process *p, const char *text)
 {
-    const double deadline = now_s() + 20.0;
+    const double deadline = process_now_s() + HANG_S;
     while (!strstr(p->out, text) && !strstr(p->err, text)) {
         if (!pump(p, deadline)) {
             return false;
@@ -141,7 +141,7 @@ int process_finish(process *p)
     if (!p->is_running) {
         return p->status;
     }
-    const double deadline = now_s() + 60.0;
+    const double deadline = process_now_s() + HANG_S;
     while (pump(p, deadline)) {
     }
     const bool is_late = p->out_fd >= 0 || p->err_fd >= 0;
@@ -163,6 +163,14 @@ int process_finish(process *p)
     }
     p->is_running = false;
     return p->status;
+}
+
+bool process_has_ended(const process *p)
+{
+    siginfo_t info = {.si_pid = 0};
+    return !p->is_running ||
+           (waitid(P_PID, (id_t)p->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+            info.si_pid == p->pid);
 }
 
 void process_signal(process *p, int signal_number)

@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "process.h"
@@ -201,13 +200,12 @@ static void on_status(const lcm_recv_buf_t *buffer, const char *channel,
 
 static void wait_for(lcm_t *lcm, const int *count, int least, const char *what)
 {
-    struct timespec begin, now;
-    clock_gettime(CLOCK_MONOTONIC, &begin);
+    const double begin_s = process_now_s();
     while (*count < least) {
         lcm_handle_timeout(lcm, 200);
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        if (now.tv_sec - begin.tv_sec > 20) {
-            fail_msg("waited 20 s for %s; server: %s", what, server.err);
+        if (process_has_ended(&server) || process_now_s() - begin_s > HANG_S) {
+            fail_msg("waited %.0f s for %s; server: %s", process_now_s() - begin_s, what,
+                     server.err);
         }
     }
 }
