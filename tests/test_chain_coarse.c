@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "chain_fixture.h"
+#include "effort.h"
 
 enum { SIDE = 11, NODES = SIDE * SIDE * SIDE, PATCH = 9 };
 
@@ -122,6 +123,7 @@ static double depth_after(int32_t cells, int count, double *out_force)
 static void poke_reaches_into_the_depth_at_once(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     double force[4];
     const double settled = depth_after(64, 3000, &force[0]);
     const double coarse = depth_after(64, 10, &force[1]);

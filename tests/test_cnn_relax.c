@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "effort.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
 #include "touch_fixture.h"
@@ -348,6 +349,7 @@ static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
 static void bodies_come_to_the_same_rest_and_slower_networks_later(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup settled, relaxed, slow;
     int32_t top = TOP;
     setup *const all[3] = {&settled, &relaxed, &slow};
@@ -440,6 +442,7 @@ static void the_networks_work_is_what_its_flux_brings_and_no_more(void **state)
 static void a_release_gives_back_everything(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup s;
     int32_t top = TOP;
     setup_cylinder(&s, 2.0);
@@ -621,6 +624,7 @@ static void momentum_of(const setup *s, double out[3])
 static void two_tools_and_loads_keep_the_ledger_whatever_is_chosen(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     for (int kind = 0; kind < 16; ++kind) {
         setup s;
         int32_t pushed[2];

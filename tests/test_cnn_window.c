@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "effort.h"
 #include "model_fixture.h"
 #include "rt/thread.h"
 
@@ -129,6 +130,7 @@ static int32_t far_node(const pair *p)
 static void the_field_and_the_ledger_are_those_of_the_whole_body(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const struct {
         double pretension, bulk, force;
         bool is_moving;
@@ -280,6 +282,7 @@ static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
 static void nodes_are_counted_once(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup s;
     setup_init(&s, "cnn-energy", make_plate(64, 1.0));
     const int32_t count = s.mesh->node_count;
@@ -460,6 +463,7 @@ static const char *reason_of(setup *s)
 static void bodies_that_gain_nothing_have_no_window(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const double top[3] = {0.0, 0.0, 0.8};
     const ss_shape shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.2};
     for (int kind = 0; kind < 7; ++kind) {

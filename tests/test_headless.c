@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The headless world on the bundled kidney: entry, two tools, the ledger, the schedule. */
+#include "effort.h"
 #include "kidney_fixture.h"
 
 static void an_organ_is_felt_and_comes_back(void **state)
@@ -23,6 +24,7 @@ static void an_organ_is_felt_and_comes_back(void **state)
 static void two_tools_close_together_keep_the_ledger(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_state s;
@@ -96,6 +98,7 @@ static void results_come_one_period_late(void **state)
 static void the_worst_verdict_needs_no_reading(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     softsim_world *watched = make_world(1, NULL, 0);
     softsim_world *left_alone = make_world(2, NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "effort.h"
 #include "hybrid_fixture.h"
 #include "models/body_state.h"
 
@@ -256,6 +257,7 @@ static void waking_keeps_mass_and_momentum(void **state)
 static void passing_tool_gives_no_energy(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     ss_model_info info;
@@ -330,6 +332,7 @@ static void tool_wakes_what_it_touches(void **state)
 static void switching_is_not_felt(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     enum { STOPS = 30 };
     double force[2][STOPS];
     for (int all = 0; all < 2; ++all) {
@@ -591,6 +594,7 @@ static void reset_begins_anew(void **state)
 static void fast_nodes_keep_within_an_edge(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     for (int is_fine_core = 0; is_fine_core < 2; ++is_fine_core) {
         setup s;
         ss_model_info info;

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "effort.h"
 #include "hybrid_fixture.h"
 
 /* The forces of now are those of rows that are gathered anew, to the bit. */
@@ -60,6 +61,7 @@ static uint64_t hash_wanted(const ss_hybrid *hybrid)
 static void short_look_is_enough(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     enum { STEPS = 240 };
     static uint64_t hash[2][STEPS];
     for (int way = 0; way < WAYS; ++way) {

@@ -18,12 +18,13 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "effort.h"
 #include "folder_fixture.h"
 #include "mesh/mesh.h"
 #include "rt/memory.h"
 
 enum { MAX_SIZE = 1 << 16, FORMATS = 5 };
-static int wanted = 40;
+static int wanted;
 
 typedef struct seed {
     const char *name;
@@ -254,7 +255,7 @@ static void damaged_files_harm_nobody(void **unused)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(damaged_files_harm_nobody)};
-    wanted = argc > 1 ? atoi(argv[1]) : wanted;
+    wanted = argc > 1 ? atoi(argv[1]) : FULL_IN_RELEASE(40, 10);
     make_obj(&seeds[0]);
     make_text_stl(&seeds[1]);
     make_binary_stl(&seeds[2]);

@@ -21,6 +21,7 @@
 
 #include "assay.h"
 #include "body.h"
+#include "effort.h"
 #include "rt/vec.h"
 #include "static_cnn.h"
 #include "table.h"
@@ -101,6 +102,7 @@ static double highest(const ss_body_run *run)
 static void fields_are_those_of_a_direct_solve(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     ss_body body;
     ss_body_run load, all, part, pull;
     softsim_error error = {.status = SOFTSIM_OK};

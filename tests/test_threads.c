@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The headless world on the bundled kidney, with more threads than one. */
+#include "effort.h"
 #include "kidney_fixture.h"
 
 static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_t set_count)
@@ -8,7 +9,7 @@ static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_
     softsim_world *world = make_world(threads, set, set_count);
     softsim_force last;
     double peak;
-    press_and_release(world, 300, 0.006, &last, &peak);
+    press_and_release(world, FULL_IN_RELEASE(300, 75), 0.006, &last, &peak);
     const uint64_t hash = softsim_hash(world);
     softsim_destroy(&world);
     return hash;

@@ -1,21 +1,25 @@
 #!/usr/bin/env bash
 # The tests, all of them: sets up a fresh Debian 12, builds and runs the suite in release, with
-# address and undefined-behaviour sanitizers, with the thread sanitizer (what has threads; the rest
-# by ctest --preset tsan), and in double precision; compiles with clang; runs each fuzzer for a few
-# seconds; checks the layers.
-#   tools/test.sh [--quick]     --quick: release only
+# address and undefined-behaviour sanitizers, with the thread sanitizer (what has threads), and in
+# double precision (what computes); checks all sources with clang's warnings; runs each fuzzer for
+# a few seconds; checks the layers.
+#   tools/test.sh [--quick | --long]
+#     --quick: release only
+#     --long:  every test in every build at its full size, which release runs already but for the
+#              longest; all of it built with clang too, and a minute for each fuzzer
 set -euo pipefail
 cd "$(dirname "$0")/.."
-quick=""
+quick="" long="" fuzz_s=2
 if [ $# -gt 1 ]; then
-  echo "test.sh: '$2' is one argument too many; use --quick" >&2
+  echo "test.sh: '$2' is one argument too many; use --quick or --long" >&2
   exit 2
 fi
 case "${1:-}" in
   "") ;;
   --quick) quick=1 ;;
+  --long) long=1 fuzz_s=60 SOFTSIM_TESTS_LONG=1; export SOFTSIM_TESTS_LONG ;; # read by tests/effort.h
   --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  *) echo "test.sh: unknown argument '$1'; use --quick" >&2; exit 2 ;;
+  *) echo "test.sh: unknown argument '$1'; use --quick or --long" >&2; exit 2 ;;
 esac
 tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
 started=$SECONDS
@@ -28,7 +32,15 @@ build_and_test() { # preset, target, ctest arguments
   cmake --preset "$preset" >/dev/null
   cmake --build --preset "$preset" --target "$target"
   say "$preset: test"
-  ctest --preset "$preset" -j "$jobs" --timeout 300 "$@"
+  ctest --preset "$preset" -j "$jobs" "$@" </dev/null
+}
+
+# The sources of every program and test, their warnings only: what is compiled to run is gcc's, and
+# the fuzzers'. After the fuzzers, whose build has made the headers.
+check_with_clang() {
+  (cd build/fuzz && ninja -t commands all |
+    sed -n 's/ -MD -MT [^ ]* -MF [^ ]* -o [^ ]* -c \([^ ]*\.c\)$/ -fsyntax-only \1/p' |
+    xargs -d '\n' -P "$(nproc)" -I{} sh -c '{}')
 }
 
 tools/check_layers
@@ -36,13 +48,10 @@ build_and_test release all
 [ -z "$quick" ] || exit 0
 build_and_test dev all
 build_and_test tsan threads -L threads
-build_and_test scalar all -LE 'process|mesh'
-
-say "clang: build"
-cmake -S . -B build/clang -G Ninja -DCMAKE_C_COMPILER=clang -DSOFTSIM_WERROR=ON \
-  -DCMAKE_BUILD_TYPE=Debug >/dev/null
-cmake --build build/clang
-
+if [ -n "$long" ]; then build_and_test scalar all; else build_and_test scalar numbers -L numbers; fi
 say "fuzz"
-tests/fuzz/run.sh 5
+tests/fuzz/run.sh $fuzz_s
+say "clang: warnings"
+check_with_clang
+[ -z "$long" ] || cmake --build build/fuzz
 say "all done"

@@ -8,8 +8,8 @@ cd "$(dirname "$0")/../.."
 seconds=${1:-10}
 [[ "$seconds" =~ ^[0-9]+$ ]] || { echo "run.sh: SECONDS must be a whole number" >&2; exit 2; }
 build=build/fuzz
-cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g" \
-  -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined >/dev/null
+cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g1" \
+  -DSOFTSIM_WERROR=ON -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined >/dev/null
 cmake --build "$build" --target fuzzers
 fuzz() {
   local name=$1
