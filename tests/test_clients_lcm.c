@@ -778,6 +778,7 @@ static void bridge_tells_that_forces_stop(void **state)
     start_server();
     process_start(&child, argv, NULL);
     expect_status(1);
+    stop_server();
     double at_s = 0.0;
     const char *said = strstr(child.err, "forces stopped at");
     assert_non_null(said);
@@ -786,7 +787,6 @@ static void bridge_tells_that_forces_stop(void **state)
         1e-6 * (double)(stand_in.kept[298].utime_us - stand_in.kept[0].utime_us);
     assert_true(at_s > answered_s - 0.1 && at_s > 0.25);
     assert_null(strstr(child.err, "again"));
-    stop_server();
 
     memset(&stand_in, 0, sizeof stand_in);
     stand_in.mute_from = 300;
