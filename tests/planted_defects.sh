@@ -21,7 +21,7 @@ defects=(
   'cnn-energy|test_cnn_step|server/models/cnn_kernels.c|ss_pair f = ss_pair_sub(ss_pair_load(s->force + at), gamma_v);|ss_pair f = ss_pair_add(ss_pair_load(s->force + at), gamma_v);'
   'fem|test_fem|server/models/fem_kernels.c|p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];|p.m[k / 3][k % 3] = all(0.0) + p.m[k / 3][k % 3];'
   'mass-spring|test_mass_spring|server/models/mass_spring.c|f[e->from + a] += pull * now.n[a];|f[e->from + a] -= pull * now.n[a];'
-  'mass-spring|test_body|server/models/body_step.c|body->work += ss_body_loads_work(body);|body->work -= ss_body_loads_work(body);'
+  'mass-spring|test_body|server/models/body_step.c|book_load(body, ss_body_loads_work(body));|book_load(body, -ss_body_loads_work(body));'
 )
 
 # The line of file $1 that has $2 must be the only one.

