@@ -37,6 +37,7 @@ static ss_world *make_scene(const char *scene, const char *const *set, int32_t s
     static softsim_error error;
     softsim_config config = softsim_default_config();
     memset(&error, 0, sizeof error);
+    config.has_budget = true; /* as in real time */
     config.set = set;
     config.set_count = set_count;
     config.import_program = BIN_DIR "/softsim-import";
