@@ -30,11 +30,14 @@ static bool find_rival(ss_net *net, bool *out_is_alive)
 {
     const ss_rival *rival = ss_net_rival(net);
     const int64_t start_ns = ss_clock_now_ns();
+    const int64_t latest_ns = start_ns + LISTEN_NS + CONFIRM_NS; /* whoever speaks how often */
     int64_t next_ask_ns = start_ns;
     for (;;) {
         const int64_t now_ns = ss_clock_now_ns();
-        const int64_t until_ns =
-            rival->last_ns == 0 ? start_ns + LISTEN_NS : rival->first_ns + CONFIRM_NS;
+        const int64_t confirmed_ns = rival->first_ns + CONFIRM_NS;
+        const int64_t until_ns = rival->last_ns == 0        ? start_ns + LISTEN_NS
+                                 : confirmed_ns < latest_ns ? confirmed_ns
+                                                            : latest_ns;
         *out_is_alive = ss_rival_is_alive(rival, now_ns);
         if (*out_is_alive || now_ns >= until_ns) {
             return true;

@@ -122,7 +122,7 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
     ss_world *world = loops->world;
     ss_world_probe *probe = &world->probe[channel];
     if (probe->has_answer && probe->answered_seq == pose->seq &&
-        probe->answered_sender == pose->sender) {
+        probe->answered_sender == pose->sender && probe->answered_source == pose->source) {
         answer(loops, &probe->answer);
         return;
     }
@@ -137,11 +137,16 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
         note_flags(loops, channel, force[channel].flags);
     }
     loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
-    probe->answer = force[channel];
-    probe->answered_seq = pose->seq;
-    probe->answered_sender = pose->sender;
-    probe->has_answer = true;
-    answer(loops, &probe->answer);
+    /* Who uses the holder's number from another address gets none: the holder would take it. */
+    if ((force[channel].flags & SOFTSIM_FORCE_OTHER_SENDER) == 0 ||
+        ss_gate_may_answer_other(world->gate, pose, channel, 0)) {
+        probe->answer = force[channel];
+        probe->answered_seq = pose->seq;
+        probe->answered_sender = pose->sender;
+        probe->answered_source = pose->source;
+        probe->has_answer = true;
+        answer(loops, &probe->answer);
+    }
     /* The tick nearest to the duration is the last, as in softsim-run. */
     const double duration = loops->options->duration_s;
     if (duration > 0.0 && ((double)world->tick + 0.5) * world->period > duration) {

@@ -86,6 +86,7 @@ typedef struct ss_world_probe {
     /* lockstep: the answer to the newest pose, for repeated ones */
     int32_t answered_seq;
     int64_t answered_sender;
+    uint64_t answered_source;
     bool has_answer;
     softsim_force answer;
     int64_t last_good_tick;

@@ -244,13 +244,23 @@ static void answers_to_another_sender_count_nowhere(void **state)
     send_pose(lcm, 1, 2, 0.9); /* a jump: refused, answered by the probe's force */
     assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
     send_pose(lcm, 1, 3, 0.2);
+    /* The holder's number from another address: refused, and neither the answer to it nor the one
+     * kept for repeats is taken for the holder's. */
+    lcm_t *forger = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(forger);
+    const softsim_probe_pose_t forged = {
+        .sender = 1, .seq = 4, .position = {0.2, 0.0, 0.0}, .orientation = {1.0, 0.0, 0.0, 0.0}};
+    softsim_probe_pose_t_publish(forger, "SOFTSIM_PROBE_0", &forged);
+    send_pose(lcm, 1, 4, 0.2);
+    assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
+    lcm_destroy(forger);
     const softsim_command_t command = {.sender = 1, .id = 1, .name = "status", .argument = ""};
     const int before = statuses;
     softsim_command_t_publish(lcm, "SOFTSIM_COMMAND", &command);
     wait_for(lcm, &statuses, before + 2, "statuses");
-    assert_int_equal(refused_other_sender, 1);
-    assert_int_equal(periods, 3);
-    assert_int_equal(counted, 3);
+    assert_int_equal(refused_other_sender, 2);
+    assert_int_equal(periods, 4);
+    assert_int_equal(counted, 4);
     assert_int_equal(missed, 0);
     softsim_contact_force_t_unsubscribe(lcm, heard_force);
     softsim_server_status_t_unsubscribe(lcm, heard_status);

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "daemon_fixture.h"
 
@@ -85,6 +86,28 @@ static void of_two_that_run_the_younger_gives_way(void **state)
     assert_int_equal(process_finish(&other), 1);
     expect_text(other.err, "gives way to the server that was first on prefix SOFTSIM: " KIDNEY);
     assert_int_equal(stop_daemon(), 0);
+}
+
+/* Statuses that come once a second, as of a server that is held up, or of ever another server: who
+ * is not confirmed does not keep one from starting. */
+static void statuses_of_nobody_hold_up_no_start(void **state)
+{
+    (void)state;
+    char none[] = "";
+    softsim_server_status_t status = {.scene = none, .model = none, .reason = none};
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    const char *const brief[] = {"softsimd", KIDNEY, "--duration", "0.1", NULL};
+    process_start(&other, brief, NULL);
+    const double begin_s = process_now_s();
+    while (!process_has_ended(&other) && process_now_s() - begin_s < 20.0) {
+        status.utime += 10000000;
+        softsim_server_status_t_publish(lcm, "SOFTSIM_STATUS", &status);
+        usleep(100000);
+    }
+    lcm_destroy(lcm);
+    assert_true(process_has_ended(&other));
+    assert_int_equal(process_finish(&other), 0);
 }
 
 /* ---- clients that hear two ------------------------------------------------------------------ */
@@ -189,6 +212,7 @@ int main(void)
         TEST(a_killed_server_is_followed_at_once),
         TEST(takeover_ends_the_first),
         TEST(of_two_that_run_the_younger_gives_way),
+        TEST(statuses_of_nobody_hold_up_no_start),
         TEST(a_bridge_lets_go_where_two_servers_answer),
         TEST(watching_and_replaying_clients_say_that_there_are_two),
     };
