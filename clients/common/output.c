@@ -108,6 +108,14 @@ softsim_status ss_output_open(ss_output *output, const char *path, softsim_error
                : fail_open(output, SOFTSIM_ERROR_FILE, path, ss_files_reason(errno), error);
 }
 
+/* Does the name still stand for the open file? Its holder may have renamed it meanwhile. */
+static bool is_named(const char *path, const struct stat *open_file)
+{
+    struct stat found;
+    return lstat(path, &found) == 0 && found.st_dev == open_file->st_dev &&
+           found.st_ino == open_file->st_ino;
+}
+
 /* NAME.part, empty and held by this program; -1: *out_why says why not. */
 static int open_part(const char *path, const char **out_why)
 {
@@ -120,6 +128,8 @@ static int open_part(const char *path, const char **out_why)
         *out_why = "not a file; remove it, or give another name";
     } else if (flock(part, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         *out_why = "another program is recording to it; give another name";
+    } else if (!is_named(path, &found)) {
+        *out_why = "another program has just ended recording to it; start again";
     } else if (ftruncate(part, 0) != 0) {
         *out_why = ss_files_reason(errno);
     }
@@ -234,10 +244,12 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     if (!is_good && output->is_recording) {
         cut_back(output);
     } else {
+        /* While it is held: after the close the name may stand for another program's recording. */
+        if (is_good && output->temporary != NULL) {
+            is_good = rename(output->temporary, output->path) == 0;
+            output->reason = is_good ? 0 : errno;
+        }
         is_good = fclose(output->file) == 0 && is_good;
-    }
-    if (is_good && output->temporary != NULL) {
-        is_good = rename(output->temporary, output->path) == 0;
     }
     if (!is_good) {
         const bool is_kept = output->is_recording && output->temporary != NULL;
@@ -271,8 +283,8 @@ void ss_output_keep(ss_output *output, softsim_error *error)
 void ss_output_abandon(ss_output *output)
 {
     if (output->file != NULL) {
+        remove_temporary(output); /* while it is held */
         fclose(output->file);
-        remove_temporary(output);
         forget(output);
     }
 }
