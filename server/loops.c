@@ -769,7 +769,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
         if (status != SOFTSIM_OK) {
             *error = loops->net_error;
         }
-        if (options->log_level >= SS_LOG_INFO) {
+        if (options->log_level >= SS_LOG_INFO && ss_tell_has_room()) {
             print_summary(loops);
         }
     }

@@ -2,7 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "tell.h"
 
+#include <poll.h>
 #include <stdio.h>
+#include <unistd.h>
 
 static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
 
@@ -61,8 +63,17 @@ static void log_refusals(ss_teller *teller, int64_t now_ns)
     teller->logged_refusals = total;
 }
 
+bool ss_tell_has_room(void)
+{
+    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    return poll(&out, 1, 0) > 0;
+}
+
 void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
 {
+    if (!ss_tell_has_room()) {
+        return;
+    }
     log_refusals(teller, now_ns);
     if (opinion) {
         log_verdict(teller, opinion, now_ns);

@@ -3,7 +3,8 @@
 #pragma once
 /*
  * What stderr tells while the server runs: told by the main thread, so that a reader who stalls
- * holds up no force. Thread: main.
+ * holds up no force; and only while a pipe has room for it, so that the end is not held up either:
+ * the main thread waits for the signals. Thread: main.
  */
 #include "net/net.h"
 
@@ -25,5 +26,7 @@ typedef struct ss_teller {
     bool is_rival_logged;
 } ss_teller;
 
-/* Warns of what is new; `opinion` is NULL before the first status. */
+/* Is there room for a page of text? Always in a file. */
+bool ss_tell_has_room(void);
+/* Warns of what is new, as soon as there is room; `opinion` is NULL before the first status. */
 void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns);
