@@ -751,6 +751,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
         puts("softsimd: ready");
         fflush(stdout);
         wait_for_end(loops);
+        end(loops); /* in lockstep no pose that still waits is answered */
         if (!options->lockstep) {
             /* Let the haptic loop ramp the forces to zero. */
             atomic_store_explicit(&world->is_stopping, true, memory_order_release);

@@ -131,7 +131,12 @@ bool ss_files_check(const ss_named_file *input, int32_t input_count, const ss_na
             }
         }
         for (int32_t k = 0; k < i && out->path != NULL; ++k) {
-            if (output[k].path != NULL && ss_files_are_one(out->path, output[k].path)) {
+            char other[PATH_MAX] = "";
+            (void)snprintf(other, sizeof other, "%s" SS_FILES_PART,
+                           output[k].path != NULL ? output[k].path : "");
+            if (output[k].path != NULL &&
+                (ss_files_are_one(out->path, output[k].path) ||
+                 ss_files_are_one(part, output[k].path) || ss_files_are_one(out->path, other))) {
                 softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                                   "%s: '%s' is also what %s writes; give each a file of its own",
                                   out->name, out->path, output[k].name);
