@@ -353,6 +353,37 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
     }
 }
 
+/* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
+static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 300.0, 4e-3);
+    for (int at = 50; at <= 450; at += 100) {
+        double f = 0.0;
+        r.is_reset = true;
+        rig_tick(&r, -4e-3);
+        r.is_reset = false;
+        for (int i = 0; i < 22 + at; ++i) {
+            rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+            f = rig_tick(&r, -4e-3);
+        }
+        assert_true(f > 0.01);
+        r.is_reset = true;
+        for (int i = 0; i < 21; ++i) {
+            rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+            const double now = rig_tick(&r, -4e-3);
+            r.is_reset = false;
+            assert_true(now >= 0.0 && now <= f + 1e-3);
+            f = now;
+        }
+        assert_true(f == 0.0);
+    }
+    rig_end(&r);
+}
+
 static void new_holder_starts_without_force(void **state)
 {
     (void)state;
@@ -598,6 +629,7 @@ int main(void)
         cmocka_unit_test(late_results_ramp_with_the_fault_flag),
         cmocka_unit_test(fault_of_the_model_ramps),
         cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
+        cmocka_unit_test(a_ramp_that_interrupts_an_entry_only_falls),
         cmocka_unit_test(new_holder_starts_without_force),
         cmocka_unit_test(target_has_the_whole_orientation),
         cmocka_unit_test(device_that_returns_elsewhere_ramps_first),

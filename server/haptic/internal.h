@@ -207,6 +207,7 @@ typedef struct ss_admission {
     double placed_at[3];
     double entry_point[3]; /* of the surface, smoothed */
     double entry_normal[3];
+    double held_back; /* share of the depth that a ramp found not yet let in */
 } ss_admission;
 
 /* What the gate learns in a tick. */
@@ -233,7 +234,8 @@ void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const 
 /* Follows the surface while entering. */
 void ss_admission_follow(ss_admission *gate, double period, const double point[3],
                          const double normal[3]);
-/* The pose and hand velocity to use: faded towards the surface while entering. */
+/* The pose and hand velocity to use: faded towards the surface while entering, and as far as that
+ * had come while ramping. */
 void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */
 double ss_admission_gain(const ss_admission *gate, int64_t tick);

@@ -17,7 +17,8 @@
  * the pose moved out along n to the surface, so that the model and the hand sink in together.
  * Fading the force instead would let the model feel the whole depth at once and throw the hand out
  * when the force has grown. The surface point is smoothed, since the tissue springs back under
- * the first results.
+ * the first results. A ramp that interrupts an entry keeps the share reached: let in at once, the
+ * rest of the depth would throw the hand out before the ramp has taken the force away.
  */
 #include "haptic/internal.h"
 
@@ -36,6 +37,14 @@ static void begin(ss_admission *gate, ss_phase phase, int64_t tick)
 {
     gate->phase = phase;
     gate->since = tick;
+}
+
+/* Share of the depth that entering has not let in yet. */
+static double entry_left(const ss_admission *gate, int64_t tick)
+{
+    return gate->phase == SS_PHASE_ENTERING
+               ? fmax(0.0, 1.0 - (double)(tick - gate->since) / SS_ENTRY_TICKS)
+               : 0.0;
 }
 
 /* Is the force to go, or to stay away, whatever the phase? */
@@ -91,6 +100,7 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
         if (is_barred(gate) || input->is_reset) {
             /* From the tick of silence, though the thread may have slept through it. */
             const bool is_silence = gate->is_stale && !input->is_reset;
+            gate->held_back = entry_left(gate, tick);
             begin(gate, SS_PHASE_RAMPING, is_silence ? input->pose_tick + SS_WATCHDOG_TICKS : tick);
         }
         return false;
@@ -144,10 +154,10 @@ void ss_admission_follow(ss_admission *gate, double period, const double point[3
 
 void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3])
 {
-    if (gate->phase != SS_PHASE_ENTERING) {
+    const double left = gate->phase == SS_PHASE_RAMPING ? gate->held_back : entry_left(gate, tick);
+    if (!(left > 0.0)) {
         return;
     }
-    const double left = 1.0 - (double)(tick - gate->since) / SS_ENTRY_TICKS;
     double inward[3];
     ss_sub3(inward, gate->entry_point, x);
     const double depth = ss_dot3(gate->entry_normal, inward);
