@@ -156,6 +156,44 @@ static void a_changed_limit_flings_nothing(void **state)
     softsim_destroy(&world);
 }
 
+/* ---- a grasp -------------------------------------------------------------------------------- */
+
+/* Pressed 8 mm, grasped, drawn out to 32 mm beyond what the limit reaches, held there, let go: the
+ * force stays at the limit without a swing, and nothing is flung, then or when it lets go. */
+static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
+{
+    (void)state;
+    static const double limit[2] = {2.0, 8.0};
+    const body *b = &bodies[0];
+    for (int k = 0; k < 2; ++k) {
+        softsim_world *world = make_world(b, limit[k]);
+        softsim_state last;
+        int at_limit = 0;
+        double before[3] = {0.0, 0.0, 0.0};
+        for (int n = 0; n < 3200; ++n) {
+            const double out =
+                -0.004 + 0.012 * smooth((n - 200) / 400.0) - 0.040 * smooth((n - 1000) / 1000.0);
+            double x[3];
+            for (int a = 0; a < 3; ++a) {
+                x[a] = b->touch[a] + out * b->in[a];
+            }
+            softsim_pose pose = pose_of(n + 1, x);
+            pose.buttons = n > 800 && n < 3000 ? SOFTSIM_BUTTON_GRASP : 0;
+            const softsim_force force = feel(world, &pose);
+            if (n > 2000 && n < 3000) {
+                at_limit += limit_norm(force.force) >= 0.999 * limit[k];
+                assert_true(limit_angle(before, force.force) < 1.0);
+            }
+            memcpy(before, force.force, sizeof before);
+        }
+        softsim_read(world, &last);
+        softsim_destroy(&world);
+        if (at_limit != 999 || last.worst_verdict > SOFTSIM_VERDICT_GUARDED) {
+            fail_msg("%g N: %d ticks at the limit, %s", limit[k], at_limit, last.worst_reason);
+        }
+    }
+}
+
 /* ---- hands ----------------------------------------------------------------------------------
  */
 
@@ -242,6 +280,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slow_press_stays_at_the_limit),
         cmocka_unit_test(a_changed_limit_flings_nothing),
+        cmocka_unit_test(a_grasp_drawn_at_the_limit_flings_nothing),
         cmocka_unit_test(hands_press_without_a_motor),
     };
     return cmocka_run_group_tests_name("limit", tests, make_folder, remove_folder);

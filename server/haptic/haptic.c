@@ -26,6 +26,7 @@
 #define ASIDE_TIME       0.1
 #define RISE_SPEED       0.1   /* m/s: over the coupling's stiffness, of a limit that is raised */
 #define NEGLIGIBLE       1e-9  /* m */
+#define NEGLIGIBLE_FORCE 1e-9  /* N */
 #define FORCE_MIN        1e-6  /* N: least limit */
 #define SPRING_RATE      5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
 #define PREDICT_TIME_MAX 0.025 /* s */
@@ -52,6 +53,8 @@ struct ss_haptic {
     double share;        /* of the coupling that is left: 1 below the limit */
     double direction[3]; /* of the law's force, unit or 0 */
     double aside[3];     /* m, from hand to proxy across that, left by the limit */
+    bool is_letting_go;  /* of a grasp at the limit, in this tick: all of the slip is left */
+    bool has_let_go;     /* and fades */
     ss_admission gate;
     ss_law law;
     bool is_fault;
@@ -328,6 +331,8 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     ss_law *law = &haptic->law;
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
+    haptic->is_letting_go =
+        law->held.is_held && haptic->share < 1.0 && (!haptic->is_pressed || is_refused);
     if (!haptic->is_pressed || is_refused) {
         ss_law_release(law, x, haptic->p, haptic->pdot);
     } else if (!law->held.is_held && input->tick == haptic->press_tick &&
@@ -394,6 +399,10 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     for (int i = 0; i < 3; ++i) {
         const double pull = haptic->spring * x[i] + config->damping * v[i] + damper * haptic->p[i] +
                             balance->decaying[i];
+        /* A grasp let go at the limit leaves the proxy where it is: flung to the hand, it would
+         * take along what the model has not yet let go. */
+        haptic->aside[i] =
+            haptic->is_letting_go ? haptic->p[i] - pull / balance->spring : haptic->aside[i];
         balance->p_free[i] = pull / balance->spring + haptic->aside[i];
     }
     if (haptic->share < 1.0) {
@@ -405,16 +414,21 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
 /* The proxy that slipped out stays beside the hand where it is, and comes over it in time. */
 static void update_aside(ss_haptic *haptic, const ss_balance *balance, const ss_rest *rest)
 {
-    if (rest->share < 1.0 || ss_norm3(haptic->aside) > 0.0) {
+    const double kept = exp(-haptic->config.period / ASIDE_TIME);
+    const bool is_slipping = rest->share < 1.0 && ss_norm3(haptic->direction) > 0.0;
+    haptic->has_let_go = haptic->is_letting_go || (haptic->has_let_go && !is_slipping);
+    if (haptic->has_let_go) {
+        ss_scale3(haptic->aside, haptic->aside, kept);
+    } else if (rest->share < 1.0 || ss_norm3(haptic->aside) > 0.0) {
         double d[3];
         ss_sub3(d, rest->p, balance->p_free);
         ss_add3(d, d, haptic->aside);
         ss_madd3(d, d, -ss_dot3(d, haptic->direction), haptic->direction);
-        ss_scale3(haptic->aside, ss_norm3(haptic->direction) > 0.0 ? d : haptic->aside,
-                  exp(-haptic->config.period / ASIDE_TIME));
-        if (ss_norm3(haptic->aside) < NEGLIGIBLE) {
-            ss_set3(haptic->aside, 0.0, 0.0, 0.0);
-        }
+        ss_scale3(haptic->aside, ss_norm3(haptic->direction) > 0.0 ? d : haptic->aside, kept);
+    }
+    if (ss_norm3(haptic->aside) < NEGLIGIBLE) {
+        ss_set3(haptic->aside, 0.0, 0.0, 0.0);
+        haptic->has_let_go = false;
     }
 }
 
@@ -435,7 +449,11 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_copy3(law->held.value, rest.held);
     ss_law_force(law, out_force);
     ss_sub3(haptic->direction, out_force, balance.decaying);
-    (void)ss_normalize3(haptic->direction);
+    if (ss_norm3(haptic->direction) > NEGLIGIBLE_FORCE) {
+        (void)ss_normalize3(haptic->direction);
+    } else {
+        ss_set3(haptic->direction, 0.0, 0.0, 0.0); /* rounding points nowhere */
+    }
     update_aside(haptic, &balance, &rest);
     if (config->between_steps != SS_BETWEEN_LOCAL && !law->held.is_held) {
         ss_law_extrapolate(law, config, tick, out_force);

@@ -89,7 +89,8 @@ void ss_law_decay(ss_law *law, double period, bool is_limited)
         c->value = c->value > 0.0 ? fmax(0.0, c->value - lost) : 0.0;
         c->offset -= lost;
     }
-    decay3(law->residual, factor);
+    /* Of a grasp the residual is the offset. */
+    decay3(law->residual, law->held.is_held ? kept : factor);
     decay3(law->released, exp(-period / RELEASE_TIME));
 }
 
