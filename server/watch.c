@@ -110,8 +110,7 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     /* Without a name the observer guesses which force was in effect. */
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
-    is_bad = is_bad || (is_named && now->worst_contact_j < fmin(watch->observed, -most_handed_out));
-    watch->observed = fmin(watch->observed, now->worst_contact_j);
+    is_bad = is_bad || (is_named && now->contact_j < -most_handed_out);
     if (is_bad) {
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);
     }

@@ -58,8 +58,7 @@ typedef struct ss_hand_watch {
     double position[3], orientation[4];
     double force[SS_HAND_WATCH_DELAYS][3], torque[SS_HAND_WATCH_DELAYS][3]; /* newest first */
     double energy[SS_HAND_WATCH_DELAYS];                                    /* J */
-    double observed; /* J: the observer's worst contact so far */
-    int64_t until;   /* tick: the verdict holds before it */
+    int64_t until; /* tick: the verdict holds before it */
 } ss_hand_watch;
 
 typedef struct ss_hand_tick {
@@ -67,7 +66,7 @@ typedef struct ss_hand_tick {
     double period;             /* s */
     const softsim_pose *pose;  /* the newest, NULL: none came */
     const softsim_force *sent; /* the answer of this tick */
-    double worst_contact_j;    /* of the haptic loop's observer */
+    double contact_j;          /* of the present contact, of the haptic loop's observer */
     bool is_lockstep;
 } ss_hand_tick;
 

@@ -504,7 +504,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
                                .period = world->period,
                                .pose = input.pose_count > 0 ? &pose[input.pose_count - 1] : NULL,
                                .sent = &output.force,
-                               .worst_contact_j = output.worst_contact_j,
+                               .contact_j = output.contact_j,
                                .is_lockstep = world->haptic_config.is_lockstep};
     ss_hand_watch_tick(&probe->hand, &hand);
     stats->is_handing_out |= ss_hand_watch_is_bad(&probe->hand, tick);

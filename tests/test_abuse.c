@@ -382,12 +382,17 @@ static void a_hand_that_is_driven_is_told_for_a_second(void **state)
         ss_hand_tick now = {7, 1e-3, &pose, &force, -0.009, false};
         ss_hand_watch_tick(&watch, &now);
         assert_false(ss_hand_watch_is_bad(&watch, 8));
-        now.worst_contact_j = -0.011;
+        now.contact_j = -0.011;
         ss_hand_watch_tick(&watch, &now);
         assert_int_equal(ss_hand_watch_is_bad(&watch, 8), is_named);
-        now.tick = 2000; /* the same contact is not told again */
+        now.tick = 2000; /* a contact that hands out nothing */
+        now.contact_j = 0.0;
         ss_hand_watch_tick(&watch, &now);
         assert_false(ss_hand_watch_is_bad(&watch, 2001));
+        now.tick = 3000; /* another, less bad than the worst so far */
+        now.contact_j = -0.0105;
+        ss_hand_watch_tick(&watch, &now);
+        assert_int_equal(ss_hand_watch_is_bad(&watch, 3001), is_named);
     }
 }
 

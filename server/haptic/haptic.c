@@ -572,6 +572,7 @@ static void write_sums(ss_haptic *haptic)
     ss_haptic_output *output = &haptic->output;
     output->has_force = haptic->has_pose;
     output->worst_contact_j = observer->worst;
+    output->contact_j = observer->is_in_contact ? observer->energy : 0.0;
     output->energy_to_device_j = observer->to_device;
     output->energy_from_device_j = observer->from_device;
     output->stiffness_limit = observer->limit;

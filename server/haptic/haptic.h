@@ -54,6 +54,7 @@ typedef struct ss_haptic_output {
     softsim_force force; /* utime_us left 0 for the sender */
     ss_proxy_target target;
     double worst_contact_j; /* least energy balance of a contact since start */
+    double contact_j;       /* of the contact that is; 0 without one */
     double energy_to_device_j, energy_from_device_j;
     double stiffness_limit;  /* N/m */
     double loop_delay_ms[2]; /* p50, p95 over 1 s; 5 until known */
