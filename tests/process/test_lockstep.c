@@ -18,6 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../effort.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"
@@ -146,6 +147,7 @@ static void chainmail_is_felt_in_lockstep(void **state)
 static void a_budget_that_would_bind_changes_nothing(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const char *const budgets[] = {"simulation.max_substeps=2",
                                           "simulation.max_substeps=500"};
     char wanted[32], got[32];
