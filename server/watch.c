@@ -62,20 +62,6 @@ void ss_energy_watch_reset(ss_energy_watch *watch)
 
 /* ---- hand --------------------------------------------------------------------------------- */
 
-/* The rotation vector from `a` to `b`, the shorter way round, in the world: of b a*. */
-static void turn_between(const double a[4], const double b[4], double out[3])
-{
-    const double w = b[0] * a[0] + b[1] * a[1] + b[2] * a[2] + b[3] * a[3];
-    double v[3], cross[3];
-    ss_cross3(cross, b + 1, a + 1);
-    for (int k = 0; k < 3; ++k) {
-        v[k] = a[0] * b[k + 1] - b[0] * a[k + 1] - cross[k];
-    }
-    const double sine = ss_norm3(v);
-    const double angle = 2.0 * atan2(sine, fabs(w));
-    ss_scale3(out, v, sine > 0.0 ? (w < 0.0 ? -angle : angle) / sine : 0.0);
-}
-
 /* The hand moves against the forces that it was given; returns the most that a contact has handed
  * out so far, J. */
 static double move_hand(ss_hand_watch *watch, const softsim_pose *pose)
@@ -83,7 +69,7 @@ static double move_hand(ss_hand_watch *watch, const softsim_pose *pose)
     double way[3] = {0.0}, turn[3] = {0.0}, most = 0.0;
     if (watch->has_pose) {
         ss_sub3(way, pose->position, watch->position);
-        turn_between(watch->orientation, pose->orientation, turn);
+        ss_turn_between(watch->orientation, pose->orientation, turn);
     }
     for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
         const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;

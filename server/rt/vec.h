@@ -89,3 +89,18 @@ static inline void ss_rotate_back(double out[3], const double q[4], const double
     const double conjugate[4] = {q[0], -q[1], -q[2], -q[3]};
     ss_rotate(out, conjugate, v);
 }
+
+/* The rotation vector from orientation `a` to `b` (w x y z), the shorter way round, in the world:
+ * of b a*. */
+static inline void ss_turn_between(const double a[4], const double b[4], double out[3])
+{
+    const double w = b[0] * a[0] + b[1] * a[1] + b[2] * a[2] + b[3] * a[3];
+    double v[3], cross[3];
+    ss_cross3(cross, b + 1, a + 1);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = a[0] * b[k + 1] - b[0] * a[k + 1] - cross[k];
+    }
+    const double sine = ss_norm3(v);
+    const double angle = 2.0 * atan2(sine, fabs(w));
+    ss_scale3(out, v, sine > 0.0 ? (w < 0.0 ? -angle : angle) / sine : 0.0);
+}

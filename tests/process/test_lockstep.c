@@ -60,6 +60,17 @@ static void last_word(const char *text, char out[32])
     }
 }
 
+/* Starts the daemon `argv` and plays the probe log to it until it ends by itself. */
+static void serve_poke(const char *const *argv)
+{
+    start(argv);
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+    process_start(&client, replay, NULL);
+    assert_int_equal(process_finish(&server), 0);
+    process_signal(&client, SIGKILL);
+    process_finish(&client);
+}
+
 /* A client that goes on sending must not move the world past its end: else the hash would tell
  * how fast the machine is. */
 static void duration_ends_on_its_tick(void **state)
@@ -74,12 +85,7 @@ static void duration_ends_on_its_tick(void **state)
         last_word(client.out, wanted);
         const char *const argv[] = {"softsimd",   KIDNEY,   "--lockstep", "--duration",
                                     durations[i], "--hash", NULL};
-        start(argv);
-        const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
-        process_start(&client, replay, NULL);
-        assert_int_equal(process_finish(&server), 0);
-        process_signal(&client, SIGKILL);
-        process_finish(&client);
+        serve_poke(argv);
         last_word(server.out, got);
         assert_int_equal(strlen(got), 16);
         assert_string_equal(got, wanted);
@@ -130,12 +136,7 @@ static void chainmail_is_felt_in_lockstep(void **state)
     print_message("chainmail: %.3f N at most\n", largest);
     const char *const argv[] = {"softsimd", scene,    "--lockstep", "--duration",
                                 "1.5",      "--hash", NULL};
-    start(argv);
-    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
-    process_start(&client, replay, NULL);
-    assert_int_equal(process_finish(&server), 0);
-    process_signal(&client, SIGKILL);
-    process_finish(&client);
+    serve_poke(argv);
     unlink(scene);
     unlink(csv);
     last_word(server.out, got);
@@ -165,12 +166,7 @@ static void a_budget_that_would_bind_changes_nothing(void **state)
         "softsimd", KIDNEY,     "--lockstep", "--duration",
         "0.2",      "--hash",   "--set",      "model.area_density_kg_m2=1e-3",
         "--set",    budgets[0], NULL};
-    start(argv);
-    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
-    process_start(&client, replay, NULL);
-    assert_int_equal(process_finish(&server), 0);
-    process_signal(&client, SIGKILL);
-    process_finish(&client);
+    serve_poke(argv);
     last_word(server.out, got);
     assert_string_equal(got, wanted);
 }
