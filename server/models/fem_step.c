@@ -28,7 +28,7 @@
  * a node are stretched unlike one another the power iteration alone sees it. The laws of J have no
  * such rule of growth: there, too, it is the power iteration, which looks more often.
  *
- * The paper's eq. (14) is no bound: as printed it is 1.03 times dt* on HM2 (softsim-bench paper
+ * The paper's eq. (14) is no bound: as printed it is 1.02 times dt* on HM2 (softsim-bench paper
  * hybrid has it on four bodies, by four readings).
  * Rejected: the element's own eigenvalue with its own mass, safe but 0.04 of dt* with slivers.
  */

@@ -33,8 +33,9 @@ static void write_head(ss_page *page)
                        "double precision, sharing no code with the models (own elements). Pass: as "
                        "claimed. Fail: not so. Differs: the paper's words hold in no reading that "
                        "was searched; the search stands in the closing note. Times are thread-CPU "
-                       "medians of this machine as loaded as it was; the yardstick below is of the "
-                       "same run.");
+                       "medians of this machine as loaded as it was; what one core could do in the "
+                       "same run is at the end. The paper gives no units: its numbers are taken as "
+                       "metres, pascals and seconds, density 1.");
     ss_page_text(page, "Where the nonlinearity comes from: Green strain, which is quadratic in the "
                        "displacement, under a linear law, and contact; below 0.65 of its volume "
                        "this program's guard stiffens an element. Left out: cutting and tearing; "

@@ -156,12 +156,18 @@ static softsim_status compare_bound(ss_paper *paper, int which, bounds *out, sof
     return status;
 }
 
+/* dt* by the own elements; of HM1, whose layer they do not have, by the program. */
+static double largest_step(const bounds *of)
+{
+    return isfinite(of->own_stable) ? of->own_stable : of->stable;
+}
+
 static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_error *error)
 {
     static const char *const head[] = {"body",
                                        "nodes / tetrahedra",
-                                       "dt*, s",
-                                       "own dt*, s",
+                                       "called stable, s",
+                                       "dt* of own elements, s",
                                        "2 lambda + mu, h of tetrahedra",
                                        "lambda + 2 mu",
                                        "2 lambda + mu, h with particles",
@@ -186,7 +192,7 @@ static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_er
                 all[b].stable, all[b].own_stable);
         for (int r = 0; r < READINGS; ++r) {
             ss_row_add(&row, "%.4g%s", all[b].reading[r],
-                       all[b].reading[r] > all[b].stable ? ", unsafe" : "");
+                       all[b].reading[r] > largest_step(&all[b]) ? ", unsafe" : "");
             fprintf(csv.file, ",%.5g", all[b].reading[r]);
         }
         fputc('\n', csv.file);
@@ -203,7 +209,9 @@ static softsim_status write_bounds(ss_paper *paper, softsim_error *error)
     bool has_good = false;
     softsim_status status = SOFTSIM_OK;
     ss_page_text(&paper->page,
-                 "dt* = 2/omega of the stiffest motion, by power iteration; eq. 14: h root(rho/M), "
+                 "dt* = 2/omega of the stiffest motion, by power iteration. What the program calls "
+                 "stable is dt*, but no more than twice a guaranteed bound, since its steps are "
+                 "half of it. Eq. 14: h root(rho/M), "
                  "with M = 2 lambda + mu as printed or lambda + 2 mu, the modulus of the fastest "
                  "wave, and h the least distance of neighbours, of the tetrahedra's nodes or with "
                  "HM1's particles too (spacing %g).",
@@ -225,15 +233,17 @@ static softsim_status write_bounds(ss_paper *paper, softsim_error *error)
                              all[b].name);
             ss_claim_near(paper, "eq. 14", SS_FROM_CODE, all[b].own_stable, all[b].stable, 0.02,
                           "%s: the same within 2 %%, s", all[b].name);
-            ss_claim_search(paper, "the program's step errs to the safe side");
+            ss_claim_search(paper, "the program's power iteration agrees with dt* but for its "
+                                   "margin of 0.5 %%; where twice its guaranteed bound is less, "
+                                   "that is what it calls stable: a choice for safety");
         }
     }
     for (int r = 0; r < READINGS; ++r) {
         double worst = 0.0;
         int at = 0;
         for (int b = 0; b <= SS_HEART_ROWS; ++b) {
-            if (all[b].reading[r] / all[b].stable > worst) {
-                worst = all[b].reading[r] / all[b].stable;
+            if (all[b].reading[r] / largest_step(&all[b]) > worst) {
+                worst = all[b].reading[r] / largest_step(&all[b]);
                 at = b;
             }
         }
