@@ -301,6 +301,8 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     verdict[400] = '\0';
     ss_row_add(&row, "%s", verdict); /* as long as an accuracy's may be */
     ss_page_table_row(&page, row.count, row.cell);
+    const char *const sides[] = {"0.501 (+0.2 %)", "422 points: at least the paper's rate, Hz"};
+    ss_page_table_row(&page, 2, sides); /* a figure, and a sentence that begins with one */
     ss_page_table_end(&page);
     ss_page_yardstick(&page, &(ss_yardstick){.cores = 2, .load = 0.5});
     assert_int_not_equal(access(path, F_OK), 0);
@@ -310,6 +312,7 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     assert_non_null(strstr(text, "<p>a &lt; b &amp; &quot;c&quot;</p>"));
     assert_non_null(strstr(text, "<td class=\"n\">12.5%</td><td>&lt;i&gt;</td>"));
     assert_non_null(strstr(text, verdict));
+    assert_non_null(strstr(text, "<td class=\"n\">0.501 (+0.2 %)</td><td>422 points"));
     assert_non_null(strstr(text, "load 0.50 in the minute before this was measured"));
     assert_non_null(strstr(text, "</html>"));
     unlink(path);

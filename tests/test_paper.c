@@ -100,6 +100,21 @@ static void claims_are_written_with_tolerance_and_source(void **state)
         "zhong2006,eq. 27,small,at most 1,2,,closed form,fail\n");
 }
 
+static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
+{
+    (void)state;
+    start();
+    ss_claim_near(&paper, "Fig. 4", SS_FROM_FORM, 0.0, 0.0, 0.02, "still");
+    assert_string_equal(paper.claim[0].measured, "0");
+    assert_int_equal(paper.claim[0].result, SS_CLAIM_PASS);
+    ss_claim_at_least(&paper, "Fig. 12", SS_FROM_PAPER, 9000.0, 92370.4, "rate");
+    assert_string_equal(paper.claim[1].expected, "at least 9000");
+    assert_string_equal(paper.claim[1].measured, "92370");
+    ss_claim_at_most(&paper, "Fig. 4", SS_FROM_FORM, 1e-6, 5.551e-16, "error");
+    assert_string_equal(paper.claim[2].expected, "at most 1e-06");
+    assert_string_equal(paper.claim[2].measured, "5.551e-16");
+}
+
 static void the_closing_note_names_what_does_not_pass_with_its_search(void **state)
 {
     (void)state;
@@ -533,6 +548,7 @@ int main(void)
         cmocka_unit_test(claims_pass_within_their_bounds_only),
         cmocka_unit_test(the_list_of_claims_is_bounded),
         cmocka_unit_test(claims_are_written_with_tolerance_and_source),
+        cmocka_unit_test(claims_write_no_share_of_zero_and_thousands_in_full),
         cmocka_unit_test(the_closing_note_names_what_does_not_pass_with_its_search),
         cmocka_unit_test(the_page_shows_each_claim_once),
         cmocka_unit_test(sections_run_in_order_up_to_the_first_that_fails),

@@ -32,7 +32,7 @@ typedef struct ss_claim {
     char figure[16]; /* as the paper calls it */
     char claim[256], expected[96], measured[320];
     char tolerance[16]; /* a fraction of `expected`; empty where that is a bound or words */
-    char search[512];   /* what was tried, of a claim that does not pass; empty: nothing to try */
+    char search[640];   /* what was tried, of a claim that does not pass; empty: nothing to try */
     ss_claim_source source;
     ss_claim_result result;
 } ss_claim;

@@ -50,9 +50,23 @@ void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, 
     const double error = fabs(measured - expected);
     snprintf(to->expected, sizeof to->expected, "%.5g", expected);
     snprintf(to->tolerance, sizeof to->tolerance, "%g", tolerance);
-    snprintf(to->measured, sizeof to->measured, "%.5g (%+.2g %%)", measured,
-             100.0 * (measured / expected - 1.0));
+    if (expected == 0.0) {
+        snprintf(to->measured, sizeof to->measured, "%.5g", measured);
+    } else {
+        snprintf(to->measured, sizeof to->measured, "%.5g (%+.2g %%)", measured,
+                 100.0 * (measured / expected - 1.0));
+    }
     to->result = error <= tolerance * fabs(expected) ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
+}
+
+/* Thousands in full: "at least 9000". */
+static void write_limit(ss_claim *to, const char *side, double limit, double measured)
+{
+    const bool is_large = fabs(limit) >= 100.0 && fabs(limit) < 1e6;
+    snprintf(to->expected, sizeof to->expected, is_large ? "at %s %.0f" : "at %s %.3g", side,
+             limit);
+    snprintf(to->measured, sizeof to->measured,
+             fabs(measured) >= 1000.0 && fabs(measured) < 1e6 ? "%.0f" : "%.4g", measured);
 }
 
 void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
@@ -62,8 +76,7 @@ void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source sourc
     va_start(arguments, claim);
     ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
-    snprintf(to->expected, sizeof to->expected, "at most %.3g", limit);
-    snprintf(to->measured, sizeof to->measured, "%.4g", measured);
+    write_limit(to, "most", limit, measured);
     to->result = measured <= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
 }
 
@@ -74,8 +87,7 @@ void ss_claim_at_least(ss_paper *paper, const char *figure, ss_claim_source sour
     va_start(arguments, claim);
     ss_claim *to = next(paper, figure, source, claim, arguments);
     va_end(arguments);
-    snprintf(to->expected, sizeof to->expected, "at least %.3g", limit);
-    snprintf(to->measured, sizeof to->measured, "%.4g", measured);
+    write_limit(to, "least", limit, measured);
     to->result = measured >= limit ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
 }
 

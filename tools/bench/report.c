@@ -155,11 +155,14 @@ void ss_page_link(ss_page *page, const char *file)
     fputs("</a></p>\n", out);
 }
 
+/* "0.501 (+0.2 %)" and "44, all" too, but no sentence that begins with a number. */
 static bool is_number(const char *text)
 {
+    enum { LONGEST = 24 };
     char *end = NULL;
     strtod(text, &end);
-    return end != text && (*end == '\0' || isspace((unsigned char)*end) || *end == '%');
+    return end != text && strlen(text) <= LONGEST &&
+           (*end == '\0' || isspace((unsigned char)*end) || *end == '%' || *end == ',');
 }
 
 void ss_page_table_begin(ss_page *page, int32_t count, const char *const *cell)
@@ -253,6 +256,14 @@ softsim_status ss_plot_open_sized(ss_output *script, const char *folder, const c
 {
     return open_script(script, folder, name, "svg", "svg", "dynamic font 'sans,13'", width, height,
                        error);
+}
+
+void ss_plot_key_below(FILE *script, int32_t rows)
+{
+    fprintf(script,
+            "set key at screen 0.5, screen 0.01 center bottom horizontal maxcols 1\n"
+            "set bmargin %d\n",
+            rows + 5);
 }
 
 softsim_status ss_plot_open_dots(ss_output *script, const char *folder, const char *name,

@@ -58,6 +58,8 @@ void ss_row_add_number(ss_row *row, double value);
  * rest of the gnuplot script, run in the folder. */
 softsim_status ss_plot_open(ss_output *script, const char *folder, const char *name,
                             softsim_error *error);
+/* The legend below the axes and their titles, which gnuplot's own place for it overlaps. */
+void ss_plot_key_below(FILE *script, int32_t rows);
 /* The same of another size than 800 x 480. */
 softsim_status ss_plot_open_sized(ss_output *script, const char *folder, const char *name,
                                   int32_t width, int32_t height, softsim_error *error);

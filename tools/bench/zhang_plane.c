@@ -150,12 +150,13 @@ static softsim_status write_profiles(ss_zhang *zhang, const plane_field *u, cons
     }
     status = ss_paper_csv_close(zhang->paper, &csv, "fig4-profile", error);
     if (status == SOFTSIM_OK) {
-        status = ss_plot_open(&script, zhang->paper->folder, "fig4-profile", error);
+        status = ss_plot_open_sized(&script, zhang->paper->folder, "fig4-profile", 800, 560, error);
     }
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(script.file, "set datafile separator ','\nset grid\nset key below\nset xlabel 'x, h'\n"
+    ss_plot_key_below(script.file, SHAPE_COUNT + 1);
+    fprintf(script.file, "set datafile separator ','\nset grid\nset xlabel 'x, h'\n"
                          "set ylabel 'z, h'\nset yrange [-5.3:0.3]\nplot ");
     for (int s = 0; s < SHAPE_COUNT; ++s) {
         if (is_there[s]) {

@@ -25,16 +25,16 @@ enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 
 static void write_head(ss_page *page)
 {
-    ss_page_text(
-        page, "The paper treats the surface of a soft body as a cellular neural network: what a "
-              "contact puts into the body is a current source on the contact's cell, the "
-              "network spreads it as the Poisson equation does, and the flux between two cells "
-              "becomes a force between two points. Its figures come without numbers on their "
-              "axes' scales that could be read off, and its equations leave open what acts after "
-              "unloading, whether the body remembers its rest, and whose lengths count.");
+    ss_page_text(page,
+                 "The paper treats the surface of a soft body as a cellular neural network: what a "
+                 "contact puts into the body is a current source on the contact's cell, the "
+                 "network spreads it as the Poisson equation does, and the flux between two cells "
+                 "becomes a force between two points. Its figures' axes have no numbers that could "
+                 "be read off, and its equations leave open what acts after "
+                 "unloading, whether the body remembers its rest, and whose lengths count.");
     ss_page_text(page,
                  "This page repeats every figure and table with this program's own model, "
-                 "cnn-energy, run as a scene without a network, and judges the claims one by one. "
+                 "cnn-energy, run by itself without a server, and judges the claims one by one. "
                  "What is expected comes from the paper's own words and figures, from a closed "
                  "form, or from an independent program: a second implementation of the same "
                  "closure in double precision with dense algebra that shares no code with the "

@@ -285,9 +285,10 @@ static softsim_status plot_map(ss_paper *paper, double limit, softsim_error *err
     if (status != SOFTSIM_OK) {
         return status;
     }
+    ss_plot_key_below(script.file, 5);
     fprintf(script.file,
             "set datafile separator ','\nset logscale xy\nset xrange [%g:%g]\nset yrange [%g:%g]\n"
-            "set xlabel 'C/ks, 1/m'\nset ylabel 'F/ks, m'\nset format '10^{%%T}'\nset key below\n"
+            "set xlabel 'C/ks, 1/m'\nset ylabel 'F/ks, m'\nset format '10^{%%T}'\n"
             "set style fill solid 1.0 noborder\n"
             "plot 'density-map.csv' skip 1 using 1:($3==1 && $4==0 ? $2 : NaN) with points pt 5 ps "
             "0.75 lc rgb '#cfe8cf' title 'one shape a load, rest alone without', "
