@@ -18,6 +18,9 @@
  * all first (a binary heap). Optional relaxation moves every free node to the mean displacement of
  * its neighbours, in order, some times a step.
  *
+ * Where the nonlinearity comes from: the band's dead zone, and the radial band's geometry. Left
+ * out: cutting and tearing. Links are the mesh's edges and stay.
+ *
  * There is no force in it: energies, reactions and the model's force on tools are 0. A tool moves
  * the cells it touches out of itself, by the mean depth of their surface samples, f_i/D_i with a
  * contact of stiffness 1 (chain_contact.c has the symbols), grasped ones along with it.

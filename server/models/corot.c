@@ -6,6 +6,9 @@
  * Gross, "Interactive virtual materials", 2004), stepped by implicit Euler: stable at any step and
  * stiffness, at the price of damping fast motions. For stiff scenes; what is soft and fast is
  * better served by fem. Masses, loads, tools and the ledger are the body's (body.h).
+ *
+ * Where the nonlinearity comes from: the turning of each element, and contact; the strain that is
+ * left is linear. Left out: cutting and tearing. Elements are the mesh's and stay.
  */
 #include <math.h>
 #include <string.h>

@@ -35,6 +35,9 @@
  * whole is above the largest of them (Rayleigh's quotient of sums). rho_i takes lambda_max <= mean
  * + sqrt (2/3) |deviator|, exact for one spring. A single spring, and a long chain, reach the
  * bound.
+ *
+ * Where the nonlinearity comes from: springs turn as the body deforms, and contact; each is linear
+ * in its length. Left out: cutting and tearing. Springs never break.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -27,6 +27,9 @@
  * force is known only up to the compliance that one sweep adds, and jumps as samples come and go.
  * Driven axes are where they belong, exactly, before the sweep. Forces, energy and tangent that
  * are told (reactions, status, stiffness) are the law's at the end of a step.
+ *
+ * Where the nonlinearity comes from: the law, which is one of finite strain, and contact. Left out:
+ * cutting and tearing. Elements are the mesh's and stay.
  */
 #include <math.h>
 #include <string.h>
