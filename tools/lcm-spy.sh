@@ -4,7 +4,8 @@
 #
 # lcm-spy with our message types. Builds the jar of the types when it is older than they are and
 # starts the spy's main class directly: Debian's own lcm-spy wrapper passes Java an option that
-# Java 17 no longer knows.
+# Java 17 no longer knows. While the spy opens the window of a channel at 1 kHz it counts some of its
+# messages as undecodable; that is the spy's own, and ends when the window is there.
 #
 #   tools/lcm-spy.sh [--jar-only] [arguments of lcm-spy]
 #
