@@ -210,6 +210,31 @@ static void a_press_that_is_taken_back_holds_no_cell(void **state)
     setup_fini(&s);
 }
 
+/* A first attempt far too long is taken back with the tool above the plate, where nothing is
+ * stored, and with the tool pressed in: only that is told. */
+static void what_is_taken_back_is_told_where_it_could_be_felt(void **state)
+{
+    (void)state;
+    for (int is_pressed = 0; is_pressed < 2; ++is_pressed) {
+        setup s;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+        setup_one_cell(&s, 1);
+        const double low = is_pressed ? -0.003 : 0.0004;
+        for (int n = 1; n <= 100; ++n) {
+            go(tool, 0.0, 0.0, PLATE_EDGE + 0.0005 + (low - 0.0005) * n / 100.0);
+            step_tools(&s, 1e-3, tool);
+            assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+        }
+        const double dt = 12.0 * info_of(&s).stable_step;
+        s.model->bound = 100.0 * dt;
+        step_tools(&s, dt, tool);
+        assert_true(info_of(&s).substeps > 1); /* else the whole of dt was taken */
+        assert_int_equal(info_of(&s).verdict,
+                         is_pressed ? SOFTSIM_VERDICT_GUARDED : SOFTSIM_VERDICT_GOOD);
+        setup_fini(&s);
+    }
+}
+
 /* The same run twice gives the same bits, the second time after a reset in the midst of a grasp. */
 static void a_reset_forgets_every_touch(void **state)
 {
@@ -444,6 +469,7 @@ int main(void)
         cmocka_unit_test(one_cell_carries_the_whole_source_of_a_load),
         cmocka_unit_test(the_contact_cell_follows_until_pressed_and_stays_until_let_go),
         cmocka_unit_test(a_press_that_is_taken_back_holds_no_cell),
+        cmocka_unit_test(what_is_taken_back_is_told_where_it_could_be_felt),
         cmocka_unit_test(a_reset_forgets_every_touch),
         cmocka_unit_test(a_cell_that_is_chosen_anew_beside_a_dent_is_booked),
         cmocka_unit_test(a_slide_with_one_cell_is_smooth_and_gains_nothing),

@@ -12,7 +12,9 @@
  *
  * (D_k,i the row sum of kap of source k). The bound is the largest step that keeps all of them
  * inside RK4's region of stability; sub-steps take 0.7 of it, a tool moves at most R/4 in one,
- * and the bound is looked at again after each: a step that turns out too large is taken back.
+ * and the bound is looked at again after each: a step that turns out too large is taken back, and
+ * that is said where it held more energy than a hand feels (small_energy): the bound also shrinks
+ * with every tool that comes near a body at rest.
  * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
  * sub-step still stable, and tools and driven nodes go the same share of their ways: flagged, never
  * silent. Rejected: the whole way in a part of the time, which presses at a multiple of the speed
@@ -649,6 +651,7 @@ typedef struct progress {
     double left, path; /* s still to simulate; 0..1 of the tools' way */
     double cap;        /* s: after a sub-step was taken back */
     int32_t motion, attempts, accepted, rejected;
+    bool is_telling; /* what was taken back could have been felt */
 } progress;
 
 /* Sub-steps for what is left where each may be twice as long as the one before, up to `stable`. */
@@ -745,6 +748,7 @@ static bool try_substep(ss_model *model, progress *p)
                                         !(gain > MAX_GAIN * (model->elastic + model->kinetic)));
     }
     if (!is_good) {
+        p->is_telling |= !(fabs(model->elastic + model->kinetic) <= model->small_energy);
         take_back(model, p, &before, h);
         if (p->rejected >= MAX_REJECTED) {
             fault(model);
@@ -803,7 +807,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         return;
     }
     damp_pool(model, ledger_sum(model) - balance, dt);
-    if (model->verdict == SOFTSIM_VERDICT_GOOD && p.rejected > 0) {
+    if (model->verdict == SOFTSIM_VERDICT_GOOD && p.is_telling) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step was taken back and halved";
     }
