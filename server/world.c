@@ -44,7 +44,7 @@ static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the m
 
 int32_t ss_world_scene_models(const ss_scene_model **out_models)
 {
-    static ss_scene_model models[16];
+    static ss_scene_model models[SS_MAX_MODELS];
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
     for (int32_t i = 0; i < count; ++i) {
@@ -258,8 +258,12 @@ static softsim_status build_exchange(ss_world *world)
     world->simulation_stats = ss_mailbox_create(sizeof(ss_simulation_stats));
     world->lateness = ss_memory_get(1, sizeof *world->lateness);
     world->step_time = ss_memory_get(1, sizeof *world->step_time);
+    world->set_value =
+        ss_memory_get((size_t)SS_LIVE_MODEL_ROW + (size_t)world->model_class->row_count,
+                      sizeof *world->set_value);
     if (!world->haptic_commands || !world->simulation_commands || !world->forces ||
-        !world->haptic_stats || !world->simulation_stats || !world->lateness || !world->step_time) {
+        !world->haptic_stats || !world->simulation_stats || !world->lateness || !world->step_time ||
+        !world->set_value) {
         return SOFTSIM_ERROR_MEMORY;
     }
     const int64_t now = ss_clock_now_ns();
@@ -413,6 +417,7 @@ void ss_world_destroy(ss_world **world_pointer)
     ss_mailbox_destroy(&world->surface);
     ss_memory_free(world->lateness);
     ss_memory_free(world->step_time);
+    ss_memory_free(world->set_value);
     ss_memory_free(world->load);
     ss_memory_free(world->prescribed);
     ss_memory_free(world->node_of_file);
@@ -834,11 +839,10 @@ static void tell_set(ss_world *world, const char *argument, const ss_command_rec
     ss_world_scene_models(&models);
     const int32_t slot =
         record->key == SS_LIVE_MODEL_ROW ? SS_LIVE_MODEL_ROW + record->row : (int32_t)record->key;
+    ss_set_value *set = &world->set_value[slot];
     ss_scene_tell_live(world->scene, &models[world->scene->model_index], argument, record->value,
-                       world->is_set[slot] ? &world->set_value[slot] : NULL, out_text,
-                       (size_t)text_size);
-    world->set_value[slot] = record->value;
-    world->is_set[slot] = true;
+                       set->is_set ? &set->value : NULL, out_text, (size_t)text_size);
+    *set = (ss_set_value){.is_set = true, .value = record->value};
 }
 
 int32_t ss_world_command(ss_world *world, const char *name, const char *argument,

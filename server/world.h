@@ -31,9 +31,6 @@
 #include "softsim/softsim.h"
 #include "watch.h"
 
-/* More than a model's table has. */
-enum { SS_WORLD_MODEL_ROWS = 64 };
-
 /* A command on its way to a loop. */
 typedef struct ss_command_record {
     ss_command_kind kind;
@@ -41,6 +38,12 @@ typedef struct ss_command_record {
     int32_t row;           /* of the model's table, for SS_LIVE_MODEL_ROW */
     double value;
 } ss_command_record;
+
+/* What a command `set` has set a key to. */
+typedef struct ss_set_value {
+    bool is_set;
+    double value;
+} ss_set_value;
 
 /* What the haptic loop reports, every tick. */
 typedef struct ss_haptic_stats {
@@ -119,9 +122,7 @@ typedef struct ss_world {
     ss_mailbox *simulation_stats; /* simulation -> net */
     ss_mailbox *surface;          /* simulation -> publish: ss_surface_snapshot; NULL without */
 
-    /* net thread: what `set` has set, model rows behind the others */
-    double set_value[SS_LIVE_MODEL_ROW + SS_WORLD_MODEL_ROWS];
-    bool is_set[SS_LIVE_MODEL_ROW + SS_WORLD_MODEL_ROWS];
+    ss_set_value *set_value; /* net thread; the model's rows from SS_LIVE_MODEL_ROW on */
 
     /* haptic thread */
     ss_histogram *lateness;

@@ -135,4 +135,5 @@ void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose 
 
 /* The models built into this program. Thread: any. */
 const ss_model_class *ss_model_find(const char *name);
+enum { SS_MAX_MODELS = 16 }; /* more than there are: the table checks it */
 const ss_model_class *const *ss_model_table(int32_t *out_count);

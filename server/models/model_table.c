@@ -55,6 +55,7 @@ static const ss_model_class *const table[] = {
     &ss_model_corotational,
 #endif
     NULL};
+_Static_assert(sizeof table / sizeof *table - 1 <= SS_MAX_MODELS, "raise SS_MAX_MODELS");
 
 const ss_model_class *const *ss_model_table(int32_t *out_count)
 {
