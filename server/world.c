@@ -35,6 +35,7 @@ static const double LAG_PERIODS = 1.0;
 static const double NEAR_M = 0.005; /* contacts are published before touching from here on */
 static const double COST_SHARE = 0.5;
 static const double MAX_TOOL_SPEED = 3.0; /* m/s */
+static const double MAX_TOOL_TURN = 50.0; /* rad/s */
 static const double SLOWEST_STEP = 0.2;   /* s: two of them, and a result is too old to be felt */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
@@ -625,6 +626,24 @@ static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const s
     return false;
 }
 
+/* No hand moves or turns a tool faster: what jumps in a period is caught up with, not flung. */
+static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_to)
+{
+    double way[3], turn[3];
+    ss_sub3(way, inout_to->position, last->position);
+    ss_turn_between(last->orientation, inout_to->orientation, turn);
+    const double length = ss_norm3(way), reach = MAX_TOOL_SPEED * period;
+    const double angle = ss_norm3(turn), most = MAX_TOOL_TURN * period;
+    if (length > reach) {
+        ss_madd3(inout_to->position, last->position, reach / length, way);
+    }
+    if (angle > most) {
+        ss_tool_pose turned;
+        ss_tool_pose_blend(last, inout_to, most / angle, &turned);
+        memcpy(inout_to->orientation, turned.orientation, sizeof turned.orientation);
+    }
+}
+
 /* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
  * placed there when it has just come. */
 static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
@@ -642,14 +661,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
     const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
     if (is_swept) {
-        /* No hand is faster: what jumps by centimetres in a period is caught up with, not flung. */
-        double way[3];
-        ss_sub3(way, tool.to.position, probe->last.position);
-        const double reach = MAX_TOOL_SPEED * world->step_period;
-        const double length = ss_norm3(way);
-        if (length > reach) {
-            ss_madd3(tool.to.position, probe->last.position, reach / length, way);
-        }
+        follow(&probe->last, world->step_period, &tool.to);
     }
     tool.from = is_swept ? probe->last : tool.to;
     if (!is_swept && !may_place(world, probe, p, &tool.to)) {

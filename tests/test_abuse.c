@@ -436,6 +436,44 @@ static void what_hands_out_energy_is_not_called_good(void **state)
     assert_true(handed_out > 0); /* else nothing was tried */
 }
 
+/* A tool that turns a hundred times a second does not whirl through the tissue: it turns as fast as
+ * a hand could, the shorter way. */
+static void a_tool_turns_no_faster_than_a_hand(void **state)
+{
+    (void)state;
+    static ss_assay_plan plan; /* large */
+    const ss_assay trial = {0, SS_ASSAY_SPIN, 1e5, 100.0, 0};
+    ss_assay_plan_make(&trial, &plan);
+    FILE *file = open_file("body.msh");
+    ss_specimen_write(&plan.specimen, file);
+    assert_int_equal(fclose(file), 0);
+    file = open_file("scene.yaml");
+    ss_assay_plan_write(&plan, file);
+    assert_int_equal(fclose(file), 0);
+    ss_world *world = make_scene(in_folder("scene.yaml"), NULL, 0);
+    double turned = 0.0;
+    for (int32_t k = 1; k <= 400; ++k) {
+        double before[4], turn[3];
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        softsim_pose pose = at_depth(0.0, -1);
+        const int32_t channel = 0;
+        pose.sender = 1;
+        pose.seq = k;
+        ss_set3(pose.velocity, NAN, NAN, NAN);
+        ss_assay_plan_tool(&plan, 1e-3 * k, k, pose.position, pose.orientation);
+        memcpy(before, world->probe[0].last.orientation, sizeof before);
+        softsim_tick((softsim_world *)world, &pose, &channel, 1, force);
+        ss_world_settle(world);
+        if (k > 10) {
+            ss_turn_between(before, world->probe[0].last.orientation, turn);
+            assert_true(ss_norm3(turn) < 50.0 * world->step_period * (1.0 + 1e-3));
+            turned += ss_norm3(turn);
+        }
+    }
+    assert_true(turned > 2.0);
+    destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -448,6 +486,7 @@ int main(void)
         cmocka_unit_test(torque_works_and_contacts_are_counted_apart),
         cmocka_unit_test(a_hand_that_is_driven_is_told_for_a_second),
         cmocka_unit_test(what_hands_out_energy_is_not_called_good),
+        cmocka_unit_test(a_tool_turns_no_faster_than_a_hand),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
