@@ -275,13 +275,13 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
                                  .dissipated_j = info.dissipated,
                                  .work_j = info.work,
                                  .poses_received = counts.received};
-    if (world->is_handing_out && info.verdict == SOFTSIM_VERDICT_GOOD) {
-        out_state->verdict = SOFTSIM_VERDICT_GUARDED;
-        out_state->reason = ss_hand_watch_reason();
+    if (world->hand.verdict > info.verdict) {
+        out_state->verdict = world->hand.verdict;
+        out_state->reason = world->hand.reason;
     }
-    if (world->has_handed_out && world->worst_verdict == SOFTSIM_VERDICT_GOOD) {
-        out_state->worst_verdict = SOFTSIM_VERDICT_GUARDED;
-        out_state->worst_reason = ss_hand_watch_reason();
+    if (world->worst_hand.verdict > world->worst_verdict) {
+        out_state->worst_verdict = world->worst_hand.verdict;
+        out_state->worst_reason = world->worst_hand.reason;
     }
     memcpy(out_state->poses_refused, counts.refused, sizeof out_state->poses_refused);
     static const double quantile[3] = {0.5, 0.99, 1.0};

@@ -321,9 +321,10 @@ static void judge(ss_loops *loops, ss_report *report)
     report->verdict = info->verdict;
     report->reason = info->reason ? info->reason : "";
     report->fault_bits = (int32_t)info->fault_bits;
-    if (loops->haptic_stats.is_handing_out && report->verdict == SOFTSIM_VERDICT_GOOD) {
-        report->verdict = SOFTSIM_VERDICT_GUARDED;
-        report->reason = ss_hand_watch_reason();
+    const ss_hand_verdict *hand = &loops->haptic_stats.hand;
+    if (hand->verdict > report->verdict) {
+        report->verdict = hand->verdict;
+        report->reason = hand->reason;
     }
     if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
         report->fault_bits |= FAULT_WIRE_CLAMPED;

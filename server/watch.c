@@ -11,6 +11,8 @@ static const double load_share = 0.1;                     /* of what loads did: 
 static const double pool_time = 0.1;                      /* s */
 static const double degraded_at = 10.0, fault_at = 100.0; /* times what is guarded */
 static const double most_handed_out = 0.01;               /* J */
+static const double most_guarded = 0.1;                   /* J: beyond, degraded */
+static const double release_time = 0.02;                  /* s: no hand taps as fast */
 static const double tell_time = 1.0;                      /* s */
 
 /* ---- tissue ------------------------------------------------------------------------------- */
@@ -62,53 +64,90 @@ void ss_energy_watch_reset(ss_energy_watch *watch)
 
 /* ---- hand --------------------------------------------------------------------------------- */
 
-/* The hand moves against the forces that it was given; returns the most that a contact has handed
- * out so far, J. */
-static double move_hand(ss_hand_watch *watch, const softsim_pose *pose)
+/* The hand moves against the forces that it was given; returns the most that the contact has handed
+ * out. */
+static double move_hand(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double way[3] = {0.0}, turn[3] = {0.0}, most = 0.0;
     if (watch->has_pose) {
-        ss_sub3(way, pose->position, watch->position);
-        ss_turn_between(watch->orientation, pose->orientation, turn);
+        ss_sub3(way, now->pose->position, watch->position);
+        ss_turn_between(watch->orientation, now->pose->orientation, turn);
     }
+    const int64_t released = now->tick - watch->touched;
+    const bool is_spell =
+        released <= SS_HAND_WATCH_DELAYS || ((double)released - 0.5) * now->period < release_time;
     for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
         const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
         const double given = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
         watch->energy[d] = is_touched ? watch->energy[d] + given : 0.0;
-        most = fmax(most, watch->energy[d]);
+        watch->spell[d] = is_spell ? watch->spell[d] + given : 0.0;
+        most = fmax(most, fmax(watch->energy[d], watch->spell[d]));
     }
-    ss_copy3(watch->position, pose->position);
-    memcpy(watch->orientation, pose->orientation, sizeof watch->orientation);
+    ss_copy3(watch->position, now->pose->position);
+    memcpy(watch->orientation, now->pose->orientation, sizeof watch->orientation);
     watch->has_pose = true;
     return most;
 }
 
+static void take_answer(ss_hand_watch *watch, const ss_hand_tick *now)
+{
+    memmove(watch->force[1], watch->force[0], sizeof watch->force[0]);
+    memmove(watch->torque[1], watch->torque[0], sizeof watch->torque[0]);
+    ss_copy3(watch->force[0], now->sent->force);
+    ss_copy3(watch->torque[0], now->sent->torque);
+    if (ss_norm3(now->sent->force) + ss_norm3(now->sent->torque) > 0.0) {
+        watch->touched = now->tick;
+    }
+}
+
+/* Of what a contact has handed out, some of which may have been let in. */
+static ss_hand_verdict judge_hand(double handed_out, double let_in)
+{
+    const double driven = handed_out - fmax(0.0, let_in);
+    if (driven > most_handed_out) {
+        return (ss_hand_verdict){
+            driven > most_guarded ? SOFTSIM_VERDICT_DEGRADED : SOFTSIM_VERDICT_GUARDED,
+            "more than 10 mJ were handed to the hand in one contact: it moves or shakes faster "
+            "than forces can follow; steady it, or lower haptic.coupling.stiffness_n_per_m"};
+    }
+    if (handed_out > most_handed_out) {
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_GUARDED,
+            "a tool that was found inside the tissue was let in, and what pressed it out again was "
+            "no work of the hand: start, resume and return outside of the tissue"};
+    }
+    return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+}
+
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
-    bool is_bad = false;
+    double handed_out = 0.0;
+    if (now->pose && watch->sender_epoch != now->sender_epoch) {
+        /* Another device, or the same from elsewhere: what lies between is nobody's way. */
+        *watch = (ss_hand_watch){
+            .sender_epoch = now->sender_epoch, .told = watch->told, .until = watch->until};
+    }
     if (now->pose && now->is_lockstep) {
-        is_bad = move_hand(watch, now->pose) > most_handed_out;
-        memmove(watch->force[1], watch->force[0], sizeof watch->force[0]);
-        memmove(watch->torque[1], watch->torque[0], sizeof watch->torque[0]);
-        ss_copy3(watch->force[0], now->sent->force);
-        ss_copy3(watch->torque[0], now->sent->torque);
+        handed_out = move_hand(watch, now);
+        take_answer(watch, now);
     }
     /* Without a name the observer guesses which force was in effect. */
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
-    is_bad = is_bad || (is_named && now->contact_j < -most_handed_out);
-    if (is_bad) {
+    handed_out = is_named ? fmax(handed_out, -now->contact_j) : handed_out;
+    const ss_hand_verdict found = judge_hand(handed_out, now->let_in_j);
+    if (found.verdict != SOFTSIM_VERDICT_GOOD) {
+        watch->told = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);
     }
 }
 
-bool ss_hand_watch_is_bad(const ss_hand_watch *watch, int64_t tick)
+ss_hand_verdict ss_hand_watch_verdict(const ss_hand_watch *watch, int64_t tick)
 {
-    return tick < watch->until;
+    return tick < watch->until ? watch->told : (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
-const char *ss_hand_watch_reason(void)
+ss_hand_verdict ss_hand_verdict_worse(ss_hand_verdict a, ss_hand_verdict b)
 {
-    return "more than 10 mJ were handed to the hand in one contact: it moves or shakes faster than "
-           "forces can follow; steady it, or lower haptic.coupling.stiffness_n_per_m";
+    return b.verdict > a.verdict ? b : a;
 }

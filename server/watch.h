@@ -17,10 +17,12 @@
  * there a model's own ledger has all work.
  *
  * Hand. E = sum F.(x_j+1 - x_j) + T.theta_j since a contact's first force, F and T the answer to
- * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. It holds
- * where a pose has one answer, in lockstep and headless; with a clock between them what counts is
- * the haptic loop's observer, for clients that name the force in effect. More than 10 mJ in a
- * contact is a guarded verdict until a second after it.
+ * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. The same is
+ * added up over contacts that follow one another within 20 ms: they chatter. It holds where a pose
+ * has one answer, in lockstep and headless; with a clock between them what counts is the haptic
+ * loop's observer, for clients that name the force in effect. More than 10 mJ is a guarded verdict
+ * until a second after it, more than 100 mJ a degraded one. What was let in with a tool that was
+ * found inside the tissue is taken off; where that alone is handed back, guarded for that reason.
  * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
  *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
@@ -52,26 +54,38 @@ void ss_energy_watch_reset(ss_energy_watch *watch);
 
 enum { SS_HAND_WATCH_DELAYS = 2 };
 
+/* What a watch adds to the verdict of all; SOFTSIM_VERDICT_GOOD and "": nothing. */
+typedef struct ss_hand_verdict {
+    softsim_verdict verdict;
+    const char *reason; /* static */
+} ss_hand_verdict;
+
 /* One probe. Thread: haptic. Start from zero. */
 typedef struct ss_hand_watch {
     bool has_pose;
+    uint32_t sender_epoch;
     double position[3], orientation[4];
     double force[SS_HAND_WATCH_DELAYS][3], torque[SS_HAND_WATCH_DELAYS][3]; /* newest first */
-    double energy[SS_HAND_WATCH_DELAYS];                                    /* J */
-    int64_t until; /* tick: the verdict holds before it */
+    double energy[SS_HAND_WATCH_DELAYS]; /* J, since the contact's first force */
+    double spell[SS_HAND_WATCH_DELAYS];  /* J, since the first after 20 ms without */
+    int64_t touched;                     /* tick of the last force */
+    ss_hand_verdict told;
+    int64_t until; /* tick: it holds before it */
 } ss_hand_watch;
 
 typedef struct ss_hand_tick {
     int64_t tick;
     double period;             /* s */
     const softsim_pose *pose;  /* the newest, NULL: none came */
+    uint32_t sender_epoch;     /* of that pose */
     const softsim_force *sent; /* the answer of this tick */
     double contact_j;          /* of the present contact, of the haptic loop's observer */
+    double let_in_j;           /* to it, by the haptic loop */
     bool is_lockstep;
 } ss_hand_tick;
 
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now);
-/* Does the verdict hold? */
-bool ss_hand_watch_is_bad(const ss_hand_watch *watch, int64_t tick);
-/* The words for it. */
-const char *ss_hand_watch_reason(void);
+/* What holds at this tick. */
+ss_hand_verdict ss_hand_watch_verdict(const ss_hand_watch *watch, int64_t tick);
+/* The worse of two; of equal ones the first. */
+ss_hand_verdict ss_hand_verdict_worse(ss_hand_verdict a, ss_hand_verdict b);

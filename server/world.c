@@ -509,11 +509,13 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     const ss_hand_tick hand = {.tick = tick,
                                .period = world->period,
                                .pose = input.pose_count > 0 ? &pose[input.pose_count - 1] : NULL,
+                               .sender_epoch = input.sender_epoch,
                                .sent = &output.force,
                                .contact_j = output.contact_j,
+                               .let_in_j = output.let_in_j,
                                .is_lockstep = world->haptic_config.is_lockstep};
     ss_hand_watch_tick(&probe->hand, &hand);
-    stats->is_handing_out |= ss_hand_watch_is_bad(&probe->hand, tick);
+    stats->hand = ss_hand_verdict_worse(stats->hand, ss_hand_watch_verdict(&probe->hand, tick));
     stats->worst_contact_j[p] = output.worst_contact_j;
     stats->stiffness_limit[p] = output.stiffness_limit;
     stats->energy_to_device_j += output.energy_to_device_j;
@@ -536,8 +538,8 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
         }
     }
     world->haptic_reset = false;
-    world->is_handing_out = stats.is_handing_out;
-    world->has_handed_out |= stats.is_handing_out;
+    world->hand = stats.hand;
+    world->worst_hand = ss_hand_verdict_worse(world->worst_hand, stats.hand);
     if (due_ns != 0) {
         ss_histogram_add(world->lateness, now_ns, 1e-3 * (double)(now_ns - due_ns));
     }

@@ -54,7 +54,7 @@ typedef struct ss_haptic_stats {
     double stiffness_limit[SOFTSIM_MAX_PROBES];
     double loop_delay_ms[2];
     double energy_to_device_j, energy_from_device_j;
-    bool is_handing_out; /* energy, lately, to any hand: watch.h */
+    ss_hand_verdict hand; /* of energy that any hand was given lately: watch.h */
 } ss_haptic_stats;
 
 /* What the simulation reports, after each step. */
@@ -130,8 +130,8 @@ typedef struct ss_world {
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
     bool haptic_paused, haptic_reset;
-    bool is_handing_out, has_handed_out; /* now or lately; ever. Read by the lockstep thread too */
-    atomic_bool is_stopping;             /* any -> haptic */
+    ss_hand_verdict hand, worst_hand; /* lately; ever. Read by the lockstep thread too */
+    atomic_bool is_stopping;          /* any -> haptic */
 
     /* simulation thread */
     ss_histogram *step_time;

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Plants one defect at a time in a scratch copy of the sources, builds it, and shows who catches it:
-# the model's own unit tests; softsim-bench stability, whose verdicts must disagree with what its
+# its unit tests; softsim-bench stability, whose verdicts must disagree with what its
 # audit finds (or a control run must no longer be good); and softsim-bench accuracy on the smallest
 # slab, whose rows (error of the field in two digits, verdict) must change where the defect touches
-# statics. A defect that the first or the second misses ends it with status 1.
+# statics. The last two are a force that doubles on the way out, and a watch that takes mJ for J.
+# A defect that the first or the second misses ends it with status 1.
 #   tests/planted_defects.sh [--check] [SCRATCH]     default build/planted
 # --check only sees to it that every defect can still be planted: its line is there once.
 set -euo pipefail
@@ -22,6 +23,8 @@ defects=(
   'fem|test_fem|server/models/fem_kernels.c|p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];|p.m[k / 3][k % 3] = all(0.0) + p.m[k / 3][k % 3];'
   'mass-spring|test_mass_spring|server/models/mass_spring.c|f[e->from + a] += pull * now.n[a];|f[e->from + a] -= pull * now.n[a];'
   'mass-spring|test_body|server/models/body_step.c|book_load(body, ss_body_loads_work(body));|book_load(body, -ss_body_loads_work(body));'
+  'fem|test_abuse|server/haptic/haptic.c|ss_scale3(out_sent, whole, ss_admission_gain(&haptic->gate, input->tick));|ss_scale3(out_sent, whole, ss_dot3(haptic->v, whole) > 0.0 ? 2.0 : 1.0);'
+  'fem|test_abuse|server/watch.c|most_handed_out = 0.01;|most_handed_out = 10.0;'
 )
 
 # The line of file $1 that has $2 must be the only one.

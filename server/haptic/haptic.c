@@ -65,6 +65,7 @@ struct ss_haptic {
     int64_t bad_inputs;
     uint32_t grasp_edges, teleports;
     double last_force[3];
+    double shift[3]; /* m, from the hand to the pose used: what is not let in yet */
     uint64_t digest;
     ss_haptic_output output;
     ss_observer observer;
@@ -604,6 +605,18 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
     haptic->digest = hash_bytes(haptic->digest, force->force, sizeof force->force);
 }
 
+/* The pose used came nearer to the hand: the fade pressed, not the hand. */
+static void book_entry(ss_haptic *haptic, const double x[3], const double sent[3])
+{
+    double shift[3], change[3], mean[3];
+    ss_sub3(shift, x, held_pose(haptic)->position);
+    ss_sub3(change, shift, haptic->shift);
+    ss_add3(mean, haptic->last_force, sent);
+    const bool is_felt = ss_norm3(haptic->last_force) + ss_norm3(sent) > 0.0;
+    haptic->output.let_in_j = is_felt ? haptic->output.let_in_j - 0.5 * ss_dot3(mean, change) : 0.0;
+    ss_copy3(haptic->shift, shift);
+}
+
 /* Non-finite input: the last force again, for as long as the watchdog would wait. */
 static void repeat_force(ss_haptic *haptic, int64_t tick)
 {
@@ -725,6 +738,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             write_force(haptic, input, sent, whole, flags);
             write_target(haptic, input, v);
+            book_entry(haptic, x, sent);
             remember_force(haptic, tick);
         } else {
             /* The numbers overflowed: as a fault of the model, and the proxy begins anew. */

@@ -25,7 +25,7 @@ static const double rested_tau = 5.9;
 static const double heavy = 1.5; /* a mass ratio beyond it is slower than tau */
 /* Of E L^3: energies below are rounding. */
 static const double floor_share = 1e-7;
-static const double most_handed_out_j = 0.01;
+static const double most_handed_out_j = 0.01, most_driven_j = 0.1;
 /* Of the size: what single precision tells apart. */
 static const double still_share = 1e-7;
 
@@ -130,7 +130,10 @@ typedef struct runner {
     softsim_world *world;
     ss_assay_result *out;
     ss_audit audit;
-    ss_hand hand;
+    ss_hand_sample *felt; /* SS_ASSAY_MAX_TICKS */
+    int32_t felt_count;
+    ss_hand_account hand;
+    double size_m;    /* the least extent of the body at rest, with what a model grows around it */
     int32_t commands; /* given so far */
     double period_s;
     int64_t steps;
@@ -239,7 +242,21 @@ static void look(runner *r, const double force[3])
     r->released_s = fmax(0.0, time_s - r->plan.release_s);
 }
 
-/* Room for all nodes. */
+static double least_extent(const double (*x)[3], int32_t count)
+{
+    double least = (double)INFINITY;
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = (double)INFINITY, high = -(double)INFINITY;
+        for (int32_t i = 0; i < count; ++i) {
+            low = fmin(low, x[i][axis]);
+            high = fmax(high, x[i][axis]);
+        }
+        least = fmin(least, high - low);
+    }
+    return least;
+}
+
+/* Room for all nodes and ticks. */
 static softsim_status allocate(runner *r, softsim_error *error)
 {
     softsim_state state;
@@ -249,10 +266,14 @@ static softsim_status allocate(runner *r, softsim_error *error)
     r->u = calloc(count, sizeof *r->u);
     r->v = calloc(count, sizeof *r->v);
     r->old = calloc(count, sizeof *r->old);
-    if (r->nodes < SS_SPECIMEN_NODES || r->u == NULL || r->v == NULL || r->old == NULL) {
+    r->felt = calloc(SS_ASSAY_MAX_TICKS, sizeof *r->felt);
+    if (r->nodes < SS_SPECIMEN_NODES || r->u == NULL || r->v == NULL || r->old == NULL ||
+        r->felt == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
+    softsim_read_nodes(r->world, r->old, NULL, NULL);
+    r->size_m = least_extent((const double(*)[3])r->old, r->nodes);
     return SOFTSIM_OK;
 }
 
@@ -276,6 +297,7 @@ static void play(runner *r)
     ss_set3(pose.velocity, (double)NAN, (double)NAN, (double)NAN);
     ss_set3(pose.applied_force, (double)NAN, (double)NAN, (double)NAN);
     const double still[3] = {0.0, 0.0, 0.0};
+    bool is_apart = false;
     look(r, still);
     for (int32_t k = 1; k <= r->out->ticks; ++k) {
         pose.seq = k;
@@ -286,21 +308,33 @@ static void play(runner *r)
             softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
         look(r, has_tool ? force[0].force : still);
         if (has_tool && refusal != SOFTSIM_ACCEPTED) {
-            r->hand.has_pose = false; /* it was told that the force does not follow */
+            is_apart = true;
         } else if (has_tool) {
-            ss_hand_feel(&r->hand, &pose, &force[0]);
+            ss_hand_sample *sample = &r->felt[r->felt_count++];
+            ss_hand_read(&pose, &force[0], sample);
+            sample->stored_j = r->last_stored;
+            sample->is_apart = is_apart;
+            is_apart = false;
             pose.force_seq = force[0].seq;
         }
     }
 }
 
 /* What the hand got that no tissue gives. */
-static uint32_t judge_hand(const runner *r)
+static uint32_t judge_hand(runner *r, const softsim_state *state)
 {
-    const ss_hand *hand = &r->hand;
-    return (hand->handed_out_j > most_handed_out_j ? SS_AUDIT_HANDED_OUT : 0u) |
+    ss_hand_account *hand = &r->hand;
+    /* A result is a period late, and looks up to two ahead. */
+    const double periods = state->simulation_period_s / r->period_s;
+    const ss_hand_plan plan = {.period_s = r->period_s,
+                               .lag = 1 + (int32_t)ceil(2.0 * periods),
+                               .has_stored = !ss_assay_is_plastic(r->trial->subject)};
+    ss_hand_judge(&plan, r->felt, r->felt_count, hand);
+    const double most_j = fmax(hand->handed_out_j, hand->made_j);
+    return (most_j > most_handed_out_j ? SS_AUDIT_HANDED_OUT : 0u) |
+           (hand->driven_j > most_driven_j ? SS_AUDIT_DRIVEN : 0u) |
            (hand->peak_force_n > SS_ASSAY_MAX_FORCE * (1.0 + 1e-9) ? SS_AUDIT_FORCE : 0u) |
-           (hand->deepest_m > SS_SPECIMEN_SIZE ? SS_AUDIT_DEPTH : 0u);
+           (hand->deepest_m > r->size_m * (1.0 + 1e-6) ? SS_AUDIT_DEPTH : 0u);
 }
 
 /* What the world says about itself, and what the audit found. */
@@ -317,7 +351,7 @@ static void judge(runner *r)
     const bool is_rested = r->released_s >= rested_tau * tau_s && !is_slow &&
                            !ss_assay_is_plastic(trial->subject) &&
                            state.worst_verdict < SOFTSIM_VERDICT_DEGRADED;
-    out->found = ss_audit_end(&r->audit, is_rested) | judge_hand(r);
+    out->found = ss_audit_end(&r->audit, is_rested) | judge_hand(r, &state);
     out->verdict = state.worst_verdict;
     snprintf(out->acted, sizeof out->acted, "%s", state.worst_reason);
     for (int k = 0; k < SOFTSIM_REFUSED_COUNT; ++k) {
@@ -341,6 +375,8 @@ static void judge(runner *r)
     out->work_error = ss_audit_work_error(&r->audit);
     out->displacement_m = r->audit.largest;
     out->handed_out_j = r->hand.handed_out_j;
+    out->made_j = r->hand.made_j;
+    out->driven_j = r->hand.driven_j;
     out->force_n = r->hand.peak_force_n;
     out->depth_m = r->hand.deepest_m;
     out->recovery = ss_audit_recovery_error(&r->audit);
@@ -396,6 +432,8 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
                              .recovery = (double)NAN,
                              .kinetic_j = (double)NAN,
                              .handed_out_j = (double)NAN,
+                             .made_j = (double)NAN,
+                             .driven_j = (double)NAN,
                              .force_n = (double)NAN,
                              .depth_m = (double)NAN,
                              .is_agreed = true};
@@ -419,6 +457,7 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
     free(r->u);
     free(r->v);
     free(r->old);
+    free(r->felt);
     free(r);
     return status;
 }

@@ -71,15 +71,15 @@ typedef struct ss_assay_result {
     double limit_s; /* computed; NaN unless asked for */
     double step_s;  /* requested */
     int32_t ticks;
-    double substeps;            /* mean */
-    double stored_j, end_j;     /* the largest, and at the end, beyond rest */
-    double balance, work_error; /* shares, NaN */
-    double displacement_m;      /* the largest */
-    double kinetic_j;           /* the largest */
-    double handed_out_j;        /* to the hand, the most in one contact; hand.h */
-    double force_n, depth_m;    /* the largest, of the probe */
-    double recovery;            /* share of it that is left, NaN */
-    int32_t inverted;           /* tetrahedra at the end */
+    double substeps;                       /* mean */
+    double stored_j, end_j;                /* the largest, and at the end, beyond rest */
+    double balance, work_error;            /* shares, NaN */
+    double displacement_m;                 /* the largest */
+    double kinetic_j;                      /* the largest */
+    double handed_out_j, made_j, driven_j; /* to the hand, the most in one contact; hand.h */
+    double force_n, depth_m;               /* the largest, of the probe */
+    double recovery;                       /* share of it that is left, NaN */
+    int32_t inverted;                      /* tetrahedra at the end */
     double cpu_ms;
 } ss_assay_result;
 

@@ -134,7 +134,8 @@ void ss_audit_text(uint32_t found, char *out, int32_t size)
                                                      "not back",
                                                      "energy handed out",
                                                      "force above the limit",
-                                                     "deeper than the body"};
+                                                     "deeper than the body",
+                                                     "the hand is driven"};
     out[0] = '\0';
     for (int k = 0; k < SS_AUDIT_KINDS; ++k) {
         if ((found >> k & 1u) != 0) {

@@ -12,9 +12,10 @@
  *
  * Then the two judgements must agree: verdicts `good` and `guarded` promise a result to be trusted,
  * so that any finding is a silent failure; `good` also promises the shape at rest after release,
- * while a guarded one may have been left elsewhere
- * (folded, say), or have handed out energy. `degraded` and `fault` own up to
- * a result that cannot be trusted, but even then nothing that is not finite may be published.
+ * while a guarded one may have been left elsewhere (folded, say), or have handed out energy: what
+ * the sampling of a quick hand gives, but not so much that the hand is driven. `degraded` and
+ * `fault` own up to a result that cannot be trusted, but even then nothing that is not finite may
+ * be published.
  * Thread: any; nothing here reads a clock.
  */
 #include <stdbool.h>
@@ -32,10 +33,11 @@ enum {
     SS_AUDIT_GROWS = 32,    /* stored energy grew after release */
     SS_AUDIT_NOT_BACK = 64, /* not at rest again */
     /* What a hand got of it; hand.h. */
-    SS_AUDIT_HANDED_OUT = 128, /* energy, in one contact */
+    SS_AUDIT_HANDED_OUT = 128, /* energy, in one contact or a part of it */
     SS_AUDIT_FORCE = 256,      /* more than the limit */
     SS_AUDIT_DEPTH = 512,      /* more than the body's size */
-    SS_AUDIT_KINDS = 10
+    SS_AUDIT_DRIVEN = 1024,    /* ten times as much energy */
+    SS_AUDIT_KINDS = 11
 };
 
 typedef struct ss_audit_plan {
@@ -81,5 +83,5 @@ double ss_audit_recovery_error(const ss_audit *audit);
 
 /* Does the program's worst verdict own up to what was found? */
 bool ss_audit_agrees(uint32_t found, softsim_verdict worst);
-/* "not finite, too far", or "" when nothing was found; at least 160 bytes. */
+/* "not finite, too far", or "" when nothing was found; at least 192 bytes. */
 void ss_audit_text(uint32_t found, char *out, int32_t size);

@@ -203,7 +203,8 @@ softsim_status ss_stability_run(const void *context, int32_t index, FILE *out, s
     fprintf(out, ",%d", r.ticks);
     const double values[] = {r.substeps,     r.stored_j,       r.end_j,    r.balance,
                              r.work_error,   r.displacement_m, r.recovery, r.kinetic_j,
-                             r.handed_out_j, r.force_n,        r.depth_m};
+                             r.handed_out_j, r.made_j,         r.driven_j, r.force_n,
+                             r.depth_m};
     for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
         put_number(out, values[k]);
     }

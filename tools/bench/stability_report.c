@@ -43,7 +43,7 @@ static fate fate_of(const ss_stability_row *row)
 static const char csv_head[] =
     "model,sweep,stiffness_pa,value,variant,outcome,verdict,acted,found,agrees,limit_s,step_s,"
     "ticks,substeps,stored_j,end_j,balance_error,work_error,displacement_m,recovery_error,"
-    "kinetic_j,handed_out_j,force_n,depth_m,inverted,cpu_ms";
+    "kinetic_j,handed_out_j,made_j,driven_j,force_n,depth_m,inverted,cpu_ms";
 
 static softsim_status write_csv(const ss_stability *list, const ss_sweep_result *result,
                                 softsim_error *error)
@@ -62,7 +62,7 @@ static softsim_status write_csv(const ss_stability *list, const ss_sweep_result 
             ss_stability_label(list, i, label);
             fprintf(output.file, "%s,lost,,", label);
             ss_csv_text(output.file, row.acted);
-            fputs(",,no,,,,,,,,,,,,,,,,\n", output.file);
+            fputs(",,no,,,,,,,,,,,,,,,,,,\n", output.file);
         } else {
             fputs(row.csv, output.file);
         }
@@ -378,8 +378,10 @@ static void put_words(const ss_stability *list, ss_page *page)
                  "10 m accepted, 1), from side to side (2); a box that spins upright (0) or end "
                  "over end (1); pause and resume in turn. The hand is judged from poses and forces "
                  "alone: with an answer that acts at once or from the next pose on, whichever is "
-                 "worse, no contact may hand out more than 10 mJ and be called good, no force may "
-                 "pass the limit of %g N and no depth the body's size.",
+                 "worse, no contact may hand out more than 10 mJ, and no part of one 10 mJ more "
+                 "than was stored at its beginning, and be called good; more than 100 mJ beyond "
+                 "what a tool found inside was let in with may not be called guarded either; no "
+                 "force may pass the limit of %g N and no depth the body's size.",
                  SS_ASSAY_MAX_FORCE);
 }
 
