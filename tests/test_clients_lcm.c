@@ -10,7 +10,6 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <glob.h>
 #include <lcm/lcm.h>
 #include <math.h>
 #include <poll.h>
@@ -407,12 +406,14 @@ static void silence_is_a_failure(void **state)
     assert_in_range(stand_in.poses, 10, 60); /* the pose was sent again and again */
 }
 
+/* A file has its name once it is complete; what there is until then stays, and is named. */
 static void stopped_replay_keeps_its_files(void **state)
 {
     (void)state;
     const char *log = in_folder("a.lcmlog");
-    const char *csv = in_folder("a.csv");
-    const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
+    const char *csv = in_folder("a.csv"), *csv_part = in_folder("a.csv.part");
+    const char *record = in_folder("r.lcmlog"), *record_part = in_folder("r.lcmlog.part");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
     make_log(log, 30000, 1);
     start_server();
     process_start(&child, argv, NULL);
@@ -422,10 +423,23 @@ static void stopped_replay_keeps_its_files(void **state)
     process_signal(&child, SIGINT);
     expect_status(1);
     stop_server();
-    assert_non_null(strstr(child.err, "stopped after"));
-    assert_true(read_csv(csv) > 0);
-    glob_t left;
-    assert_int_equal(glob(in_folder("a.csv.*.tmp"), 0, NULL, &left), GLOB_NOMATCH);
+    const char *stopped = strstr(child.err, "stopped after");
+    assert_non_null(stopped);
+    assert_non_null(strstr(stopped, "a.csv: not complete; what was recorded is in "));
+    assert_non_null(strstr(stopped, csv_part));
+    assert_non_null(strstr(stopped, record_part));
+    assert_true(read_csv(csv_part) > 0);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    softsim_log_result result;
+    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
+    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
+    }
+    assert_int_equal(result, SOFTSIM_LOG_END);
+    softsim_log_close(&recorded);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(access(record, F_OK), -1);
 }
 
 /* ---- what a kill leaves ---------------------------------------------------------------------- */
@@ -499,6 +513,32 @@ static void a_killed_replay_leaves_what_it_recorded(void **state)
     assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
 }
 
+/* One that has an end of its own, with a server and without. */
+static void a_stopped_bridge_keeps_its_file(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("s.csv"), *part = in_folder("s.csv.part");
+    const char *const served[] = {"softsim-bridge", "--device", "sim", "--duration",
+                                  "1000",           "--csv",    csv,   NULL};
+    const char *const linear[] = {
+        "softsim-bridge", "--device", "sim", "--linear-tissue", "500", "--ticks", "1e9",
+        "--csv",          csv,        NULL};
+    start_server();
+    for (int i = 0; i < 2; ++i) {
+        process_start(&child, i == 0 ? served : linear, NULL);
+        wait_for_file(part);
+        process_signal(&child, SIGTERM);
+        expect_status(1);
+        const char *ended = strstr(child.err, "ended before its time, after ");
+        assert_non_null(ended);
+        assert_non_null(strstr(ended, "s.csv: not complete; what was recorded is in "));
+        assert_true(count_lines(part) > 10);
+        assert_int_equal(access(csv, F_OK), -1);
+        assert_int_equal(unlink(part), 0);
+    }
+    stop_server();
+}
+
 static void a_killed_bridge_leaves_what_it_recorded(void **state)
 {
     (void)state;
@@ -535,7 +575,8 @@ static void a_killed_bridge_leaves_what_it_recorded(void **state)
     softsim_log_close(&converted);
 }
 
-/* SIGHUP, as of a terminal that is closed, is an end like SIGTERM: files complete, a summary. */
+/* SIGHUP, as of a terminal that is closed, is an end like SIGTERM, and one that has no other is
+ * complete: its file, a summary. */
 static void a_hangup_ends_in_order(void **state)
 {
     (void)state;
@@ -1005,6 +1046,7 @@ int main(void)
         TEST(silence_is_a_failure),
         TEST(stopped_replay_keeps_its_files),
         TEST(a_killed_replay_leaves_what_it_recorded),
+        TEST(a_stopped_bridge_keeps_its_file),
         TEST(a_killed_bridge_leaves_what_it_recorded),
         TEST(a_hangup_ends_in_order),
         TEST(closed_descriptors_write_into_no_file),

@@ -581,6 +581,29 @@ static void a_full_disk_leaves_the_rows_of_a_run(void **state)
                      0);
 }
 
+/* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
+static void a_stopped_run_leaves_its_rows(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "
+                         "--reactions cut.txt scene.yaml & pid=$!; "
+                         "while ! test -s cut.csv.part && kill -0 $pid; do sleep 0.05; done; "
+                         "kill -TERM $pid; wait $pid; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, ", before its end"));
+    assert_non_null(strstr(out, "cut.csv: not complete; what was recorded is in cut.csv.part"));
+    assert_non_null(strstr(out, "cut.txt.part"));
+    assert_int_equal(run("test ! -e cut.csv && test ! -e cut.txt", out, sizeof out), 0);
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 10}' cut.csv.part && "
+                         "test -z \"$(tail -c 1 cut.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
 /* A press of 10 mm is told as one, beside what the tool is still ahead of the surface. */
 static void a_press_of_ten_millimetres_reads_as_one(void **state)
 {
@@ -667,6 +690,7 @@ int main(void)
         cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(too_few_descriptors_are_named),
         cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
+        cmocka_unit_test(a_stopped_run_leaves_its_rows),
         cmocka_unit_test(a_press_of_ten_millimetres_reads_as_one),
         cmocka_unit_test(help_explains_every_column),
     };

@@ -22,7 +22,7 @@ const char ss_bridge_csv_server_header[] =
     COLUMNS ",time_s,probe,ow,ox,oy,oz,buttons,depth_m,indentation_m\n";
 const char ss_bridge_csv_help[] =
     "one row per period; SI units, world frame; written to OUT.csv.part once a\n"
-    "second, and OUT.csv at the end; softsim-replay plays it again:\n"
+    "second, and OUT.csv when complete; softsim-replay plays it again:\n"
     "  tick           number of the period\n"
     "  x,y,z          where the device is\n"
     "  vx,vy,vz       its velocity\n"
@@ -279,6 +279,16 @@ static void watch_servers(ss_bridge *bridge, const softsim_client *client)
     bridge->summary.has_let_go = bridge->summary.has_let_go || are_two;
 }
 
+/* Is the run over? One that has an end of its own is complete only there. */
+static bool is_over(ss_bridge *bridge)
+{
+    const bool is_at_end = !read_device(bridge) ||
+                           bridge->summary.ticks >= bridge->config.tick_count ||
+                           bridge->seq == INT32_MAX;
+    bridge->summary.is_complete = is_at_end || bridge->config.is_endless;
+    return is_at_end || ss_process_is_stopped();
+}
+
 /* What was still going on at the end. */
 static void close_summary(ss_bridge *bridge)
 {
@@ -322,13 +332,13 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     bridge->is_served = true;
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
+            bridge->summary.is_complete = false;
             return false;
         }
         const int64_t now_ns = softsim_client_now_ns();
         take_arrived(bridge, now_ns);
         watch_servers(bridge, client);
-        if (!read_device(bridge) || bridge->summary.ticks >= bridge->config.tick_count ||
-            bridge->seq == INT32_MAX || ss_process_is_stopped()) {
+        if (is_over(bridge)) {
             close_summary(bridge);
             return true;
         }
@@ -350,7 +360,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
 
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks)
 {
-    while (read_device(bridge) && bridge->summary.ticks < bridge->config.tick_count) {
+    while (!is_over(bridge)) {
         const int64_t now_ns =
             (int64_t)(1e9 * bridge->device.period_s * (double)bridge->summary.ticks);
         softsim_pose pose;

@@ -35,6 +35,7 @@ typedef struct ss_bridge_config {
     bool is_correcting;
     double damping_n_s_per_m; /* the bridge's own, in contact */
     int64_t tick_count;       /* INT64_MAX: until stopped or the device ends */
+    bool is_endless;          /* only a signal ends it, which is then its end */
     ss_bus_config bus;        /* both directions; zeroes: none */
     ss_output *csv;           /* NULL: not wanted */
     const char *program;      /* before what stderr is told; NULL: nothing is */
@@ -51,6 +52,7 @@ typedef struct ss_bridge_summary {
     bool was_inside;  /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped; /* forces came, and were away at the end */
     bool has_let_go;  /* two servers were heard */
+    bool is_complete; /* ran to its own end, or has none and was stopped */
 } ss_bridge_summary;
 
 typedef struct ss_bridge {

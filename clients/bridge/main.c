@@ -210,6 +210,21 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                                                                          : EXIT_FAILURE;
 }
 
+/* A recording has its own name only when it is complete. */
+static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss_output *csv,
+                       softsim_error *error)
+{
+    if (!summary->is_complete) {
+        fprintf(stderr, "%s: ended before its time, after %" PRId64 " ticks\n", program,
+                summary->ticks);
+        ss_output_keep(csv, error);
+    } else {
+        ss_output_commit(csv, error);
+    }
+    ss_args_print_error(program, error);
+    return summary->is_complete && error->fault_count == 0;
+}
+
 /* Opens device and file, runs, reports. An exit status. */
 static int run(const char *program, const options *o, const ss_frame *frame, softsim_error *error)
 {
@@ -230,6 +245,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         .is_correcting = o->correct == 0,
         .damping_n_s_per_m = o->damping,
         .tick_count = tick_count(o),
+        .is_endless = o->device != DEVICE_SCRIPT && tick_count(o) == INT64_MAX,
         .bus = {o->delay_ms, o->jitter_ms, o->loss, o->outlier, (uint64_t)o->seed},
         .csv = csv.file != NULL ? &csv : NULL,
         .program = program};
@@ -251,10 +267,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
     }
     if (bridge.summary.ticks > 0) {
         report(&bridge.summary, !isnan(o->linear_tissue));
-        if (ss_output_commit(&csv, error) != SOFTSIM_OK) {
-            ss_args_print_error(program, error);
-            status = EXIT_FAILURE;
-        }
+        status = finish_csv(program, &bridge.summary, &csv, error) ? status : EXIT_FAILURE;
     }
     ss_output_abandon(&csv);
     ss_bridge_fini(&bridge);

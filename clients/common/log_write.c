@@ -96,6 +96,15 @@ softsim_status softsim_log_finish(softsim_log_writer **writer, softsim_error *er
     return status;
 }
 
+void softsim_log_keep(softsim_log_writer **writer, softsim_error *error)
+{
+    if (*writer != NULL) {
+        ss_output_keep(&(*writer)->output, error);
+        free(*writer);
+        *writer = NULL;
+    }
+}
+
 void softsim_log_abandon(softsim_log_writer **writer)
 {
     if (*writer != NULL) {

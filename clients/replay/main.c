@@ -48,7 +48,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", ss_replay_csv_help},
         {"--record", SS_ARG_STRING, &o->record, 0, 0, "OUT.lcmlog",
          "event log of the poses sent and the forces received; like --csv written to\n"
-         "OUT.part once a second, and OUT at the end"},
+         "OUT.part once a second, and OUT when all poses are played"},
         {"--convert", SS_ARG_FLAG, &o->is_convert, 0, 0, NULL,
          "write the poses as an event log instead of playing them"},
         {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
@@ -127,7 +127,8 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
     int32_t seq = 0;
     softsim_poses_result next;
     softsim_poses_rewind(poses);
-    while ((next = softsim_poses_next(poses, &event, note, sizeof note)) != SOFTSIM_POSES_END) {
+    while (!ss_process_is_stopped() &&
+           (next = softsim_poses_next(poses, &event, note, sizeof note)) != SOFTSIM_POSES_END) {
         if (next == SOFTSIM_POSES_POSE) {
             char channel[SOFTSIM_LOG_CHANNEL_SIZE];
             snprintf(channel, sizeof channel, "%.50s_PROBE_%" PRId32, prefix, event.channel_probe);
@@ -136,11 +137,13 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
             softsim_log_write_pose(writer, event.time_us, channel, &event.pose);
         }
     }
-    if (softsim_log_finish(&writer, &error) != SOFTSIM_OK) {
-        ss_args_print_error(program, &error);
-        return EXIT_FAILURE;
+    if (ss_process_is_stopped()) {
+        softsim_log_keep(&writer, &error);
+    } else {
+        softsim_log_finish(&writer, &error);
     }
-    return EXIT_SUCCESS;
+    ss_args_print_error(program, &error);
+    return error.fault_count == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 static void report(const ss_replay *replay, const survey *found)
@@ -168,11 +171,17 @@ static void report(const ss_replay *replay, const survey *found)
     }
 }
 
-static bool finish_files(const char *program, ss_replay *replay)
+/* A recording has its own name only when it is complete: until the last pose. */
+static bool finish_files(const char *program, ss_replay *replay, bool is_complete)
 {
     softsim_error error = {.status = SOFTSIM_OK};
-    softsim_log_finish(&replay->record, &error);
-    ss_output_commit(&replay->csv, &error);
+    if (is_complete) {
+        softsim_log_finish(&replay->record, &error);
+        ss_output_commit(&replay->csv, &error);
+    } else {
+        softsim_log_keep(&replay->record, &error);
+        ss_output_keep(&replay->csv, &error);
+    }
     ss_args_print_error(program, &error);
     return error.fault_count == 0;
 }
@@ -241,7 +250,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
     const bool is_one =
         !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);
-    const bool is_written = finish_files(program, &replay);
+    const bool is_written = finish_files(program, &replay, result == SS_REPLAY_DONE);
     report(&replay, found);
     softsim_client_close(&replay.client);
     if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
@@ -269,8 +278,8 @@ int main(int argc, char **argv)
         ss_args_print_error(program, &error);
         return EXIT_BAD_INPUT;
     }
-    ss_process_catch_stop();
     const survey found = look_through(program, o.input, poses);
+    ss_process_catch_stop(); /* nothing is lost when a long look is simply ended */
     int status = EXIT_BAD_INPUT;
     if (found.poses == 0) {
         fprintf(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n", program,

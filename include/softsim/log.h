@@ -90,6 +90,9 @@ bool softsim_log_has_failed(const softsim_log_writer *writer);
 /* Writes out, syncs, renames, frees and nulls; on a fault the records before it stay where
  * softsim_log_path says, which the error names. */
 softsim_status softsim_log_finish(softsim_log_writer **writer, softsim_error *error);
+/* A log that ends before its time: writes out, keeps it where softsim_log_path says, which the
+ * error names, frees and nulls; accepts NULL. */
+void softsim_log_keep(softsim_log_writer **writer, softsim_error *error);
 /* Removes the temporary file, frees and nulls; accepts NULL. */
 void softsim_log_abandon(softsim_log_writer **writer);
 

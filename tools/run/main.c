@@ -18,6 +18,7 @@
 
 #include "indentation.h"
 #include "output.h"
+#include "process.h"
 #include "rt/args.h"
 #include "rt/files.h"
 #include "rt/program.h"
@@ -55,7 +56,7 @@ static const char csv_header[] =
     "step,time_s,probe,fx,fy,fz,depth_m,energy_j,verdict,indentation_m\n";
 static const char csv_help[] =
     "one row per tick and probe, SI units, world frame; without a probe one row a tick\n"
-    "with probe -1. Written to OUT.part at least once a second, and OUT at the end:\n"
+    "with probe -1. Written to OUT.part at least once a second, and OUT when complete:\n"
     "  step           number of the tick, from 1\n"
     "  time_s         simulated; the state is that at the end of the tick\n"
     "  probe          its number\n"
@@ -369,6 +370,11 @@ static softsim_status run_ticks(run *r, softsim_error *error)
         if (count < 0) {
             break;
         }
+        if (ss_process_is_stopped()) {
+            softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "stopped at %.6g s, before its end",
+                              (double)r->state.tick * r->state.period_s);
+            return error->status;
+        }
         softsim_tick(r->world, pose, channel, count, force);
         for (int32_t i = 0; i < count; ++i) {
             memcpy(r->position_sent[channel[i]], pose[i].position, sizeof pose[i].position);
@@ -528,6 +534,7 @@ int main(int argc, char **argv)
     ss_progress_begin("softsim-run", "loading %s", r.options.scene);
     const bool is_ready = open_poses(&r, &error) == SOFTSIM_OK && execute(&r, &error) == SOFTSIM_OK;
     ss_progress_end();
+    ss_process_catch_stop(); /* from here on: a long load is simply ended */
     if (!is_ready) {
         exit_code = 2;
     } else if (finish(&r, run_ticks(&r, &error), &error) != SOFTSIM_OK) {
