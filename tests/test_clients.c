@@ -722,28 +722,36 @@ static void restamped_poses_are_a_new_senders(void **state)
     assert_true(pose.velocity[1] == 0.25 && pose.buttons == 1 && pose.position[0] == 0.017);
 }
 
-/* As /dev/stdout or /dev/null: renaming over it would put a file in its place. */
-static void a_pipe_is_written_not_replaced(void **state)
+/* What stands behind a name of the shell's own is written, and the name stays: renaming over it
+ * would put a file in its place. A pipe of another name, which would wait for its reader, is
+ * refused and stays too. */
+static void a_pipe_of_the_shell_is_written_another_refused(void **state)
 {
     (void)state;
-    char path[160], read_back[16] = "";
-    snprintf(path, sizeof path, "%s", in_folder("pipe"));
-    assert_int_equal(mkfifo(path, 0600), 0);
-    const int fd = open(path, O_RDONLY | O_NONBLOCK);
-    assert_true(fd >= 0);
+    char path[160], own[32], read_back[16] = "";
+    int end[2];
     softsim_error error = {0};
     ss_output output;
-    assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_OK);
+    assert_int_equal(pipe(end), 0);
+    snprintf(own, sizeof own, "/dev/fd/%d", end[1]);
+    assert_int_equal(ss_output_open(&output, own, &error), SOFTSIM_OK);
     assert_true(fputs("force", output.file) >= 0);
     assert_int_equal(ss_output_commit(&output, &error), SOFTSIM_OK);
-    assert_int_equal(read(fd, read_back, sizeof read_back - 1), 5);
+    assert_int_equal(read(end[0], read_back, sizeof read_back - 1), 5);
     assert_string_equal(read_back, "force");
-    assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_OK);
-    ss_output_abandon(&output);
+    close(end[0]);
+    close(end[1]);
+
+    snprintf(path, sizeof path, "%s", in_folder("pipe"));
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_ERROR_FILE);
+    assert_int_equal(ss_output_record(&output, path, &error), SOFTSIM_ERROR_FILE);
+    assert_int_equal(ss_output_record(&output, folder, &error), SOFTSIM_ERROR_FILE);
+    assert_non_null(strstr(error.text, "pipe: a pipe, not a file"));
+    assert_non_null(strstr(error.text, "a folder, not a file"));
     struct stat found;
     assert_int_equal(stat(path, &found), 0);
     assert_true(S_ISFIFO(found.st_mode));
-    close(fd);
 }
 
 int main(void)
@@ -771,7 +779,7 @@ int main(void)
         cmocka_unit_test(csv_is_sampled_on_the_ticks),
         cmocka_unit_test(log_poses_keep_their_times),
         cmocka_unit_test(restamped_poses_are_a_new_senders),
-        cmocka_unit_test(a_pipe_is_written_not_replaced),
+        cmocka_unit_test(a_pipe_of_the_shell_is_written_another_refused),
     };
     return cmocka_run_group_tests_name("clients", tests, make_folder, remove_folder);
 }

@@ -512,6 +512,90 @@ static void a_pipe_is_refused_as_any_input(void **state)
     }
 }
 
+/* Opening one waits for a reader; a device may do something. What a shell has opened is another
+ * matter. */
+static void a_pipe_is_refused_as_any_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--duration 0.01 --csv pipe scene.yaml", "--csv: 'pipe' is a pipe"},
+        {"softsim-run", "--duration 0.01 --reactions pipe scene.yaml", "--reactions: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --nodes link scene.yaml", "--nodes: 'link' is a pipe"},
+        {"softsim-run", "--duration 0.01 --vtk pipe --every 1 scene.yaml", "--vtk: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --csv /dev/tty scene.yaml", "'/dev/tty' is a device"},
+        {"softsim-replay", "--csv pipe poses.csv", "--csv: 'pipe' is a pipe"},
+        {"softsim-replay", "--record pipe poses.csv", "--record: 'pipe' is a pipe"},
+        {"softsim-replay", "--convert poses.csv pipe", "--convert: 'pipe' is a pipe"},
+        {"softsim-bridge", "--device sim --csv pipe", "--csv: 'pipe' is a pipe"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out pipe", "--out: 'pipe' is a"},
+        {"softsim-mesh", "tetrahedralize block.msh pipe.msh --edge 1", "'pipe.msh' is a"},
+        {"softsim-mesh", "convert block.msh pipe.obj", "OUT: 'pipe.obj' is a pipe"},
+        {"softsim-mesh", "generate block --out pipe.msh", "--out: 'pipe.msh' is a pipe"},
+        {"softsim-mesh", "generate block --out folder.obj", "'folder.obj' is a folder"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    assert_int_equal(run("rm -f pipe pipe.* link && mkdir -p folder.obj && mkfifo pipe pipe.obj "
+                         "pipe.msh && ln -s pipe link",
+                         out, sizeof out),
+                     0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+    /* A pipe of the shell's own is read while it is written. */
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.002 --csv /dev/stdout scene.yaml "
+                                 "2>/dev/null | tail -1",
+                         out, sizeof out),
+                     0);
+    assert_ptr_equal(strstr(out, "2,0.002,0,"), out);
+}
+
+/* Played to nobody, it would end well. */
+static void a_log_without_poses_is_refused(void **state)
+{
+    (void)state;
+    char out[4096];
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    write_inputs();
+    assert_int_equal(softsim_log_create(in_folder("forces.lcmlog"), &writer, &error), SOFTSIM_OK);
+    softsim_log_write_force(writer, 0, "SOFTSIM_FORCE_0", &(softsim_force){.seq = 1});
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    assert_int_equal(
+        run(BIN_DIR "/softsim-run --poses forces.lcmlog --hash scene.yaml", out, sizeof out), 2);
+    assert_string_equal(out, "softsim-run: forces.lcmlog: no probe poses: no record on a channel "
+                             "..._PROBE_<n>\n");
+}
+
+/* Not endless, and not the default. */
+static void a_duration_of_nothing_is_refused(void **state)
+{
+    (void)state;
+    static const char *const started[] = {"softsimd --duration 0 scene.yaml",
+                                          "softsim-run --duration 0 scene.yaml",
+                                          "softsim-run --duration 0 --poses poses.csv scene.yaml"};
+    char out[4096], command[512];
+    write_inputs();
+    for (int i = 0; i < 3; ++i) {
+        (void)snprintf(command, sizeof command, "timeout 60 " BIN_DIR "/%s", started[i]);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, "--duration: 0 is out of range") == NULL) {
+            fail_msg("%s: status %d: %s", started[i], status, out);
+        }
+    }
+}
+
 static const char *const programs[] = {"softsimd",       "softsim-run",     "softsim-replay",
                                        "softsim-bridge", "softsim-monitor", "softsim-fit",
                                        "softsim-mesh",   "softsim-import",  "softsim-bench"};
@@ -530,8 +614,28 @@ static void help_that_gets_nowhere_is_a_failure(void **state)
                 strstr(out, "cannot write to stdout: No space left on device") == NULL) {
                 fail_msg("%s: %s", command, out);
             }
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >&-; }", programs[i],
+                           asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: Bad file descriptor") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
         }
     }
+}
+
+static void a_hash_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 --hash scene.yaml >&-; }", out, sizeof out),
+        1);
+    assert_non_null(strstr(out, "softsim-run: cannot write to stdout"));
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 scene.yaml >&-; }", out, sizeof out),
+        0); /* it has nothing to print there */
 }
 
 /* LCM would blame the network for it. */
@@ -687,7 +791,11 @@ int main(void)
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
         cmocka_unit_test(a_pipe_is_refused_as_any_input),
+        cmocka_unit_test(a_pipe_is_refused_as_any_output),
+        cmocka_unit_test(a_log_without_poses_is_refused),
+        cmocka_unit_test(a_duration_of_nothing_is_refused),
         cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(too_few_descriptors_are_named),
         cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
         cmocka_unit_test(a_stopped_run_leaves_its_rows),

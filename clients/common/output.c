@@ -34,31 +34,13 @@ static void remove_temporary(const ss_output *output)
     }
 }
 
-/* A device or a pipe, which must be written to, not replaced. */
-static bool is_special(const char *path)
-{
-    struct stat found;
-    return stat(path, &found) == 0 && !S_ISREG(found.st_mode);
-}
-
-/* The open file that a name stands for; -1: none. Such a file may be a regular one, which a shell
- * has opened: another in its place would be one that nobody reads, and the name itself would go. */
-static int descriptor_of(const char *path)
-{
-    int number = -1, used = 0;
-    if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0) {
-        return strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO;
-    }
-    return (sscanf(path, "/dev/fd/%4d%n", &number, &used) == 1 ||
-            sscanf(path, "/proc/self/fd/%4d%n", &number, &used) == 1) &&
-                   path[used] == '\0'
-               ? number
-               : -1;
-}
-
 /* On the same place in the file, so that what the program prints follows. */
 static FILE *open_descriptor(int descriptor)
 {
+    if ((fcntl(descriptor, F_GETFL) & O_ACCMODE) == O_RDONLY) {
+        errno = EBADF; /* also a stdout that was closed: rt/program.h */
+        return NULL;
+    }
     const int own = fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     FILE *file = own >= 0 ? fdopen(own, "wb") : NULL;
     if (file == NULL && own >= 0) {
@@ -80,9 +62,12 @@ static softsim_status prepare(ss_output *output, const char *path, bool is_recor
                               int *out_descriptor, softsim_error *error)
 {
     *output = (ss_output){.path = strdup(path), .is_recording = is_recording};
-    *out_descriptor = descriptor_of(path);
-    const bool is_in_place = *out_descriptor >= 0 || is_special(path);
-    const int length = is_in_place ? 0
+    *out_descriptor = ss_files_descriptor(path);
+    const char *why = ss_files_why_no_output(path);
+    if (why != NULL) {
+        return fail_open(output, SOFTSIM_ERROR_FILE, path, why, error);
+    }
+    const int length = ss_files_is_in_place(path) ? 0
                        : is_recording
                            ? asprintf(&output->temporary, "%s" SS_FILES_PART, path)
                            : asprintf(&output->temporary, "%s.%ld.tmp", path, (long)getpid());

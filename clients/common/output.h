@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * Files that are written. A device or pipe (/dev/stdout) is written to as it is; of the others
- * there are two kinds:
+ * Files that are written. What the shell has opened (/dev/stdout) and /dev/null are written to as
+ * they are, other pipes and devices refused (rt/files.h); of the rest there are two kinds:
  *
  * A result appears complete or not at all: written beside its place under a temporary name, then
  * synced and renamed.

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 const char *ss_files_reason(int number)
@@ -78,6 +79,42 @@ FILE *ss_files_open_stream(const char *path, int64_t *out_size, const char **out
     return stream;
 }
 
+/* ---- outputs -------------------------------------------------------------------------------- */
+
+int ss_files_descriptor(const char *path)
+{
+    int number = -1, used = 0;
+    if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0) {
+        return strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO;
+    }
+    return (sscanf(path, "/dev/fd/%4d%n", &number, &used) == 1 ||
+            sscanf(path, "/proc/self/fd/%4d%n", &number, &used) == 1) &&
+                   path[used] == '\0'
+               ? number
+               : -1;
+}
+
+/* /dev/null and /dev/full: written to without waiting, and nothing comes of it. */
+static bool is_sink(const struct stat *found)
+{
+    return S_ISCHR(found->st_mode) &&
+           (found->st_rdev == makedev(1, 3) || found->st_rdev == makedev(1, 7));
+}
+
+bool ss_files_is_in_place(const char *path)
+{
+    struct stat found;
+    return ss_files_descriptor(path) >= 0 || (stat(path, &found) == 0 && is_sink(&found));
+}
+
+const char *ss_files_why_no_output(const char *path)
+{
+    struct stat found;
+    return ss_files_is_in_place(path) || stat(path, &found) != 0 || S_ISREG(found.st_mode)
+               ? NULL
+               : name_kind(found.st_mode);
+}
+
 /* A file that is there, or the folder of one that is not yet and its name in it. */
 typedef struct identity {
     bool is_known;
@@ -114,6 +151,13 @@ bool ss_files_check(const ss_named_file *input, int32_t input_count, const ss_na
 {
     for (int32_t i = 0; i < output_count; ++i) {
         const ss_named_file *out = &output[i];
+        const char *why = out->path != NULL ? ss_files_why_no_output(out->path) : NULL;
+        struct stat found;
+        if (why != NULL && (stat(out->path, &found) != 0 || !S_ISDIR(found.st_mode))) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: '%s' is %s; give another name",
+                              out->name, out->path, why);
+            return false;
+        }
         char part[PATH_MAX] = "";
         (void)snprintf(part, sizeof part, "%s" SS_FILES_PART, out->path != NULL ? out->path : "");
         for (int32_t k = 0; k < input_count && out->path != NULL; ++k) {

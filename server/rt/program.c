@@ -17,8 +17,9 @@ void ss_program_begin(void)
 {
     for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
         if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) {
-            /* The lowest free number is this one: those below are open by now. */
-            const int opened = open("/dev/null", O_RDWR);
+            /* The lowest free number is this one: those below are open by now. For reading: what
+             * is printed there must fail, not vanish. */
+            const int opened = open("/dev/null", O_RDONLY);
             (void)opened;
         }
     }

@@ -5,7 +5,8 @@
  * What every program does at its start and at its end.
  *
  * A program that is started with a closed descriptor 0, 1 or 2 would get that number for the next
- * file or socket that it opens, and print into it: all three are opened on /dev/null first.
+ * file or socket that it opens, and print into it: all three are opened on /dev/null first, for
+ * reading alone, so that printing to a closed stdout is a failure.
  * Writing beyond `ulimit -f` is an error like a full disk, not a signal that ends the program.
  *
  * Capabilities: a daemon reads scenes and meshes of others and takes packets from a network, so it

@@ -4,6 +4,7 @@
  */
 #include "command.h"
 
+#include "rt/files.h"
 #include "rt/memory.h"
 
 #include <stdio.h>
@@ -49,6 +50,12 @@ static int find_format(const char *path)
 bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra, softsim_error *error)
 {
     const int format = find_format(path);
+    const char *why = ss_files_why_no_output(path);
+    if (why != NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: '%s' is %s; give another name",
+                          option, path, why);
+        return false;
+    }
     if (format < 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: '%s' ends in none of .obj, .msh, .vtk", option, path);

@@ -48,8 +48,8 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         q->edge = 1e-3 * q->edge_mm / metres_per_unit(q->units >= 0 ? q->units : 0);
     }
     const ss_named_file in = {"the surface", q->path[0]}, out = {"OUT", q->path[1]};
-    (void)ss_files_check(&in, 1, &out, 1, error);
-    (void)can_write_mesh(q->path[1], "OUT", true, error);
+    (void)(ss_files_check(&in, 1, &out, 1, error) &&
+           can_write_mesh(q->path[1], "OUT", true, error));
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 

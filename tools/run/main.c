@@ -100,7 +100,7 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
          "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
          "outer step and tick (default: the scene's haptic period); not with an event log"},
-        {"--duration", SS_ARG_NUMBER, &o.duration_s, 0.0, 1e9, "S",
+        {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-6, 1e9, "S",
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
         {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE", "overrides one scene value"},
@@ -150,6 +150,25 @@ static bool is_event_log(const char *path)
     return is_log;
 }
 
+/* A log of something else would be played to its end at once. */
+static softsim_status find_poses(run *r, softsim_error *error)
+{
+    softsim_pose_event event;
+    char note[256]; /* said when it is played */
+    softsim_poses_result next;
+    do {
+        next = softsim_poses_next(r->log, &event, note, sizeof note);
+    } while (next == SOFTSIM_POSES_NOTE);
+    if (next == SOFTSIM_POSES_END) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s: no probe poses: no record on a channel ..._PROBE_<n>",
+                          r->options.poses);
+        return SOFTSIM_ERROR_FORMAT;
+    }
+    softsim_poses_rewind(r->log);
+    return SOFTSIM_OK;
+}
+
 static softsim_status open_poses(run *r, softsim_error *error)
 {
     const char *path = r->options.poses;
@@ -163,7 +182,8 @@ static softsim_status open_poses(run *r, softsim_error *error)
                               "pose; leave --dt out");
             return SOFTSIM_ERROR_ARGUMENT;
         }
-        return softsim_poses_open(path, 1000.0, &r->log, error);
+        return softsim_poses_open(path, 1000.0, &r->log, error) == SOFTSIM_OK ? find_poses(r, error)
+                                                                              : error->status;
     }
     const softsim_status status = softsim_path_load(path, &r->path, error);
     if (status == SOFTSIM_OK) {
