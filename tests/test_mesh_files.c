@@ -357,6 +357,9 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
     } helpers[] = {
         {"#!/bin/sh\nkill -SEGV $$\n", "crashed"},
         {"#!/bin/sh\nkill -ABRT $$\n", "crashed"},
+        {"#!/bin/sh\necho \"terminate called after throwing an instance of 'std::bad_alloc'\" >&2\n"
+         "kill -ABRT $$\n",
+         "too large for the importer's memory"},
         {"#!/bin/sh\nkill -XCPU $$\n", "too long"},
         {"#!/bin/sh\necho \"bad\033[31m thing\" >&2; echo more >&2; exit 2\n", "bad?[31m thing"},
         {"#!/bin/sh\nexit 3\n", "gave no reason"},
@@ -387,6 +390,42 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
     assert_int_equal(ss_mesh_load(in_folder("helped.obj"), 1.0, in_folder("nowhere"), &m, &error),
                      SOFTSIM_ERROR_SYSTEM);
     assert_non_null(strstr(error.text, "softsim-import is not there"));
+}
+
+/* Holes of a gigabyte, of which reading touches nothing: the first allocation fails. The mesh is
+ * not wrong, and writing it again would not help. */
+static void memory_that_runs_out_is_called_so(void **state)
+{
+    (void)state;
+    unsigned char stl[84] = {0};
+    const uint32_t facets = 21000000;
+    memcpy(stl + 80, &facets, sizeof facets);
+    const struct {
+        const char *name;
+        const void *head;
+        size_t head_size;
+        int64_t size;
+    } large[] = {{"large.stl", stl, sizeof stl, 84 + 50 * (int64_t)facets},
+                 {"large.obj", "v 0 0 0\n", 8, 1050000000}};
+    if (IS_REPEATED) {
+        skip(); /* a sanitizer's address space has no limit */
+    }
+    for (size_t i = 0; i < sizeof large / sizeof *large; ++i) {
+        FILE *file = fopen(in_folder(large[i].name), "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(large[i].head, large[i].head_size, 1, file), 1);
+        assert_int_equal(fflush(file), 0);
+        assert_int_equal(ftruncate(fileno(file), large[i].size), 0);
+        fclose(file);
+        ss_mesh *mesh = NULL;
+        softsim_error error = {0};
+        assert_int_not_equal(ss_mesh_load(in_folder(large[i].name), 1.0, importer, &mesh, &error),
+                             SOFTSIM_OK);
+        if (strstr(error.text, "too large for 1 GiB of memory") == NULL || error.fault_count != 1) {
+            fail_msg("%s", error.text);
+        }
+        assert_int_equal(unlink(in_folder(large[i].name)), 0);
+    }
 }
 
 static void an_answer_with_bad_contents_is_refused(void **state)
@@ -695,6 +734,7 @@ int main(void)
         cmocka_unit_test(what_is_no_file_is_named_so),
         cmocka_unit_test(damaged_files_never_bring_the_reader_down),
         cmocka_unit_test(a_helper_that_fails_in_any_way_is_one_error),
+        cmocka_unit_test(memory_that_runs_out_is_called_so),
         cmocka_unit_test(an_answer_with_bad_contents_is_refused),
         cmocka_unit_test(meshes_come_back_from_disk_as_they_were),
         cmocka_unit_test(groups_and_tetrahedra_survive_msh),

@@ -248,6 +248,12 @@ static softsim_status judge(import *im, bool is_complete, int status)
         (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)) {
         return refuse(im, "reading it took too long or gave too much, it is damaged or too large");
     }
+    if (WIFSIGNALED(status) && strstr(first_line(im), "bad_alloc") != NULL) {
+        softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT,
+                          "%s: too large for the importer's memory: simplify the mesh first",
+                          im->path);
+        return SOFTSIM_ERROR_FORMAT;
+    }
     if (WIFSIGNALED(status)) {
         return refuse(im, "the importer crashed on it, it is damaged");
     }

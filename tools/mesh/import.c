@@ -272,10 +272,24 @@ static int fail(const char *what)
     return 2;
 }
 
+static const char too_large[] = "too large for 1 GiB of memory: simplify the mesh first";
+
+/* What assimp says of a file that it cannot read. Of memory it names the exception, if anything:
+ * the mesh is not to blame. */
+static const char *assimp_problem(void)
+{
+    static char text[600];
+    const char *said = aiGetErrorString();
+    if (said[0] == '\0' || strstr(said, "bad_alloc") != NULL) {
+        return too_large;
+    }
+    (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ", said);
+    return text;
+}
+
 /* NULL when good, else what is wrong and what to do. */
 static const char *read_surface(const char *path, surface *s)
 {
-    static char text[600];
     obj_text prepared;
     const obj_text *obj = is_obj(path) ? &prepared : NULL;
     const char *problem = obj != NULL ? obj_prepare(path, &prepared) : NULL;
@@ -289,12 +303,10 @@ static const char *read_surface(const char *path, surface *s)
         return files.refused;
     }
     if (scene == NULL) {
-        (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ",
-                       aiGetErrorString());
-        return text;
+        return assimp_problem();
     }
     if (!allocate(s, scene, obj)) {
-        return "too large for 1 GiB of memory: simplify the mesh first";
+        return too_large;
     }
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         if (!add_mesh(s, scene->mMeshes[m], obj)) {
@@ -305,7 +317,7 @@ static const char *read_surface(const char *path, surface *s)
         return "no triangles in it: give a surface mesh";
     }
     if (!join_nodes(s)) {
-        return "too large for 1 GiB of memory: simplify the mesh first";
+        return too_large;
     }
     if (obj == NULL) {
         /* Other formats repeat a vertex for every face, or for every normal: that is no fault. */
