@@ -685,6 +685,41 @@ static void a_full_disk_leaves_the_rows_of_a_run(void **state)
                      0);
 }
 
+/* A result is written in pieces: the first that finds no room says why, whichever it is. */
+static void a_full_disk_is_named_by_each_result(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } full[] = {
+        {"softsim-run", "--duration 0.002 --nodes full/nodes.csv large.yaml", "full/nodes.csv"},
+        {"softsim-run", "--duration 0.002 --vtk full/vtk --every 1 large.yaml",
+         "full/vtk/surface_"},
+        {"softsim-mesh", "convert large.msh full/out.vtk", "full/out.vtk"},
+    };
+    char out[4096], command[1024];
+    write_inputs();
+    assert_int_equal(run(TOOL "generate block --points 2000 --tetrahedra --units m --out large.msh "
+                              "&& sed s/block/large/ scene.yaml >large.yaml && mkdir -p full",
+                         out, sizeof out),
+                     0);
+    if (run("unshare -m true", out, sizeof out) != 0) {
+        skip(); /* no file system of one's own is allowed here */
+    }
+    for (size_t i = 0; i < sizeof full / sizeof *full; ++i) {
+        (void)snprintf(command, sizeof command,
+                       "unshare -m sh -c 'mount -t tmpfs -o size=24k none full && " BIN_DIR
+                       "/%s %s; status=$?; ls full; exit $status'",
+                       full[i].program, full[i].options);
+        const int status = run(command, out, sizeof out);
+        const char *said = strstr(out, full[i].says);
+        if (status != 1 || said == NULL || strstr(said, "the disk is full: make room") == NULL ||
+            strstr(out, ".tmp") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
 /* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
 static void a_stopped_run_leaves_its_rows(void **state)
 {
@@ -798,6 +833,7 @@ int main(void)
         cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(too_few_descriptors_are_named),
         cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
+        cmocka_unit_test(a_full_disk_is_named_by_each_result),
         cmocka_unit_test(a_stopped_run_leaves_its_rows),
         cmocka_unit_test(a_press_of_ten_millimetres_reads_as_one),
         cmocka_unit_test(help_explains_every_column),

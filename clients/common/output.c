@@ -35,18 +35,13 @@ static void remove_temporary(const ss_output *output)
 }
 
 /* On the same place in the file, so that what the program prints follows. */
-static FILE *open_descriptor(int descriptor)
+static int copy_descriptor(int descriptor)
 {
     if ((fcntl(descriptor, F_GETFL) & O_ACCMODE) == O_RDONLY) {
         errno = EBADF; /* also a stdout that was closed: rt/program.h */
-        return NULL;
+        return -1;
     }
-    const int own = fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
-    FILE *file = own >= 0 ? fdopen(own, "wb") : NULL;
-    if (file == NULL && own >= 0) {
-        close(own);
-    }
-    return file;
+    return fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
 }
 
 static softsim_status fail_open(ss_output *output, softsim_status status, const char *path,
@@ -78,6 +73,12 @@ static softsim_status prepare(ss_output *output, const char *path, bool is_recor
     return SOFTSIM_OK;
 }
 
+static int open_place(const char *path, int descriptor)
+{
+    return descriptor >= 0 ? copy_descriptor(descriptor)
+                           : open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+}
+
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error)
 {
     int descriptor = -1;
@@ -85,12 +86,19 @@ softsim_status ss_output_open(ss_output *output, const char *path, softsim_error
     if (status != SOFTSIM_OK) {
         return status;
     }
-    output->file = descriptor >= 0
-                       ? open_descriptor(descriptor)
-                       : fopen(output->temporary != NULL ? output->temporary : path, "wbe");
-    return output->file != NULL
-               ? SOFTSIM_OK
-               : fail_open(output, SOFTSIM_ERROR_FILE, path, ss_files_reason(errno), error);
+    output->descriptor =
+        open_place(output->temporary != NULL ? output->temporary : path, descriptor);
+    output->file =
+        output->descriptor >= 0 ? ss_files_write_stream(output->descriptor, &output->reason) : NULL;
+    if (output->file == NULL) {
+        const int reason = errno;
+        if (output->descriptor >= 0) {
+            remove_temporary(output);
+            close(output->descriptor);
+        }
+        return fail_open(output, SOFTSIM_ERROR_FILE, path, ss_files_reason(reason), error);
+    }
+    return SOFTSIM_OK;
 }
 
 /* Does the name still stand for the open file? Its holder may have renamed it meanwhile. */
@@ -137,14 +145,14 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
     if (output->buffer == NULL || output->row_end == NULL) {
         return fail_open(output, SOFTSIM_ERROR_MEMORY, path, "out of memory", error);
     }
-    if (output->temporary == NULL) {
-        output->file = descriptor >= 0 ? open_descriptor(descriptor) : fopen(path, "wbe");
-    } else {
-        const int part = open_part(output->temporary, &why);
-        output->file = part >= 0 ? fdopen(part, "wb") : NULL;
-    }
+    output->descriptor = output->temporary != NULL ? open_part(output->temporary, &why)
+                                                   : open_place(path, descriptor);
+    output->file = output->descriptor >= 0 ? fdopen(output->descriptor, "wb") : NULL;
     if (output->file == NULL) {
         const int number = errno;
+        if (output->descriptor >= 0) {
+            close(output->descriptor);
+        }
         const bool is_parts = why != NULL && access(output->temporary, F_OK) == 0;
         char *name = strdup(is_parts ? output->temporary : path);
         fail_open(output, SOFTSIM_ERROR_FILE, name != NULL ? name : path,
@@ -193,7 +201,7 @@ static bool write_out(ss_output *output)
 {
     errno = 0;
     bool is_good = output->reason == 0 && ferror(output->file) == 0 && fflush(output->file) == 0;
-    if (is_good && fsync(fileno(output->file)) != 0) {
+    if (is_good && fsync(output->descriptor) != 0) {
         is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
     }
     if (!is_good && output->reason == 0) {
@@ -207,14 +215,14 @@ static void cut_back(ss_output *output)
 {
     struct stat found;
     __fpurge(output->file);
-    if (output->temporary != NULL && fstat(fileno(output->file), &found) == 0) {
+    if (output->temporary != NULL && fstat(output->descriptor, &found) == 0) {
         const int64_t room = (int64_t)found.st_size - output->whole_bytes;
         int32_t k = output->row_count;
         while (k > 0 && output->row_end[k - 1] > room) {
             --k;
         }
         const int64_t whole = output->whole_bytes + (k > 0 ? output->row_end[k - 1] : 0);
-        const int result = ftruncate(fileno(output->file), (off_t)whole);
+        const int result = ftruncate(output->descriptor, (off_t)whole);
         (void)result; /* what is behind the last row is then half a row */
     }
     fclose(output->file);
@@ -239,7 +247,7 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     if (!is_good) {
         const bool is_kept = output->is_recording && output->temporary != NULL;
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s%s%s", output->path,
-                          strerror(output->reason != 0 ? output->reason : errno),
+                          ss_files_reason(output->reason != 0 ? output->reason : errno),
                           is_kept ? "; what was recorded before is in " : "",
                           is_kept ? output->temporary : "");
         if (!is_kept) {

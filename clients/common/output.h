@@ -27,11 +27,12 @@ typedef struct ss_output {
     FILE *file; /* NULL: not open */
     char *path;
     char *temporary; /* NULL: written in place */
+    int descriptor;  /* of `file` */
+    int reason;      /* errno of the write that failed; 0: none has. Not to be moved while open */
 
     /* of a recording */
     bool is_recording;
     char *buffer;        /* of `file`; given, because glibc ignores a size without one */
-    int reason;          /* errno of the write that failed; 0: none has */
     int64_t whole_bytes; /* up to the end of the last flush */
     int32_t *row_end;    /* of the rows since, from there on */
     int32_t row_count;

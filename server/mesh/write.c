@@ -7,6 +7,7 @@
  * give the same groups.
  */
 #include "mesh/mesh.h"
+#include "rt/files.h"
 #include "rt/memory.h"
 
 #include <errno.h>
@@ -20,6 +21,7 @@
 
 typedef struct output {
     FILE *file;
+    int descriptor, reason; /* of `file`; errno of the write that failed */
     const char *path;
     char temporary[PATH_MAX];
     softsim_error *error;
@@ -29,7 +31,7 @@ static softsim_status fail_output(output *out)
 {
     softsim_error_add(out->error, SOFTSIM_ERROR_FILE,
                       "%s: cannot write it (%s): check the folder, its rights and the disk",
-                      out->path, strerror(errno));
+                      out->path, ss_files_reason(out->reason != 0 ? out->reason : errno));
     if (out->file != NULL) {
         (void)fclose(out->file);
     }
@@ -54,16 +56,15 @@ static softsim_status open_output(output *out, const char *path, softsim_error *
         errno = ENAMETOOLONG;
         return fail_output(out);
     }
-    const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0) {
+    out->descriptor = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (out->descriptor < 0) {
         out->temporary[0] = '\0';
         return fail_output(out);
     }
-    out->file = fdopen(fd, "w");
+    out->file = ss_files_write_stream(out->descriptor, &out->reason);
     if (out->file == NULL) {
-        const int reason = errno;
-        (void)close(fd);
-        errno = reason;
+        out->reason = errno;
+        (void)close(out->descriptor);
         return fail_output(out);
     }
     return SOFTSIM_OK;
@@ -71,7 +72,7 @@ static softsim_status open_output(output *out, const char *path, softsim_error *
 
 static softsim_status close_output(output *out)
 {
-    if (ferror(out->file) != 0 || fflush(out->file) != 0 || fsync(fileno(out->file)) != 0) {
+    if (ferror(out->file) != 0 || fflush(out->file) != 0 || fsync(out->descriptor) != 0) {
         return fail_output(out);
     }
     FILE *file = out->file;

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -13,8 +14,16 @@
 
 const char *ss_files_reason(int number)
 {
-    return number == EMFILE || number == ENFILE ? "too many open files: raise `ulimit -n`"
-                                                : strerror(number);
+    switch (number) {
+    case EMFILE:
+    case ENFILE:
+        return "too many open files: raise `ulimit -n`";
+    case ENOSPC:
+    case EDQUOT:
+        return "the disk is full: make room, or name a file on another";
+    default:
+        return strerror(number);
+    }
 }
 
 enum { MAX_ROOM = 32 };
@@ -113,6 +122,50 @@ const char *ss_files_why_no_output(const char *path)
     return ss_files_is_in_place(path) || stat(path, &found) != 0 || S_ISREG(found.st_mode)
                ? NULL
                : name_kind(found.st_mode);
+}
+
+/* ---- streams that remember why -------------------------------------------------------------- */
+
+typedef struct sink {
+    int descriptor;
+    int *reason;
+} sink;
+
+static ssize_t write_sink(void *cookie, const char *data, size_t size)
+{
+    const sink *to = cookie;
+    size_t done = 0;
+    while (done < size && *to->reason == 0) {
+        const ssize_t count = write(to->descriptor, data + done, size - done);
+        if (count < 0 && errno != EINTR) {
+            *to->reason = errno;
+        }
+        done += count > 0 ? (size_t)count : 0;
+    }
+    return (ssize_t)done;
+}
+
+static int close_sink(void *cookie)
+{
+    const sink *to = cookie;
+    const int result = close(to->descriptor);
+    free(cookie);
+    return result;
+}
+
+FILE *ss_files_write_stream(int descriptor, int *out_reason)
+{
+    sink *to = malloc(sizeof *to);
+    const cookie_io_functions_t does = {.write = write_sink, .close = close_sink};
+    FILE *stream = to != NULL ? fopencookie(to, "wb", does) : NULL;
+    if (stream == NULL) {
+        free(to);
+        errno = ENOMEM;
+        return NULL;
+    }
+    *out_reason = 0;
+    *to = (sink){descriptor, out_reason};
+    return stream;
 }
 
 /* A file that is there, or the folder of one that is not yet and its name in it. */

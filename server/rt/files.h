@@ -29,6 +29,11 @@ bool ss_files_have_room(int32_t count);
 /* What an errno says, and what to do about it where that is known. */
 const char *ss_files_reason(int number);
 
+/* Writes to `descriptor`, which it closes with itself. *out_reason, which outlives it, becomes the
+ * errno of the first write that fails: a stream alone remembers only that one has. NULL: out of
+ * memory, in errno too. */
+FILE *ss_files_write_stream(int descriptor, int *out_reason);
+
 /* The open file that a name stands for; -1: none. Such a file may be a regular one, which a shell
  * has opened: another in its place would be one that nobody reads, and the name itself would go. */
 int ss_files_descriptor(const char *path);
