@@ -57,7 +57,11 @@ static bool take_over(ss_net *net)
     for (;;) {
         const int64_t now_ns = ss_clock_now_ns();
         const int64_t silent_from_ns = rival->last_ns > start_ns ? rival->last_ns : start_ns;
-        if (now_ns - silent_from_ns > SILENT_NS || now_ns - start_ns > TAKEOVER_NS) {
+        if (now_ns - silent_from_ns > SILENT_NS) {
+            ss_net_forget_rival(net);
+            return true;
+        }
+        if (now_ns - start_ns > TAKEOVER_NS) {
             return true;
         }
         if (now_ns >= next_tell_ns) {

@@ -191,6 +191,11 @@ const ss_rival *ss_net_rival(const ss_net *net)
     return &net->rival;
 }
 
+void ss_net_forget_rival(ss_net *net)
+{
+    net->rival = (ss_rival){0};
+}
+
 void ss_net_send_command(ss_net *net, const char *name)
 {
     char text[32], none[] = "";

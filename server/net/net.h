@@ -176,6 +176,8 @@ bool ss_net_send_force(ss_net *net, const softsim_force *force);
 int64_t ss_net_dropped(const ss_net *net);
 /* The server heard on this prefix that is not this one. Thread: net. */
 const ss_rival *ss_net_rival(const ss_net *net);
+/* It has ended: from here on only who is heard anew is one. Thread: net. */
+void ss_net_forget_rival(ss_net *net);
 /* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
 void ss_net_send_command(ss_net *net, const char *name);
 
