@@ -812,6 +812,28 @@ void ss_world_step_post(ss_world *world)
 /* ---- commands
  * -------------------------------------------------------------------------------------------- */
 
+/* What the hand feels may be lowered by a command, not raised: the name of such a key, and the
+ * scene's value. NULL of the others. */
+static const char *felt_limit(const ss_scene *scene, ss_scene_live_key key, double *out_most)
+{
+    switch (key) {
+    case SS_LIVE_MAX_FORCE:
+        *out_most = scene->max_force_n;
+        return "haptic.max_force_n";
+    case SS_LIVE_MAX_SLEW:
+        *out_most = scene->max_slew_n_per_s;
+        return "haptic.max_slew_n_per_s";
+    case SS_LIVE_COUPLING_STIFFNESS:
+        *out_most = scene->coupling_stiffness_n_per_m;
+        return "haptic.coupling.stiffness_n_per_m";
+    case SS_LIVE_COUPLING_DAMPING:
+        *out_most = scene->coupling_damping_n_s_per_m;
+        return "haptic.coupling.damping_n_s_per_m";
+    default:
+        return NULL;
+    }
+}
+
 static int32_t parse_set(ss_world *world, const char *argument, ss_command_record *record,
                          char *out_text, int32_t text_size)
 {
@@ -828,15 +850,13 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
                  "publish.mesh_rate_hz: starting or ending the mesh publisher needs a restart");
         return 1;
     }
-    const ss_scene *scene = world->scene;
-    if ((record->key == SS_LIVE_MAX_FORCE && record->value > scene->max_force_n) ||
-        (record->key == SS_LIVE_MAX_SLEW && record->value > scene->max_slew_n_per_s)) {
+    double most = INFINITY;
+    const char *name = felt_limit(world->scene, record->key, &most);
+    if (record->value > most) {
         snprintf(out_text, (size_t)text_size,
                  "refused: no command raises %s above the scene's %g, for what the hand feels is "
                  "decided where the scene is; start the server with another --set",
-                 record->key == SS_LIVE_MAX_FORCE ? "haptic.max_force_n"
-                                                  : "haptic.max_slew_n_per_s",
-                 record->key == SS_LIVE_MAX_FORCE ? scene->max_force_n : scene->max_slew_n_per_s);
+                 name, most);
         return 1;
     }
     if (record->key == SS_LIVE_MAX_JUMP) {
@@ -881,6 +901,11 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
         snprintf(out_text, (size_t)text_size,
                  "unknown command '%.40s'; use reset pause resume refresh set status shutdown",
                  name);
+        return 2;
+    }
+    if (kind != SS_COMMAND_SET && argument[0] != '\0') {
+        snprintf(out_text, (size_t)text_size,
+                 "%s takes no argument, but '%.40s' came; leave it out", name, argument);
         return 2;
     }
     *out_record = (ss_command_record){.kind = (ss_command_kind)kind};

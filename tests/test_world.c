@@ -85,6 +85,37 @@ static void commands_are_taken_without_a_haptic_loop(void **state)
     ss_world_destroy(&world);
 }
 
+/* Whoever adds one means something that would not happen. */
+static void an_argument_that_is_not_taken_is_refused(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"reset",   "pause",  "resume",
+                                        "refresh", "status", "shutdown"};
+    ss_world *world = create(SCENES "cylinder.yaml", false);
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        ss_command_record record;
+        char text[256], wanted[64];
+        snprintf(wanted, sizeof wanted, "%s takes no argument, but 'now' came", names[i]);
+        assert_int_equal(ss_world_command(world, names[i], "now", &record, text, sizeof text), 2);
+        assert_non_null(strstr(text, wanted));
+        ss_world_step_begin(world);
+        assert_false(world->simulation_paused);
+        assert_int_equal(ss_world_command(world, names[i], "", &record, text, sizeof text), 0);
+        assert_int_equal(ss_world_command(world, "resume", "", &record, text, sizeof text), 0);
+        ss_world_step_begin(world);
+    }
+    /* Nor is anything behind a value, which it would belong to. */
+    ss_command_record record;
+    char text[512];
+    static const char *const trailing[] = {"haptic.max_force_n=1 now", "haptic.max_force_n=1,2",
+                                           "haptic.max_force_n", "haptic.max_force_n="};
+    for (size_t i = 0; i < sizeof trailing / sizeof *trailing; ++i) {
+        assert_int_equal(ss_world_command(world, "set", trailing[i], &record, text, sizeof text),
+                         2);
+    }
+    ss_world_destroy(&world);
+}
+
 static int32_t set(ss_world *world, const char *argument, char *out_text, int32_t size)
 {
     ss_command_record record;
@@ -101,8 +132,10 @@ static void no_command_raises_a_limit_above_the_scenes(void **state)
         const char *key;
         double scene;
     } cases[] = {{"haptic.max_force_n", world->scene->max_force_n},
-                 {"haptic.max_slew_n_per_s", world->scene->max_slew_n_per_s}};
-    for (int i = 0; i < 2; ++i) {
+                 {"haptic.max_slew_n_per_s", world->scene->max_slew_n_per_s},
+                 {"haptic.coupling.stiffness_n_per_m", world->scene->coupling_stiffness_n_per_m},
+                 {"haptic.coupling.damping_n_s_per_m", world->scene->coupling_damping_n_s_per_m}};
+    for (int i = 0; i < 4; ++i) {
         const double value[] = {0.5 * cases[i].scene, cases[i].scene};
         for (int k = 0; k < 2; ++k) { /* and back up to it */
             snprintf(argument, sizeof argument, "%s=%.17g", cases[i].key, value[k]);
@@ -154,6 +187,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_world_is_set_up_without_denormals), /* first: the mode stays */
         cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
+        cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
