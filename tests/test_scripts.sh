@@ -30,7 +30,34 @@ if ! grep -q '^build=' tools/setup.sh || ! sed -n '/^build=/,/"$/p' tools/setup.
   echo "tools/setup.sh build does not install gnuplot-nox" >&2
   bad=1
 fi
-for script in demo test setup lcm-spy; do
+# A tree that was copied together with its builds builds itself, not the one that it came from; its
+# own builds stay, and what stands elsewhere is not touched.
+expect 2 "unknown argument '--all'" tools/own_builds.sh --all
+copy=$(mktemp -d)
+mkdir -p "$copy/tools" "$copy/build/release" "$copy/build/dev" "$copy/build/empty" "$copy/elsewhere"
+cp tools/own_builds.sh "$copy/tools"
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" | tee "$copy/build/release/CMakeCache.txt" >"$copy/elsewhere/CMakeCache.txt"
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=$copy" >"$copy/build/dev/CMakeCache.txt"
+expect 0 "build/release is a build of $PWD, not of this tree; starting afresh" "$copy/tools/own_builds.sh"
+if [ -e "$copy/build/release" ] || [ ! -e "$copy/build/dev" ] || [ ! -e "$copy/build/empty" ] ||
+  [ -n "$("$copy/tools/own_builds.sh" 2>&1)" ]; then
+  echo "own_builds.sh: removed the wrong builds" >&2
+  bad=1
+fi
+ln -s ../elsewhere "$copy/build/linked"
+expect 1 "build/linked is a link to a build of $PWD" "$copy/tools/own_builds.sh"
+if [ ! -e "$copy/elsewhere/CMakeCache.txt" ]; then
+  echo "own_builds.sh: removed what is elsewhere" >&2
+  bad=1
+fi
+rm -rf "$copy"
+for script in demo test; do
+  if ! grep -q '^tools/own_builds.sh$' tools/$script.sh; then
+    echo "tools/$script.sh does not look for builds of another tree" >&2
+    bad=1
+  fi
+done
+for script in demo test setup own_builds lcm-spy; do
   expect 0 "tools/$script.sh" tools/$script.sh --help
   if tools/$script.sh --help | grep -qE '^(#|set -)'; then
     echo "tools/$script.sh --help prints its source" >&2

@@ -16,6 +16,7 @@ done
 [[ "$seconds" =~ ^[0-9]+$ ]] || { echo "demo.sh: --seconds needs a whole number" >&2; exit 2; }
 
 tools/setup.sh build
+tools/own_builds.sh
 if [ ! -f build/release/build.ninja ]; then
   cmake --preset release -DSOFTSIM_WERROR=OFF >/dev/null
 fi

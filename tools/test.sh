@@ -22,6 +22,7 @@ case "${1:-}" in
   *) echo "test.sh: unknown argument '$1'; use --quick or --long" >&2; exit 2 ;;
 esac
 tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
+tools/own_builds.sh
 started=$SECONDS
 jobs=$(($(nproc) + 2)) # process tests mostly wait
 say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
