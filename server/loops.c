@@ -771,7 +771,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
         if (status != SOFTSIM_OK) {
             *error = loops->net_error;
         }
-        if (options->log_level >= SS_LOG_INFO && ss_tell_has_room()) {
+        if (options->log_level >= SS_LOG_INFO && ss_program_can_tell()) {
             print_summary(loops);
         }
     }

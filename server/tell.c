@@ -2,9 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "tell.h"
 
-#include <poll.h>
 #include <stdio.h>
-#include <unistd.h>
+
+#include "rt/program.h"
 
 static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
 
@@ -63,15 +63,9 @@ static void log_refusals(ss_teller *teller, int64_t now_ns)
     teller->logged_refusals = total;
 }
 
-bool ss_tell_has_room(void)
-{
-    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
-    return poll(&out, 1, 0) > 0;
-}
-
 void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
 {
-    if (!ss_tell_has_room()) {
+    if (!ss_program_can_tell()) {
         return;
     }
     log_refusals(teller, now_ns);

@@ -26,7 +26,5 @@ typedef struct ss_teller {
     bool is_rival_logged;
 } ss_teller;
 
-/* Is there room for a page of text? Always in a file. */
-bool ss_tell_has_room(void);
 /* Warns of what is new, as soon as there is room; `opinion` is NULL before the first status. */
 void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns);

@@ -20,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "rt/clock.h"
@@ -491,6 +492,41 @@ static void an_endless_first_fault_is_cut(void **state)
 /* ---- progress -------------------------------------------------------------------------------- */
 
 /* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
+/* A terminal whose other side nobody reads: what is written to it waits for ever. */
+static void a_stalled_reader_holds_up_no_work(void **state)
+{
+    (void)state;
+    char name[64], text[512];
+    const int keyboard = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    assert_true(keyboard >= 0);
+    assert_int_equal(grantpt(keyboard), 0);
+    assert_int_equal(unlockpt(keyboard), 0);
+    assert_int_equal(ptsname_r(keyboard, name, sizeof name), 0);
+    const int screen = open(name, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    assert_true(screen >= 0);
+    memset(text, 'x', sizeof text);
+    while (write(screen, text, sizeof text) > 0) {
+    }
+    assert_int_equal(fcntl(screen, F_SETFL, 0), 0);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        alarm(600); /* against hanging alone */
+        if (dup2(screen, STDERR_FILENO) >= 0 && isatty(STDERR_FILENO) == 1) {
+            ss_progress_begin("knead", "work");
+            ss_progress_stage("that goes on");
+            ss_progress_end();
+            _exit(0);
+        }
+        _exit(1);
+    }
+    int status = -1;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    close(screen);
+    close(keyboard);
+}
+
 static void progress_is_shown_and_wiped(void **state)
 {
     (void)state;
@@ -550,6 +586,7 @@ int main(void)
         cmocka_unit_test(status_has_a_name_and_a_text),
         cmocka_unit_test(verdicts_and_refusals_have_names),
         cmocka_unit_test(progress_is_shown_and_wiped),
+        cmocka_unit_test(a_stalled_reader_holds_up_no_work),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
+#include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -36,6 +37,12 @@ int ss_program_finish(const char *program, int status)
     fprintf(stderr, "%s: cannot write to stdout: %s\n", slash != NULL ? slash + 1 : program,
             errno != 0 ? strerror(errno) : "an earlier write failed");
     return status != 0 ? status : 1;
+}
+
+bool ss_program_can_tell(void)
+{
+    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    return poll(&out, 1, 0) > 0;
 }
 
 void ss_program_stop_signals(sigset_t *out_signals)

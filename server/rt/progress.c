@@ -2,16 +2,20 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "rt/progress.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "rt/clock.h"
+#include "rt/program.h"
 
 static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns = 100000000;
 
@@ -19,20 +23,45 @@ static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns
 static struct {
     bool has_begun, has_stage, is_ending, is_terminal;
     char program[32], stage[160];
+    int descriptor;
     int64_t begun_ns, shown_ns;
     pthread_t thread;
 } progress;
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed; /* on the monotonic clock */
 
+/* stderr, opened once more where that is a pipe or a terminal, so that writing to it does not wait
+ * and those who share it go on as they were. */
+static int open_stderr(void)
+{
+    struct stat found;
+    int own = -1;
+    if (fstat(STDERR_FILENO, &found) == 0 && (S_ISFIFO(found.st_mode) || S_ISCHR(found.st_mode))) {
+        own = open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    }
+    return own >= 0 ? own : fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO);
+}
+
+/* Under the lock, for which the work itself may wait: what finds no room is left out. */
+static void put(const char *text)
+{
+    if (ss_program_can_tell()) {
+        const ssize_t written = write(progress.descriptor, text, strlen(text));
+        (void)written;
+    }
+}
+
 /* Under the lock. */
 static void show(void)
 {
+    char line[256];
     const int64_t now_ns = ss_clock_now_ns();
     const double s = 1e-9 * (double)(now_ns - progress.begun_ns);
     progress.shown_ns = now_ns;
-    fprintf(stderr, progress.is_terminal ? "\r%s: %s, %.0f s \033[K" : "%s: %s, %.0f s\n",
-            progress.program, progress.stage, s);
+    (void)snprintf(line, sizeof line,
+                   progress.is_terminal ? "\r%s: %s, %.0f s \033[K" : "%s: %s, %.0f s\n",
+                   progress.program, progress.stage, s);
+    put(line);
 }
 
 static void *watch(void *unused)
@@ -62,6 +91,7 @@ void ss_progress_begin(const char *program, const char *format, ...)
     snprintf(progress.program, sizeof progress.program, "%s", program);
     progress.is_terminal = isatty(STDERR_FILENO) == 1;
     progress.is_ending = progress.has_stage = false;
+    progress.descriptor = open_stderr();
     progress.begun_ns = progress.shown_ns = ss_clock_now_ns();
     if (progress.is_terminal) {
         show();
@@ -76,6 +106,9 @@ void ss_progress_begin(const char *program, const char *format, ...)
     pthread_sigmask(SIG_SETMASK, &all, &before);
     progress.has_begun = pthread_create(&progress.thread, NULL, watch, NULL) == 0;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!progress.has_begun) {
+        close(progress.descriptor);
+    }
 }
 
 static void name_stage(bool is_part, const char *format, va_list arguments)
@@ -120,7 +153,8 @@ void ss_progress_end(void)
     pthread_join(progress.thread, NULL);
     pthread_cond_destroy(&changed);
     if (progress.is_terminal) {
-        fputs("\r\033[K", stderr);
+        put("\r\033[K");
     }
+    close(progress.descriptor);
     progress.has_begun = false;
 }

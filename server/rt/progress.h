@@ -6,8 +6,9 @@
  * that is written anew, elsewhere a plain line every ten seconds, so that short work says nothing
  * in a script. A thread of its own writes it, because the longest waits are inside one call (a file
  * of gigabytes, one press of a large body) that cannot report; counting its share there was
- * rejected. A library names what it does by ss_progress_part, which does nothing unless the program
- * has begun, nor once the program has named a stage itself: its own words stand.
+ * rejected. A reader who stalls holds up nothing: a line without room is left out. A library names
+ * what it does by ss_progress_part, which does nothing unless the program has begun, nor once the
+ * program has named a stage itself: its own words stand.
  * Thread: set-up only; ended before a loop starts or a process without exec is forked.
  */
 

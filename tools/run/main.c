@@ -421,12 +421,12 @@ static softsim_status run_ticks(run *r, softsim_error *error)
             write_vtk(r, error) != SOFTSIM_OK) {
             return error->status;
         }
-        if (shows_progress && r->state.tick % 500 == 0) {
+        if (shows_progress && r->state.tick % 500 == 0 && ss_program_can_tell()) {
             fprintf(stderr, "\r%.2f s, %.3f N peak ", r->state.time_s, r->peak_force);
         }
     }
     softsim_read(r->world, &r->state);
-    if (shows_progress) {
+    if (shows_progress && ss_program_can_tell()) {
         fputc('\r', stderr);
     }
     return SOFTSIM_OK;
