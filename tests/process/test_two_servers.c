@@ -183,6 +183,121 @@ static void a_bridge_lets_go_where_two_servers_answer(void **state)
     stop_two();
 }
 
+/* ---- one follows another under a bridge ------------------------------------------------------ */
+
+static void write_block(const char *name, const char *modulus_pa)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "softsim: 1\n"
+             "object: {mesh: block.msh, units: mm, fixed: [{group: bottom}]}\n"
+             "model: {name: fem, youngs_modulus_pa: %s, poisson_ratio: 0.45, density_kg_m3: 1060,\n"
+             "        mass_damping_per_s: 30}\n"
+             "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n"
+             "haptic: {max_force_n: 5}\n",
+             modulus_pa);
+    write_text(name, text);
+}
+
+/* Until the newest force is of such a size. */
+static void wait_for_force(watch *w, double least_n, double most_n)
+{
+    const double begin_s = process_now_s();
+    do {
+        lcm_handle_timeout(w->lcm, 200);
+        if (process_has_ended(&client) || process_now_s() - begin_s > HANG_S) {
+            fail_msg("no force from %g to %g N: %s", least_n, most_n, client.err);
+        }
+    } while (w->forces == 0 || magnitude(w->force.force) < least_n ||
+             magnitude(w->force.force) > most_n);
+}
+
+/* A tool held 5 mm below where it touched, on two blocks of which one gives a fifth of the other's
+ * force. Mixed, the hand would get now the one and now the other. */
+static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
+{
+    (void)state;
+    char line[2048];
+    static watch w;
+    if (!HAS_FEM) {
+        skip();
+    }
+    write_block("stiff.yaml", "10000");
+    write_block("soft.yaml", "2000");
+    write_text("hold.csv", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0.029,1,0,0,0,0\n"
+                           "1,0,0,0,0.024,1,0,0,0,0\n1000,0,0,0,0.024,1,0,0,0,0\n");
+    char mesh[160], stiff_scene[160], soft_scene[160], path[160], csv[160];
+    snprintf(mesh, sizeof mesh, "%s", in_folder("block.msh"));
+    snprintf(stiff_scene, sizeof stiff_scene, "%s", in_folder("stiff.yaml"));
+    snprintf(soft_scene, sizeof soft_scene, "%s", in_folder("soft.yaml"));
+    snprintf(path, sizeof path, "%s", in_folder("hold.csv"));
+    snprintf(csv, sizeof csv, "%s", in_folder("held.csv"));
+    const char *const generate[] = {"softsim-mesh", "generate", "block", "--tetrahedra",
+                                    "--size-mm",    "80,80,40", "--out", mesh,
+                                    "--points",     "800",      NULL};
+    const char *const first[] = {"softsimd", stiff_scene, NULL};
+    const char *const second[] = {"softsimd", soft_scene, NULL};
+    const char *const takeover[] = {"softsimd", soft_scene, "--takeover", NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "script", "--path", path,
+                                  "--csv",          csv,        NULL};
+    assert_int_equal(process_run(&client, generate), 0);
+    process_start(&daemon_process, first, NULL);
+    assert_true(process_wait_for(&daemon_process, "softsimd: ready"));
+    watch_open(&w);
+    process_start(&client, bridge, NULL);
+    wait_for_force(&w, 0.5, 5.0);
+    int status = 1; /* on a busy machine it hears the first a little late: gives way */
+    for (int attempt = 0; attempt < 5 && status == 1; ++attempt) {
+        process_start(&other, second, NULL);
+        status = process_finish(&other);
+    }
+    assert_int_equal(status, 2);
+    wait_for_force(&w, 0.5, 5.0); /* the first goes on */
+    process_start(&other, takeover, NULL);
+    assert_int_equal(process_finish(&daemon_process), 0);
+    assert_true(process_wait_for(&other, "softsimd: ready"));
+    while (lcm_handle_timeout(w.lcm, 0) > 0) { /* what the first has said */
+    }
+    wait_for_force(&w, 0.1, 0.2);
+    process_signal(&client, SIGINT);
+    assert_int_equal(process_finish(&client), 1); /* the path goes on */
+    watch_close(&w);
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+
+    /* Behind the last force that is the first's come zeros, then the second's. (A machine that held
+     * the bridge up may have let go of the first's more than once.) */
+    const double apart = 0.3;
+    double last[3] = {0.0}, largest = 0.0, before = 0.0, after = 0.0;
+    int zeros = 0;
+    FILE *file = fopen(in_folder("held.csv.part"), "r");
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file)); /* its header */
+    while (fgets(line, sizeof line, file) != NULL) {
+        double value[14], step[3];
+        char *at = line;
+        for (int i = 0; i < 14; ++i) {
+            value[i] = strtod(at, &at);
+            at += *at == ',';
+        }
+        for (int i = 0; i < 3; ++i) {
+            step[i] = value[10 + i] - last[i];
+            last[i] = value[10 + i];
+        }
+        const double force = magnitude(last);
+        largest = fmax(largest, magnitude(step));
+        before = fmax(before, force);
+        zeros = force > apart ? 0 : zeros + (force == 0.0);
+        after = force > apart || zeros == 0 ? 0.0 : fmax(after, force);
+    }
+    fclose(file);
+    print_message("first %.3f N, then %d ticks of zero, then %.3f N; largest change between two "
+                  "ticks %.4f N\n",
+                  before, zeros, after, largest);
+    assert_true(before > 0.5 && zeros > 0);
+    assert_true(after > 0.05);
+}
+
 static void watching_and_replaying_clients_say_that_there_are_two(void **state)
 {
     (void)state;
@@ -216,6 +331,7 @@ int main(void)
         TEST(of_two_that_run_the_younger_gives_way),
         TEST(statuses_of_nobody_hold_up_no_start),
         TEST(a_bridge_lets_go_where_two_servers_answer),
+        TEST(under_a_bridge_one_force_ends_before_the_other_begins),
         TEST(watching_and_replaying_clients_say_that_there_are_two),
     };
     return cmocka_run_group_tests_name("two servers", tests, NULL, NULL);
