@@ -118,18 +118,28 @@ static const ss_lane lanes[] = {{.suffix = {"_PROBE_#"},
 
 static lcm_t *lcm;
 
-static ss_receiver *open_receiver(heard *h, const char *url, const char *prefix)
+static ss_receiver *open_lanes(heard *h, const char *url, const char *prefix,
+                               const ss_lane two_lanes[])
 {
     softsim_error error = {.status = SOFTSIM_OK};
     ss_receiver *receiver = NULL;
     memset(h, 0, sizeof *h);
     lcm = ss_wire_open(url, &error);
-    const ss_receiver_config config = {
-        .lcm_url = url, .lcm = lcm, .prefix = prefix, .lane = lanes, .lane_count = 2, .context = h};
+    const ss_receiver_config config = {.lcm_url = url,
+                                       .lcm = lcm,
+                                       .prefix = prefix,
+                                       .lane = two_lanes,
+                                       .lane_count = 2,
+                                       .context = h};
     if (lcm == NULL || ss_receiver_open(&config, &receiver, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);
     }
     return receiver;
+}
+
+static ss_receiver *open_receiver(heard *h, const char *url, const char *prefix)
+{
+    return open_lanes(h, url, prefix, lanes);
 }
 
 static void close_receiver(ss_receiver **receiver)
@@ -258,6 +268,51 @@ static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
     close(far);
 }
 
+/* Every message of a channel that two lanes share comes in one of them. */
+static void a_part_of_the_message_chooses_between_lanes(void **state)
+{
+    (void)state;
+    static const char part[] = "part of it"; /* two words and three bytes */
+    enum { AT = 7 };
+    ss_lane shared[2];
+    for (int i = 0; i < 2; ++i) {
+        shared[i] = lanes[i];
+        shared[i].suffix[0] = "_COMMAND";
+        shared[i].suffix[1] = NULL;
+        shared[i].part =
+            (ss_filter_part){.at = AT, .bytes = part, .size = sizeof part, .is_unwanted = i == 1};
+    }
+    heard h;
+    ss_receiver *receiver = open_lanes(&h, NULL, "T", shared);
+    const int fd = sender_open(0);
+    const int whole = AT + (int)sizeof part;
+    /* With the part, at a wrong place, wrong in each byte; cut at every length; longer. */
+    for (int c = -2; c < 2 * whole + 2; ++c) {
+        uint8_t datagram[512];
+        const int shift = c == -2 ? 1 : 0;
+        const int size = c < whole ? whole + shift : c - whole + (c >= 2 * whole ? 50 : 0);
+        const int made = make(datagram, "LC02", "T_COMMAND", size);
+        uint8_t *message = datagram + made - size;
+        uint8_t text[128] = {0};
+        memcpy(text + AT + shift, part, sizeof part);
+        text[c >= 0 && c < whole ? c : 100] ^= 1;
+        memcpy(message, text, (size_t)size);
+        const bool has_part = size >= whole && memcmp(message + AT, part, sizeof part) == 0;
+        const int parts = h.poses + h.pose_marks, rests = h.others + h.other_marks;
+        ss_packet packet;
+        assert_int_equal(ss_receiver_parse(&shared[0], "T", datagram, made, &packet), has_part);
+        assert_int_equal(ss_receiver_parse(&shared[1], "T", datagram, made, &packet), !has_part);
+        send_to(fd, GROUP, datagram, made);
+        while (h.poses + h.pose_marks == parts && h.others + h.other_marks == rests) {
+            assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) >= 0);
+        }
+        assert_int_equal(h.poses + h.pose_marks - parts, has_part);
+        assert_int_equal(h.others + h.other_marks - rests, !has_part);
+    }
+    close(fd);
+    close_receiver(&receiver);
+}
+
 /* ---- budgets ----------------------------------------------------------------------------------
  */
 
@@ -356,6 +411,7 @@ int main(void)
         cmocka_unit_test(the_kernel_lets_in_whole_messages_of_our_channels),
         cmocka_unit_test(a_message_says_what_it_is_and_who_sent_it),
         cmocka_unit_test(only_this_host_is_heard_with_a_ttl_of_zero),
+        cmocka_unit_test(a_part_of_the_message_chooses_between_lanes),
         cmocka_unit_test(a_flood_is_read_no_faster_than_the_budget),
         cmocka_unit_test(a_signal_is_not_kept_waiting_by_a_flood),
     };

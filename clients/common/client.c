@@ -29,7 +29,7 @@ enum {
     LANE_BUFFER = 2097152,   /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
     FORCE_WORK_PER_MS = 100, /* the receiver's units: 89 forces in batches */
     FORCE_WORK_BURST = 4096,
-    OTHER_WORK_PER_MS = 20, /* statuses and replies */
+    OTHER_WORK_PER_MS = 10, /* statuses; replies */
     OTHER_WORK_BURST = 256,
     NAME_SIZE = 32, /* of a command, as the server takes it */
     ARGUMENT_SIZE = 1024
@@ -115,8 +115,9 @@ static bool has_good_strings(const uint8_t *data, size_t size, size_t at, int co
     return at == size;
 }
 
-static void receive_status(softsim_client *client, const ss_packet *packet)
+static void receive_status(void *context, const ss_packet *packet)
 {
+    softsim_client *client = context;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_server_status_t status;
     if (!has_good_strings(packet->data, (size_t)packet->size, status_fixed_size(), 3) ||
@@ -132,8 +133,9 @@ static void receive_status(softsim_client *client, const ss_packet *packet)
     softsim_server_status_t_decode_cleanup(&status);
 }
 
-static void receive_reply(softsim_client *client, const ss_packet *packet)
+static void receive_reply(void *context, const ss_packet *packet)
 {
+    softsim_client *client = context;
     static char empty[] = "";
     const softsim_reply_t none = {.text = empty};
     const size_t fixed = (size_t)softsim_reply_t_encoded_size(&none) - sizeof(int32_t) - 1;
@@ -151,29 +153,24 @@ static void receive_reply(softsim_client *client, const ss_packet *packet)
 
 /* ---- opening -------------------------------------------------------------------------------- */
 
-/* Names as in the lane below. */
-static void receive_other(void *context, const ss_packet *packet)
-{
-    softsim_client *client = context;
-    if (packet->name == 0 && client->config.handle_status != NULL) {
-        receive_status(client, packet);
-    } else if (packet->name == 1 && client->config.handle_reply != NULL) {
-        receive_reply(client, packet);
-    }
-}
-
-static const ss_lane lanes[] = {{.suffix = {"_STATUS", "_REPLY"},
-                                 .max_size = MAX_MESSAGE,
-                                 .buffer = LANE_BUFFER,
-                                 .per_ms = OTHER_WORK_PER_MS,
-                                 .burst = OTHER_WORK_BURST,
-                                 .receive = receive_other},
-                                {.suffix = {"_FORCE_#"},
-                                 .max_size = MAX_MESSAGE,
-                                 .buffer = LANE_BUFFER,
-                                 .per_ms = FORCE_WORK_PER_MS,
-                                 .burst = FORCE_WORK_BURST,
-                                 .receive = receive_force}};
+static const ss_lane force_lane = {.suffix = {"_FORCE_#"},
+                                   .max_size = MAX_MESSAGE,
+                                   .buffer = LANE_BUFFER,
+                                   .per_ms = FORCE_WORK_PER_MS,
+                                   .burst = FORCE_WORK_BURST,
+                                   .receive = receive_force};
+static const ss_lane status_lane = {.suffix = {"_STATUS"},
+                                    .max_size = MAX_MESSAGE,
+                                    .buffer = LANE_BUFFER,
+                                    .per_ms = OTHER_WORK_PER_MS,
+                                    .burst = OTHER_WORK_BURST,
+                                    .receive = receive_status};
+static const ss_lane reply_lane = {.suffix = {"_REPLY"},
+                                   .max_size = MAX_MESSAGE,
+                                   .buffer = LANE_BUFFER,
+                                   .per_ms = OTHER_WORK_PER_MS,
+                                   .burst = OTHER_WORK_BURST,
+                                   .receive = receive_reply};
 
 static softsim_status join(softsim_client *client, const char *prefix, softsim_error *error)
 {
@@ -181,11 +178,22 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
     if (client->lcm == NULL) {
         return error->status;
     }
+    ss_lane lanes[3]; /* of what is wanted */
+    int32_t count = 0;
+    if (client->config.handle_force != NULL) {
+        lanes[count++] = force_lane;
+    }
+    if (client->config.handle_status != NULL) {
+        lanes[count++] = status_lane;
+    }
+    if (client->config.handle_reply != NULL) {
+        lanes[count++] = reply_lane;
+    }
     const ss_receiver_config receiver = {.lcm_url = client->config.lcm_url,
                                          .lcm = client->lcm,
                                          .prefix = prefix,
                                          .lane = lanes,
-                                         .lane_count = client->config.handle_force != NULL ? 2 : 1,
+                                         .lane_count = count,
                                          .context = client};
     return ss_receiver_open(&receiver, &client->receiver, error);
 }

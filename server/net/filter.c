@@ -10,6 +10,7 @@
  *           receiving kernel gives the packet type.
  *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
  *   channel exactly one of the names, with its NUL
+ *   part    the message has it, or has it not: a message too short for it has it not
  * Layout, from the UDP header on: 8 bytes UDP; 4 magic; 4 sequence number; channel; NUL; message.
  * A load beyond the end of a datagram drops it.
  */
@@ -26,7 +27,7 @@ enum {
     CHANNEL_AT = 16,
     IP_TTL_AT = 8,
     OPEN = 255,
-    MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 48 /* a name of 63 bytes takes 39 */
+    MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 64 /* a name of 63 bytes takes 39, a part 20 at most */
 };
 static const uint32_t WHOLE_MESSAGE = 0x4c433032; /* "LC02" */
 
@@ -76,34 +77,54 @@ static void demand_local(program *p)
     compare(p, BPF_JEQ, ARPHRD_LOOPBACK, 0, OPEN);
 }
 
-static uint32_t read_word(const char *text)
+static uint32_t read_word(const unsigned char *byte)
 {
-    const unsigned char *byte = (const unsigned char *)text;
     return (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3];
+}
+
+static void demand_bytes(program *p, uint32_t at, const void *bytes, uint32_t size)
+{
+    const unsigned char *byte = bytes;
+    for (uint32_t i = 0; i < size; i += size - i >= 4 ? 4 : 1) {
+        const bool is_word = size - i >= 4;
+        load(p, is_word ? BPF_W : BPF_B, at + i);
+        compare(p, BPF_JEQ, is_word ? read_word(byte + i) : byte[i], 0, OPEN);
+    }
 }
 
 /* The channel is `name`, its NUL included. */
 static void demand_name(program *p, const char *name)
 {
     const uint32_t size = (uint32_t)strlen(name) + 1;
-    for (uint32_t at = 0; at < size;) {
+    for (uint32_t at = 0; at < size; ++at) {
         const char *digit = memchr(name + at, '#', size - at);
         const uint32_t plain = digit != NULL ? (uint32_t)(digit - name) - at : size - at;
-        if (plain >= 4) {
-            load(p, BPF_W, CHANNEL_AT + at);
-            compare(p, BPF_JEQ, read_word(name + at), 0, OPEN);
-            at += 4;
-            continue;
-        }
-        load(p, BPF_B, CHANNEL_AT + at);
-        if (plain > 0) {
-            compare(p, BPF_JEQ, (unsigned char)name[at], 0, OPEN);
-        } else {
+        demand_bytes(p, CHANNEL_AT + at, name + at, plain);
+        at += plain;
+        if (digit != NULL) {
+            load(p, BPF_B, CHANNEL_AT + at);
             compare(p, BPF_JGE, '0', 0, OPEN);
             compare(p, BPF_JGT, '7', OPEN, 0);
         }
-        ++at;
     }
+}
+
+/* Behind a channel that fits: lets the message in when it has the part, or has it not. */
+static void judge_part(program *p, const ss_filter_part *part, uint32_t message_at,
+                       uint32_t bytes_kept)
+{
+    if (!part->is_unwanted) {
+        demand_bytes(p, message_at + part->at, part->bytes, part->size);
+        finish(p, bytes_kept);
+        return;
+    }
+    const uint16_t first = p->count;
+    p->code[p->count++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0);
+    compare(p, BPF_JGE, message_at + part->at + part->size, 0, OPEN);
+    demand_bytes(p, message_at + part->at, part->bytes, part->size);
+    finish(p, 0);
+    land(p, first);
+    finish(p, bytes_kept);
 }
 
 bool ss_filter_attach(const ss_filter *filter, int fd)
@@ -118,8 +139,9 @@ bool ss_filter_attach(const ss_filter *filter, int fd)
     finish(&p, 0); /* passed over when all holds so far */
     for (int32_t i = 0; i < filter->name_count; ++i) {
         const uint16_t first = p.count;
+        const uint32_t message_at = CHANNEL_AT + (uint32_t)strlen(filter->names[i]) + 1;
         demand_name(&p, filter->names[i]);
-        finish(&p, filter->bytes_kept);
+        judge_part(&p, &filter->part, message_at, filter->bytes_kept);
         land(&p, first);
     }
     finish(&p, 0);

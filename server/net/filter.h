@@ -8,7 +8,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SS_FILTER_MAX_NAMES = 4 };
+enum { SS_FILTER_MAX_NAMES = 4, SS_FILTER_MAX_PART = 16 };
+
+/* What a message of one lane has at a place and that of another has not. */
+typedef struct ss_filter_part {
+    uint32_t at; /* byte of the message, behind the NUL of its channel */
+    const void *bytes;
+    uint32_t size;    /* at most SS_FILTER_MAX_PART; 0: whatever is there passes */
+    bool is_unwanted; /* all pass but what has it */
+} ss_filter_part;
 
 typedef struct ss_filter {
     bool is_local; /* only what never left this host */
@@ -16,6 +24,7 @@ typedef struct ss_filter {
      * bytes. */
     const char *const *names;
     int32_t name_count;
+    ss_filter_part part;
     uint32_t bytes_kept; /* of a datagram, UDP header included; the kernel lets go of the rest */
 } ss_filter;
 

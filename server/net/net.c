@@ -3,11 +3,11 @@
 /*
  * The net thread's side of LCM: probe poses and commands in, forces, status and replies out.
  *
- * Poses come in one lane of the receiver, commands and statuses in another, so that a flood of one
- * starves not the other; everything is drained at each wake, as far as the budgets go: together
- * they hold the net thread under a fifth of a core. Commands have a budget of their own, since a
- * reply and a status cost what fifty poses do. Messages are encoded into one fixed buffer (the
- * generated publish functions allocate). Nothing here is called by the real-time loops:
+ * Poses, commands, requests for a status and statuses come in lanes of their own, so that a flood
+ * of one starves no other; everything is drained at each wake, as far as the budgets go: together
+ * they hold the net thread under a fifth of a core. Commands and requests have another budget
+ * each, since a reply and a status cost what fifty poses do. Messages are encoded into one fixed
+ * buffer (the generated publish functions allocate). Nothing here is called by the real-time loops:
  * lcm_publish locks.
  */
 #include <stdatomic.h>
@@ -34,10 +34,13 @@ enum {
      * batches: eight probes at 10 kHz. */
     POSE_WORK_PER_MS = 100,
     POSE_WORK_BURST = 1024,
-    OTHER_WORK_PER_MS = 20, /* statuses, ours too, and commands */
+    COMMAND_WORK_PER_MS = 8,
+    REQUEST_WORK_PER_MS = 4,
+    STATUS_WORK_PER_MS = 8, /* ours too */
     OTHER_WORK_BURST = 256,
-    COMMANDS_PER_S = 100,
+    COMMANDS_PER_S = 100, /* and as many requests */
     COMMAND_BURST = 50,
+    COMMAND_NAME_AT = 32, /* byte of a message: its length, then its characters and a NUL */
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
     REPLY_TEXT_SIZE = 8192,
     STATUS_TEXT_SIZE = 1024
@@ -48,7 +51,7 @@ struct ss_net {
     ss_receiver *receiver;
     ss_net_calls calls;
     bool is_lockstep;
-    ss_budget commands;
+    ss_budget commands, requests;
     char force_channel[SOFTSIM_MAX_PROBES][SS_WIRE_CHANNEL_SIZE];
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
@@ -223,19 +226,19 @@ static void receive_pose(void *context, const ss_packet *packet)
     net->calls.handle_pose(net->calls.context, &pose, packet->digit, receive_ns);
 }
 
-static void receive_command(ss_net *net, const ss_packet *packet)
+static void run_command(ss_net *net, const ss_packet *packet, ss_budget *budget)
 {
     ss_net_command command;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
-    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(&net->commands, now_ns) < 1) {
+    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(budget, now_ns) < 1) {
         refusal = SOFTSIM_REFUSED_OTHER; /* too many to answer */
     }
     if (refusal != SOFTSIM_ACCEPTED) {
         net->calls.handle_refusal(net->calls.context, refusal, -1);
         return;
     }
-    ss_budget_spend(&net->commands, 1);
+    ss_budget_spend(budget, 1);
     if (command.sender == net->sender) {
         return;
     }
@@ -249,9 +252,22 @@ static void receive_command(ss_net *net, const ss_packet *packet)
     }
 }
 
-/* Multicast brings our own status back too; any other is another server's. */
-static void receive_status(ss_net *net, const ss_packet *packet)
+static void receive_command(void *context, const ss_packet *packet)
 {
+    ss_net *net = context;
+    run_command(net, packet, &net->commands);
+}
+
+static void receive_request(void *context, const ss_packet *packet)
+{
+    ss_net *net = context;
+    run_command(net, packet, &net->requests);
+}
+
+/* Multicast brings our own status back too; any other is another server's. */
+static void receive_status(void *context, const ss_packet *packet)
+{
+    ss_net *net = context;
     ss_net_status status;
     if (ss_net_decode_status(packet->data, packet->size, &status) == SOFTSIM_ACCEPTED &&
         net->status_utime[(uint32_t)status.seq % STATUS_MEMORY] != status.utime_us) {
@@ -259,28 +275,39 @@ static void receive_status(ss_net *net, const ss_packet *packet)
     }
 }
 
-/* Names as in the lane below. */
-static void receive_other(void *context, const ss_packet *packet)
-{
-    if (packet->name == 0) {
-        receive_command(context, packet);
-    } else {
-        receive_status(context, packet);
-    }
-}
+/* The name of a request for a status, as it is encoded. */
+static const char request_name[] = "\0\0\0\7status";
 
-static const ss_lane lanes[] = {{.suffix = {"_PROBE_#"},
-                                 .max_size = MAX_MESSAGE,
-                                 .buffer = LANE_BUFFER,
-                                 .per_ms = POSE_WORK_PER_MS,
-                                 .burst = POSE_WORK_BURST,
-                                 .receive = receive_pose},
-                                {.suffix = {"_COMMAND", "_STATUS"},
-                                 .max_size = MAX_MESSAGE,
-                                 .buffer = LANE_BUFFER,
-                                 .per_ms = OTHER_WORK_PER_MS,
-                                 .burst = OTHER_WORK_BURST,
-                                 .receive = receive_other}};
+static const ss_lane lanes[] = {
+    {.suffix = {"_PROBE_#"},
+     .max_size = MAX_MESSAGE,
+     .buffer = LANE_BUFFER,
+     .per_ms = POSE_WORK_PER_MS,
+     .burst = POSE_WORK_BURST,
+     .receive = receive_pose},
+    {.suffix = {"_COMMAND"},
+     .part = {.at = COMMAND_NAME_AT,
+              .bytes = request_name,
+              .size = sizeof request_name,
+              .is_unwanted = true},
+     .max_size = MAX_MESSAGE,
+     .buffer = LANE_BUFFER,
+     .per_ms = COMMAND_WORK_PER_MS,
+     .burst = OTHER_WORK_BURST,
+     .receive = receive_command},
+    {.suffix = {"_COMMAND"},
+     .part = {.at = COMMAND_NAME_AT, .bytes = request_name, .size = sizeof request_name},
+     .max_size = MAX_MESSAGE,
+     .buffer = LANE_BUFFER,
+     .per_ms = REQUEST_WORK_PER_MS,
+     .burst = OTHER_WORK_BURST,
+     .receive = receive_request},
+    {.suffix = {"_STATUS"},
+     .max_size = MAX_MESSAGE,
+     .buffer = LANE_BUFFER,
+     .per_ms = STATUS_WORK_PER_MS,
+     .burst = OTHER_WORK_BURST,
+     .receive = receive_status}};
 
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
 {
@@ -345,6 +372,7 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     net->is_lockstep = config->is_lockstep;
     net->sender = ss_wire_draw_sender();
     net->commands = (ss_budget){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
+    net->requests = net->commands;
     compute_hashes();
     name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);

@@ -112,6 +112,16 @@ static int32_t find_name(const ss_lane *lane, const char *prefix, const char *ch
     return -1;
 }
 
+/* Has the message what its lane asks for? As the filter has it, for who comes around the kernel. */
+static bool is_meant(const ss_lane *lane, const ss_packet *packet)
+{
+    const ss_filter_part *part = &lane->part;
+    const bool has_part =
+        packet->size >= 0 && (uint32_t)packet->size >= part->at + part->size &&
+        (part->size == 0 || memcmp(packet->data + part->at, part->bytes, part->size) == 0);
+    return has_part != part->is_unwanted;
+}
+
 bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *datagram,
                        int32_t size, ss_packet *out_packet)
 {
@@ -128,7 +138,7 @@ bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *d
                               .data = datagram + HEADER_SIZE + length + 1,
                               .size = size - HEADER_SIZE - (int32_t)length - 1};
     out_packet->name = find_name(lane, prefix, channel, &out_packet->digit);
-    return out_packet->name >= 0;
+    return out_packet->name >= 0 && is_meant(lane, out_packet);
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
@@ -176,7 +186,7 @@ static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void
     ss_packet packet = {
         .channel = channel, .data = buffer->data, .size = (int32_t)buffer->data_size};
     packet.name = find_name(&lane->lane, lane->receiver->prefix, channel, &packet.digit);
-    if (packet.name >= 0) {
+    if (packet.name >= 0 && is_meant(&lane->lane, &packet)) {
         lane->lane.receive(lane->receiver->context, &packet);
     }
 }
@@ -303,42 +313,39 @@ static softsim_status fail_socket(softsim_error *error)
     return SOFTSIM_ERROR_NETWORK;
 }
 
-/* Sends a number to itself until it comes back. */
-static bool hears_itself(lcm_t *lcm, int fd)
+/* Sends a number until something comes back: the filter lets nothing else in. */
+static bool hears_itself(lcm_t *lcm, int fd, uint64_t number)
 {
-    uint64_t sent = 0, came = 0;
-    if (getrandom(&sent, sizeof sent, 0) != (ssize_t)sizeof sent) {
-        sent = (uint64_t)ss_clock_now_ns();
-    }
-    for (int i = 0; i < TEST_TRIES; ++i) {
+    struct pollfd waiting = {.fd = fd, .events = POLLIN};
+    bool is_heard = false;
+    for (int i = 0; i < TEST_TRIES && !is_heard; ++i) {
         const int64_t until_ns = ss_clock_now_ns() + TEST_WAIT_NS;
-        lcm_publish(lcm, TEST_CHANNEL, &sent, sizeof sent);
-        struct pollfd waiting = {.fd = fd, .events = POLLIN};
-        while (ss_clock_now_ns() < until_ns && wait_until(&waiting, 1, until_ns) > 0) {
-            uint8_t datagram[HEADER_SIZE + sizeof TEST_CHANNEL + sizeof sent];
-            const ssize_t size = recv(fd, datagram, sizeof datagram, 0);
-            if (size == (ssize_t)sizeof datagram) {
-                memcpy(&came, datagram + HEADER_SIZE + sizeof TEST_CHANNEL, sizeof came);
-            }
-            if (size == (ssize_t)sizeof datagram && came == sent) {
-                return true;
-            }
-        }
+        lcm_publish(lcm, TEST_CHANNEL, &number, sizeof number);
+        is_heard = wait_until(&waiting, 1, until_ns) > 0;
     }
-    return false;
+    return is_heard;
 }
 
+/* The number is asked for in the kernel, so that others who test, or flood, cost nothing and fill
+ * no buffer. */
 static softsim_status test_group(const ss_receiver *receiver, const ss_wire_url *url,
                                  softsim_error *error)
 {
     const char *const name = TEST_CHANNEL;
-    const ss_filter filter = {
-        .is_local = url->ttl == 0, .names = &name, .name_count = 1, .bytes_kept = UINT32_MAX};
+    uint64_t number = 0;
+    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
+        number = (uint64_t)ss_clock_now_ns();
+    }
+    const ss_filter filter = {.is_local = url->ttl == 0,
+                              .names = &name,
+                              .name_count = 1,
+                              .part = {.bytes = &number, .size = sizeof number},
+                              .bytes_kept = UINT32_MAX};
     const int fd = open_socket(url, &filter, STOCK_BUFFER);
     if (fd < 0) {
         return fail_socket(error);
     }
-    const bool is_heard = hears_itself(receiver->lcm, fd);
+    const bool is_heard = hears_itself(receiver->lcm, fd, number);
     close(fd);
     if (!is_heard) {
         char address[INET_ADDRSTRLEN] = "";
@@ -359,6 +366,7 @@ static softsim_status open_lane(ss_receiver *receiver, lane_state *lane, const s
     const char *names[SS_FILTER_MAX_NAMES];
     ss_filter filter = {.is_local = url->ttl == 0,
                         .names = names,
+                        .part = lane->lane.part,
                         .bytes_kept = (uint32_t)(UDP_HEADER + receiver->slot_size)};
     for (; filter.name_count < SS_FILTER_MAX_NAMES && lane->lane.suffix[filter.name_count];
          ++filter.name_count) {
@@ -435,6 +443,7 @@ softsim_status ss_receiver_open(const ss_receiver_config *config, ss_receiver **
     receiver->context = config->context;
     receiver->is_memq = url.is_memq;
     snprintf(receiver->prefix, sizeof receiver->prefix, "%s", config->prefix);
+    receiver->slot_size = HEADER_SIZE + MAX_CHANNEL;
     for (int32_t i = 0; i < SS_RECEIVER_MAX_LANES; ++i) {
         receiver->lane[i].fd = -1;
     }

@@ -71,6 +71,7 @@ static void every_program_starts_under_fragments(void **state)
 typedef struct listener {
     softsim_client *client;
     softsim_server_status_t status;
+    int32_t replied_id, reply_code; /* of the newest reply */
 } listener;
 
 static void take_status(void *context, const struct _softsim_server_status_t *status, int64_t now)
@@ -80,11 +81,20 @@ static void take_status(void *context, const struct _softsim_server_status_t *st
     l->status = *status;
 }
 
+static void take_reply(void *context, int32_t id, int32_t code, const char *text)
+{
+    listener *l = context;
+    (void)text;
+    l->replied_id = id;
+    l->reply_code = code;
+}
+
 static void listen_open(listener *l)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     *l = (listener){.client = NULL};
-    const softsim_client_config config = {.context = l, .handle_status = take_status};
+    const softsim_client_config config = {
+        .context = l, .handle_status = take_status, .handle_reply = take_reply};
     assert_int_equal(softsim_client_open(&config, &l->client, &error), SOFTSIM_OK);
 }
 
@@ -193,6 +203,57 @@ static void commands_have_a_budget(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* The holder's commands, one after the other, under a flood of `kind`. */
+static void expect_no_command_lost(const char *kind)
+{
+    enum { COMMANDS = 40 };
+    listener l;
+    start_daemon(NULL);
+    listen_open(&l);
+    const softsim_pose pose = {.utime_us = softsim_client_now_us(),
+                               .sender = softsim_client_sender(l.client),
+                               .seq = 1,
+                               .force_seq = -1,
+                               .position = {0.0, 0.0, 0.3},
+                               .orientation = {1.0, 0.0, 0.0, 0.0},
+                               .velocity = {NAN, NAN, NAN},
+                               .applied_force = {NAN, NAN, NAN}};
+    assert_true(softsim_client_send_pose(l.client, &pose, 0));
+    start_flood(kind, "20000", "600");
+    const int64_t refused_first = listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER];
+    for (int i = 0; i < COMMANDS; ++i) {
+        const int32_t id = softsim_client_send_command(l.client, i % 2 ? "resume" : "pause", "");
+        const int64_t deadline_ns = softsim_client_now_ns() + 60000000000;
+        assert_true(id > 0);
+        while (l.replied_id != id) {
+            assert_true(softsim_client_wait(l.client, deadline_ns) >= 0);
+            if (softsim_client_now_ns() >= deadline_ns) {
+                fail_msg("command %d of %d was lost under a flood of %s", i + 1, COMMANDS, kind);
+            }
+        }
+        assert_int_equal(l.reply_code, 0);
+    }
+    process_signal(&flooder, SIGKILL); /* it was there until now */
+    assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
+    if (strcmp(kind, "command-status") == 0) {
+        assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > refused_first);
+    }
+    softsim_client_close(&l.client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void a_flood_of_status_requests_loses_no_command(void **state)
+{
+    (void)state;
+    expect_no_command_lost("command-status");
+}
+
+static void a_flood_of_statuses_loses_no_command(void **state)
+{
+    (void)state;
+    expect_no_command_lost("status");
+}
+
 int main(void)
 {
     if (!process_isolate()) {
@@ -206,6 +267,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(poses_under_the_holders_number_change_nothing, make_folder,
                                         end_all),
         cmocka_unit_test_setup_teardown(commands_have_a_budget, make_folder, end_all),
+        cmocka_unit_test_setup_teardown(a_flood_of_status_requests_loses_no_command, make_folder,
+                                        end_all),
+        cmocka_unit_test_setup_teardown(a_flood_of_statuses_loses_no_command, make_folder, end_all),
     };
     return cmocka_run_group_tests_name("flood", tests, NULL, NULL);
 }
