@@ -859,9 +859,6 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
                  name, most);
         return 1;
     }
-    if (record->key == SS_LIVE_MAX_JUMP) {
-        ss_gate_set_max_jump(world->gate, record->value);
-    }
     return 0;
 }
 
@@ -919,13 +916,21 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
     if (kind == SS_COMMAND_REFRESH || kind == SS_COMMAND_STATUS || kind == SS_COMMAND_SHUTDOWN) {
         return 0;
     }
-    /* Without tools there is no haptic loop to take it. */
-    if (!ss_ring_push(world->simulation_commands, out_record) ||
-        (world->used_probes != 0 && !ss_ring_push(world->haptic_commands, out_record))) {
+    /* All who are concerned take it, or none. Without tools there is no haptic loop. */
+    const bool is_felt = world->used_probes != 0;
+    if (!ss_ring_has_room(world->simulation_commands) ||
+        (is_felt && !ss_ring_has_room(world->haptic_commands))) {
         snprintf(out_text, (size_t)text_size, "busy: too many commands at once; send it again");
         return 1;
     }
+    ss_ring_push(world->simulation_commands, out_record);
+    if (is_felt) {
+        ss_ring_push(world->haptic_commands, out_record);
+    }
     if (kind == SS_COMMAND_SET) {
+        if (out_record->key == SS_LIVE_MAX_JUMP) {
+            ss_gate_set_max_jump(world->gate, out_record->value);
+        }
         tell_set(world, argument, out_record, out_text, text_size);
     }
     return 0;

@@ -149,6 +149,54 @@ static void no_command_raises_a_limit_above_the_scenes(void **state)
     ss_world_destroy(&world);
 }
 
+static softsim_refusal judge_step(ss_world *world, int32_t seq, double x)
+{
+    softsim_pose pose = pose_of(1, seq, 0);
+    uint32_t epoch = 0;
+    pose.position[0] = x;
+    return ss_gate_judge(world->gate, &pose, 0, seq * (int64_t)1000000, &epoch);
+}
+
+/* Neither of the loops, nor the gate: whichever of the rings is full. */
+static void a_command_that_finds_no_room_changes_nothing(void **state)
+{
+    (void)state;
+    for (int full = 0; full < 2; ++full) {
+        ss_world *world = create(SCENES "kidney.yaml", false);
+        char text[512];
+        ss_command_record record;
+        int32_t taken = 0;
+        while (ss_world_command(world, "resume", "", &record, text, sizeof text) == 0) {
+            assert_true(++taken < 1000);
+            if (full == 0) {
+                ss_world_step_begin(world); /* the simulation has room, the haptic loop has none */
+            } else {
+                while (ss_ring_pop(world->haptic_commands, &record)) {
+                }
+            }
+        }
+        const double narrow = 0.5 * world->scene->max_jump_m, wide = 1.5 * world->scene->max_jump_m;
+        char argument[64];
+        snprintf(argument, sizeof argument, "haptic.max_jump_m=%.17g", wide);
+        assert_int_equal(set(world, argument, text, sizeof text), 1);
+        assert_non_null(strstr(text, "busy"));
+        assert_int_equal(judge_step(world, 1, 0.2), SOFTSIM_ACCEPTED);
+        assert_int_equal(judge_step(world, 2, 0.2 + 1.2 * world->scene->max_jump_m),
+                         SOFTSIM_REFUSED_JUMP);
+        assert_int_equal(ss_world_command(world, "pause", "", &record, text, sizeof text), 1);
+        ss_world_step_begin(world);
+        assert_false(world->simulation_paused);
+        /* With room again it is set. */
+        while (ss_ring_pop(world->haptic_commands, &record)) {
+        }
+        snprintf(argument, sizeof argument, "haptic.max_jump_m=%.17g", narrow);
+        assert_int_equal(set(world, argument, text, sizeof text), 0);
+        assert_int_equal(judge_step(world, 3, 0.2 + 0.7 * world->scene->max_jump_m),
+                         SOFTSIM_REFUSED_JUMP);
+        ss_world_destroy(&world);
+    }
+}
+
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
@@ -190,6 +238,7 @@ int main(void)
         cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
+        cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
         cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
     };
     return cmocka_run_group_tests_name("world", tests, NULL, NULL);

@@ -63,7 +63,7 @@ void ss_ring_destroy(ss_ring **ring)
     *ring = NULL;
 }
 
-bool ss_ring_push(ss_ring *ring, const void *record)
+bool ss_ring_has_room(ss_ring *ring)
 {
     /* Relaxed: only this thread writes head. */
     const uint32_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
@@ -71,12 +71,19 @@ bool ss_ring_push(ss_ring *ring, const void *record)
         /* Acquire: the reader has copied the records that it gave back (pairs with the release of
          * tail in pop). */
         ring->seen_tail = atomic_load_explicit(&ring->tail, memory_order_acquire);
-        if (head - ring->seen_tail > ring->mask) {
-            /* Relaxed: a statistic. */
-            atomic_fetch_add_explicit(&ring->refused, 1, memory_order_relaxed);
-            return false;
-        }
     }
+    return head - ring->seen_tail <= ring->mask;
+}
+
+bool ss_ring_push(ss_ring *ring, const void *record)
+{
+    if (!ss_ring_has_room(ring)) {
+        /* Relaxed: a statistic. */
+        atomic_fetch_add_explicit(&ring->refused, 1, memory_order_relaxed);
+        return false;
+    }
+    /* Relaxed: only this thread writes head. */
+    const uint32_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
     memcpy(ring->records + (head & ring->mask) * ring->record_size, record, ring->record_size);
     /* Release: the record is visible before the count (pairs with the acquire of head in pop). */
     atomic_store_explicit(&ring->head, head + 1, memory_order_release);

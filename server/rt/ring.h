@@ -17,6 +17,8 @@ void ss_ring_destroy(ss_ring **ring);
 
 /* Writer thread; RT-safe. False (and counted) when full. */
 bool ss_ring_push(ss_ring *ring, const void *record);
+/* Writer thread; RT-safe. Would the next push be taken? */
+bool ss_ring_has_room(ss_ring *ring);
 /* Reader thread; RT-safe. False when empty. */
 bool ss_ring_pop(ss_ring *ring, void *out_record);
 /* Any thread; RT-safe. */
