@@ -175,6 +175,9 @@ softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, con
 uint64_t ss_world_hash(ss_world *world)
 {
     ss_world_settle(world);
+    if (world->is_hashed) {
+        return world->hash;
+    }
     const ss_mesh *mesh = world->scene->mesh;
     const ss_real *u = world->model_class->displacement(world->model);
     const ss_real *v = world->model_class->velocity(world->model);
@@ -189,7 +192,9 @@ uint64_t ss_world_hash(ss_world *world)
         hash = ss_world_fnv(hash, state, sizeof state);
     }
     hash = world->model_class->hash(world->model, hash);
-    return ss_world_fnv(hash, &world->steps, sizeof world->steps);
+    world->hash = ss_world_fnv(hash, &world->steps, sizeof world->steps);
+    world->is_hashed = true;
+    return world->hash;
 }
 
 /* ---- the public headless API

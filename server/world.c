@@ -570,11 +570,13 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
         world->simulation_paused = false;
         break;
     case SS_COMMAND_RESET:
+        world->is_hashed = false;
         world->model_class->reset(world->model);
         ss_energy_watch_reset(&world->energy);
         break;
     case SS_COMMAND_SET:
         if (command->key == SS_LIVE_MODEL_ROW) {
+            world->is_hashed = false;
             world->model_class->set(world->model, command->row, command->value);
             ss_energy_watch_skip(&world->energy);
         } else if (command->key == SS_LIVE_MESH_RATE) {
@@ -738,6 +740,7 @@ void ss_world_step_compute(ss_world *world)
         world->model_class->step(world->model, (double)world->steps * world->step_period,
                                  world->step_period, tool);
         ++world->steps;
+        world->is_hashed = false;
     }
     world->model_class->info(world->model, &info);
     world->substeps += is_still ? 0 : info.substeps;

@@ -197,6 +197,65 @@ static void a_command_that_finds_no_room_changes_nothing(void **state)
     }
 }
 
+static const ss_model_class *counted_class;
+static int hash_count;
+
+static uint64_t count_hash(const ss_model *model, uint64_t seed)
+{
+    ++hash_count;
+    return counted_class->hash(model, seed);
+}
+
+static void run_ticks(ss_world *world, int32_t count)
+{
+    for (int32_t i = 0; i < count; ++i) {
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        ss_world_lockstep(world, NULL, NULL, 0, force);
+    }
+}
+
+/* Whoever asks for a status asks for the hash, which costs milliseconds on a large body. */
+static void a_state_is_hashed_once(void **state)
+{
+    (void)state;
+    ss_world *asked = create(SCENES "kidney.yaml", true);
+    ss_world *left_alone = create(SCENES "kidney.yaml", true);
+    static ss_model_class counting;
+    counting = *asked->model_class;
+    counting.hash = count_hash;
+    counted_class = asked->model_class;
+    asked->model_class = &counting;
+    hash_count = 0;
+    const char *const command[][2] = {
+        {"pause", ""}, {"resume", ""}, {"reset", ""}, {"set", "model.modulus_j=6"}};
+    for (size_t c = 0; c < sizeof command / sizeof *command; ++c) {
+        ss_world *both[] = {asked, left_alone};
+        for (int w = 0; w < 2; ++w) {
+            ss_command_record record;
+            char text[512];
+            const int32_t code =
+                ss_world_command(both[w], command[c][0], command[c][1], &record, text, sizeof text);
+            if (code != 0) {
+                fail_msg("%s", text);
+            }
+        }
+        for (int32_t step = 0; step < 5; ++step) {
+            run_ticks(asked, asked->step_ticks);
+            const uint64_t hash = ss_world_hash(asked);
+            for (int again = 0; again < 3; ++again) {
+                assert_true(ss_world_hash(asked) == hash);
+            }
+            run_ticks(left_alone, left_alone->step_ticks);
+        }
+        assert_true(ss_world_hash(asked) == ss_world_hash(left_alone));
+    }
+    /* Fifteen steps, and the body at rest before them; nothing under pause. */
+    assert_int_equal(hash_count, 16);
+    asked->model_class = counted_class;
+    ss_world_destroy(&asked);
+    ss_world_destroy(&left_alone);
+}
+
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
@@ -239,6 +298,7 @@ int main(void)
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
+        cmocka_unit_test(a_state_is_hashed_once),
         cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
     };
     return cmocka_run_group_tests_name("world", tests, NULL, NULL);

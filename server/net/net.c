@@ -38,7 +38,8 @@ enum {
     REQUEST_WORK_PER_MS = 4,
     STATUS_WORK_PER_MS = 8, /* ours too */
     OTHER_WORK_BURST = 256,
-    COMMANDS_PER_S = 100, /* and as many requests */
+    COMMANDS_PER_S = 100,
+    REQUESTS_PER_S = 20, /* two servers that start ask for as many */
     COMMAND_BURST = 50,
     COMMAND_NAME_AT = 32, /* byte of a message: its length, then its characters and a NUL */
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
@@ -372,7 +373,7 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     net->is_lockstep = config->is_lockstep;
     net->sender = ss_wire_draw_sender();
     net->commands = (ss_budget){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
-    net->requests = net->commands;
+    net->requests = (ss_budget){.interval_ns = 1000000000 / REQUESTS_PER_S, .burst = COMMAND_BURST};
     compute_hashes();
     name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);
