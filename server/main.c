@@ -5,6 +5,7 @@
 
 #include "loops.h"
 #include "options.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 #include "rt/progress.h"
 #include "world.h"
@@ -25,7 +26,7 @@ static void warn(void *sink, const char *text)
     warnings *w = sink;
     ++w->count;
     if (w->out) {
-        fprintf(w->out, "softsimd: warning: %s\n", text);
+        ss_plain_print(w->out, "softsimd: warning: %s\n", text);
     }
 }
 
@@ -39,9 +40,9 @@ static int print_check(const ss_world *world, int32_t warning_count)
     }
     const ss_scene *scene = world->scene;
     const int tools = __builtin_popcount(world->used_probes);
-    fprintf(stderr, "softsimd: %s: %s (%d nodes, %d triangles, %s, %d tool%s)\n", scene->path,
-            verdict, scene->mesh->node_count, scene->mesh->triangle_count, scene->model_name, tools,
-            tools == 1 ? "" : "s");
+    ss_plain_print(stderr, "softsimd: %s: %s (%d nodes, %d triangles, %s, %d tool%s)\n",
+                   scene->path, verdict, scene->mesh->node_count, scene->mesh->triangle_count,
+                   scene->model_name, tools, tools == 1 ? "" : "s");
     return warning_count > 0 ? 1 : 0;
 }
 

@@ -6,6 +6,8 @@
 
 #include "rt/program.h"
 
+#include "rt/plain.h"
+
 static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
 
 /* When the verdict gets to degraded or worse: once, until it was better in between. */
@@ -19,8 +21,8 @@ static void log_verdict(ss_teller *teller, const ss_opinion *opinion, int64_t no
         (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < teller->next_verdict_log_ns)) {
         return;
     }
-    fprintf(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
-            opinion->reason);
+    ss_plain_print(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
+                   opinion->reason);
     teller->logged_verdict = opinion->verdict;
     teller->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
 }
@@ -29,10 +31,11 @@ static void log_verdict(ss_teller *teller, const ss_opinion *opinion, int64_t no
 static void log_rival(ss_teller *teller, const ss_opinion *opinion)
 {
     if (opinion->rival[0] != '\0' && !teller->is_rival_logged) {
-        fprintf(stderr,
-                "softsimd: warning: another server answers on prefix %s: %s; clients let go while "
-                "they hear both: stop one, or give it another --prefix\n",
-                teller->prefix, opinion->rival);
+        ss_plain_print(
+            stderr,
+            "softsimd: warning: another server answers on prefix %s: %s; clients let go while "
+            "they hear both: stop one, or give it another --prefix\n",
+            teller->prefix, opinion->rival);
         teller->is_rival_logged = true;
     }
 }

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -465,6 +466,57 @@ static void json_is_well_formed(void **state)
     free(text);
 }
 
+static void fill(double *value, int count, double with)
+{
+    for (int i = 0; i < count; ++i) {
+        value[i] = with;
+    }
+}
+
+/* Whatever a forged status and forged forces say, no figure is longer than a column can be. */
+static void figures_of_a_stranger_are_bounded(void **state)
+{
+    (void)state;
+    static const double figure[] = {1e300, -1e300, DBL_MAX, -DBL_MAX, 1e15, DBL_MIN, NAN, INFINITY};
+    static char scene[] = "k\x1b\x9b\xc2\x9b.yaml", reason[] = "\xc2\x9bK", model[] = "fem\n";
+    for (size_t f = 0; f < sizeof figure / sizeof *figure; ++f) {
+        const double x = figure[f];
+        softsim_server_status_t s = {.scene = scene, .model = model, .reason = reason};
+        s.seq = s.threads = s.nodes = s.active_nodes = s.elements = s.worst_element = INT32_MAX;
+        s.substeps = s.probes = s.verdict = s.fault_bits = INT32_MIN;
+        s.step = s.bytes_in_use = s.poses_received = s.poses_superseded = INT64_MIN;
+        s.mesh_bytes_sent = s.wire_dropped = s.stiffness_backoffs = INT64_MIN;
+        s.uptime_s = s.simulation_rate_hz = s.stable_step_s = s.kinetic_j = s.elastic_j = x;
+        s.total_j = s.energy_to_device_j = s.energy_from_device_j = x;
+        fill(s.step_us, 3, x);
+        fill(s.lateness_us, 4, x);
+        fill(s.loop_delay_ms, 2, x);
+        fill(s.worst_contact_j, 8, x);
+        fill(s.stiffness_limit_n_per_m, 8, x);
+        ss_show_hand hand[SOFTSIM_MAX_PROBES];
+        for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+            s.probe_periods[p] = s.probe_forces[p] = s.probe_missed[p] = INT64_MIN;
+            s.poses_refused[p] = INT64_MIN;
+            hand[p] = (ss_show_hand){.is_here = true, .force_n = x, .pressed_m = x};
+        }
+        char *text = NULL;
+        size_t size = 0;
+        FILE *out = open_memstream(&text, &size);
+        ss_show_line(out, &s, hand);
+        ss_show_page(out, &s, hand);
+        ss_show_json(out, &s);
+        assert_int_equal(fclose(out), 0);
+        int digits = 0;
+        for (const char *at = text; *at != '\0'; ++at) {
+            const unsigned char c = (unsigned char)*at;
+            digits = c >= '0' && c <= '9' ? digits + 1 : 0;
+            assert_true(digits <= 20); /* an int64_t has 19, %.17g 17 */
+            assert_true((c >= ' ' && c < 0x7f) || c == '\n');
+        }
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -480,6 +532,7 @@ int main(void)
         cmocka_unit_test(script_device_follows_its_path),
         cmocka_unit_test(the_csv_of_a_path_is_finite),
         cmocka_unit_test(json_is_well_formed),
+        cmocka_unit_test(figures_of_a_stranger_are_bounded),
     };
     return cmocka_run_group_tests_name("bridge", tests, make_folder, remove_folder);
 }

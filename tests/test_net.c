@@ -524,6 +524,13 @@ static void another_server_is_told_from_ourselves(void **state)
     assert_int_equal(rival->status.utime_us, 1);
     assert_int_equal(rival->status.seq, 2000);
     assert_string_equal(rival->status.scene, scene);
+    /* What it says may not drive a terminal. */
+    static char hostile[] = "k\x9b\xc2\x9b \xc3\xa4";
+    softsim_server_status_t spoken = wire;
+    spoken.scene = hostile;
+    const int spoken_size = softsim_server_status_t_encode(message, 0, sizeof message, &spoken);
+    assert_int_equal(ss_net_decode_status(message, spoken_size, &status), SOFTSIM_ACCEPTED);
+    assert_string_equal(status.scene, "k??? \xc3\xa4");
     static const double bad[] = {-1.0, 1e11, (double)INFINITY, (double)NAN};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
         wire.uptime_s = bad[k];

@@ -27,6 +27,7 @@
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/progress.h"
 #include "rt/ring.h"
 #include "rt/thread.h"
@@ -451,6 +452,71 @@ static void errors_keep_every_line_and_the_first_status(void **state)
     assert_string_equal(error.text, "a.yaml:3: bad\nb.mesh: worse");
 }
 
+/* A terminal obeys control characters: ESC, CSI in one byte and in UTF-8, what turns text around.
+ */
+static void nothing_that_is_shown_drives_a_terminal(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *shown;
+    } cases[] = {
+        {"", ""},
+        {"Niere, 5 mm", "Niere, 5 mm"},
+        {"a\tb", "a b"},
+        {"Milz\xc3\xa4 \xe2\x82\xac \xf0\x9f\x90\x8d \xc2\xa0",
+         "Milz\xc3\xa4 \xe2\x82\xac \xf0\x9f\x90\x8d \xc2\xa0"},
+        {"\x1b[31m\x07\x7f\r", "?[31m???"},
+        {"a\nforged", "a?forged"},
+        {"\x9b"
+         "31m\x80\x9f",
+         "?31m??"},
+        {"\xc2\x9b"
+         "31m\xc2\x80\xc2\x9f",
+         "??31m????"},
+        {"\xe0\x82\x9b\xf0\x80\x82\x9b\xc0\x9b", "?????????"}, /* overlong CSI and ESC */
+        {"\xe2\x80\xa8\xe2\x80\xae\xe2\x81\xa6", "?????????"},
+        {"\xc3", "?"},
+        {"\xe2\x82", "??"},
+        {"\xe9t\xe9", "?t?"},
+        {"\xed\xa0\x80\xf4\x90\x80\x80\xff\xfe", "?????????"},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        char text[64];
+        snprintf(text, sizeof text, "%s", cases[c].text);
+        ss_plain_clean(text);
+        assert_string_equal(text, cases[c].shown);
+        static softsim_error error;
+        memset(&error, 0, sizeof error);
+        softsim_error_add(&error, SOFTSIM_ERROR_FILE, "<%s>", cases[c].text);
+        assert_int_equal(strncmp(error.text + 1, cases[c].shown, strlen(cases[c].shown)), 0);
+        assert_int_equal(strlen(error.text), strlen(cases[c].shown) + 2);
+        char *printed = NULL;
+        size_t size = 0;
+        FILE *out = open_memstream(&printed, &size);
+        ss_plain_print(out, "<%s>\n", cases[c].text);
+        assert_int_equal(fclose(out), 0);
+        assert_int_equal(size, strlen(cases[c].shown) + 3);
+        assert_int_equal(strncmp(printed + 1, cases[c].shown, size - 3), 0);
+        assert_string_equal(printed + size - 2, ">\n");
+        free(printed);
+    }
+    /* Every byte by itself, and every pair. */
+    for (int first = 1; first < 256; ++first) {
+        for (int second = 1; second < 256; ++second) {
+            char text[3] = {(char)first, (char)second, '\0'};
+            ss_plain_clean(text);
+            const unsigned char a = (unsigned char)text[0], b = (unsigned char)text[1];
+            const bool is_pair = a >= 0xc2 && a < 0xe0 && b >= 0x80 && b < 0xc0;
+            assert_true(is_pair ? a > 0xc2 || b >= 0xa0
+                                : a >= ' ' && a < 0x7f && b >= ' ' && b < 0x7f);
+        }
+    }
+    /* Text that was put together in lines keeps them. */
+    static softsim_error error;
+    softsim_error_add(&error, SOFTSIM_ERROR_FILE, "%s", "s.yaml:1: bad\nmesh: \x9b\n      ^");
+    assert_string_equal(error.text, "s.yaml:1: bad\nmesh: ?\n      ^");
+}
+
 static void a_full_error_says_how_many_more(void **state)
 {
     (void)state;
@@ -588,6 +654,7 @@ int main(void)
         cmocka_unit_test(progress_is_shown_and_wiped),
         cmocka_unit_test(a_stalled_reader_holds_up_no_work),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
+        cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),
     };

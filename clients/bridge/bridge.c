@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "process.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
@@ -76,7 +77,7 @@ __attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, 
         va_start(arguments, format);
         vsnprintf(text, sizeof text, format, arguments);
         va_end(arguments);
-        fprintf(stderr, "%s: %s\n", bridge->config.program, text);
+        ss_plain_print(stderr, "%s: %s\n", bridge->config.program, text);
     }
 }
 

@@ -13,6 +13,7 @@
 
 #include "rt/clock.h"
 #include "rt/files.h"
+#include "rt/plain.h"
 
 /* More than a second of rows at 1 kHz, and how many rows wait in it at most. */
 enum { RECORDING_BUFFER = 1 << 20, MAX_ROWS = 8192 };
@@ -168,8 +169,8 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
 void ss_output_tell(const ss_output *output, const char *program)
 {
     if (output->file != NULL && output->temporary != NULL) {
-        fprintf(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
-                output->temporary, output->path);
+        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                       output->temporary, output->path);
     }
 }
 

@@ -8,7 +8,7 @@
 
 #include "process.h"
 #include "rt/args.h"
-#include "show.h"
+#include "rt/plain.h"
 
 enum { EXIT_BAD_INPUT = 2, NAME_SIZE = 64 };
 static const int64_t patience_ns = 3000000000; /* a server replies within milliseconds */
@@ -25,8 +25,7 @@ static void take_reply(void *context, int32_t id, int32_t code, const char *text
     if (id == a->id && !a->is_here) {
         a->is_here = true;
         a->code = code;
-        ss_show_text(stdout, text);
-        putchar('\n');
+        ss_plain_print(stdout, "%s\n", text);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "rt/plain.h"
 #include "softsim/types.h"
 
 /* ---- JSON ----------------------------------------------------------------------------------- */
@@ -120,11 +121,16 @@ void ss_show_json(FILE *out, const softsim_server_status_t *s)
 
 /* ---- for people ----------------------------------------------------------------------------- */
 
-void ss_show_text(FILE *out, const char *text)
+/* A figure of a message: whatever a stranger says, no longer than a column. */
+typedef struct figure {
+    char text[32];
+} figure;
+
+static figure fixed(double value, int decimals)
 {
-    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
-        fputc(*at < 0x20 || *at == 0x7F || (*at >= 0x80 && *at < 0xA0) ? '.' : *at, out);
-    }
+    figure f;
+    (void)snprintf(f.text, sizeof f.text, fabs(value) < 1e12 ? "%.*f" : "%.*g", decimals, value);
+    return f;
 }
 
 static int64_t sum(const int64_t *value, int count)
@@ -150,23 +156,23 @@ static const char *kind_of(int32_t flags)
 
 void ss_show_line(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
 {
-    fprintf(out, "%.1f s %s: ", s->uptime_s, softsim_verdict_name((softsim_verdict)s->verdict));
+    fprintf(out, "%s s %s: ", fixed(s->uptime_s, 1).text,
+            softsim_verdict_name((softsim_verdict)s->verdict));
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (hand[p].is_here) {
-            fprintf(out, "probe %d %.2f N, pressed in %.1f mm%s; ", p, hand[p].force_n,
-                    1e3 * hand[p].pressed_m, kind_of(hand[p].flags));
+            fprintf(out, "probe %d %s N, pressed in %s mm%s; ", p, fixed(hand[p].force_n, 2).text,
+                    fixed(1e3 * hand[p].pressed_m, 1).text, kind_of(hand[p].flags));
         }
     }
     fprintf(out,
-            "step %" PRId64 " at %.0f Hz, p50 %.0f p99 %.0f us; late p99 %.0f us; "
+            "step %" PRId64 " at %s Hz, p50 %s p99 %s us; late p99 %s us; "
             "poses %" PRId64 " refused %" PRId64 "; forces %" PRId64 " missed %" PRId64
             "; energy %.3g J",
-            s->step, s->simulation_rate_hz, s->step_us[0], s->step_us[1], s->lateness_us[1],
-            s->poses_received, sum(s->poses_refused, 8), sum(s->probe_forces, 8),
-            sum(s->probe_missed, 8), s->total_j);
+            s->step, fixed(s->simulation_rate_hz, 0).text, fixed(s->step_us[0], 0).text,
+            fixed(s->step_us[1], 0).text, fixed(s->lateness_us[1], 0).text, s->poses_received,
+            sum(s->poses_refused, 8), sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
     if (s->reason[0] != '\0') {
-        fputs(" - ", out);
-        ss_show_text(out, s->reason);
+        ss_plain_print(out, " - %s", s->reason);
     }
     fputc('\n', out);
 }
@@ -175,16 +181,17 @@ static void show_probes(FILE *out, const softsim_server_status_t *s, const ss_sh
 {
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (hand[p].is_here) {
-            fprintf(out, "probe %d     %6.2f N, pressed in %5.1f mm%s\n", p, hand[p].force_n,
-                    1e3 * hand[p].pressed_m, kind_of(hand[p].flags));
+            fprintf(out, "probe %d     %6s N, pressed in %5s mm%s\n", p,
+                    fixed(hand[p].force_n, 2).text, fixed(1e3 * hand[p].pressed_m, 1).text,
+                    kind_of(hand[p].flags));
         }
     }
     fputs("probe    periods     forces     missed   worst contact   stiffness limit\n", out);
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (s->probe_periods[p] != 0) {
-            fprintf(out, "%5d %10" PRId64 " %10" PRId64 " %10" PRId64 " %13.3g J %13.0f N/m\n", p,
+            fprintf(out, "%5d %10" PRId64 " %10" PRId64 " %10" PRId64 " %13.3g J %13s N/m\n", p,
                     s->probe_periods[p], s->probe_forces[p], s->probe_missed[p],
-                    s->worst_contact_j[p], s->stiffness_limit_n_per_m[p]);
+                    s->worst_contact_j[p], fixed(s->stiffness_limit_n_per_m[p], 0).text);
         }
     }
 }
@@ -198,29 +205,29 @@ void ss_show_page(FILE *out, const softsim_server_status_t *s, const ss_show_han
     if (s->worst_element >= 0) {
         (void)snprintf(worst, sizeof worst, "%d", s->worst_element);
     }
-    fputs("scene       ", out);
-    ss_show_text(out, s->scene);
-    fputs("\nmodel       ", out);
-    ss_show_text(out, s->model);
-    fprintf(out, "\nverdict     %s%s", softsim_verdict_name((softsim_verdict)s->verdict),
-            s->reason[0] != '\0' ? ": " : "");
-    ss_show_text(out, s->reason);
+    ss_plain_print(out, "scene       %s\n", s->scene);
+    ss_plain_print(out, "model       %s\n", s->model);
+    ss_plain_print(out, "verdict     %s%s%s\n", softsim_verdict_name((softsim_verdict)s->verdict),
+                   s->reason[0] != '\0' ? ": " : "", s->reason);
     fprintf(out,
-            "\nup          %.1f s, %d threads, %.1f MB\n"
+            "up          %s s, %d threads, %.1f MB\n"
             "body        %d nodes (%d active), %d elements, worst element %s\n"
-            "simulation  step %" PRId64 " at %.1f Hz, %d substeps, stable step %s\n"
-            "step time   p50 %.0f  p99 %.0f  max %.0f us\n"
-            "lateness    p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n"
-            "loop delay  p50 %.2f  p95 %.2f ms\n"
+            "simulation  step %" PRId64 " at %s Hz, %d substeps, stable step %s\n"
+            "step time   p50 %s  p99 %s  max %s us\n"
+            "lateness    p50 %s  p99 %s  p99.9 %s  max %s us\n"
+            "loop delay  p50 %s  p95 %s ms\n"
             "energy      kinetic %.3g  elastic %.3g  total %.3g J\n"
             "device      given %.3g  taken %.3g J, %" PRId64 " stiffness back-offs\n"
             "wire        %.1f MB of mesh sent, %" PRId64 " messages dropped\n"
             "poses       %" PRId64 " received, %" PRId64 " superseded",
-            s->uptime_s, s->threads, 1e-6 * (double)s->bytes_in_use, s->nodes, s->active_nodes,
-            s->elements, worst, s->step, s->simulation_rate_hz, s->substeps, limit, s->step_us[0],
-            s->step_us[1], s->step_us[2], s->lateness_us[0], s->lateness_us[1], s->lateness_us[2],
-            s->lateness_us[3], s->loop_delay_ms[0], s->loop_delay_ms[1], s->kinetic_j, s->elastic_j,
-            s->total_j, s->energy_to_device_j, s->energy_from_device_j, s->stiffness_backoffs,
+            fixed(s->uptime_s, 1).text, s->threads, 1e-6 * (double)s->bytes_in_use, s->nodes,
+            s->active_nodes, s->elements, worst, s->step, fixed(s->simulation_rate_hz, 1).text,
+            s->substeps, limit, fixed(s->step_us[0], 0).text, fixed(s->step_us[1], 0).text,
+            fixed(s->step_us[2], 0).text, fixed(s->lateness_us[0], 0).text,
+            fixed(s->lateness_us[1], 0).text, fixed(s->lateness_us[2], 0).text,
+            fixed(s->lateness_us[3], 0).text, fixed(s->loop_delay_ms[0], 2).text,
+            fixed(s->loop_delay_ms[1], 2).text, s->kinetic_j, s->elastic_j, s->total_j,
+            s->energy_to_device_j, s->energy_from_device_j, s->stiffness_backoffs,
             1e-6 * (double)s->mesh_bytes_sent, s->wire_dropped, s->poses_received,
             s->poses_superseded);
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {

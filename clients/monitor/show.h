@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* The server's status as text. Strings of the message are shown without control characters. */
+/* The server's status as text: a message must not drive the terminal (rt/plain.h), nor fill it. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -22,5 +22,3 @@ void ss_show_json(FILE *out, const softsim_server_status_t *status);
 void ss_show_line(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
 /* A screenful. */
 void ss_show_page(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
-/* The text with a dot for every control character: a message must not drive the terminal. */
-void ss_show_text(FILE *out, const char *text);

@@ -10,6 +10,7 @@
 #include "replay.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 #include "silence.h"
 #include "softsim/client.h"
@@ -97,7 +98,7 @@ static survey look_through(const char *program, const char *path, softsim_poses 
         }
         if (next == SOFTSIM_POSES_NOTE) {
             if (found.notes++ < MAX_NOTES) {
-                fprintf(stderr, "%s: %s: %s\n", program, path, note);
+                ss_plain_print(stderr, "%s: %s: %s\n", program, path, note);
             }
             continue;
         }
@@ -106,7 +107,8 @@ static survey look_through(const char *program, const char *path, softsim_poses 
         found.duration_us = event.time_us;
     }
     if (found.notes > MAX_NOTES) {
-        fprintf(stderr, "%s: %s: and %" PRId64 " more\n", program, path, found.notes - MAX_NOTES);
+        ss_plain_print(stderr, "%s: %s: and %" PRId64 " more\n", program, path,
+                       found.notes - MAX_NOTES);
     }
     found.probe_count = __builtin_popcount(probes);
     return found;
@@ -226,8 +228,8 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
         ss_output_tell(&replay.csv, program);
     }
     if (replay.record != NULL) {
-        fprintf(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
-                softsim_log_path(replay.record), o->record);
+        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                       softsim_log_path(replay.record), o->record);
     }
     if (o->is_lockstep && found->probe_count > 1) {
         fprintf(stderr,
@@ -282,8 +284,8 @@ int main(int argc, char **argv)
     ss_process_catch_stop(); /* nothing is lost when a long look is simply ended */
     int status = EXIT_BAD_INPUT;
     if (found.poses == 0) {
-        fprintf(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n", program,
-                o.input);
+        ss_plain_print(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n",
+                       program, o.input);
     } else if (found.poses > INT32_MAX / o.repeat) {
         fprintf(stderr, "%s: --repeat: more poses than a seq can number\n", program);
     } else {

@@ -16,6 +16,7 @@
 
 #include "mesh/topology.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 
 #include <stdio.h>
@@ -449,19 +450,11 @@ static bool join_groups(ss_draft *d)
     return true;
 }
 
-/* Names go to terminals, and to files where a line ends a name. */
-static void clean_name(char *name)
-{
-    for (; *name != '\0'; ++name) {
-        *name = (unsigned char)*name < ' ' || *name == 0x7f ? '?' : *name;
-    }
-}
-
 static bool hand_over_groups(ss_draft *d, ss_mesh *mesh)
 {
     int32_t count = 0;
     for (int32_t g = 0; g < d->group_count; ++g) {
-        clean_name(d->group[g].name);
+        ss_plain_clean(d->group[g].name); /* goes to files too, where a line ends a name */
     }
     if (!join_groups(d)) {
         return false;

@@ -229,16 +229,11 @@ static softsim_status refuse(import *im, const char *what)
     return SOFTSIM_ERROR_FORMAT;
 }
 
-/* The first line of what it said, printable characters only. */
+/* The first line of what it said. */
 static const char *first_line(import *im)
 {
     im->text[im->text_size] = '\0';
     im->text[strcspn(im->text, "\r\n")] = '\0';
-    for (char *c = im->text; *c != '\0'; ++c) {
-        if ((unsigned char)*c < ' ' || *c == 0x7f) {
-            *c = '?';
-        }
-    }
     return im->text[0] != '\0' ? im->text : "the importer gave no reason";
 }
 

@@ -38,9 +38,6 @@ static void add_fault(ss_text *text, softsim_status status, const char *place, c
         return; /* what is missed now was said */
     }
     (void)vsnprintf(what, sizeof what, format, arguments);
-    for (char *c = what; *c != '\0'; ++c) {
-        *c = (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
-    }
     ++text->fault_count;
     text->status = text->status == SOFTSIM_OK ? status : text->status;
     softsim_error_add(text->error, status, "%s:%s %s", text->name, place, what);

@@ -20,6 +20,7 @@
 #include "rt/budget.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
@@ -123,10 +124,12 @@ static void send_reply(ss_net *net, const ss_net_command *command, int32_t code)
     publish(net, net->reply_channel, size);
 }
 
-/* Message strings may not be NULL, nor of any length. */
+/* Message strings may not be NULL, nor of any length; what a scene's path has in it that is not to
+ * be shown would make the status malformed to others. */
 static char *bounded_text(ss_net *net, int slot, const char *text)
 {
     snprintf(net->status_text[slot], STATUS_TEXT_SIZE, "%s", text != NULL ? text : "");
+    ss_plain_clean(net->status_text[slot]);
     return net->status_text[slot];
 }
 

@@ -116,7 +116,7 @@ typedef struct ss_net_status {
     int64_t utime_us;
     int32_t seq;
     double uptime_s;  /* finite, 0 or more */
-    char scene[1024]; /* longer is malformed, as is a control character */
+    char scene[1024]; /* longer is malformed, as is a control character; may be shown */
 } ss_net_status;
 softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_status *out_status);
 

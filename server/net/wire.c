@@ -25,6 +25,7 @@
 
 #include "rt/clock.h"
 #include "rt/files.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_probe_pose_t.h"
@@ -245,7 +246,7 @@ static int32_t read_int32(reader *in)
 }
 
 /* A string is its length, the NUL included, and its bytes. No NUL before the last, no control
- * character, no more than `size` bytes. */
+ * character of ASCII, no more than `size` bytes. What else is not to be shown is not taken over. */
 static void read_string(reader *in, char *out_text, int32_t size)
 {
     const int32_t length = read_int32(in);
@@ -262,6 +263,7 @@ static void read_string(reader *in, char *out_text, int32_t size)
         }
     }
     memcpy(out_text, in->at, (size_t)length);
+    ss_plain_clean(out_text);
     in->at += length;
     in->left -= length;
 }

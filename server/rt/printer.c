@@ -5,6 +5,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "rt/plain.h"
+
 void ss_say(const ss_printer *out, const char *format, ...)
 {
     char text[SS_LINE_SIZE];
@@ -12,5 +14,6 @@ void ss_say(const ss_printer *out, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    ss_plain_clean(text);
     out->line(out->sink, text);
 }

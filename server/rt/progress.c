@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "rt/clock.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 
 static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns = 100000000;
@@ -88,6 +89,7 @@ void ss_progress_begin(const char *program, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
     va_end(arguments);
+    ss_plain_clean(progress.stage);
     snprintf(progress.program, sizeof progress.program, "%s", program);
     progress.is_terminal = isatty(STDERR_FILENO) == 1;
     progress.is_ending = progress.has_stage = false;
@@ -119,6 +121,7 @@ static void name_stage(bool is_part, const char *format, va_list arguments)
     pthread_mutex_lock(&lock);
     progress.has_stage = !is_part;
     vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
+    ss_plain_clean(progress.stage);
     if (progress.is_terminal && ss_clock_now_ns() - progress.shown_ns >= redraw_ns) {
         show();
     }

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rt/plain.h"
 #include "softsim/types.h"
 
 /* Room kept free for the last line, which says how many faults are not shown. */
@@ -73,6 +74,23 @@ static int faults_not_shown(const char *text, size_t *out_start)
     return count;
 }
 
+/* Line ends that are filled in are a stranger's; those of a text that was put together before, and
+ * is all that is given, are ours. */
+static void clean(char *text, bool has_lines)
+{
+    for (char *line = text; line != NULL;) {
+        char *end = has_lines ? strchr(line, '\n') : NULL;
+        if (end != NULL) {
+            *end = '\0';
+        }
+        ss_plain_clean(line);
+        if (end != NULL) {
+            *end++ = '\n';
+        }
+        line = end;
+    }
+}
+
 void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
 {
     if (error == NULL) {
@@ -96,6 +114,7 @@ void softsim_error_add(softsim_error *error, softsim_status status, const char *
         const int length = room > 0 ? vsnprintf(line, room, format, arguments) : -1;
         va_end(arguments);
         if (used == 0 || (length >= 0 && (size_t)length < room)) {
+            clean(line, strcmp(format, "%s") == 0);
             if (used > 0) {
                 error->text[used] = '\n';
             }

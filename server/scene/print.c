@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/plain.h"
 #include "scene/region.h"
 #include "scene/source.h"
 
@@ -79,15 +80,21 @@ void ss_scene_put_text(FILE *stream, const char *text, bool is_quoted)
         return;
     }
     fputc('"', stream);
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\') {
-            fprintf(stream, "\\%c", c);
-        } else if (c < 0x20 || c == 0x7f) {
-            fprintf(stream, "\\x%02x", c);
+    for (size_t left = strlen(text); left > 0;) {
+        const unsigned char *c = (const unsigned char *)text;
+        const size_t length = ss_plain_length(text, left);
+        const size_t taken = length > 0 ? length : 1;
+        if (*c == '"' || *c == '\\') {
+            fprintf(stream, "\\%c", *c);
+        } else if (ss_plain_is_shown(text, length)) {
+            fwrite(text, 1, taken, stream);
+        } else if (length == 3) {
+            fprintf(stream, "\\u%04x", (c[0] & 0xfu) << 12 | (c[1] & 0x3fu) << 6 | (c[2] & 0x3fu));
         } else {
-            fputc(c, stream);
+            fprintf(stream, "\\x%02x", c[taken - 1]); /* of two bytes: U+0080 to U+009F */
         }
+        text += taken;
+        left -= taken;
     }
     fputc('"', stream);
 }

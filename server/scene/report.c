@@ -14,42 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/plain.h"
+
 enum {
     MESSAGE_SIZE = 640, /* bytes of one message; longer ones are cut */
     WINDOW_BEFORE = 60, /* bytes of the source line shown before the caret at most */
     WINDOW_SIZE = 100   /* bytes of the source line shown at most */
 };
-
-size_t ss_scene_character_length(const char *s, size_t size)
-{
-    const unsigned char c = (unsigned char)s[0];
-    if (c < 0x80) {
-        return (c >= 0x20 && c != 0x7f) || c == '\t' || c == '\n' || c == '\r' ? 1 : 0;
-    }
-    const size_t length = c >= 0xc2 && c < 0xe0   ? 2
-                          : c >= 0xe0 && c < 0xf0 ? 3
-                          : c >= 0xf0 && c < 0xf5 ? 4
-                                                  : 0;
-    for (size_t i = 1; i < length; i++) {
-        if (i >= size || ((unsigned char)s[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-    }
-    return length;
-}
-
-/* Is the character of `length` bytes at s safe to show? Not the line ends, the controls
- * U+0080..U+009F, the separators U+2028, U+2029 and U+202A..U+202E, which turn text around. */
-static bool is_shown(const char *s, size_t length)
-{
-    const unsigned char c = (unsigned char)s[0];
-    const unsigned char d = length > 1 ? (unsigned char)s[1] : 0;
-    if (length < 2) {
-        return length == 1 && c >= 0x20;
-    }
-    return !(c == 0xc2 && d < 0xa0) &&
-           !(c == 0xe2 && d == 0x80 && (unsigned char)s[2] >= 0xa8 && (unsigned char)s[2] <= 0xae);
-}
 
 /* Copies what may be shown, the rest as `?` (tabs as a blank); returns the columns written. */
 static size_t clean(const char *from, size_t size, char *out, size_t out_size)
@@ -57,8 +28,8 @@ static size_t clean(const char *from, size_t size, char *out, size_t out_size)
     size_t used = 0;
     size_t columns = 0;
     for (size_t i = 0; i < size && used + 5 < out_size; columns++) {
-        const size_t length = ss_scene_character_length(from + i, size - i);
-        if (!is_shown(from + i, length)) {
+        const size_t length = ss_plain_length(from + i, size - i);
+        if (!ss_plain_is_shown(from + i, length)) {
             out[used++] = from[i] == '\t' ? ' ' : '?';
             i += 1;
             continue;

@@ -54,9 +54,6 @@ void ss_scene_report_add(ss_scene_report *report, softsim_status status, ss_scen
 void ss_scene_report_file(ss_scene_report *report, ss_scene_place place, const char *path,
                           int64_t line, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
-/* Length of the UTF-8 character at s, 0 where there is none that a text may hold: broken ones, and
- * control characters other than tab and line ends. */
-size_t ss_scene_character_length(const char *s, size_t size);
 /* Line number from 1 of a byte of the scene. */
 int64_t ss_scene_report_line(const ss_scene_report *report, uint32_t offset);
 /* No further fault will be shown. */

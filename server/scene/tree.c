@@ -15,6 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/plain.h"
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 enum { BLOCK_SIZE = 1 << 16 };
@@ -403,7 +405,7 @@ static bool is_plain_text(builder *b, const char *text, size_t size)
     int32_t marks = 0;
     for (size_t i = 0; i < size;) {
         const ss_scene_place place = {b->override, (uint32_t)i, 1};
-        const size_t length = ss_scene_character_length(text + i, size - i);
+        const size_t length = ss_plain_length(text + i, size - i);
         if (length == 0) {
             refuse(b, place, "byte 0x%02x is no text; a scene is plain text in UTF-8",
                    (unsigned)(unsigned char)text[i]);

@@ -407,6 +407,75 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
     free(log);
 }
 
+/* ---- names
+ * -----------------------------------------------------------------------------------------------
+ */
+
+/* Control characters, of one byte and of two, and a line of another's making. */
+#define HOSTILE                                                                                    \
+    "n\x1b[31m\x9b"                                                                                \
+    "2J\xc2\x9bK\nforged"
+
+static void expect_harmless(const process *p, const char *what)
+{
+    const char *const text[] = {p->out, p->err};
+    assert_true(p->out_size + p->err_size > 0);
+    for (int t = 0; t < 2; ++t) {
+        if (strstr(text[t], "\nforged")) {
+            fail_msg("%s: a name forged a line: %s", what, text[t]);
+        }
+        for (const unsigned char *at = (const unsigned char *)text[t]; *at != '\0'; ++at) {
+            if ((*at < ' ' && *at != '\n') || *at >= 0x7f) { /* the name alone is not ASCII */
+                fail_msg("%s: byte 0x%02x in: %s", what, *at, text[t]);
+            }
+        }
+    }
+}
+
+static void no_name_drives_a_terminal(void **state)
+{
+    (void)state;
+    char mesh[256], scene[256], none[256];
+    snprintf(mesh, sizeof mesh, "%s", write_text(HOSTILE ".obj", GOOD_MESH));
+    snprintf(scene, sizeof scene, "%s",
+             write_text(HOSTILE ".yaml", "softsim: 1\nobject: {mesh: m.obj, units: mm, fixed: "
+                                         "[{nodes: [0, 1, 2]}]}\nmodel: {name: cnn-energy, "
+                                         "modulus_j: 1, rho: 1, " BODY));
+    write_text("m.obj", GOOD_MESH);
+    snprintf(none, sizeof none, "%s", in_folder(HOSTILE ".none"));
+    const char *const runs[][6] = {
+        {"softsimd", scene, "--check"},
+        {"softsimd", scene, "--explain"},
+        {"softsimd", scene, "--print-config"},
+        {"softsimd", scene, "--set", HOSTILE "=1"},
+        {"softsimd", none},
+        {"softsimd", mesh},
+        {"softsimd", scene, "--prefix", HOSTILE},
+        {"softsimd", scene, "--lcm-url", HOSTILE},
+        {"softsimd", HOSTILE "1", HOSTILE "2"},
+        {"softsim-run", scene, "--duration", "0.01"},
+        {"softsim-run", scene, "--poses", mesh},
+        {"softsim-run", scene, "--poses", none},
+        {"softsim-mesh", "info", mesh},
+        {"softsim-mesh", "check", mesh},
+        {"softsim-mesh", "check", mesh, "--json"},
+        {"softsim-mesh", "convert", mesh, in_folder(HOSTILE ".msh")},
+        {"softsim-mesh", "convert", mesh, none},
+        {"softsim-mesh", HOSTILE},
+        {"softsim-mesh", "info", scene},
+        {"softsim-replay", mesh},
+        {"softsim-replay", none},
+        {"softsim-bridge", "--device", HOSTILE},
+    };
+    for (size_t r = 0; r < sizeof runs / sizeof *runs; ++r) {
+        process p = {0};
+        process_run(&p, runs[r]);
+        char what[64];
+        snprintf(what, sizeof what, "%s, run %zu", runs[r][0], r);
+        expect_harmless(&p, what);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -416,6 +485,7 @@ int main(void)
         cmocka_unit_test(arguments_are_refused),
         cmocka_unit_test(poses_are_refused),
         cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),
+        cmocka_unit_test(no_name_drives_a_terminal),
     };
     return cmocka_run_group_tests_name("bad_inputs", tests, make_folder, remove_folder);
 }

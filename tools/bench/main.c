@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 
 static const struct {
@@ -59,12 +60,10 @@ static int run(int argc, char **argv)
             return reports[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(
-        stderr,
-        "softsim-bench: '%s' is none of ablation, accuracy, latency, paper, scaling, stability; "
-        "softsim-bench "
-        "--help says more\n",
-        name);
+    ss_plain_print(stderr,
+                   "softsim-bench: '%s' is none of ablation, accuracy, latency, paper, scaling, "
+                   "stability; softsim-bench --help says more\n",
+                   name);
     return 2;
 }
 

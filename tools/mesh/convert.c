@@ -8,6 +8,7 @@
 #include "command.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/plain.h"
 #include "rt/progress.h"
 
 #include <stdio.h>
@@ -53,7 +54,7 @@ static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error 
 static void print_count(const char *path, int32_t count, const char *what)
 {
     if (count > 0) {
-        (void)printf("%s: %s: %d\n", path, what, count);
+        ss_plain_print(stdout, "%s: %s: %d\n", path, what, count);
     }
 }
 
@@ -77,8 +78,8 @@ static bool print_left(const char *path, const ss_mesh *mesh)
         char numbers[160];
         if (!found[i].is_minor) {
             ss_mesh_print_fault(&found[i], numbers, sizeof numbers);
-            (void)printf("%s: left as they are: %s: %s: %s\n", path, found[i].what, numbers,
-                         found[i].remedy);
+            ss_plain_print(stdout, "%s: left as they are: %s: %s: %s\n", path, found[i].what,
+                           numbers, found[i].remedy);
         }
     }
     return true;

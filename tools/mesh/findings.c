@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "findings.h"
 
+#include "rt/plain.h"
 #include "rt/progress.h"
 
 #include <math.h>
@@ -206,17 +207,19 @@ void findings_print(const findings *f)
         print_row(f, &f->row[i]);
     }
     if (!f->is_crossing_complete) {
-        (void)printf("warning: %s: too many triangles lie about each other to look at every pair: "
-                     "there may be more that cross\n",
-                     f->path);
+        ss_plain_print(
+            stdout,
+            "warning: %s: too many triangles lie about each other to look at every pair: "
+            "there may be more that cross\n",
+            f->path);
     }
-    (void)printf("%s: %s%s\n", f->path,
-                 f->status == 0   ? "good"
-                 : f->status == 1 ? "usable with warnings"
-                                  : "unusable",
-                 f->status == 1 && f->is_refused
-                     ? " once mended: a scene refuses it as it is; softsim-mesh convert --repair"
-                     : "");
+    ss_plain_print(stdout, "%s: %s%s\n", f->path,
+                   f->status == 0   ? "good"
+                   : f->status == 1 ? "usable with warnings"
+                                    : "unusable",
+                   f->status == 1 && f->is_refused
+                       ? " once mended: a scene refuses it as it is; softsim-mesh convert --repair"
+                       : "");
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------
@@ -226,7 +229,7 @@ static void print_string(const char *text)
 {
     (void)putchar('"');
     for (const unsigned char *c = (const unsigned char *)text; *c != '\0'; ++c) {
-        if (*c < ' ' || *c == '"' || *c == '\\' || *c == 0x7f) {
+        if (*c < ' ' || *c == '"' || *c == '\\' || *c >= 0x7f) { /* as Latin-1 */
             (void)printf("\\u%04x", *c);
         } else {
             (void)putchar(*c);

@@ -16,6 +16,7 @@
 #include "mesh/import.h"
 #include "beside.h"
 #include "obj.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 
 #include <assimp/cimport.h>
@@ -268,7 +269,7 @@ static bool write_surface(const surface *s, FILE *out)
 
 static int fail(const char *what)
 {
-    (void)fprintf(stderr, "%s\n", what);
+    ss_plain_print(stderr, "%s\n", what);
     return 2;
 }
 

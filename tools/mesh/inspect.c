@@ -10,6 +10,7 @@
 #include "rt/args.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/progress.h"
 
 #include <stdio.h>
@@ -81,7 +82,7 @@ static int end(inspection *in, int status)
 
 static int fail_memory(inspection *in)
 {
-    (void)fprintf(stderr, "softsim-mesh: %s: out of memory\n", in->path);
+    ss_plain_print(stderr, "softsim-mesh: %s: out of memory\n", in->path);
     return end(in, 2);
 }
 

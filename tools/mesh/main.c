@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "command.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 
 #include <stdio.h>
@@ -51,10 +52,10 @@ static int run(int argc, char **argv)
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    (void)fprintf(stderr,
-                  "softsim-mesh: '%s' is none of info, check, convert, tetrahedralize, generate; "
-                  "softsim-mesh --help says more\n",
-                  name);
+    ss_plain_print(stderr,
+                   "softsim-mesh: '%s' is none of info, check, convert, tetrahedralize, generate; "
+                   "softsim-mesh --help says more\n",
+                   name);
     return 2;
 }
 

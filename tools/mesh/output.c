@@ -6,6 +6,7 @@
 
 #include "rt/files.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -79,7 +80,7 @@ void print_written(const ss_mesh *mesh, const char *path, const char *unit)
 {
     const char *in = unit != NULL ? ", in " : "";
     unit = unit != NULL ? unit : "";
-    (void)printf("%s: %d nodes, ", path, mesh->node_count);
+    ss_plain_print(stdout, "%s: %d nodes, ", path, mesh->node_count);
     if (mesh->tetrahedron_count > 0 && formats[find_format(path)].has_tetrahedra) {
         ss_mesh_quality quality;
         ss_mesh_measure_quality(mesh, &quality);

@@ -21,6 +21,7 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/plain.h"
 #include "rt/program.h"
 #include "rt/progress.h"
 #include "rt/real.h"
@@ -341,7 +342,7 @@ static int32_t next_poses(run *r, softsim_pose pose[SOFTSIM_MAX_PROBES],
             case SOFTSIM_POSES_END:
                 return -1;
             case SOFTSIM_POSES_NOTE:
-                fprintf(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
+                ss_plain_print(stderr, "softsim-run: %s: %s\n", r->options.poses, note);
                 continue;
             case SOFTSIM_POSES_POSE:
                 if (event.channel_probe < 0 || event.channel_probe >= SOFTSIM_MAX_PROBES) {
@@ -467,10 +468,11 @@ static void tell_turns(const run *r)
         probes += r->seq[k] > 0;
     }
     if (r->log && probes > 1) {
-        fprintf(stderr,
-                "softsim-run: %s has poses of %d probes, each takes a tick as in lockstep: tools "
-                "that moved at once move in turn, and slower; a CSV of poses moves them at once\n",
-                r->options.poses, probes);
+        ss_plain_print(
+            stderr,
+            "softsim-run: %s has poses of %d probes, each takes a tick as in lockstep: tools "
+            "that moved at once move in turn, and slower; a CSV of poses moves them at once\n",
+            r->options.poses, probes);
     }
 }
 
