@@ -222,7 +222,12 @@ static void expect_no_command_lost(const char *kind)
                                .applied_force = {NAN, NAN, NAN}};
     assert_true(softsim_client_send_pose(l.client, &pose, 0));
     start_flood(kind, "20000", "600");
-    const int64_t refused_first = listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER];
+    /* Requests beyond the budget are counted; statuses come from a second server. */
+    for (int tries = 0; listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] == 0 &&
+                        softsim_client_read_counts(l.client).second == 0;
+         ++tries) {
+        assert_true(tries < 100);
+    }
     for (int i = 0; i < COMMANDS; ++i) {
         const int32_t id = softsim_client_send_command(l.client, i % 2 ? "resume" : "pause", "");
         const int64_t deadline_ns = softsim_client_now_ns() + 60000000000;
@@ -237,9 +242,6 @@ static void expect_no_command_lost(const char *kind)
     }
     process_signal(&flooder, SIGKILL); /* it was there until now */
     assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
-    if (strcmp(kind, "command-status") == 0) {
-        assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > refused_first);
-    }
     softsim_client_close(&l.client);
     assert_int_equal(stop_daemon(), 0);
 }
