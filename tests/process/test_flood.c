@@ -64,6 +64,23 @@ static void every_program_starts_under_fragments(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* What others send to test the group neither is taken for the own test nor hides it, also where
+ * other hosts are heard. */
+static void a_server_starts_under_the_self_tests_of_others(void **state)
+{
+    (void)state;
+    static const char *const urls[] = {"udpm://239.255.76.67:7667?ttl=0",
+                                       "udpm://239.255.76.67:7667?ttl=1"};
+    start_flood("self-test", "0", "600");
+    for (int u = 0; u < 2; ++u) {
+        const char *const server[] = {"softsimd",  KIDNEY,  "--duration", "0.05",
+                                      "--lcm-url", urls[u], NULL};
+        expect_run(server);
+    }
+    process_signal(&flooder, SIGKILL); /* it was there until now */
+    assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
+}
+
 /* ---- a server under flood
  * ----------------------------------------------------------------------- */
 
@@ -266,6 +283,8 @@ int main(void)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(every_program_starts_under_fragments, make_folder, end_all),
+        cmocka_unit_test_setup_teardown(a_server_starts_under_the_self_tests_of_others, make_folder,
+                                        end_all),
         cmocka_unit_test_setup_teardown(the_holder_is_answered_under_all_kinds_at_once, make_folder,
                                         end_all),
         cmocka_unit_test_setup_teardown(poses_under_the_holders_number_change_nothing, make_folder,
