@@ -14,13 +14,13 @@
  * not passed. Bound to the group's address, the socket gets nothing that was sent to the host. All
  * our messages fit one datagram (wire.h), so fragments are not for us at all.
  *
- * A lane is one socket with its channels, or that part of a channel whose messages say the same at
- * one place, and a budget of work, in units of about 1.5 us: a wake-up
- * with its read is READ_COST of them, a message one, and one more for every BYTES_COST bytes. Light
- * traffic is read as it comes. Dense traffic spends the budget on wake-ups, and is then left until
- * there is enough for a whole batch at the price of one wake-up; what comes faster than that fills
- * the kernel's buffer of some hundred messages and is dropped there, at no cost to our threads. A
- * pose thus waits a few milliseconds at most in the worst flood.
+ * A lane is one socket with its channels, or with the part of a channel whose messages say the same
+ * at one place, and a budget of work, in units of about 1.5 us: a wake-up with its read is
+ * READ_COST of them, a message one, and one more for every BYTES_COST bytes. Light traffic is read
+ * as it comes. Dense traffic spends the budget on wake-ups, and is then left until there is enough
+ * for a whole batch at the price of one wake-up; what comes faster than that fills the kernel's
+ * buffer of some hundred messages and is dropped there, at no cost to our threads. A pose thus
+ * waits a few milliseconds at most in the worst flood.
  *
  * Alternatives rejected: LCM with `bind` interposed to attach the filter, which cures fragments
  * but neither the reader's appetite nor the missing address, and works only where liblcm is linked
