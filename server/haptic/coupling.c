@@ -29,7 +29,8 @@
  * and 1/|F| is a straight line for one contact, concave for several: Newton on 1/|F(c)| = 1/L from
  * c = 1/K needs one step there and a few else; a bracket guards it against the kinks where
  * contacts begin or end (as More and Sorensen 1983 for the step of a trust region). Where contacts
- * across e alone exceed the limit the spring softens all ways, and where R does the force is cut.
+ * across e alone exceed the limit the spring softens all ways; where that does not help, against R
+ * or a law without stiffness, the proxy stays with the stiff spring and the force is cut.
  *
  * Across e the spring stays stiff: the proxy goes sideways with the hand, beside it by as much as
  * the slip left it, and that part fades in 0.1 s (haptic.c), so that in the end the force points
@@ -53,7 +54,7 @@
 
 /* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
 #define STIFFEST 20000.0
-/* m: where L/(s K) is more, the law has no stiffness against the force, and the force is cut. */
+/* m: a slip, L c, beyond this is none: the law has no stiffness against the force. */
 #define FARTHEST 10.0
 /* Of the limit: how near the force comes to it. */
 #define LIMIT_TOLERANCE 1e-9
@@ -333,10 +334,15 @@ int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
             ss_copy3(axis, balance->axis);
         }
         (void)ss_normalize3(axis);
-        if (!soften(balance, axis, false, d, out_rest, &passes)) {
+        bool is_soft = soften(balance, axis, false, d, out_rest, &passes);
+        if (!is_soft) {
             *out_rest = stiff;
             ss_copy3(d, start);
-            (void)soften(balance, axis, true, d, out_rest, &passes);
+            is_soft = soften(balance, axis, true, d, out_rest, &passes) || ss_norm3(d) < FARTHEST;
+        }
+        if (!is_soft) {
+            *out_rest = stiff;
+            ss_copy3(d, start);
         }
     }
     ss_add3(out_rest->p, balance->p_free, d);
