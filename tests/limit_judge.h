@@ -8,7 +8,7 @@
  * was then and the same path without a limit gives at least L: |F| within .99 L .. 1.0001 L, its
  * direction turns by at most 1 degree a tick, its steps are at most 2 % of L above those of the
  * path without a limit. On the way out a body that has crept under L gives less a little deeper
- * (`late`): from there on only steps are judged, at most 15 % of L above the largest of the other
+ * (`late`): from there on only steps are judged, at most 2 % of L above the largest of the other
  * path's way out.
  * Everywhere |F| stays below the limit, and the proxy near the hand.
  */
@@ -105,5 +105,5 @@ static inline limit_verdict judge_limit(const limit_tick *tick, const limit_tick
 static inline bool is_limit_kept(const limit_verdict *v)
 {
     return v->least >= 0.99 && v->most <= 1.0001 && v->turn <= 1.0 && v->step <= 0.02 &&
-           v->leave <= 0.15;
+           v->leave <= 0.02;
 }

@@ -353,6 +353,51 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
     }
 }
 
+/* A ramp that finds no force gives none, whatever the law's offsets become meanwhile. */
+static void a_ramp_from_nothing_gives_nothing(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    for (int i = 0; i < 20; ++i) {
+        rig_tick(&r, -4e-3);
+    }
+    /* The tissue springs out to where the tool was put, as far as it was pressed in. */
+    rig_result(&r, 300.0, 4e-3, 1);
+    assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
+    rig_result(&r, 300.0, 4e-3, 1);
+    r.result.proxy[2] = 0.0;
+    assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
+    r.is_paused = true;
+    for (int i = 0; i < 25; ++i) {
+        assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
+    }
+    rig_end(&r);
+}
+
+/* Found inside, the tool goes out to the surface within a period. That jump is in the next result's
+ * velocity, and in its reaction; the hand, still outside, feels neither at once. */
+static void the_jump_to_the_surface_is_not_felt(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    double last = 0.0;
+    for (int i = 0; i < 60; ++i) {
+        rig_result(&r, 300.0, i == 0 ? 8e-3 : 2e-3, 1);
+        ss_copy3(r.result.proxy, r.out.target.proxy);
+        r.result.set.contact[0].viscosity = i == 0 ? 0.0 : 1.0;
+        r.result.velocity[2] = i == 4 ? 8.0 : 0.0;
+        r.is_new = i > 0 && i % 2 == 0;
+        const double f = rig_tick(&r, -8e-3);
+        assert_true(fabs(f - last) <= 0.02);
+        last = f;
+    }
+    rig_end(&r);
+}
+
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
 static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
 {
@@ -629,6 +674,8 @@ int main(void)
         cmocka_unit_test(late_results_ramp_with_the_fault_flag),
         cmocka_unit_test(fault_of_the_model_ramps),
         cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
+        cmocka_unit_test(a_ramp_from_nothing_gives_nothing),
+        cmocka_unit_test(the_jump_to_the_surface_is_not_felt),
         cmocka_unit_test(a_ramp_that_interrupts_an_entry_only_falls),
         cmocka_unit_test(new_holder_starts_without_force),
         cmocka_unit_test(target_has_the_whole_orientation),

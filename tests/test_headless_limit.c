@@ -59,8 +59,8 @@ static bool is_wanted(const body *b, double limit)
     static const struct {
         const char *name;
         double limit;
-    } row[] = {{"kidney", 1.0}, {"ventricle", 0.5},    {"hard liver", 8.0},  {"hard hm1", 2.0},
-               {"xpbd", 0.5},   {"corotational", 8.0}, {"mass-spring", 1.0}, {"chainmail", 2.0}};
+    } row[] = {{"kidney", 0.5},    {"ventricle", 0.5},    {"hard liver", 8.0},  {"hard hm1", 2.0},
+               {"hard xpbd", 1.0}, {"corotational", 8.0}, {"mass-spring", 1.0}, {"chainmail", 2.0}};
     bool is_row = is_all;
     /* Where sanitizers are slow the one row of each kind of contact. */
     for (size_t k = 0; k < sizeof row / sizeof *row; k += FULL_IN_RELEASE(1, 4)) {
@@ -154,6 +154,93 @@ static void a_changed_limit_flings_nothing(void **state)
         last = size;
     }
     softsim_destroy(&world);
+}
+
+/* Raised from .3 N to more than the tissue answers with at all: the force grows to what it answers
+ * where the hand is, and no further than that by 5 %. */
+static void a_limit_raised_out_of_reach_does_not_overshoot(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"kidney", "mass-spring"};
+    write_block_mesh();
+    for (int k = 0; k < 2 * BODIES; ++k) {
+        const body *b = &bodies[k % BODIES];
+        if (strcmp(b->name, names[k / BODIES]) != 0) {
+            continue;
+        }
+        softsim_world *world = make_world(b, 8.0);
+        double most = 0.0, size = 0.0;
+        set_limit(world, 0.3);
+        for (int n = 0; n < 1800; ++n) {
+            double x[3];
+            for (int a = 0; a < 3; ++a) {
+                x[a] =
+                    b->touch[a] + ((0.6 * b->depth + 0.004) * smooth(n / 500.0) - 0.004) * b->in[a];
+            }
+            if (n == 800) {
+                assert_true(fabs(size - 0.3) <= 1e-4);
+                set_limit(world, 8.0);
+            }
+            const softsim_pose pose = pose_of(n + 1, x);
+            const softsim_force force = feel(world, &pose);
+            size = limit_norm(force.force);
+            most = fmax(most, size);
+        }
+        softsim_destroy(&world);
+        print_message("%s: .3 to 8 N: %.3f N at most, %.3f N in the end\n", b->name, most, size);
+        assert_true(size > 0.9);
+        assert_true(most <= 1.05 * size);
+    }
+}
+
+/* ---- pause and resume ------------------------------------------------------------------------
+ */
+
+static void command(softsim_world *world, const char *name)
+{
+    ss_command_record record;
+    char text[256];
+    assert_int_equal(ss_world_command((ss_world *)world, name, "", &record, text, sizeof text), 0);
+}
+
+/* Pressed, and paused, resumed and reset at any moment: a ramp takes a twentieth of the force a
+ * tick, and nothing makes it grow by more than a few hundredths of a newton. */
+static void pauses_and_resets_do_not_step(void **state)
+{
+    (void)state;
+    const body *b = &bodies[0];
+    softsim_world *world = make_world(b, 8.0);
+    uint64_t random = 1;
+    bool is_paused = false;
+    double last[3] = {0.0, 0.0, 0.0}, ramp_from = 0.0, rise = 0.0, fall = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        if (n > 800 && (random >> 33) % 100 == 0) {
+            const bool is_reset = (random >> 43) % 3 == 0;
+            command(world, is_reset ? "reset" : is_paused ? "resume" : "pause");
+            is_paused = is_reset ? is_paused : !is_paused;
+        }
+        double x[3], change[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + (0.016 * smooth(n / 500.0) - 0.004) * b->in[a];
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        for (int a = 0; a < 3; ++a) {
+            change[a] = force.force[a] - last[a];
+        }
+        const double size = limit_norm(force.force);
+        if (n > 800) {
+            rise = fmax(rise, size - limit_norm(last));
+            fall = fmax(fall, limit_norm(change) - ramp_from / 20.0);
+        }
+        ramp_from = size > limit_norm(last) || size == 0.0 ? size : fmax(ramp_from, size);
+        memcpy(last, force.force, sizeof last);
+    }
+    softsim_destroy(&world);
+    print_message("pauses and resets: up by %.3f N a tick at most, other steps %.3f N\n", rise,
+                  fall);
+    assert_true(rise <= 0.05 && fall <= 0.05);
 }
 
 /* ---- a grasp -------------------------------------------------------------------------------- */
@@ -265,10 +352,19 @@ static void hands_press_without_a_motor(void **state)
         }
         ss_felt felt;
         move_hand(b, limit, n % 3, &felt);
-        const bool is_still = felt.net_energy_j.value >= -1e-3 && felt.chatter_m.value < 0.05e-3;
-        print_message("%s, %g N, %s: %d contacts, chatter %.4f mm at %.0f Hz, net %.3f mJ%s\n",
-                      b->name, limit, names[n % 3], felt.contacts, 1e3 * felt.chatter_m.value,
-                      felt.chatter_hz, 1e3 * felt.net_energy_j.value, is_still ? "" : ": BAD");
+        /* A light hand on stiff tissue rings down from touching it, at 13 Hz, without a limit too:
+         * the limit adds nothing to that (a tenth: how it lands is another). */
+        double most = 0.05e-3;
+        if (felt.chatter_m.value >= most) {
+            ss_felt open;
+            move_hand(b, 100.0, n % 3, &open);
+            most = 1.1 * open.chatter_m.value;
+        }
+        const bool is_still = felt.net_energy_j.value >= -1e-3 && felt.chatter_m.value <= most;
+        print_message(
+            "%s, %g N, %s: %d contacts, chatter %.4f mm at %.0f Hz of %.4f, net %.3f mJ%s\n",
+            b->name, limit, names[n % 3], felt.contacts, 1e3 * felt.chatter_m.value,
+            felt.chatter_hz, 1e3 * most, 1e3 * felt.net_energy_j.value, is_still ? "" : ": BAD");
         is_good = is_good && is_still;
     }
     assert_true(is_good);
@@ -280,6 +376,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slow_press_stays_at_the_limit),
         cmocka_unit_test(a_changed_limit_flings_nothing),
+        cmocka_unit_test(a_limit_raised_out_of_reach_does_not_overshoot),
+        cmocka_unit_test(pauses_and_resets_do_not_step),
         cmocka_unit_test(a_grasp_drawn_at_the_limit_flings_nothing),
         cmocka_unit_test(hands_press_without_a_motor),
     };

@@ -23,8 +23,12 @@
 #define VELOCITY_CORNER 50.0 /* Hz: one position count a millisecond is 30 mm/s */
 #define SPEED_MAX       10.0 /* m/s: no hand is faster; bounds what a bad clock can do */
 /* s: in which a proxy that slipped out comes over the hand. */
-#define ASIDE_TIME       0.1
-#define RISE_SPEED       0.1   /* m/s: over the coupling's stiffness, of a limit that is raised */
+#define ASIDE_TIME 0.1
+/* How a limit that is raised lets the slip go: at most as fast as a hand presses, in time with what
+ * is left of it, and not without end. */
+#define RISE_SPEED       0.1   /* m/s */
+#define RISE_TIME        0.1   /* s */
+#define RISE_SPEED_MIN   0.005 /* m/s */
 #define NEGLIGIBLE       1e-9  /* m */
 #define NEGLIGIBLE_FORCE 1e-9  /* N */
 #define FORCE_MIN        1e-6  /* N: least limit */
@@ -51,6 +55,7 @@ struct ss_haptic {
     double spring;       /* K_c */
     double limit;        /* N, of the force; follows config.max_force */
     double share;        /* of the coupling that is left: 1 below the limit */
+    double slip;         /* m, out of the tissue, beyond what the force stretches the coupling */
     double direction[3]; /* of the law's force, unit or 0 */
     double aside[3];     /* m, from hand to proxy across that, left by the limit */
     bool is_letting_go;  /* of a grasp at the limit, in this tick: all of the slip is left */
@@ -66,6 +71,7 @@ struct ss_haptic {
     uint32_t grasp_edges, teleports;
     double last_force[3];
     double shift[3]; /* m, from the hand to the pose used: what is not let in yet */
+    double ramp_from; /* N, the force before a ramp */
     uint64_t digest;
     ss_haptic_output output;
     ss_observer observer;
@@ -285,6 +291,7 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     if (ss_admission_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
                                      haptic->pose.position)) {
         ss_admission_enter(&haptic->gate, tick, true, point, normal);
+        law->viscous = 0.0;
         /* The proxy goes out to the surface, at once. */
         used_pose(haptic, tick, haptic->p, v);
         ++haptic->teleports;
@@ -372,8 +379,21 @@ static double slew_step(const ss_haptic *haptic, int64_t tick)
     return ticks * haptic->config.max_slew * haptic->config.period;
 }
 
+/* dF/dx that the hand feels along the normal: coupling and tissue in series. */
+static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
+{
+    double tissue[3][3];
+    double k = 0.0;
+    ss_law_stiffness(&haptic->law, true, tissue);
+    for (int r = 0; r < 3; ++r) {
+        k += normal[r] * ss_dot3(tissue[r], normal);
+    }
+    return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
+}
+
 /* A limit that is changed while the force is at it moves there, and the proxy with it: down as fast
- * as the force may, up no faster than a hand presses, which the tissue can follow. */
+ * as the force may, up so that the tissue can follow. Up as fast as the coupling's stiffness let
+ * it, the kidney was pressed at .3 m/s and answered with 14 % more than where it came to rest. */
 static void update_limit(ss_haptic *haptic, int64_t tick)
 {
     const double wanted = haptic->config.max_force;
@@ -381,9 +401,12 @@ static void update_limit(ss_haptic *haptic, int64_t tick)
     if (wanted < haptic->limit) {
         const double from = fmin(haptic->limit, ss_norm3(haptic->last_force));
         haptic->limit = fmax(wanted, from - step);
+        /* The proxy goes out as fast as that asks: what is viscous in the tissue holds it back. */
+        haptic->law.viscous = 1.0;
     } else if (haptic->share < 1.0) {
-        const double rise = RISE_SPEED * haptic->observer.limit * haptic->config.period;
-        haptic->limit = fmin(wanted, haptic->limit + fmin(step, rise));
+        const double speed = fmin(RISE_SPEED, fmax(RISE_SPEED_MIN, haptic->slip / RISE_TIME));
+        const double rise = speed * felt_stiffness(haptic, haptic->direction);
+        haptic->limit = fmin(wanted, haptic->limit + fmin(step, rise * haptic->config.period));
     } else {
         haptic->limit = wanted;
     }
@@ -460,6 +483,9 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
         ss_law_extrapolate(law, config, tick, out_force);
     }
     const bool is_cut = ss_limit_force(out_force, haptic->limit);
+    double off[3];
+    ss_sub3(off, rest.p, x);
+    haptic->slip = ss_dot3(off, haptic->direction) - ss_norm3(out_force) / haptic->spring;
     haptic->share = rest.share;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
@@ -501,22 +527,17 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_f
     }
 }
 
-/* dF/dx that the hand feels along the normal: coupling and tissue in series. */
-static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
-{
-    double tissue[3][3];
-    double k = 0.0;
-    ss_law_stiffness(&haptic->law, true, tissue);
-    for (int r = 0; r < 3; ++r) {
-        k += normal[r] * ss_dot3(tissue[r], normal);
-    }
-    return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
-}
-
 /* After 24 days at 1 kHz the numbers begin again. */
 static int32_t next_seq(int32_t seq)
 {
     return seq < INT32_MAX ? seq + 1 : 1;
+}
+
+/* What of the force the gate lets through; nothing of one that begins within a ramp. */
+static double gain_of(const ss_haptic *haptic, int64_t tick)
+{
+    const bool is_new = haptic->gate.phase == SS_PHASE_RAMPING && !(haptic->ramp_from > 0.0);
+    return is_new ? 0.0 : ss_admission_gain(&haptic->gate, tick);
 }
 
 static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
@@ -525,7 +546,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     softsim_force *force = &haptic->output.force;
     const double size = ss_norm3(whole);
     const int32_t active = ss_law_active_count(&haptic->law);
-    const bool is_in_contact = active > 0 && ss_admission_gain(&haptic->gate, input->tick) > 0.0;
+    const bool is_in_contact = active > 0 && gain_of(haptic, input->tick) > 0.0;
     force->seq = next_seq(force->seq);
     force->sender = haptic->pose.sender;
     force->probe = haptic->pose.probe;
@@ -701,7 +722,14 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
                          bool is_limited, int32_t *inout_flags, double out_sent[3])
 {
-    ss_scale3(out_sent, whole, ss_admission_gain(&haptic->gate, input->tick));
+    const double gain = gain_of(haptic, input->tick);
+    ss_scale3(out_sent, whole, gain);
+    if (haptic->gate.phase == SS_PHASE_RAMPING) {
+        /* What the law makes of its offsets meanwhile is none of the ramp's. */
+        ss_limit_force(out_sent, gain * haptic->ramp_from);
+    } else {
+        haptic->ramp_from = ss_norm3(out_sent);
+    }
     const double step = slew_step(haptic, input->tick);
     is_limited = ss_limit_slew(out_sent, haptic->last_force, step) || is_limited;
     *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
@@ -725,7 +753,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_law_active_count(&haptic->law) > 0, tick);
         step_gate(haptic, input, begins);
-        ss_law_decay(&haptic->law, haptic->config.period, haptic->share < 1.0);
+        ss_law_decay(&haptic->law, haptic->config.period,
+                     haptic->share < 1.0 ? 1.0 : ss_admission_left(&haptic->gate, tick));
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, tick, x, v);
         update_grasp(haptic, input, is_fresh, x);

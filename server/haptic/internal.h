@@ -68,12 +68,17 @@ typedef struct ss_law {
     ss_law_held held;
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
-    double slowness;      /* s, of the offsets' decay; left by the limit */
-    double proxy[3];      /* p_k */
-    double velocity[3];   /* v_k */
-    double depth;         /* m, penetration that the model has not yet yielded to */
-    double residual[3];   /* N, decaying: what an update changed beyond the contacts' offsets */
-    double released[3];   /* N, decaying: the force of a grasp let go */
+    double slowness;      /* s, of the offsets' decay; left by the limit or an entry */
+    /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
+     * rests at the limit joins a hand that comes out in one tick; one found inside goes out to the
+     * surface, and the next result's velocity is that way in a period. What they would say comes
+     * with the results, and goes through the offsets. */
+    double viscous;
+    double proxy[3];    /* p_k */
+    double velocity[3]; /* v_k */
+    double depth;       /* m, penetration that the model has not yet yielded to */
+    double residual[3]; /* N, decaying: what an update changed beyond the contacts' offsets */
+    double released[3]; /* N, decaying: the force of a grasp let go */
 } ss_law;
 
 /* One row of the balance: F(p) = max(0, free_force - slope n.(p - p_free)). */
@@ -108,8 +113,9 @@ typedef struct ss_rest {
 } ss_rest;
 
 void ss_law_clear(ss_law *law);
-/* Lets offsets decay by one period; slower while the force is at its limit. */
-void ss_law_decay(ss_law *law, double period, bool is_limited);
+/* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
+ * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. */
+void ss_law_decay(ss_law *law, double period, double apart);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
@@ -231,6 +237,8 @@ typedef struct ss_admission_input {
 
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */
 bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
+/* Share of the depth that entering has not let in yet. */
+double ss_admission_left(const ss_admission *gate, int64_t tick);
 /* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
 bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
                                   double depth, const double x[3]);

@@ -48,10 +48,13 @@
  * limit, and the offsets' decay is the gain of that loop: with 4 ms it swings where the touched
  * tissue is heavy (a ventricle of soft tissue at 0.5 N: reactions of 0 to 14 times the limit), with
  * 30 ms in a lattice of springs, from 60 ms on in none of the models. */
-#define LIMITED_TIME 0.060
-/* s: in which it comes back to what it was, so that no offset is let go at once. */
-#define AFTER_LIMIT 0.020
-#define NEGLIGIBLE  1e-6 /* N: a decayed offset ends here */
+#define APART_TIME 0.060
+/* s: in which it comes back to what it was, so that no offset is let go at once. At .5 N, in 3 ms a
+ * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is .18 N off its
+ * reaction, in 5 ms .05 N. */
+#define TOGETHER_TIME   0.005
+#define NEGLIGIBLE      1e-6 /* N: a decayed offset ends here */
+#define NEGLIGIBLE_TIME 1e-6 /* s: and here what slowed it */
 /* s, B <= 3 ms x k_n. A fast simulation's step tangent is mostly the inertia of the touched tissue;
  * times the steps of a quantised position it is noise: at 1000 Hz 3.3 % buzz and 18 % continuity
  * with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either. */
@@ -60,6 +63,7 @@
 void ss_law_clear(ss_law *law)
 {
     memset(law, 0, sizeof *law);
+    law->viscous = 1.0;
 }
 
 static double offset_time(const ss_law *law)
@@ -75,10 +79,14 @@ static void decay3(double v[3], double factor)
     }
 }
 
-void ss_law_decay(ss_law *law, double period, bool is_limited)
+void ss_law_decay(ss_law *law, double period, double apart)
 {
     const double usual = offset_time(law);
-    law->slowness = is_limited ? LIMITED_TIME : law->slowness * exp(-period / AFTER_LIMIT);
+    law->slowness = fmax(apart * APART_TIME, law->slowness * exp(-period / TOGETHER_TIME));
+    law->slowness = law->slowness > NEGLIGIBLE_TIME ? law->slowness : 0.0;
+    const double still = 1.0 - law->viscous;
+    const double reaction = apart > still ? APART_TIME : TOGETHER_TIME;
+    law->viscous = 1.0 - apart - (still - apart) * exp(-period / reaction);
     const double factor = exp(-period / usual);
     const double kept = exp(-period / fmax(usual, law->slowness));
     for (int32_t i = 0; i < law->count; ++i) {
@@ -130,7 +138,7 @@ static double contact_force(const ss_law *law, ss_law_contact *c, const double x
     ss_sub3(from_x, p, x);
     const double rise = ss_dot3(c->normal, from_k) - height + ss_dot3(c->direction, from_x);
     const double speed = ss_dot3(c->direction, pdot) - ss_dot3(c->normal, law->velocity);
-    return c->force - c->stiffness * rise - c->viscosity * speed + c->offset;
+    return c->force - c->stiffness * rise - law->viscous * c->viscosity * speed + c->offset;
 }
 
 /* What hold and linear hand out in place of the law: bounded growth from the last two results. */
@@ -430,7 +438,7 @@ void ss_law_rows(ss_law *law, double period, const double x[3], const double p[3
         ss_law_contact *c = &law->contact[i];
         ss_balance_row *row = &balance->row[i];
         row->free_force = contact_force(law, c, x, balance->p_free, pdot);
-        row->slope = c->stiffness + c->viscosity / period;
+        row->slope = c->stiffness + law->viscous * c->viscosity / period;
         ss_copy3(row->normal, c->direction);
     }
     if (law->held.is_held) {

@@ -39,8 +39,7 @@ static void begin(ss_admission *gate, ss_phase phase, int64_t tick)
     gate->since = tick;
 }
 
-/* Share of the depth that entering has not let in yet. */
-static double entry_left(const ss_admission *gate, int64_t tick)
+double ss_admission_left(const ss_admission *gate, int64_t tick)
 {
     return gate->phase == SS_PHASE_ENTERING
                ? fmax(0.0, 1.0 - (double)(tick - gate->since) / SS_ENTRY_TICKS)
@@ -100,7 +99,7 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
         if (is_barred(gate) || input->is_reset) {
             /* From the tick of silence, though the thread may have slept through it. */
             const bool is_silence = gate->is_stale && !input->is_reset;
-            gate->held_back = entry_left(gate, tick);
+            gate->held_back = ss_admission_left(gate, tick);
             begin(gate, SS_PHASE_RAMPING, is_silence ? input->pose_tick + SS_WATCHDOG_TICKS : tick);
         }
         return false;
@@ -154,7 +153,8 @@ void ss_admission_follow(ss_admission *gate, double period, const double point[3
 
 void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3])
 {
-    const double left = gate->phase == SS_PHASE_RAMPING ? gate->held_back : entry_left(gate, tick);
+    const double left =
+        gate->phase == SS_PHASE_RAMPING ? gate->held_back : ss_admission_left(gate, tick);
     if (!(left > 0.0)) {
         return;
     }
