@@ -398,6 +398,27 @@ static void the_jump_to_the_surface_is_not_felt(void **state)
     rig_end(&r);
 }
 
+/* Two hands found at different depths under one point of the surface: their forces, both none yet,
+ * and proxies are the same to the bit, and will not be. */
+static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    uint64_t hash[2];
+    for (int k = 0; k < 2; ++k) {
+        const double depth = k == 0 ? 0x1p-8 : 0x1p-7;
+        rig r;
+        rig_start(&r, &config);
+        rig_tick(&r, -depth);
+        rig_result(&r, 512.0, depth, 1);
+        assert_near(rig_tick(&r, -depth), 0.0, 0.0);
+        assert_near(r.out.force.proxy[2], 0.0, 0.0);
+        hash[k] = ss_haptic_hash(r.haptic, 1);
+        rig_end(&r);
+    }
+    assert_true(hash[0] != hash[1]);
+}
+
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
 static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
 {
@@ -676,6 +697,7 @@ int main(void)
         cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
         cmocka_unit_test(a_ramp_from_nothing_gives_nothing),
         cmocka_unit_test(the_jump_to_the_surface_is_not_felt),
+        cmocka_unit_test(the_hash_tells_hands_apart_before_their_forces_do),
         cmocka_unit_test(a_ramp_that_interrupts_an_entry_only_falls),
         cmocka_unit_test(new_holder_starts_without_force),
         cmocka_unit_test(target_has_the_whole_orientation),

@@ -698,6 +698,33 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
     ss_add3(out_position, target->proxy, move);
 }
 
+/* What no force has shown yet, and later ones will: the pose, and what the limit, an update, a
+ * grasp let go and an entry leave. */
+static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
+{
+    const ss_law *law = &haptic->law;
+    const double *const vector[] = {haptic->pose.position,
+                                    haptic->pdot,
+                                    haptic->direction,
+                                    haptic->aside,
+                                    law->held.value,
+                                    law->residual,
+                                    law->released,
+                                    haptic->gate.entry_point,
+                                    haptic->left.position,
+                                    law->held.position,
+                                    haptic->gate.entry_normal};
+    const double number[] = {haptic->share, haptic->slip,           law->slowness,
+                             law->viscous,  haptic->gate.held_back, haptic->ramp_from};
+    const uint8_t flag[] = {haptic->has_let_go, haptic->is_pressed, haptic->is_returning,
+                            law->held.is_held};
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
+        hash = hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
+    }
+    hash = hash_bytes(hash, number, sizeof number);
+    return hash_bytes(hash, flag, sizeof flag);
+}
+
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
@@ -715,7 +742,7 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
         const double contact[2] = {haptic->law.contact[i].value, haptic->law.contact[i].offset};
         hash = hash_bytes(hash, contact, sizeof contact);
     }
-    return hash;
+    return haptic->has_pose ? hash_hidden(haptic, hash) : hash;
 }
 
 /* The ramp's share of the force, and the slew limit. */
