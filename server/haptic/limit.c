@@ -28,6 +28,9 @@
 #define MODEL_TIMEOUT 0.5
 /* s: smoothing of the surface while entering. */
 #define ENTRY_SMOOTHING 0.02
+/* m/s: no faster than this after a surface that gives way, or is another: the tool would be let in.
+ */
+#define ENTRY_SPEED 0.05
 /* s: so long after placing, tissue that was flung away by the tool may come back to it; */
 #define SETTLING 0.1
 /* m: depth beyond the hand's own way that tells so. */
@@ -142,8 +145,13 @@ void ss_admission_follow(ss_admission *gate, double period, const double point[3
                          const double normal[3])
 {
     const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
+    double move[3];
+    ss_sub3(move, point, gate->entry_point);
+    ss_scale3(move, move, share);
+    const double inward = -ss_dot3(move, gate->entry_normal);
+    ss_madd3(move, move, fmax(0.0, inward - ENTRY_SPEED * period), gate->entry_normal);
+    ss_add3(gate->entry_point, gate->entry_point, move);
     for (int i = 0; i < 3; ++i) {
-        gate->entry_point[i] += share * (point[i] - gate->entry_point[i]);
         gate->entry_normal[i] += share * (normal[i] - gate->entry_normal[i]);
     }
     if (ss_normalize3(gate->entry_normal) == 0.0) {
