@@ -70,7 +70,7 @@ struct ss_haptic {
     int64_t bad_inputs;
     uint32_t grasp_edges, teleports;
     double last_force[3];
-    double shift[3]; /* m, from the hand to the pose used: what is not let in yet */
+    double shift[3];  /* m, from the hand to the pose used: what is not let in yet */
     double ramp_from; /* N, the force before a ramp */
     uint64_t digest;
     ss_haptic_output output;
