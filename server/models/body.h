@@ -177,7 +177,7 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
 /* Something acted: raises the verdict of the present step to at least `verdict` and sets its reason
  * (static text) and fault bits. */
 void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, const char *reason);
-/* The element at fault or that limits the step, for ss_model_info; -1 none. */
+/* What is at fault or limits the step, a tetrahedron or a node as ss_model_info has it; -1 none. */
 void ss_body_set_worst_element(ss_body *body, int32_t element);
 void ss_body_set_active_nodes(ss_body *body, int32_t count);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */

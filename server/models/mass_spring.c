@@ -306,7 +306,7 @@ static void judge_turned(const ss_model *model)
         if (!(ss_dot3(n, side[2]) > 0.0)) {
             ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0,
                           "tetrahedra are turned inside out, and springs may keep them so");
-            ss_body_set_worst_element(model->body, t);
+            ss_body_set_worst_element(model->body, c[0]);
             return;
         }
     }

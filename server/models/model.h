@@ -85,7 +85,7 @@ typedef struct ss_model_info {
     int64_t step;
     int32_t substeps; /* of the last step */
     int32_t active_nodes;
-    int32_t worst_element; /* -1 none */
+    int32_t worst_element; /* a tetrahedron where needs_volume, else a node; -1 none */
     uint32_t fault_bits;
     softsim_verdict verdict;
     const char *reason; /* static text; "" when good */
