@@ -12,32 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "haptic/haptic.h"
-#include "haptic/internal.h"
-#include "rt/vec.h"
-
-#define T  1e-3
-#define PI 3.14159265358979323846
-
-static void check_near(double value, double expected, double tolerance, int line)
-{
-    if (!(fabs(value - expected) <= tolerance)) {
-        print_error("line %d: %.17g is not %.17g +- %g\n", line, value, expected, tolerance);
-        fail();
-    }
-}
-#define assert_near(value, expected, tolerance) check_near(value, expected, tolerance, __LINE__)
-
-static ss_haptic_config default_config(void)
-{
-    return (ss_haptic_config){.period = T,
-                              .between_steps = SS_BETWEEN_LOCAL,
-                              .max_force = 8.0,
-                              .max_slew = 2000.0,
-                              .stiffness = 1e5,
-                              .damping = 0.0,
-                              .is_lockstep = true};
-}
+#include "haptic_fixture.h"
 
 /* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over N
  * ticks of a full period (the sum in closed form). */

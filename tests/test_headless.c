@@ -7,6 +7,7 @@
 static void an_organ_is_felt_and_comes_back(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force last;
     double peak;
@@ -53,6 +54,7 @@ static void two_tools_close_together_keep_the_ledger(void **state)
 static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];
     double early = 0.0, largest_step = 0.0, before = 0.0;
@@ -143,6 +145,7 @@ static void a_run_without_a_clock_has_no_budget(void **state)
         {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
          "simulation.max_substeps=2"},
     };
+    const int32_t ticks = FULL_IN_RELEASE(150, 10);
     uint64_t hash[3];
     softsim_state s[3];
     for (int run = 0; run < 3; ++run) {
@@ -153,7 +156,7 @@ static void a_run_without_a_clock_has_no_budget(void **state)
         config.import_program = BIN_DIR "/softsim-import";
         softsim_world *world = softsim_create(KIDNEY, &config, &error);
         assert_non_null(world);
-        for (int32_t k = 0; k < 150; ++k) {
+        for (int32_t k = 0; k < ticks; ++k) {
             softsim_force force[SOFTSIM_MAX_PROBES];
             const softsim_pose pose =
                 pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.001 - 0.004 * smooth(k / 150.0));

@@ -59,11 +59,11 @@ static bool is_wanted(const body *b, double limit)
     static const struct {
         const char *name;
         double limit;
-    } row[] = {{"kidney", 0.5},    {"ventricle", 0.5},    {"hard liver", 8.0},  {"hard hm1", 2.0},
-               {"hard xpbd", 1.0}, {"corotational", 8.0}, {"mass-spring", 1.0}, {"chainmail", 2.0}};
+    } row[] = {{"mass-spring", 1.0}, {"kidney", 0.5},    {"ventricle", 0.5},    {"hard liver", 8.0},
+               {"hard hm1", 2.0},    {"hard xpbd", 1.0}, {"corotational", 8.0}, {"chainmail", 2.0}};
+    const size_t count = FULL_IN_RELEASE(sizeof row / sizeof *row, 1); /* the lightest alone */
     bool is_row = is_all;
-    /* Where sanitizers are slow the one row of each kind of contact. */
-    for (size_t k = 0; k < sizeof row / sizeof *row; k += FULL_IN_RELEASE(1, 4)) {
+    for (size_t k = 0; k < count; ++k) {
         is_row = is_row || (strcmp(b->name, row[k].name) == 0 && limit == row[k].limit);
     }
     return is_row;
@@ -124,6 +124,7 @@ static void set_limit(softsim_world *world, double limit)
 static void a_changed_limit_flings_nothing(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
     const body *b = &bodies[0];
     softsim_world *world = make_world(b, 8.0);
@@ -250,6 +251,7 @@ static void pauses_and_resets_do_not_step(void **state)
 static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const double limit[2] = {2.0, 8.0};
     const body *b = &bodies[0];
     for (int k = 0; k < 2; ++k) {

@@ -255,7 +255,7 @@ static void damaged_files_harm_nobody(void **unused)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(damaged_files_harm_nobody)};
-    wanted = argc > 1 ? atoi(argv[1]) : FULL_IN_RELEASE(40, 10);
+    wanted = argc > 1 ? atoi(argv[1]) : FULL_IN_LONG_RUN(40, FULL_IN_RELEASE(20, 10));
     make_obj(&seeds[0]);
     make_text_stl(&seeds[1]);
     make_binary_stl(&seeds[2]);

@@ -9,7 +9,7 @@ static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_
     softsim_world *world = make_world(threads, set, set_count);
     softsim_force last;
     double peak;
-    press_and_release(world, FULL_IN_RELEASE(300, 75), 0.006, &last, &peak);
+    press_and_release(world, FULL_IN_RELEASE(300, 30), 0.006, &last, &peak);
     const uint64_t hash = softsim_hash(world);
     softsim_destroy(&world);
     return hash;

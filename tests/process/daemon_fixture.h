@@ -34,9 +34,23 @@ static inline int tear_down(void **state)
     return remove_folder(state);
 }
 
-static inline void start_daemon(const char *const *extra)
+/* A tube of 360 nodes with the kidney's model and tools: for all that is not felt. */
+static inline const char *tube(void)
 {
-    const char *argv[24] = {"softsimd", KIDNEY};
+    return write_text("tube.yaml",
+                      "softsim: 1\n"
+                      "object:\n  mesh: " SCENES "cylinder.obj\n  units: cm\n"
+                      "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.019]]}]\n"
+                      "model: {name: cnn-energy, modulus_j: 5, rho: 1, area_density_kg_m2: 11.5,\n"
+                      "  damping_n_s_per_m3: 1725, rest_stiffness_n_per_m3: 5.0e+4}\n"
+                      "contact:\n  tools:\n"
+                      "    - {probe: 0, shape: {sphere: {radius_mm: 5}}}\n"
+                      "    - {probe: 1, shape: {sphere: {radius_mm: 6}}}\n");
+}
+
+static inline void start_daemon(const char *scene, const char *const *extra)
+{
+    const char *argv[24] = {"softsimd", scene};
     int count = 2;
     while (extra && *extra) {
         argv[count++] = *extra++;

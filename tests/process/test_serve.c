@@ -49,7 +49,7 @@ static void obeys_commands(void **state)
 {
     (void)state;
     watch w;
-    start_daemon(NULL);
+    start_daemon(tube(), NULL);
     watch_open(&w);
     expect_reply(&w, "pause", "", 0);
     expect_reply(&w, "resume", "", 0);
@@ -64,7 +64,7 @@ static void obeys_commands(void **state)
     assert_int_equal(process_finish(&daemon_process), 0);
 
     const char *const closed[] = {"--no-commands", NULL};
-    start_daemon(closed);
+    start_daemon(tube(), closed);
     expect_reply(&w, "status", "", 0);
     expect_reply(&w, "shutdown", "", 1);
     watch_close(&w);
@@ -152,7 +152,7 @@ static void monitor_sends_commands(void **state)
                  {"set haptic.between_steps=hold", "haptic.between_steps = hold (was local)\n", 0},
                  {"set haptic.max_force_n=-5", "haptic.max_force_n is -5", 2},
                  {"dance", "unknown command 'dance'", 2}};
-    start_daemon(NULL);
+    start_daemon(tube(), NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const char *const argv[] = {"softsim-monitor", "--command", cases[i].command, NULL};
         const int status = process_run(&client, argv);
@@ -169,7 +169,7 @@ static void monitor_sends_commands(void **state)
 
     const char *const closed[] = {"--no-commands", NULL};
     const char *const argv[] = {"softsim-monitor", "--command", "pause", NULL};
-    start_daemon(closed);
+    start_daemon(tube(), closed);
     assert_int_equal(process_run(&client, argv), 1);
     assert_non_null(strstr(client.out, "refused"));
     assert_int_equal(stop_daemon(), 0);
@@ -197,7 +197,7 @@ static void a_slow_server_says_so(void **state)
         "--set", "model.area_density_kg_m2=1e-6", "--set", "model.damping_n_s_per_m3=1",
         "--set", "simulation.max_substeps=1000",  NULL};
     watch w;
-    start_daemon(slow);
+    start_daemon(KIDNEY, slow);
     watch_open(&w);
     watch_until(&w, says_slow, "a status that is degraded");
     watch_until(&w, says_slow_and_how_much, "a status that tells a rate");
@@ -217,7 +217,7 @@ static void a_slow_server_says_so(void **state)
 static void monitor_prints_one_status(void **state)
 {
     (void)state;
-    start_daemon(NULL);
+    start_daemon(tube(), NULL);
     const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
     assert_int_equal(process_run(&client, monitor), 0);
     assert_non_null(strstr(client.out, "\"model\": \"cnn-energy\""));
@@ -246,7 +246,7 @@ static void no_fragment_crashes_server_or_client(void **state)
     (void)state;
     const int fd = socket(AF_INET, SOCK_DGRAM, 0);
     assert_true(fd >= 0);
-    start_daemon(NULL);
+    start_daemon(tube(), NULL);
     const char *const monitor[] = {"softsim-monitor", NULL};
     process_start(&client, monitor, NULL);
     assert_true(process_wait_for(&client, "step"));
@@ -264,10 +264,6 @@ static void no_fragment_crashes_server_or_client(void **state)
 
 int main(void)
 {
-    if (!process_isolate()) {
-        fprintf(stderr, "skipped: no private network namespace allowed here\n");
-        return 77;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(obeys_commands, make_folder, tear_down),
         cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, make_folder,
@@ -278,5 +274,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, make_folder,
                                         tear_down),
     };
-    return cmocka_run_group_tests_name("serve", tests, NULL, NULL);
+    return PROCESS_RUN_GROUP("serve", tests, NULL, NULL);
 }
