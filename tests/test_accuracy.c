@@ -521,6 +521,7 @@ static int count_parts(const char *name)
 static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     double field[2];
     if (ss_model_find("cnn-energy") == NULL) {
         skip();
@@ -559,6 +560,7 @@ static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     ss_accuracy_rows first, second;
     if (ss_model_find("cnn-energy") == NULL) {
         skip();

@@ -261,6 +261,7 @@ static void settled_columns_are_those_of_the_direct_solve(void **state)
 static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     for (int trial = 0; trial < 3; ++trial) {
         setup s;
         literal net;
@@ -490,6 +491,7 @@ static int32_t states_in_use(const setup *s)
 static void cells_spread_while_touched_and_start_anew_after(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup settled, s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, same[SOFTSIM_MAX_PROBES] = {{0}};
     setup_relaxing(&settled, 0.0);
@@ -557,6 +559,7 @@ static uint64_t hash_after_press(setup *s)
 static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     uint64_t hash[4];
     for (int k = 0; k < 3; ++k) {
         setup s;
