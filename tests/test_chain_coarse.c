@@ -261,7 +261,6 @@ static void saturation_never_reached_changes_nothing(void **state)
 static void saturated_cells_are_calm_with_two_levels(void **state)
 {
     (void)state;
-    SKIP_WHERE_REPEATED();
     double middle[2];
     for (int which = 0; which < 2; ++which) {
         int32_t node[PATCH];

@@ -246,7 +246,6 @@ static void teleport_ends_well(void **state)
 static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
 {
     (void)state;
-    SKIP_WHERE_REPEATED();
     for (int guarded = 0; guarded < 2; ++guarded) {
         setup s;
         int32_t node[1] = {SIDE * SIDE * (LAYERS - 1) + SIDE * SIDE / 2};

@@ -559,7 +559,6 @@ static uint64_t hash_after_press(setup *s)
 static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
 {
     (void)state;
-    SKIP_WHERE_REPEATED();
     uint64_t hash[4];
     for (int k = 0; k < 3; ++k) {
         setup s;

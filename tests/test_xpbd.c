@@ -192,7 +192,6 @@ static void no_stiffness_is_too_much_for_a_step(void **state)
 static void a_crushed_body_gets_its_shape_back(void **state)
 {
     (void)state;
-    SKIP_WHERE_REPEATED();
     for (int n = 0; n < 2; ++n) {
         setup s;
         int32_t node[2] = {62, 42};

@@ -6,10 +6,11 @@
 #   tools/test.sh [--quick | --long]
 #     --quick: release only
 #     --long:  every test in every build at its full size, which release runs already but for the
-#              longest; all of it built with clang too, and a minute for each fuzzer
+#              longest, and under every check of undefined behaviour; all of it built with clang
+#              too, and a minute for each fuzzer
 set -euo pipefail
 cd "$(dirname "$0")/.."
-quick="" long="" fuzz_s=2
+quick="" long="" fuzz_s=2 all_checks=OFF
 if [ $# -gt 1 ]; then
   echo "test.sh: '$2' is one argument too many; use --quick or --long" >&2
   exit 2
@@ -17,7 +18,7 @@ fi
 case "${1:-}" in
   "") ;;
   --quick) quick=1 ;;
-  --long) long=1 fuzz_s=60 SOFTSIM_TESTS_LONG=1; export SOFTSIM_TESTS_LONG ;; # read by tests/effort.h
+  --long) long=1 fuzz_s=60 all_checks=ON SOFTSIM_TESTS_LONG=1; export SOFTSIM_TESTS_LONG ;; # read by tests/effort.h
   --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
   *) echo "test.sh: unknown argument '$1'; use --quick or --long" >&2; exit 2 ;;
 esac
@@ -30,7 +31,7 @@ say() { printf '\n== %s (%d s)\n' "$1" $((SECONDS - started)); }
 build_and_test() { # preset, target, ctest arguments
   local preset=$1 target=$2; shift 2
   say "$preset: build"
-  cmake --preset "$preset" >/dev/null
+  cmake --preset "$preset" -DSOFTSIM_SANITIZE_ALL=$all_checks >/dev/null
   cmake --build --preset "$preset" --target "$target"
   say "$preset: test"
   ctest --preset "$preset" -j "$jobs" "$@" </dev/null
@@ -51,7 +52,7 @@ build_and_test dev all
 build_and_test tsan threads -L threads
 if [ -n "$long" ]; then build_and_test scalar all; else build_and_test scalar numbers -L numbers; fi
 say "fuzz"
-tests/fuzz/run.sh $fuzz_s
+tests/fuzz/run.sh $fuzz_s $all_checks
 say "clang: warnings"
 check_with_clang
 [ -z "$long" ] || cmake --build build/fuzz

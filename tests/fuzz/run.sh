@@ -2,14 +2,15 @@
 # Builds each fuzzer with clang's libFuzzer and both sanitizers, and runs it for some seconds on
 # seeds: tests/fuzz/seeds, or the bundled scenes; as many at once as there are processors. A crash
 # ends it with the offending input kept.
-#   tests/fuzz/run.sh [SECONDS]     default 10
+#   tests/fuzz/run.sh [SECONDS [ON]]     default 10; ON: every check of undefined behaviour
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=${1:-10}
+seconds=${1:-10} all_checks=${2:-OFF}
 [[ "$seconds" =~ ^[0-9]+$ ]] || { echo "run.sh: SECONDS must be a whole number" >&2; exit 2; }
 build=build/fuzz
 cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g1" \
-  -DSOFTSIM_WERROR=ON -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined >/dev/null
+  -DSOFTSIM_WERROR=ON -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined \
+  -DSOFTSIM_SANITIZE_ALL="$all_checks" >/dev/null
 cmake --build "$build" --target fuzzers
 fuzz() {
   local name=$1

@@ -55,7 +55,7 @@ static row rows[ROWS];
 
 /* The probe log played once, in a long run as slowly as it was recorded; true when its press was
  * felt. Whatever the machine does meanwhile, every force is one that may be given to a hand. */
-static bool play_and_feel(void)
+static bool play_and_feel(int *out_count)
 {
     const char *csv = in_folder("out.csv");
     const char *const replay[] = {"softsim-replay",           POKE, "--csv", csv, "--speed",
@@ -63,7 +63,7 @@ static bool play_and_feel(void)
     if (process_run(&client, replay) != 0) {
         fail_msg("replay: %s%s", client.out, client.err);
     }
-    const int count = read_csv(csv, rows, ROWS);
+    const int count = *out_count = read_csv(csv, rows, ROWS);
     double peak = 0.0;
     int touching = 0, free = 0;
     for (int i = 0; i < count; ++i) {
@@ -91,10 +91,25 @@ static void feels_the_kidney(void **state)
     (void)state;
     SKIP_WHERE_REPEATED();
     start_daemon(KIDNEY, NULL);
-    for (int plays = 1; !play_and_feel(); ++plays) {
+    int rows_of_play = 0, row_count = 0, plays = 0;
+    bool is_felt = false;
+    for (; !is_felt; ++plays) {
         assert_true(plays < 20);
+        is_felt = play_and_feel(&rows_of_play);
+        row_count += rows_of_play;
     }
     assert_int_equal(stop_daemon(), 0);
+    /* Each tick was a force or is counted as missed, and none was told twice. */
+    long periods = 0, forces = 0, missed = 0;
+    const char *said = strstr(daemon_process.err, " haptic periods: ");
+    assert_non_null(said);
+    while (said > daemon_process.err && said[-1] >= '0' && said[-1] <= '9') {
+        --said;
+    }
+    assert_int_equal(
+        sscanf(said, "%ld haptic periods: %ld forces, %ld missed", &periods, &forces, &missed), 3);
+    assert_int_equal(forces + missed, periods);
+    assert_in_range(row_count, 1, forces);
 }
 
 /* ---- lockstep
