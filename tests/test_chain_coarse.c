@@ -151,6 +151,7 @@ static void slide(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], int count)
 static void reset_gives_the_same_bits_again(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     setup s;
     setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
     add_sphere(&s, 0, 1.5);

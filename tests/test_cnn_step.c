@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "effort.h"
 #include "model_fixture.h"
 #include "rt/thread.h"
 
@@ -136,7 +137,7 @@ static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
         s.plan.max_substeps = 256;
         push(&s, &top, 0.0, -force[k], 0.0);
         create(&s);
-        steps(&s, 4000, 0.05);
+        steps(&s, FULL_IN_RELEASE(4000, 400), 0.05);
         const ss_model_info info = info_of(&s);
         assert_true(isfinite(largest_displacement(&s)));
         assert_true(info.fault_bits == 0 && info.verdict <= SOFTSIM_VERDICT_GUARDED);
