@@ -240,6 +240,11 @@ static void teleport_ends_well(void **state)
     f.s.class->reset(f.s.model);
     go(&f, 0.0, -0.002, 50);
     assert_true(feel(&f).force[2] > 0.0);
+    /* One that is put elsewhere without a way there lets go of what it held. */
+    f.tool[0].to.position[2] += 1.0;
+    f.tool[0].from = f.tool[0].to;
+    go(&f, 0.0, 1.0, 1);
+    assert_true(feel(&f).force[2] == 0.0);
     setup_fini(&f.s);
 }
 
