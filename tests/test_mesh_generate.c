@@ -136,9 +136,7 @@ static void finer_meshes_are_nearer_to_the_volume(void **state)
         for (int k = 0; k < 3; ++k) {
             char arguments[128];
             (void)snprintf(arguments, sizeof arguments, "%s --tetrahedra --points %d", shapes[i],
-                           k == 0   ? 250
-                           : k == 1 ? 1000
-                                    : 4000);
+                           FULL_IN_LONG_RUN(250, 125) << 2 * k);
             ss_mesh *m = generate(arguments, "finer.msh", 1.0);
             ss_mesh_report r;
             assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);
