@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-10} all_checks=${2:-OFF}
 [[ "$seconds" =~ ^[0-9]+$ ]] || { echo "run.sh: SECONDS must be a whole number" >&2; exit 2; }
+[[ "$all_checks" =~ ^(ON|OFF)$ ]] || { echo "run.sh: '$all_checks' is neither ON nor OFF" >&2; exit 2; }
 build=build/fuzz
 cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g1" \
   -DSOFTSIM_WERROR=ON -DSOFTSIM_FUZZ=ON -DSOFTSIM_SANITIZE=address,undefined \
