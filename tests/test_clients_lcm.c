@@ -865,7 +865,13 @@ static void a_run_without_any_answer_is_a_failure(void **state)
     assert_non_null(strstr(child.out, "50 sent, 0 answered"));
     stand_in.other_until = INT32_MAX;
     start_server();
-    assert_int_equal(process_run(&child, argv), 1);
+    /* It waits half a second for the last answer: a machine that holds the server back for longer
+     * has it say what it saw before. */
+    int runs = 0;
+    do {
+        assert_true(++runs < 20);
+        assert_int_equal(process_run(&child, argv), 1);
+    } while (strstr(child.err, "no answer came; is softsimd running") != NULL);
     assert_non_null(strstr(child.err, "no answer came: another sender holds the probe"));
 }
 
