@@ -21,8 +21,10 @@ static void bits_do_not_depend_on_threads(void **state)
     static const char *const rates[] = {"simulation.rate_hz=1000", "simulation.rate_hz=100"};
     for (int i = 0; i < 2; ++i) {
         const uint64_t one = hash_after_press(1, &rates[i], 1);
-        assert_true(one == hash_after_press(1, &rates[i], 1));
-        assert_true(one == hash_after_press(2, &rates[i], 1));
+        if (FULL_IN_RELEASE(true, false)) {
+            assert_true(one == hash_after_press(1, &rates[i], 1));
+            assert_true(one == hash_after_press(2, &rates[i], 1));
+        }
         assert_true(one == hash_after_press(4, &rates[i], 1));
     }
 }
