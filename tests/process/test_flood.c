@@ -73,7 +73,7 @@ static void a_server_starts_under_the_self_tests_of_others(void **state)
                                        "udpm://239.255.76.67:7667?ttl=1"};
     start_flood("self-test", "0", "600");
     for (int u = 0; u < 2; ++u) {
-        const char *const server[] = {"softsimd",  KIDNEY,  "--duration", "0.05",
+        const char *const server[] = {"softsimd",  tube(),  "--duration", "0.05",
                                       "--lcm-url", urls[u], NULL};
         expect_run(server);
     }
@@ -227,7 +227,7 @@ static void expect_no_command_lost(const char *kind)
 {
     enum { COMMANDS = 40 };
     listener l;
-    start_daemon(NULL);
+    start_daemon(tube(), NULL);
     listen_open(&l);
     const softsim_pose pose = {.utime_us = softsim_client_now_us(),
                                .sender = softsim_client_sender(l.client),
