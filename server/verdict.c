@@ -27,9 +27,16 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
 {
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         const ss_world_probe *probe = &world->probe[p];
-        const double depth = probe->is_used ? probe->computed.set.depth : 0.0;
+        const ss_contact_set *set = &probe->computed.set;
+        const double depth = probe->is_used ? set->depth : 0.0;
         const double size = ss_shape_inradius(&world->scene->tool[p].shape);
-        if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        if (probe->is_used && ss_contact_is_engulfed(set) &&
+            info->verdict < SOFTSIM_VERDICT_FAULT) {
+            info->verdict = SOFTSIM_VERDICT_DEGRADED;
+            info->reason = "a tool is inside the tissue and nothing holds it off: take it out; "
+                           "then press slower, refine the mesh there, lower haptic.max_force_n, or "
+                           "raise simulation.rate_hz";
+        } else if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason =
                 "a tool is about through the tissue's surface: refine the mesh there, take "

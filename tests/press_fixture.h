@@ -84,39 +84,40 @@ static const body bodies[] = {
 };
 enum { BODIES = sizeof bodies / sizeof *bodies };
 
-/* 60 x 60 x 20 mm of CELLS x CELLS x LAYERS cells of six tetrahedra, held below. */
-enum { CELLS = 8, LAYERS = 4 };
-
-static inline int block_node(int i, int j, int k)
+/* Cells of six tetrahedra over x and y of -size/2 .. size/2 and z of 0 .. size[2], mm. */
+static inline int box_node(const int cells[3], const int at[3])
 {
-    return (k * (CELLS + 1) + j) * (CELLS + 1) + i + 1;
+    return (at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0] + 1;
 }
 
-static inline void write_block_mesh(void)
+static inline void write_box_mesh(const int cells[3], const double size[3])
 {
     static const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                     {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     static const bool is_odd[6] = {false, true, true, false, false, true};
     FILE *file = open_file("block.msh");
     fprintf(file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n",
-            (CELLS + 1) * (CELLS + 1) * (LAYERS + 1));
-    for (int k = 0; k <= LAYERS; ++k) {
-        for (int j = 0; j <= CELLS; ++j) {
-            for (int i = 0; i <= CELLS; ++i) {
-                fprintf(file, "%d %.9g %.9g %.9g\n", block_node(i, j, k), 60.0 * i / CELLS - 30.0,
-                        60.0 * j / CELLS - 30.0, 20.0 * k / LAYERS);
+            (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
+    for (int k = 0; k <= cells[2]; ++k) {
+        for (int j = 0; j <= cells[1]; ++j) {
+            for (int i = 0; i <= cells[0]; ++i) {
+                const int at[3] = {i, j, k};
+                fprintf(file, "%d %.9g %.9g %.9g\n", box_node(cells, at),
+                        size[0] * i / cells[0] - 0.5 * size[0],
+                        size[1] * j / cells[1] - 0.5 * size[1], size[2] * k / cells[2]);
             }
         }
     }
-    fprintf(file, "$EndNodes\n$Elements\n%d\n", 6 * CELLS * CELLS * LAYERS);
+    const int count = cells[0] * cells[1] * cells[2];
+    fprintf(file, "$EndNodes\n$Elements\n%d\n", 6 * count);
     int element = 0;
-    for (int cell = 0; cell < CELLS * CELLS * LAYERS; ++cell) {
+    for (int cell = 0; cell < count; ++cell) {
         for (int p = 0; p < 6; ++p) {
-            int at[3] = {cell % CELLS, cell / CELLS % CELLS, cell / (CELLS * CELLS)};
-            int node[4] = {block_node(at[0], at[1], at[2])};
+            int at[3] = {cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])};
+            int node[4] = {box_node(cells, at)};
             for (int s = 0; s < 3; ++s) {
                 ++at[order[p][s]];
-                node[s + 1] = block_node(at[0], at[1], at[2]);
+                node[s + 1] = box_node(cells, at);
             }
             fprintf(file, "%d 4 2 1 1 %d %d %d %d\n", ++element, node[0], node[is_odd[p] ? 2 : 1],
                     node[is_odd[p] ? 1 : 2], node[3]);
@@ -124,6 +125,14 @@ static inline void write_block_mesh(void)
     }
     fprintf(file, "$EndElements\n");
     assert_int_equal(fclose(file), 0);
+}
+
+/* Held below. */
+static inline void write_block_mesh(void)
+{
+    static const int cells[3] = {8, 8, 4};
+    static const double size[3] = {60.0, 60.0, 20.0};
+    write_box_mesh(cells, size);
 }
 
 static inline const char *write_block(const body *b)

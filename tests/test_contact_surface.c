@@ -280,6 +280,76 @@ static void behind_an_open_sheet_is_nowhere_near(void **state)
     ss_memory_free(at_rest);
 }
 
+/* ---- inside --------------------------------------------------------------------------------- */
+
+static double engulfed_at(const ss_tool_pose *pose)
+{
+    ss_contact_set set;
+    ss_touch_gather(touch, u, pose, pose);
+    ss_touch_penalty(touch, u, pose, force, tool_force, tool_torque);
+    ss_touch_contacts(touch, u, pose, 0.005, &set);
+    return set.engulfed;
+}
+
+/* In a sphere, moved and stretched since its boxes were first fitted; over its corners and edges
+ * too, on which rays along an axis would run. */
+static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.02);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    for (int i = 0; i < 3000; ++i) {
+        const double stretch = i < 1000 ? 1.0 : 1.3, shift = i < 2000 ? 0.0 : 0.015;
+        for (int32_t k = 0; k < mesh.node_count; ++k) {
+            u[4 * k + 2] = (ss_real)((stretch - 1.0) * positions[k][2] + shift);
+        }
+        double way[3];
+        for (int k = 0; k < 3; ++k) {
+            way[k] = random_unit() - 0.5;
+        }
+        if (i % 1000 < mesh.node_count) {
+            ss_copy3(way, positions[i % 1000]);
+        }
+        ss_normalize3(way);
+        const double radius = 0.04 * random_unit();
+        ss_tool_pose pose = random_pose(0.0, 0.0, 0.0);
+        ss_set3(pose.position, radius * way[0], radius * way[1], stretch * radius * way[2] + shift);
+        const double engulfed = engulfed_at(&pose);
+        /* The smooth surface lies up to 0.7 mm below the sphere. */
+        if (radius < 0.0193) {
+            assert_true(engulfed > 0.005 + 0.0193 - radius - 1e-4);
+            assert_true(engulfed < 0.005 + stretch * (0.02 - radius) + 5e-4);
+        } else if (radius > 0.02) {
+            assert_true(engulfed == 0.0);
+        }
+    }
+    close_touch();
+}
+
+static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
+{
+    (void)state;
+    make_plane(11, 11, 0.004);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    for (int k = -20; k <= 20; ++k) {
+        const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
+        assert_true(engulfed_at(&pose) == 0.0);
+    }
+    close_touch();
+    make_sphere(3, 0.02);
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) { /* inside out: a hollow */
+        const int32_t swap = triangles[t][0];
+        triangles[t][0] = triangles[t][1];
+        triangles[t][1] = swap;
+    }
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    for (int k = -30; k <= 30; ++k) {
+        const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
+        assert_true(engulfed_at(&pose) == 0.0);
+    }
+    close_touch();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +363,8 @@ int main(void)
         cmocka_unit_test(picks_parts_by_radius_over_edge),
         cmocka_unit_test(a_tool_that_appears_is_found_inside_or_outside),
         cmocka_unit_test(behind_an_open_sheet_is_nowhere_near),
+        cmocka_unit_test(a_tool_is_engulfed_when_its_middle_is_inside),
+        cmocka_unit_test(no_tool_is_engulfed_by_an_open_sheet_or_from_outside),
     };
     return cmocka_run_group_tests_name("contact_surface", tests, NULL, NULL);
 }

@@ -123,7 +123,7 @@ typedef struct ss_touch_options {
     double stiffness; /* N/m^3, kc */
 } ss_touch_options;
 
-softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
+softsim_status ss_touch_create(ss_surface *surface, const ss_shape *shape,
                                const ss_touch_options *options, ss_touch **out_touch);
 void ss_touch_destroy(ss_touch **touch);
 void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
@@ -205,6 +205,8 @@ typedef struct ss_contact_set {
                          slides smoothly, as the deepest sample would not */
     double normal[3]; /* of the resultant there */
     double depth;     /* m, deepest penetration of the stepped tool; negative: nearest distance */
+    double engulfed;  /* m, the way out for a tool whose middle lies inside the closed surface, and
+                         which its contact holds off no longer; else 0 */
 } ss_contact_set;
 
 /* The points, normals, depths and forces of the last ss_touch_penalty, reduced to at most
@@ -212,9 +214,15 @@ typedef struct ss_contact_set {
  * tools; their forces sum to the penalty's. Force and torque of the set are the penalty's too (the
  * model adds its own). When nothing touches, the nearest patch within `near` (m) with its gap, or
  * no contact and depth = -near. Stiffness and viscosity are left 0 for the model to fill.
- * RT-safe. */
+ * Refits the hierarchy for a tool that may be engulfed. RT-safe. */
 void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
                        double near, ss_contact_set *out_set);
+
+/* Is the tool inside the tissue, without a grasp that has it there? RT-safe. */
+static inline bool ss_contact_is_engulfed(const ss_contact_set *set)
+{
+    return set->engulfed > 0.0 && !set->is_held;
+}
 
 /* A result of the simulation as the haptic loop receives it: the contact set and what it was
  * computed for. One mailbox per probe, written after each step by the simulation thread. */

@@ -24,6 +24,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "contact/shape.h"
 #include "contact/touch.h"
 #include "rt/vec.h"
 
@@ -408,6 +409,53 @@ static void set_near(const ss_touch *touch, const ss_real *u, const ss_tool_pose
     out_set->depth = -contact->gap;
 }
 
+/* ---- engulfed ------------------------------------------------------------------------------- */
+
+/* How far a tool inside the tissue has to go to the nearest place outside. */
+static double way_out(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                      const ss_frame *frame)
+{
+    nearest best = {.distance = INFINITY, .triangle = -1};
+    search_tree(touch, frame, u, &best);
+    double inward[3], support[3];
+    ss_rotate_back(inward, pose->orientation, best.r);
+    ss_scale3(inward, inward, -1.0);
+    ss_normalize3(inward);
+    ss_shape_support(&touch->shape, inward, support);
+    return ss_norm3(best.r) + ss_dot3(support, inward);
+}
+
+static void set_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                         const ss_frame *frame, double near, ss_contact_set *out_set)
+{
+    tally station[MAX_STATIONS];
+    tally whole = {.weight = 0.0};
+    memset(station, 0, sizeof station);
+    const double deepest = tally_samples(touch, frame, station);
+    for (int k = 0; k < touch->station_count; ++k) {
+        add_tally(&whole, &station[k]);
+    }
+    if (!(whole.weight > 0.0)) {
+        if (near > 0.0 && isfinite(near)) {
+            set_near(touch, u, pose, frame, near, out_set);
+        }
+        return;
+    }
+    for (int k = 0; k < touch->station_count; ++k) {
+        if (station[k].weight > 1e-9 * whole.weight) {
+            set_contact(touch, frame, pose, &station[k], &out_set->contact[out_set->count]);
+            out_set->count++;
+        }
+    }
+    ss_contact mean;
+    set_contact(touch, frame, pose, &whole, &mean);
+    ss_copy3(out_set->point, mean.point);
+    ss_copy3(out_set->normal, mean.normal);
+    ss_copy3(out_set->force, whole.force);
+    ss_copy3(out_set->torque, whole.moment);
+    out_set->depth = deepest;
+}
+
 void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
                        double near, ss_contact_set *out_set)
 {
@@ -417,30 +465,8 @@ void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_po
     }
     ss_frame frame;
     ss_touch_frame(touch, pose, &frame);
-    tally station[MAX_STATIONS];
-    tally whole = {.weight = 0.0};
-    memset(station, 0, sizeof station);
-    const double deepest = tally_samples(touch, &frame, station);
-    for (int k = 0; k < touch->station_count; ++k) {
-        add_tally(&whole, &station[k]);
+    set_contacts(touch, u, pose, &frame, near, out_set);
+    if (ss_touch_is_engulfed(touch, u, pose)) {
+        out_set->engulfed = way_out(touch, u, pose, &frame);
     }
-    if (!(whole.weight > 0.0)) {
-        if (near > 0.0 && isfinite(near)) {
-            set_near(touch, u, pose, &frame, near, out_set);
-        }
-        return;
-    }
-    for (int k = 0; k < touch->station_count; ++k) {
-        if (station[k].weight > 1e-9 * whole.weight) {
-            set_contact(touch, &frame, pose, &station[k], &out_set->contact[out_set->count]);
-            out_set->count++;
-        }
-    }
-    ss_contact mean;
-    set_contact(touch, &frame, pose, &whole, &mean);
-    ss_copy3(out_set->point, mean.point);
-    ss_copy3(out_set->normal, mean.normal);
-    ss_copy3(out_set->force, whole.force);
-    ss_copy3(out_set->torque, whole.moment);
-    out_set->depth = deepest;
 }

@@ -336,6 +336,16 @@ static double mean_edge(const ss_edges *edges, const ss_mesh *mesh)
     return sum / (double)count;
 }
 
+static bool is_closed(const ss_edges *edges)
+{
+    for (int32_t half = 0; half < 3 * edges->triangle_count; ++half) {
+        if (edges->twin[half] < 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* The number m of parts, or an error where the samples would be too sparse for the tool. */
 static softsim_status choose_parts(double radius, double edge, int *inout_parts,
                                    softsim_error *error)
@@ -479,6 +489,7 @@ softsim_status ss_surface_create(const ss_mesh *mesh, double smallest_tool_radiu
         status = SOFTSIM_ERROR_MEMORY;
         if (surface != NULL) {
             surface->mean_edge = edge;
+            surface->is_closed = is_closed(&edges);
             status = build(surface, mesh, &edges, parts);
         }
         if (status == SOFTSIM_OK) {

@@ -71,6 +71,7 @@ typedef struct ss_box {
 
 struct ss_surface {
     int32_t node_count, triangle_count, leaf_count, patch_count;
+    bool is_closed;
     double centre[3]; /* m, world; positions below are relative to it */
     double mean_edge; /* m */
     double size;      /* m, half the diagonal at rest */

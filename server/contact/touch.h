@@ -42,7 +42,7 @@ typedef struct ss_sweep {
 } ss_sweep;
 
 struct ss_touch {
-    const ss_surface *surface;
+    ss_surface *surface;
     ss_shape shape;
     double delta, stiffness;
     double slack;  /* m: nodes may move so far after the gather */
@@ -98,6 +98,11 @@ static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pos
 {
     ss_frame_set(out, &touch->shape, touch->surface->centre, pose);
 }
+
+/* ---- inside.c ------------------------------------------------------------------------------- */
+
+/* Does the tool's middle lie inside a closed surface? May refit the hierarchy. */
+bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose);
 
 /* Is the ball about the candidate's triangle further than `distance` from the tool? */
 static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candidate *c,

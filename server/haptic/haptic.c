@@ -65,6 +65,7 @@ struct ss_haptic {
     bool is_fault;
     int64_t result_tick;
     double model_force[3], surface_point[3], surface_normal[3], surface_depth, surface_proxy[3];
+    double engulfed; /* m, 0: the tissue holds the tool off, or is not near */
     /* state: output */
     int32_t bad_streak;
     int64_t bad_inputs;
@@ -91,7 +92,8 @@ static bool is_result_finite(const ss_local_model *result)
     bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
                    ss_is_finite(set->torque, 3) && isfinite(set->depth) &&
-                   ss_is_finite(set->point, 3) && ss_is_finite(set->normal, 3);
+                   isfinite(set->engulfed) && ss_is_finite(set->point, 3) &&
+                   ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
         const ss_contact *c = &set->contact[i];
         const double scalar[5] = {c->force, c->stiffness, c->tangential, c->viscosity, c->gap};
@@ -323,6 +325,7 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     ss_copy3(haptic->surface_normal, result->set.normal);
     ss_copy3(haptic->surface_proxy, result->proxy);
     haptic->surface_depth = result->set.depth;
+    haptic->engulfed = ss_contact_is_engulfed(&result->set) ? result->set.engulfed : 0.0;
     const ss_phase phase = haptic->gate.phase;
     if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
         result->tick >= haptic->gate.placed) {
@@ -502,10 +505,12 @@ static int32_t age_us(const ss_haptic *haptic, int64_t tick)
     return haptic->result_tick == 0 ? 0 : (int32_t)fmin(age, INT32_MAX);
 }
 
-/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose. As a
- * plane it goes on for ever: a tool that has come out on the far side while its proxy is held on
- * this one is no deeper than the body is thick. */
-static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_force *force)
+/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose; of a
+ * tool inside the tissue, the depth as of that result. As a plane it goes on for ever: a tool that
+ * has come out on the far side while its proxy is held on this one is no deeper than the body is
+ * thick. */
+static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_engulfed,
+                          softsim_force *force)
 {
     const ss_law *law = &haptic->law;
     int32_t strongest = 0;
@@ -524,6 +529,9 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, softsim_f
         ss_sub3(inward, haptic->surface_proxy, held_pose(haptic)->position);
         const double depth = haptic->surface_depth + ss_dot3(haptic->surface_normal, inward);
         force->depth = fmin(fmax(0.0, depth), haptic->config.thickness);
+    }
+    if (is_engulfed) {
+        force->depth = fmin(haptic->engulfed, haptic->config.thickness);
     }
 }
 
@@ -554,8 +562,10 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_utime_us = haptic->pose.utime_us;
     force->contact_count = is_in_contact ? active : 0;
     force->model_age_us = age_us(haptic, input->tick);
+    const bool is_engulfed =
+        haptic->engulfed > 0.0 && ss_admission_gain(&haptic->gate, input->tick) > 0.0;
     /* Offsets of contacts that have just ended decay within milliseconds: still contact. */
-    const bool is_felt = is_in_contact || ss_norm3(sent) > 0.0;
+    const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
                    (haptic->law.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);
@@ -566,7 +576,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     }
     ss_copy3(force->model_force, haptic->model_force);
     ss_copy3(force->proxy, haptic->p);
-    write_surface(haptic, is_in_contact, force);
+    write_surface(haptic, is_in_contact, is_engulfed, force);
     const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
     force->stiffness =
         is_in_contact && (flags & hidden) == 0 ? felt_stiffness(haptic, force->normal) : 0.0;

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* A tool that gets into the tissue, through its surface: no contact holds it there, and whoever
+ * looks at the verdict, the depth or the flags is told so for as long as it is in. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+
+#include "press_fixture.h"
+
+#define SOFT "  youngs_modulus_pa: 10000\n  density_kg_m3: 1060\n  mass_damping_per_s: 30\n"
+
+#define RADIUS 0.008
+static const double size_mm[3] = {80.0, 80.0, 40.0};
+
+/* A press of a tool of 8 mm radius straight down on a block of size_mm. */
+typedef struct press {
+    const char *name, *model;
+    double held;         /* m: the block up to there */
+    double speed, depth; /* m/s, m */
+} press;
+
+static const press presses[] = {
+    {"hybrid",
+     "  name: hybrid\n" SOFT
+     "  poisson_ratio: 0.45\n  layer: {spacing_m: 0.006, thickness_m: -0.010}\n",
+     0.015, 0.04, 0.022},
+    {"mass-spring", "  name: mass-spring\n" SOFT, 0.0005, 3.0, 0.018},
+};
+
+static softsim_world *make_press(const press *one)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   "softsim: 1\n"
+                   "object:\n  mesh: block.msh\n  units: mm\n"
+                   "  fixed: [{box_m: [[-1, -1, -1], [1, 1, %g]]}]\n"
+                   "model:\n%s"
+                   "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n"
+                   "haptic: {max_force_n: 5}\n",
+                   one->held, one->model);
+    const softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    softsim_world *world = softsim_create(write_text(one->name, text), &config, &error);
+    if (world == NULL) {
+        fail_msg("%s: %s", one->name, error.text);
+    }
+    return world;
+}
+
+/* How often the deformed surface winds about a point: 1 inside, 0 outside. Solid angles (van
+ * Oosterom and Strackee 1983). */
+static double winding(softsim_world *world, const double p[3])
+{
+    softsim_state s;
+    softsim_read(world, &s);
+    double(*x)[3] = calloc((size_t)s.node_count, sizeof *x);
+    assert_non_null(x);
+    softsim_read_nodes(world, x, NULL, NULL);
+    const int32_t(*triangle)[3] = softsim_triangles(world);
+    double sum = 0.0;
+    for (int32_t t = 0; t < softsim_triangle_count(world); ++t) {
+        double r[3][3], l[3];
+        for (int k = 0; k < 3; ++k) {
+            for (int a = 0; a < 3; ++a) {
+                r[k][a] = x[triangle[t][k]][a] - p[a];
+            }
+            l[k] = sqrt(r[k][0] * r[k][0] + r[k][1] * r[k][1] + r[k][2] * r[k][2]);
+        }
+        double dot[3];
+        for (int k = 0; k < 3; ++k) {
+            const double *b = r[(k + 1) % 3], *c = r[(k + 2) % 3];
+            dot[k] = b[0] * c[0] + b[1] * c[1] + b[2] * c[2];
+        }
+        const double volume = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1]) +
+                              r[0][1] * (r[1][2] * r[2][0] - r[1][0] * r[2][2]) +
+                              r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
+        sum += atan2(volume, l[0] * l[1] * l[2] + dot[0] * l[0] + dot[1] * l[1] + dot[2] * l[2]);
+    }
+    free(x);
+    return sum / (2.0 * 3.14159265358979323846);
+}
+
+static bool is_told(softsim_world *world, const softsim_force *force)
+{
+    softsim_state now;
+    softsim_read(world, &now);
+    return now.verdict == SOFTSIM_VERDICT_DEGRADED &&
+           strstr(now.reason, "inside the tissue") != NULL &&
+           (force->flags & SOFTSIM_FORCE_CONTACT) != 0 && force->depth > RADIUS &&
+           force->depth <= 1e-3 * size_mm[2];
+}
+
+/* In from 40 mm above, held for 0.3 s, and back. */
+static void a_tool_inside_the_tissue_is_told(void **state)
+{
+    (void)state;
+    static const int cells[3] = {7, 7, 4};
+    write_box_mesh(cells, size_mm);
+    for (size_t k = 0; k < sizeof presses / sizeof *presses; ++k) {
+        const press *one = &presses[k];
+        softsim_world *world = make_press(one);
+        const int way = (int)ceil(1e3 * (one->depth + 0.04) / one->speed);
+        int32_t inside = 0, inside_while_held = 0, outside = 0, wrong = 0;
+        for (int n = 0; n < 2 * way + 600; ++n) {
+            const int moved = n < way ? n : n < way + 300 ? way : 2 * way + 300 - n;
+            const double x[3] = {0.003, 0.002,
+                                 0.088 - fmin(1e-3 * one->speed * moved, one->depth + 0.04)};
+            const softsim_pose pose = pose_of(n + 1, x);
+            const softsim_force force = feel(world, &pose);
+            if (n % 5 != 0) {
+                continue;
+            }
+            /* A result is a step old, and contact's smooth surface lies under the mesh: what is
+             * looked at is what has been so for 20 ms. */
+            const bool is_inside = winding(world, force.proxy) > 0.5;
+            inside = is_inside ? inside + 1 : 0;
+            outside = is_inside ? 0 : outside + 1;
+            inside_while_held += n >= way + 200 && n < way + 300 && inside > 4;
+            wrong += inside > 4 && !is_told(world, &force);
+            wrong += outside > 4 && is_told(world, &force);
+        }
+        print_message("%s: inside in %d of 20 looks while held, told wrongly in %d\n", one->name,
+                      inside_while_held, wrong);
+        assert_int_equal(inside_while_held, 20);
+        assert_int_equal(wrong, 0);
+        assert_true(outside > 4);
+        softsim_destroy(&world);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tool_inside_the_tissue_is_told),
+    };
+    return cmocka_run_group_tests_name("inside", tests, make_folder, remove_folder);
+}
