@@ -424,6 +424,29 @@ static void force_on_a_plane_does_not_ripple(void **state)
 /* ---- linearisation -------------------------------------------------------------------------- */
 
 /* A box's face over the whole plane has one normal, so that the tangent is exact. */
+/* A sphere in a flat sheet, its middle z above it: ring by ring, with s the distance from the
+ * middle, 2 pi kc z int_z^R c(R - s) ds, and c ten times as steep beyond 0.3 R. */
+static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **state)
+{
+    (void)state;
+    const double radius = 0.005, kc = 1e7;
+    double before = 0.0;
+    make_plane(41, 41, 0.0004);
+    open_touch(&sphere_5mm, 2, 0.005, kc);
+    for (int k = 1; k <= 19; ++k) {
+        const double z = radius * (1.0 - 0.05 * k);
+        const ss_tool_pose pose = pose_at(0.0001, 0.0002, z);
+        const double soft = radius - z, hard = fmax(0.0, soft - 0.3 * radius);
+        gather(&pose, &pose);
+        penalty(&pose);
+        assert_near(tool_force[2] / (3.14159265 * kc * z * (soft * soft + 9.0 * hard * hard)), 1.0,
+                    k < 3 ? 0.05 : 0.01);
+        assert_true(tool_force[2] > before || k > 15);
+        before = tool_force[2];
+    }
+    close_touch();
+}
+
 static void tangent_and_diagonal_match_differences(void **state)
 {
     (void)state;
@@ -670,6 +693,7 @@ int main(void)
         cmocka_unit_test(shifting_body_and_tool_together_changes_nothing),
         cmocka_unit_test(a_fast_tool_gathers_what_it_crosses),
         cmocka_unit_test(force_on_a_plane_does_not_ripple),
+        cmocka_unit_test(a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through),
         cmocka_unit_test(tangent_and_diagonal_match_differences),
         cmocka_unit_test(a_sphere_has_one_contact_through_its_centre),
         cmocka_unit_test(a_long_tool_spreads_its_contacts),

@@ -11,7 +11,8 @@
  *
  * Method (Loop 1987 subdivision rows of the rest mesh as contact samples; one potential of node
  * positions and tool pose, no memory): a sample x_q = sum_i B_qi P_i carries rest area A_q and is
- * pushed out of the tool by A_q kc (-d)+ n; a weight sample x_s at the centroid of a quarter of a
+ * pushed out of the tool by A_q kc (-d)+ n (harder where the tool is about to go through: touch.c);
+ * a weight sample x_s at the centroid of a quarter of a
  * triangle gives w_i = sum_s A_s b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected: nodes or facets
  * as contact points, whose force ripples as the tool passes from one to the next; libccd on
  * facets, whose depth can be off by a third.
@@ -154,17 +155,17 @@ void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *fo
                             double tool_force[3], double tool_torque[3]);
 
 /* Penalty of the samples inside the tool at `pose`: f_q = A_q kc (-d)+ n added to `force` by
- * B_qi (NULL: the tool's share alone is wanted); the opposite added to tool force and torque;
- * returns the energy 1/2 kc sum A (-d)+^2.
+ * B_qi (NULL: the tool's share alone is wanted), ten times as stiff beyond 0.3 of the tool's
+ * inradius; the opposite added to tool force and torque; returns the energy.
  * Keeps the active samples for the three calls below. RT-safe. */
 double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, ss_real *force,
                         double tool_force[3], double tool_torque[3]);
 /* Change of the penalty forces for node motions du (4 ss_real a node; NULL: none) and a tool
- * translation dx, linearised at the last ss_touch_penalty (d f_q = -A kc n n.(B du - dx)): added
+ * translation dx, linearised at the last ss_touch_penalty (d f_q = -A kc c' n n.(B du - dx)): added
  * to dforce (may be NULL) and dtool. RT-safe. */
 void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3], ss_real *dforce,
                       double dtool[3]);
-/* Adds kc sum_q A_q B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
+/* Adds kc sum_q A_q c' B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
  * and the tangent's preconditioner. RT-safe. */
 void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
 /* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */

@@ -190,7 +190,7 @@ static double tally_samples(const ss_touch *touch, const ss_frame *frame,
             station_shares(touch, z, share);
             deepest = fmax(deepest, depth);
             for (int k = 0; k < touch->station_count; ++k) {
-                const double weight = scale * depth * share[k];
+                const double weight = scale * (double)ss_touch_push(touch, s->depth) * share[k];
                 if (!(weight > 0.0)) {
                     continue;
                 }

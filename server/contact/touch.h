@@ -45,9 +45,10 @@ struct ss_touch {
     ss_surface *surface;
     ss_shape shape;
     double delta, stiffness;
-    double slack;  /* m: nodes may move so far after the gather */
-    double spare;  /* m: the tool may be so far off the gathered path */
-    double margin; /* m, over rounding when something is left out */
+    ss_real hard_from; /* m */
+    double slack;      /* m: nodes may move so far after the gather */
+    double spare;      /* m: the tool may be so far off the gathered path */
+    double margin;     /* m, over rounding when something is left out */
     double bounding_radius;
     int32_t station_count; /* contacts along the axis, from station_low to station_high */
     double station_low, station_high;
@@ -80,6 +81,24 @@ struct ss_touch {
     int32_t group_count;
     int32_t dropped_from; /* candidate from which samples were no longer kept, or the count */
 };
+
+/* ---- touch.c -------------------------------------------------------------------------------- */
+
+/* A sample deeper than this share of the tool's inradius is so many times as stiff. */
+#define SS_TOUCH_HARD_FROM 0.3
+enum { SS_TOUCH_HARD = 10 };
+
+/* c(d) and its slope, for a sample d deep. */
+static inline ss_real ss_touch_push(const ss_touch *touch, ss_real depth)
+{
+    const ss_real more = depth - touch->hard_from;
+    return more > 0 ? depth + (SS_TOUCH_HARD - 1) * more : depth;
+}
+
+static inline ss_real ss_touch_slope(const ss_touch *touch, ss_real depth)
+{
+    return depth > touch->hard_from ? SS_TOUCH_HARD : 1;
+}
 
 /* ---- gather.c ------------------------------------------------------------------------------- */
 
