@@ -112,7 +112,7 @@ static void the_worst_verdict_needs_no_reading(void **state)
     assert_string_equal(s.worst_reason, "");
     for (int32_t k = 0; k < 3000 && (k < 1000 || s.verdict != SOFTSIM_VERDICT_GOOD); ++k) {
         const softsim_pose pose =
-            pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.003 - 0.016 * smooth(k / 20.0));
+            pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.003 - 0.030 * smooth(k / 20.0));
         const int32_t channel = 0;
         softsim_tick(left_alone, &pose, &channel, 1, force);
         softsim_tick(watched, &pose, &channel, 1, force);
