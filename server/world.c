@@ -877,6 +877,12 @@ static void tell_set(ss_world *world, const char *argument, const ss_command_rec
     ss_scene_tell_live(world->scene, &models[world->scene->model_index], argument, record->value,
                        set->is_set ? &set->value : NULL, out_text, (size_t)text_size);
     *set = (ss_set_value){.is_set = true, .value = record->value};
+    if (record->key == SS_LIVE_COUPLING_STIFFNESS) {
+        const size_t length = strlen(out_text);
+        snprintf(out_text + length, (size_t)text_size - length,
+                 "; the hand's limit moves there by 20 %% a second, as far as the loop's delay "
+                 "allows: stiffness_limit_n_per_m of the status");
+    }
 }
 
 int32_t ss_world_command(ss_world *world, const char *name, const char *argument,

@@ -637,7 +637,7 @@ static void what_is_printed_loads_again(void **state)
         GRID("  grid: {file: points.csv, rows: 3, columns: 2, closed: rows}\n  units: mm\n")};
     for (size_t i = 0; i < sizeof scene_text / sizeof *scene_text; i++) {
         ss_scene *a =
-            load_good(scene_text[i], (const char *const[]){"haptic.max_slew_n_per_s=0.1"}, 1);
+            load_good(scene_text[i], (const char *const[]){"haptic.max_slew_n_per_s=10.1"}, 1);
         text[0] = '\0';
         ss_scene_print(a, &model[0], collect, text);
         /* From another folder: file names are absolute. */
@@ -665,7 +665,7 @@ static void each_printed_value_has_its_meaning_beside_it(void **state)
     text[0] = '\0';
     ss_scene_print(s, &model[0], collect, text);
     assert_non_null(strstr(text, "  max_force_n: 3 "));
-    assert_non_null(strstr(text, "a number above 0 and at most 100 (N); default 8; live\n"));
+    assert_non_null(strstr(text, "a number from 0.01 to 100 (N); default 8; live\n"));
     assert_non_null(strstr(text, "  # saturation: "));
     assert_non_null(strstr(text, "absent unless given; restart\n"));
     assert_non_null(strstr(text, "  damping_n_s_per_m3: 1725 "));
@@ -715,6 +715,9 @@ static void live_keys_are_parsed_and_the_rest_refused(void **state)
         {"contact.tools.0.probe=1", "restart"},
         {"haptic=1", "restart"},
         {"haptic.max_force_n=0", "out of range"},
+        {"haptic.max_force_n=1e-300", "out of range"},
+        {"haptic.max_slew_n_per_s=1e-9", "out of range"},
+        {"haptic.coupling.stiffness_n_per_m=1e-9", "out of range"},
         {"haptic.max_force_n=nan", "not finite"},
         {"haptic.max_force_n=", "has no value"},
         {"haptic.max_force_n.x=1", "no key 'x'"},

@@ -107,7 +107,7 @@ static const bad bad_row[] = {
      "    - {probe: 1, shape: {sphere: {radius_mm: 5}}}",
      "12:15", "has a tool already"},
     {10, "  working_force_n: 1\n  stiffness_n_per_m3: 1e9", "11:3", "takes one of"},
-    {12, "  max_force_n: 300", "12:16", "above 0 and at most 100 (N)"},
+    {12, "  max_force_n: 300", "12:16", "from 0.01 to 100 (N)"},
     {12, "  max_forc_n: 3", "12:3", "did you mean 'max_force_n'?"},
     {12, "  max_force_n: [3]", "12:16", "is a list"},
     {12, "  between_steps: guess", "12:18", "hold linear local"},

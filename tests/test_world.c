@@ -256,6 +256,26 @@ static void a_state_is_hashed_once(void **state)
     ss_world_destroy(&left_alone);
 }
 
+/* The new stiffness is not felt at once, and the answer says so; limits too small to be meant are
+ * refused. */
+static void a_set_says_what_it_will_do(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", false);
+    char text[512];
+    assert_int_equal(set(world, "haptic.coupling.stiffness_n_per_m=400", text, sizeof text), 0);
+    assert_non_null(strstr(text, "= 400 N/m (was 800); "));
+    assert_non_null(strstr(text, "20 % a second"));
+    static const char *const too_small[] = {"haptic.coupling.stiffness_n_per_m=1e-9",
+                                            "haptic.max_force_n=1e-300",
+                                            "haptic.max_slew_n_per_s=1e-9"};
+    for (int i = 0; i < 3; ++i) {
+        assert_int_equal(set(world, too_small[i], text, sizeof text), 2);
+        assert_non_null(strstr(text, "out of range; give a number from "));
+    }
+    ss_world_destroy(&world);
+}
+
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
@@ -296,6 +316,7 @@ int main(void)
         cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
         cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
+        cmocka_unit_test(a_set_says_what_it_will_do),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
         cmocka_unit_test(a_state_is_hashed_once),
