@@ -440,10 +440,10 @@ static void run_haptic_command(ss_world *world, const ss_command_record *command
         break;
     case SS_COMMAND_RESUME:
         world->haptic_paused = false;
-        world->haptic_reset = true;
+        ++world->haptic_starts;
         break;
     case SS_COMMAND_RESET:
-        world->haptic_reset = true;
+        ++world->haptic_starts;
         break;
     case SS_COMMAND_SET:
         switch (command->key) {
@@ -495,7 +495,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     }
     input.result = ss_mailbox_take(probe->result, &input.is_result_new);
     input.is_paused = world->haptic_paused;
-    input.is_reset = world->haptic_reset;
+    input.starts = world->haptic_starts;
     input.is_stopping = atomic_load_explicit(&world->is_stopping, memory_order_acquire);
 
     ss_haptic_output output;
@@ -537,7 +537,6 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
             tick_probe(world, p, tick, due_ns, &stats);
         }
     }
-    world->haptic_reset = false;
     world->hand = stats.hand;
     world->worst_hand = ss_hand_verdict_worse(world->worst_hand, stats.hand);
     if (due_ns != 0) {
@@ -568,9 +567,11 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
         break;
     case SS_COMMAND_RESUME:
         world->simulation_paused = false;
+        ++world->simulation_starts;
         break;
     case SS_COMMAND_RESET:
         world->is_hashed = false;
+        ++world->simulation_starts;
         world->model_class->reset(world->model);
         ss_energy_watch_reset(&world->energy);
         break;
@@ -649,7 +650,9 @@ static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_
 }
 
 /* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
- * placed there when it has just come. */
+ * placed there when it has just come. After a reset or resume it is out of the model until the
+ * haptic loop, which ramps its force down first, has placed it anew: a body at rest is never
+ * struck by a tool that stood deep in what it was, nor by one that moved under pause. */
 static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 {
     ss_world_probe *probe = &world->probe[p];
@@ -657,8 +660,8 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     probe->is_waiting = false;
     ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
     ss_set3(velocity, 0.0, 0.0, 0.0);
-    if (!target->is_present) {
-        probe->was_present = false;
+    if (!target->is_present || target->starts != world->simulation_starts) {
+        probe->was_present = tool.is_present = false;
         return tool;
     }
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
@@ -706,6 +709,7 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     out->step = world->steps;
     out->period = world->step_period;
     out->pose_seq = probe->stepped_to.pose_seq;
+    out->starts = world->simulation_starts;
     out->is_fault = is_fault;
     memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
     ss_set3(out->velocity, 0.0, 0.0, 0.0);
@@ -925,7 +929,8 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
     if (kind == SS_COMMAND_REFRESH || kind == SS_COMMAND_STATUS || kind == SS_COMMAND_SHUTDOWN) {
         return 0;
     }
-    /* All who are concerned take it, or none. Without tools there is no haptic loop. */
+    /* All who are concerned take it, or none. The loops count resets, each
+     * for itself. Without tools there is no haptic loop. */
     const bool is_felt = world->used_probes != 0;
     if (!ss_ring_has_room(world->simulation_commands) ||
         (is_felt && !ss_ring_has_room(world->haptic_commands))) {

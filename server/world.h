@@ -129,7 +129,8 @@ typedef struct ss_world {
     double lateness_us[4]; /* p50, p99, p99.9, max, renewed 4 times a second */
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
-    bool haptic_paused, haptic_reset;
+    bool haptic_paused;
+    uint32_t haptic_starts;           /* resets and resumes heard of */
     ss_hand_verdict hand, worst_hand; /* lately; ever. Read by the lockstep thread too */
     atomic_bool is_stopping;          /* any -> haptic */
 
@@ -138,7 +139,8 @@ typedef struct ss_world {
     int64_t steps;
     int64_t substeps; /* of all steps */
     bool simulation_paused;
-    bool is_hashed; /* `hash` is that of the state as it is; lockstep */
+    uint32_t simulation_starts; /* resets and resumes heard of */
+    bool is_hashed;             /* `hash` is that of the state as it is; lockstep */
     uint64_t hash;
     double lag; /* as in the stats */
     ss_energy_watch energy;

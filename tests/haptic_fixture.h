@@ -34,7 +34,8 @@ typedef struct rig {
     ss_local_model result;
     bool has_result, is_new;
     bool is_paused, is_reset, is_stopping, has_pose;
-    uint32_t epoch;
+    uint32_t epoch, starts;
+    int ahead; /* resets that the result has seen and the haptic loop has not */
     ss_haptic_output out;
 } rig;
 
@@ -76,6 +77,8 @@ static inline double rig_tick(rig *r, double z)
         ++r->pose.seq;
         r->pose.utime_us = 1000 * r->tick;
     }
+    r->starts += r->is_reset;
+    r->result.starts = r->starts + (uint32_t)r->ahead;
     const ss_haptic_input input = {.tick = r->tick,
                                    .pose = &r->pose,
                                    .pose_count = r->has_pose ? 1 : 0,
@@ -83,7 +86,7 @@ static inline double rig_tick(rig *r, double z)
                                    .result = r->has_result ? &r->result : NULL,
                                    .is_result_new = r->is_new,
                                    .is_paused = r->is_paused,
-                                   .is_reset = r->is_reset,
+                                   .starts = r->starts,
                                    .is_stopping = r->is_stopping};
     ss_haptic_tick(r->haptic, &input, &r->out);
     r->is_new = false;

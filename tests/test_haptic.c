@@ -244,6 +244,55 @@ static void missed_ticks_do_not_lengthen_the_ramp(void **state)
     rig_end(&r);
 }
 
+/* Nor does one that sleeps within a ramp, or an entry, end it in one step. */
+static void missed_ticks_do_not_step_the_force(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    r.is_reset = true;
+    for (int i = 1; i <= 20; ++i) {
+        r.tick += i == 5 ? 200 : 0;
+        assert_near(rig_tick(&r, -4e-3), (1.0 - i / 20.0) * f, 1e-6);
+    }
+    double last = 0.0;
+    rig_tick(&r, -4e-3);
+    for (int i = 0; i <= 500; ++i) {
+        r.tick += i == 100 ? 200 : 0;
+        rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+        const double now = rig_tick(&r, -4e-3);
+        assert_true(fabs(now - last) <= 0.01);
+        last = now;
+    }
+    assert_near(last, f, 0.02);
+    rig_end(&r);
+}
+
+/* Before the haptic loop hears of a reset, or the model does: results from across it are no law. */
+static void results_from_across_a_reset_do_not_count(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    const double f = rig_press(&r, 300.0, 4e-3);
+    for (int i = 0; i < 50; ++i) {
+        rig_result(&r, 300.0, -8e-3, 1); /* at rest, and no tool in it */
+        r.ahead = 1;
+        assert_near(rig_tick(&r, -4e-3), f, 1e-6);
+    }
+    r.starts = 1;
+    for (int i = 1; i <= 100; ++i) {
+        rig_result(&r, 300.0, 4e-3, 1); /* as it was */
+        r.ahead = -1;
+        assert_near(rig_tick(&r, -4e-3), fmax(0.0, 1.0 - i / 20.0) * f, 1e-6);
+        assert_int_equal(r.out.target.starts, i > 20);
+    }
+    rig_end(&r);
+}
+
 static void entry_fades_the_depth_over_500_ticks(void **state)
 {
     (void)state;
@@ -691,6 +740,8 @@ int main(void)
         cmocka_unit_test(slew_is_limited_as_a_vector),
         cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),
         cmocka_unit_test(missed_ticks_do_not_lengthen_the_ramp),
+        cmocka_unit_test(missed_ticks_do_not_step_the_force),
+        cmocka_unit_test(results_from_across_a_reset_do_not_count),
         cmocka_unit_test(entry_fades_the_depth_over_500_ticks),
         cmocka_unit_test(late_results_ramp_with_the_fault_flag),
         cmocka_unit_test(fault_of_the_model_ramps),

@@ -276,6 +276,33 @@ static void a_set_says_what_it_will_do(void **state)
     ss_world_destroy(&world);
 }
 
+/* A full ring refuses a command for both loops: they count resets, each for itself. */
+static void a_command_reaches_both_loops_or_none(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", false);
+    ss_command_record record;
+    char text[256];
+    int taken = 0;
+    /* The simulation reads, the haptic loop sleeps; then the other way round. */
+    for (int i = 0; i < 200; ++i) {
+        taken += ss_world_command(world, "reset", "", &record, text, sizeof text) == 0;
+        ss_world_step_begin(world);
+    }
+    assert_in_range(taken, 1, 199);
+    assert_int_equal(world->simulation_starts, taken);
+    ss_world_haptic_tick(world, 1, 0, 0);
+    assert_int_equal(world->haptic_starts, taken);
+    for (int i = 0; i < 200; ++i) {
+        taken += ss_world_command(world, "reset", "", &record, text, sizeof text) == 0;
+        ss_world_haptic_tick(world, 2 + i, 0, 0);
+    }
+    ss_world_step_begin(world);
+    assert_int_equal(world->simulation_starts, taken);
+    assert_int_equal(world->haptic_starts, taken);
+    ss_world_destroy(&world);
+}
+
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
@@ -317,6 +344,7 @@ int main(void)
         cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
         cmocka_unit_test(a_set_says_what_it_will_do),
+        cmocka_unit_test(a_command_reaches_both_loops_or_none),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
         cmocka_unit_test(a_state_is_hashed_once),

@@ -232,6 +232,7 @@ typedef struct ss_local_model {
     int64_t step;     /* simulation step number, from 1 */
     double period;    /* s, simulation period h */
     int32_t pose_seq; /* seq of the pose behind it */
+    uint32_t starts;  /* resets and resumes before it */
     bool is_fault;    /* the model is at fault: ramp to zero */
     double proxy[3];  /* p_k, the (predicted) proxy position stepped to */
     double orientation[4];
@@ -247,6 +248,8 @@ typedef struct ss_proxy_target {
     bool is_grasping;
     uint32_t grasp_edges; /* counts presses and releases of the button */
     uint32_t teleports;   /* grows when the proxy jumps (entry, return): do not sweep */
+    uint32_t starts;      /* resets and resumes before the proxy was placed: not in the model that
+                           * has had more */
     double proxy[3];
     double orientation[4];
     double velocity[3];

@@ -26,15 +26,16 @@
 #define ASIDE_TIME 0.1
 /* How a limit that is raised lets the slip go: at most as fast as a hand presses, in time with what
  * is left of it, and not without end. */
-#define RISE_SPEED       0.1   /* m/s */
-#define RISE_TIME        0.1   /* s */
-#define RISE_SPEED_MIN   0.005 /* m/s */
-#define NEGLIGIBLE       1e-9  /* m */
-#define NEGLIGIBLE_FORCE 1e-9  /* N */
-#define FORCE_MIN        1e-6  /* N: least limit */
-#define SPRING_RATE      5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
-#define PREDICT_TIME_MAX 0.025 /* s */
-#define PREDICT_MOVE_MAX 0.003 /* m */
+#define RISE_SPEED        0.1   /* m/s */
+#define RISE_TIME         0.1   /* s */
+#define RISE_SPEED_MIN    0.005 /* m/s */
+#define NEGLIGIBLE        1e-9  /* m */
+#define NEGLIGIBLE_FORCE  1e-9  /* N */
+#define FORCE_MIN         1e-6  /* N: least limit */
+#define SPRING_RATE       5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
+#define ENTRY_SPRING_RATE 50.0  /* 1/s: downwards while the depth fades in */
+#define PREDICT_TIME_MAX  0.025 /* s */
+#define PREDICT_MOVE_MAX  0.003 /* m */
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
 struct ss_haptic {
@@ -70,6 +71,8 @@ struct ss_haptic {
     int32_t bad_streak;
     int64_t bad_inputs;
     uint32_t grasp_edges, teleports;
+    uint32_t starts;        /* resets and resumes so far, */
+    uint32_t placed_starts; /* and when the proxy was placed */
     double last_force[3];
     double shift[3];  /* m, from the hand to the pose used: what is not let in yet */
     double ramp_from; /* N, the force before a ramp */
@@ -231,18 +234,21 @@ static void place_proxy(ss_haptic *haptic)
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_set3(haptic->aside, 0.0, 0.0, 0.0);
     haptic->is_returning = false;
+    haptic->placed_starts = haptic->starts;
     ++haptic->teleports;
 }
 
 static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
 {
+    const bool is_reset = input->starts != haptic->starts;
+    haptic->starts = input->starts;
     const ss_admission_input gate = {
         .tick = input->tick,
         .period = haptic->config.period,
         .pose_tick = haptic->pose_tick,
         .is_paused = input->is_paused,
         /* The same device elsewhere: down with the force, then in anew. */
-        .is_reset = input->is_reset || begins.is_return,
+        .is_reset = is_reset || begins.is_return,
         .is_stopping = input->is_stopping,
         .is_new_holder = begins.is_new_holder,
         .is_fault = haptic->is_fault,
@@ -264,7 +270,7 @@ static const softsim_pose *held_pose(const ss_haptic *haptic)
 }
 
 /* The pose and hand velocity that the coupling sees. */
-static void used_pose(const ss_haptic *haptic, int64_t tick, double x[3], double v[3])
+static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 {
     const softsim_pose *pose = held_pose(haptic);
     ss_copy3(x, pose->position);
@@ -272,7 +278,7 @@ static void used_pose(const ss_haptic *haptic, int64_t tick, double x[3], double
     if (pose != &haptic->pose) {
         ss_set3(v, 0.0, 0.0, 0.0);
     }
-    ss_admission_pose(&haptic->gate, tick, x, v);
+    ss_admission_pose(&haptic->gate, x, v);
 }
 
 /* A result for where the proxy is now: the law, and entry if it is the first. */
@@ -281,7 +287,7 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     ss_law *law = &haptic->law;
     const bool is_first = haptic->gate.phase == SS_PHASE_WAITING;
     double x[3], v[3], normal[3], point[3], depth = 0.0;
-    used_pose(haptic, tick, x, v);
+    used_pose(haptic, x, v);
     if (!is_first && haptic->is_pressed && result->set.is_held && !law->held.is_held) {
         ss_law_hold(law, haptic->p, haptic->pdot);
     }
@@ -292,13 +298,13 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     }
     if (ss_admission_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
                                      haptic->pose.position)) {
-        ss_admission_enter(&haptic->gate, tick, true, point, normal);
+        ss_admission_enter(&haptic->gate, true, point, normal);
         law->viscous = 0.0;
         /* The proxy goes out to the surface, at once. */
-        used_pose(haptic, tick, haptic->p, v);
+        used_pose(haptic, haptic->p, v);
         ++haptic->teleports;
     } else if (is_first) {
-        ss_admission_enter(&haptic->gate, tick, false, point, normal);
+        ss_admission_enter(&haptic->gate, false, point, normal);
     } else {
         ss_admission_follow(&haptic->gate, law->result_period, point, normal);
     }
@@ -327,8 +333,9 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     haptic->surface_depth = result->set.depth;
     haptic->engulfed = ss_contact_is_engulfed(&result->set) ? result->set.engulfed : 0.0;
     const ss_phase phase = haptic->gate.phase;
+    /* The model may have heard of a reset before we do, or after. */
     if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
-        result->tick >= haptic->gate.placed) {
+        result->tick >= haptic->gate.placed && result->starts == haptic->starts) {
         use_result(haptic, result, input->tick);
     }
     return true;
@@ -367,8 +374,12 @@ static void update_spring(ss_haptic *haptic)
         wanted = ss_coupling_spring(INFINITY, 0.0);
     }
     if (is_in_contact) {
-        const double factor = exp(SPRING_RATE * config->period);
-        wanted = fmin(haptic->spring * factor, fmax(haptic->spring / factor, wanted));
+        /* A tool found inside meets tissue that gave no sign of how stiff it will be: the spring
+         * for soft tissue would not have yielded when all of the depth is let in. */
+        const bool is_entering = haptic->gate.phase == SS_PHASE_ENTERING;
+        const double stiffer = exp(SPRING_RATE * config->period);
+        const double softer = is_entering ? exp(ENTRY_SPRING_RATE * config->period) : stiffer;
+        wanted = fmin(haptic->spring * stiffer, fmax(haptic->spring / softer, wanted));
     }
     haptic->spring = wanted;
 }
@@ -542,10 +553,10 @@ static int32_t next_seq(int32_t seq)
 }
 
 /* What of the force the gate lets through; nothing of one that begins within a ramp. */
-static double gain_of(const ss_haptic *haptic, int64_t tick)
+static double gain_of(const ss_haptic *haptic)
 {
     const bool is_new = haptic->gate.phase == SS_PHASE_RAMPING && !(haptic->ramp_from > 0.0);
-    return is_new ? 0.0 : ss_admission_gain(&haptic->gate, tick);
+    return is_new ? 0.0 : ss_admission_gain(&haptic->gate);
 }
 
 static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
@@ -554,7 +565,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     softsim_force *force = &haptic->output.force;
     const double size = ss_norm3(whole);
     const int32_t active = ss_law_active_count(&haptic->law);
-    const bool is_in_contact = active > 0 && gain_of(haptic, input->tick) > 0.0;
+    const bool is_in_contact = active > 0 && gain_of(haptic) > 0.0;
     force->seq = next_seq(force->seq);
     force->sender = haptic->pose.sender;
     force->probe = haptic->pose.probe;
@@ -562,8 +573,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_utime_us = haptic->pose.utime_us;
     force->contact_count = is_in_contact ? active : 0;
     force->model_age_us = age_us(haptic, input->tick);
-    const bool is_engulfed =
-        haptic->engulfed > 0.0 && ss_admission_gain(&haptic->gate, input->tick) > 0.0;
+    const bool is_engulfed = haptic->engulfed > 0.0 && ss_admission_gain(&haptic->gate) > 0.0;
     /* Offsets of contacts that have just ended decay within milliseconds: still contact. */
     const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
@@ -591,6 +601,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     target->is_grasping = haptic->is_pressed && target->is_present;
     target->grasp_edges = haptic->grasp_edges;
     target->teleports = haptic->teleports;
+    target->starts = haptic->placed_starts;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
@@ -742,7 +753,7 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
                             haptic->v[1],    haptic->v[2],     haptic->spring,      observer->limit,
                             observer->worst, observer->energy, observer->delay_p95, haptic->limit};
     const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
-                              haptic->gate.since,        haptic->law.tick,
+                              haptic->gate.ticks,        haptic->law.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
                               (int64_t)haptic->teleports};
     uint64_t hash = hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
@@ -759,7 +770,7 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
                          bool is_limited, int32_t *inout_flags, double out_sent[3])
 {
-    const double gain = gain_of(haptic, input->tick);
+    const double gain = gain_of(haptic);
     ss_scale3(out_sent, whole, gain);
     if (haptic->gate.phase == SS_PHASE_RAMPING) {
         /* What the law makes of its offsets meanwhile is none of the ramp's. */
@@ -792,9 +803,9 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         step_gate(haptic, input, begins);
         const bool is_at_limit = haptic->share < 1.0;
         ss_law_decay(&haptic->law, haptic->config.period, is_at_limit,
-                     is_at_limit ? 1.0 : ss_admission_left(&haptic->gate, tick));
+                     is_at_limit ? 1.0 : ss_admission_left(&haptic->gate));
         const bool is_fresh = take_result(haptic, input);
-        used_pose(haptic, tick, x, v);
+        used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
         update_limit(haptic, tick);

@@ -215,7 +215,7 @@ typedef struct ss_admission {
     bool is_model_late; /* or at fault */
     bool is_stale;
     bool is_paused;
-    int64_t since;  /* tick at which the phase began */
+    int64_t ticks;  /* of the phase so far; none that the thread slept through */
     int64_t placed; /* tick at which the proxy was placed: older results do not count */
     double placed_at[3];
     double entry_point[3]; /* of the surface, smoothed */
@@ -239,21 +239,21 @@ typedef struct ss_admission_input {
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */
 bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
 /* Share of the depth that entering has not let in yet. */
-double ss_admission_left(const ss_admission *gate, int64_t tick);
+double ss_admission_left(const ss_admission *gate);
 /* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
 bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
                                   double depth, const double x[3]);
 /* The first result for this place: enters, by fading if `is_inside`. */
-void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
+void ss_admission_enter(ss_admission *gate, bool is_inside, const double point[3],
                         const double normal[3]);
 /* Follows the surface while entering. */
 void ss_admission_follow(ss_admission *gate, double period, const double point[3],
                          const double normal[3]);
 /* The pose and hand velocity to use: faded towards the surface while entering, and as far as that
  * had come while ramping. */
-void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3]);
+void ss_admission_pose(const ss_admission *gate, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */
-double ss_admission_gain(const ss_admission *gate, int64_t tick);
+double ss_admission_gain(const ss_admission *gate);
 /* Flags 8, 16, 64. */
 int32_t ss_admission_flags(const ss_admission *gate);
 

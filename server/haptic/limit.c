@@ -9,9 +9,10 @@
  *      +-- no pose, stop +-- pause, fault, reset ------- RAMPING <-- any of them --+
  *
  * A ramp once begun runs its 20 ticks to the end, factor 1 - r/20 in its r-th tick; a pose that
- * returns meanwhile waits and then enters. WAITING gives no force while the proxy follows the pose:
- * the model has not yet said where the tool is. Only results stepped to a target from after the
- * proxy was placed count.
+ * returns meanwhile waits and then enters. Ticks that the thread slept through are none: by the
+ * clock the force would be gone, or all there, in one step. WAITING gives no force while the proxy
+ * follows the pose: the model has not yet said where the tool is. Only results stepped to a target
+ * from after the proxy was placed count.
  *
  * Entry fades the pose, not the force: with g from 0 to 1 the pose used is x_s + g (x - x_s), x_s
  * the pose moved out along n to the surface, so that the model and the hand sink in together.
@@ -36,17 +37,16 @@
 /* m: depth beyond the hand's own way that tells so. */
 #define SETTLING_DEPTH 0.2e-3
 
-static void begin(ss_admission *gate, ss_phase phase, int64_t tick)
+static void begin(ss_admission *gate, ss_phase phase)
 {
     gate->phase = phase;
-    gate->since = tick;
+    gate->ticks = 0;
 }
 
-double ss_admission_left(const ss_admission *gate, int64_t tick)
+double ss_admission_left(const ss_admission *gate)
 {
-    return gate->phase == SS_PHASE_ENTERING
-               ? fmax(0.0, 1.0 - (double)(tick - gate->since) / SS_ENTRY_TICKS)
-               : 0.0;
+    return gate->phase == SS_PHASE_ENTERING ? fmax(0.0, 1.0 - (double)gate->ticks / SS_ENTRY_TICKS)
+                                            : 0.0;
 }
 
 /* Is the force to go, or to stay away, whatever the phase? */
@@ -57,7 +57,7 @@ static bool is_barred(const ss_admission *gate)
 
 static bool place(ss_admission *gate, int64_t tick)
 {
-    begin(gate, SS_PHASE_WAITING, tick);
+    begin(gate, SS_PHASE_WAITING);
     gate->placed = tick;
     return true;
 }
@@ -65,6 +65,7 @@ static bool place(ss_admission *gate, int64_t tick)
 bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
 {
     const int64_t tick = input->tick;
+    ++gate->ticks;
     const int64_t answered = input->has_result ? input->result_tick : gate->placed;
     gate->is_stopped = gate->is_stopped || input->is_stopping;
     gate->is_stale = tick - input->pose_tick >= SS_WATCHDOG_TICKS;
@@ -75,22 +76,22 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
     gate->is_model_late =
         !input->is_paused && gate->phase != SS_PHASE_SILENT && (input->is_fault || is_overdue);
     /* The end of a ramp or of the fade. */
-    if (gate->phase == SS_PHASE_RAMPING && tick - gate->since >= SS_RAMP_TICKS) {
+    if (gate->phase == SS_PHASE_RAMPING && gate->ticks >= SS_RAMP_TICKS) {
         if (gate->is_stopped || gate->is_stale) {
-            begin(gate, SS_PHASE_SILENT, tick);
+            begin(gate, SS_PHASE_SILENT);
             return true;
         }
         return place(gate, tick);
     }
-    if (gate->phase == SS_PHASE_ENTERING && tick - gate->since >= SS_ENTRY_TICKS) {
-        begin(gate, SS_PHASE_IN, tick);
+    if (gate->phase == SS_PHASE_ENTERING && gate->ticks >= SS_ENTRY_TICKS) {
+        begin(gate, SS_PHASE_IN);
     }
     switch (gate->phase) {
     case SS_PHASE_SILENT:
         return !gate->is_stopped && !gate->is_stale && place(gate, tick);
     case SS_PHASE_WAITING:
         if (gate->is_stopped || gate->is_stale) {
-            begin(gate, SS_PHASE_SILENT, tick);
+            begin(gate, SS_PHASE_SILENT);
             return true;
         }
         return (input->is_reset || input->is_new_holder) && place(gate, tick);
@@ -100,10 +101,12 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
             return place(gate, tick);
         }
         if (is_barred(gate) || input->is_reset) {
-            /* From the tick of silence, though the thread may have slept through it. */
-            const bool is_silence = gate->is_stale && !input->is_reset;
-            gate->held_back = ss_admission_left(gate, tick);
-            begin(gate, SS_PHASE_RAMPING, is_silence ? input->pose_tick + SS_WATCHDOG_TICKS : tick);
+            gate->held_back = ss_admission_left(gate);
+            begin(gate, SS_PHASE_RAMPING);
+            if (gate->is_stale && !input->is_reset) {
+                /* From the tick of silence, though the thread may have slept through it. */
+                gate->ticks = tick - (input->pose_tick + SS_WATCHDOG_TICKS);
+            }
         }
         return false;
     case SS_PHASE_RAMPING:
@@ -131,10 +134,10 @@ bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double
     return false;
 }
 
-void ss_admission_enter(ss_admission *gate, int64_t tick, bool is_inside, const double point[3],
+void ss_admission_enter(ss_admission *gate, bool is_inside, const double point[3],
                         const double normal[3])
 {
-    begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN, tick);
+    begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN);
     if (is_inside) {
         ss_copy3(gate->entry_point, point);
         ss_copy3(gate->entry_normal, normal);
@@ -159,10 +162,9 @@ void ss_admission_follow(ss_admission *gate, double period, const double point[3
     }
 }
 
-void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], double v[3])
+void ss_admission_pose(const ss_admission *gate, double x[3], double v[3])
 {
-    const double left =
-        gate->phase == SS_PHASE_RAMPING ? gate->held_back : ss_admission_left(gate, tick);
+    const double left = gate->phase == SS_PHASE_RAMPING ? gate->held_back : ss_admission_left(gate);
     if (!(left > 0.0)) {
         return;
     }
@@ -175,14 +177,14 @@ void ss_admission_pose(const ss_admission *gate, int64_t tick, double x[3], doub
     }
 }
 
-double ss_admission_gain(const ss_admission *gate, int64_t tick)
+double ss_admission_gain(const ss_admission *gate)
 {
     switch (gate->phase) {
     case SS_PHASE_ENTERING:
     case SS_PHASE_IN:
         return 1.0;
     case SS_PHASE_RAMPING:
-        return fmax(0.0, 1.0 - (double)(tick - gate->since + 1) / SS_RAMP_TICKS);
+        return fmax(0.0, 1.0 - (double)(gate->ticks + 1) / SS_RAMP_TICKS);
     case SS_PHASE_SILENT:
     case SS_PHASE_WAITING:
         break;
