@@ -441,7 +441,7 @@ static void the_jump_to_the_surface_is_not_felt(void **state)
         r.result.velocity[2] = i == 4 ? 8.0 : 0.0;
         r.is_new = i > 0 && i % 2 == 0;
         const double f = rig_tick(&r, -8e-3);
-        assert_true(fabs(f - last) <= 0.2);
+        assert_true(fabs(f - last) <= 0.02);
         last = f;
     }
     rig_end(&r);

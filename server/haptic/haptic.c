@@ -801,9 +801,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_law_active_count(&haptic->law) > 0, tick);
         step_gate(haptic, input, begins);
-        const bool is_at_limit = haptic->share < 1.0;
-        ss_law_decay(&haptic->law, haptic->config.period, is_at_limit,
-                     is_at_limit ? 1.0 : ss_admission_left(&haptic->gate));
+        ss_law_decay(&haptic->law, haptic->config.period,
+                     haptic->share < 1.0 ? 1.0 : ss_admission_left(&haptic->gate));
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x);

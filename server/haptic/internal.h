@@ -68,7 +68,7 @@ typedef struct ss_law {
     ss_law_held held;
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
-    double slowness;      /* s, of the offsets' decay; left by the limit */
+    double slowness;      /* s, of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
      * rests at the limit joins a hand that comes out in one tick; one found inside goes out to the
      * surface, and the next result's velocity is that way in a period. What they would say comes
@@ -113,10 +113,9 @@ typedef struct ss_rest {
 } ss_rest;
 
 void ss_law_clear(ss_law *law);
-/* Lets offsets decay by one period, slower while the force is at its limit; the viscosities
- * fade where the proxy is not where the hand would have it: `apart` 1 at the limit, 1
- * to 0 while entering. */
-void ss_law_decay(ss_law *law, double period, bool is_limited, double apart);
+/* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
+ * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. */
+void ss_law_decay(ss_law *law, double period, double apart);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
