@@ -152,6 +152,37 @@ static void updates_are_continuous_and_decay(void **state)
     rig_end(&r);
 }
 
+/* The tissue answers after the hand has come to rest: what is held back at the first result is let
+ * in, however often results come. */
+static void a_touch_that_is_found_at_rest_is_let_in(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    for (int every = 1; every <= 16; every *= 4) {
+        rig r;
+        rig_start(&r, &config);
+        double f = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            rig_result(&r, 300.0, -1e-3, 1);
+            r.result.set.count = 0;
+            f = rig_tick(&r, i < 2 ? 1e-3 : -4e-3);
+            assert_near(f, 0.0, 0.0);
+        }
+        for (int i = 0; i < 160; ++i) {
+            if (i % every == 0) {
+                rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+                r.result.period = every * T;
+            }
+            const double before = f;
+            f = rig_tick(&r, -4e-3);
+            assert_true(f >= before - 1e-3 && f - before < 0.3 * 1.2);
+        }
+        const double spring = ss_coupling_spring(r.out.stiffness_limit, 1.15 * 300.0);
+        assert_near(f, 4e-3 * 300.0 * spring / (300.0 + spring), 0.01);
+        rig_end(&r);
+    }
+}
+
 static void curved_patch_bends_height_and_normal(void **state)
 {
     (void)state;
@@ -736,6 +767,7 @@ int main(void)
         cmocka_unit_test(touch_and_leaving_are_continuous),
         cmocka_unit_test(law_errs_high),
         cmocka_unit_test(updates_are_continuous_and_decay),
+        cmocka_unit_test(a_touch_that_is_found_at_rest_is_let_in),
         cmocka_unit_test(curved_patch_bends_height_and_normal),
         cmocka_unit_test(slew_is_limited_as_a_vector),
         cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),

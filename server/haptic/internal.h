@@ -66,6 +66,7 @@ typedef struct ss_law {
     int32_t count;
     ss_law_contact contact[SS_MAX_CONTACTS];
     ss_law_held held;
+    bool is_apart;        /* entering, or at the limit */
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
     double slowness;      /* s, of the offsets' decay; left by the limit or an entry */

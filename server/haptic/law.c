@@ -86,6 +86,7 @@ void ss_law_decay(ss_law *law, double period, double apart)
     const double usual = offset_time(law);
     law->slowness = fmax(apart * APART_TIME, law->slowness * exp(-period / TOGETHER_TIME));
     law->slowness = law->slowness > NEGLIGIBLE_TIME ? law->slowness : 0.0;
+    law->is_apart = apart > 0.0;
     const double still = 1.0 - law->viscous;
     const double reaction = apart > still ? APART_TIME : TOGETHER_TIME;
     law->viscous = 1.0 - apart - (still - apart) * exp(-period / reaction);
@@ -363,6 +364,18 @@ static void take_held(ss_law *law, const ss_local_model *result, const double p[
     ss_copy3(held->value, now);
 }
 
+/* What contact `i` says now. At 0 and held back it goes by its own law, in which the offset has
+ * decayed since: a hand at rest would else wait for ever for what results at every tick hold back
+ * anew. While entering, where the hand is let in by and by, and at the limit, it stays held back.
+ */
+static double value_now(const ss_law *law, int32_t i, const double x[3], const double p[3],
+                        const double pdot[3])
+{
+    ss_law_contact c = law->contact[i];
+    const bool is_held_back = !(c.value > 0.0) && c.offset < 0.0 && !law->is_apart;
+    return is_held_back ? fmax(0.0, contact_force(law, &c, x, p, pdot)) : c.value;
+}
+
 /* Offsets that keep every contact's force, and the residual for what they cannot keep. */
 static void keep_force(ss_law *law, const ss_law *old, const int32_t source[], const double x[3],
                        const double p[3], const double pdot[3])
@@ -370,7 +383,7 @@ static void keep_force(ss_law *law, const ss_law *old, const int32_t source[], c
     uint32_t used = 0;
     for (int32_t i = 0; i < law->count; ++i) {
         ss_law_contact *c = &law->contact[i];
-        const double before = source[i] >= 0 ? old->contact[source[i]].value : 0.0;
+        const double before = source[i] >= 0 ? value_now(old, source[i], x, p, pdot) : 0.0;
         const double after = contact_force(law, c, x, p, pdot);
         /* Out of contact before: no more than to hold back what would appear at once. */
         c->offset = before > 0.0 ? before - after : -fmax(0.0, after);
