@@ -14,6 +14,7 @@
 #include "models/chain_kernels.h"
 #include "models/grasp.h"
 #include "models/model.h"
+#include "models/turned.h"
 
 /* Rows of the model's table. */
 enum {
@@ -141,8 +142,9 @@ struct ss_model {
     double *hold_weight;
     ss_real *push, *answer; /* of the stiffness estimate */
     /* report */
-    double network;                     /* W of the last sub-step, m^2 */
-    int32_t guarded;                    /* tetrahedra that the guard put back in the last step */
+    double network;  /* W of the last sub-step, m^2 */
+    int32_t guarded; /* tetrahedra that the guard put back in the last step */
+    ss_turned turned;
     double first_network;               /* W of the outer step's first, cells moved */
     double elastic, dissipated, booked; /* J, at one moment: booked is the work until then */
     double gained;                      /* J, from nowhere, until then */

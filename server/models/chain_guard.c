@@ -186,8 +186,7 @@ void ss_chain_guard_step(ss_model *model)
     }
     if (count > 0) {
         ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED,
-                      model->worst_element >= 0 ? "a tetrahedron is inside out"
-                                                : "tetrahedra are kept from turning inside out");
+                      "tetrahedra are kept from turning inside out");
     }
 }
 

@@ -416,6 +416,22 @@ static void keep_volumes(ss_model *model)
     balance(model);
 }
 
+/* Where the guard had nothing to put back, no tetrahedron is inside out. */
+static void judge_turned(ss_model *model)
+{
+    if (model->guard && model->guarded == 0) {
+        ss_turned_reset(&model->turned);
+        return;
+    }
+    const int32_t t = ss_turned_look(&model->turned, model->u);
+    if (t >= 0) {
+        model->worst_element = model->plan.mesh->tetrahedron[t][0];
+    }
+    if (model->worst_element >= 0) {
+        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED, SS_TURNED_REASON);
+    }
+}
+
 /* ---- the outer step ----------------------------------------------------------------------- */
 
 /* Sub-steps that driven cells ask for: a quarter of a link each. */
@@ -446,6 +462,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     }
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
+    model->worst_element = -1;
     ss_chain_tools_take(model, tool);
     ss_chain_loads_update(model, time + 0.5 * dt);
     ss_chain_driven_update(model, time + dt);
@@ -475,6 +492,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     if (model->guard) {
         keep_volumes(model);
     }
+    judge_turned(model);
     ss_chain_tools_sample(model);
     model->substeps = count;
     model->travelled = share;

@@ -40,6 +40,7 @@
 #include "models/chain_net.h"
 #include "models/grasp.h"
 #include "models/plan.h"
+#include "models/turned.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 #include "rt/vec.h"
@@ -123,6 +124,8 @@ struct ss_model {
     uint8_t *held;  /* by tools, in this step: a bit each */
     int64_t step;
     int32_t moved_count;
+    ss_turned turned;
+    int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
     softsim_verdict verdict;
     const char *reason;
 };
@@ -503,6 +506,7 @@ static void step(ss_model *model, double time, double dt,
     }
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
+    model->worst = -1;
     const int32_t parts = count_parts(model, tool);
     model->moved_count = 0;
     memset(model->held, 0, (size_t)model->node_count);
@@ -540,6 +544,12 @@ static void step(ss_model *model, double time, double dt,
             model->reason = "not finite: back at rest, waiting for reset";
             return;
         }
+    }
+    const int32_t t = ss_turned_look(&model->turned, model->u);
+    if (t >= 0) {
+        model->worst = model->plan.mesh->tetrahedron[t][0];
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = SS_TURNED_REASON;
     }
     ++model->step;
 }
@@ -699,6 +709,8 @@ static void reset(ss_model *model)
     }
     model->step = 0;
     model->moved_count = 0;
+    ss_turned_reset(&model->turned);
+    model->worst = -1;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
 }
@@ -712,6 +724,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     if (model && own) {
         model->plan = *plan;
         model->node_count = plan->mesh->node_count;
+        ss_turned_init(&model->turned, plan->mesh, plan->step);
         model->beta = plan->param[BETA].number;
         model->is_radial = plan->param[BAND].number != 0.0;
         model->is_by_violation = plan->param[ORDER].number != 0.0;
@@ -773,7 +786,7 @@ static void info(const ss_model *model, ss_model_info *out)
         .step = model->step,
         .substeps = 1,
         .active_nodes = model->moved_count,
-        .worst_element = -1,
+        .worst_element = model->worst,
         .fault_bits = model->verdict == SOFTSIM_VERDICT_FAULT ? SS_MODEL_FAULT_NOT_FINITE : 0,
         .verdict = model->verdict,
         .reason = model->reason,
@@ -801,7 +814,7 @@ static void reaction(const ss_model *model, int32_t set, double out_force[3])
 
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
-    uint64_t hash = seed;
+    uint64_t hash = ss_turned_hash(&model->turned, seed);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const mail_tool *tool = &model->tool[k];
         const size_t count = (size_t)tool->held_count;

@@ -285,6 +285,8 @@ static void reset(ss_model *model)
     model->first = NULL;
     model->d = model->u;
     ss_cnn_window_reset(model);
+    ss_turned_reset(&model->turned);
+    model->worst = -1;
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
@@ -392,6 +394,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     if (model && own) {
         model->plan = *plan;
         model->node_count = plan->mesh->node_count;
+        ss_turned_init(&model->turned, plan->mesh, plan->step);
         model->kernels = ss_cnn_kernels_get();
         model->has_gravity = ss_norm3(plan->gravity) > 0.0;
         model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
@@ -430,7 +433,7 @@ static void info(const ss_model *model, ss_model_info *out)
                            .substeps = model->substeps,
                            .active_nodes = model->window ? model->window->active_nodes
                                                          : model->network->cell_count,
-                           .worst_element = limiting_node(model),
+                           .worst_element = model->worst >= 0 ? model->worst : limiting_node(model),
                            .fault_bits = model->fault_bits,
                            .verdict = model->verdict,
                            .reason = model->reason,
@@ -458,7 +461,7 @@ static const ss_real *velocity(const ss_model *model)
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
-    uint64_t hash = ss_hash_bytes(seed, model->u_low, quads);
+    uint64_t hash = ss_turned_hash(&model->turned, ss_hash_bytes(seed, model->u_low, quads));
     if (model->window) {
         const ss_cnn_window *window = model->window;
         hash = ss_hash_bytes(hash, window->rank, (size_t)window->block_count);

@@ -17,6 +17,7 @@
 #include "models/grasp.h"
 #include "models/model.h"
 #include "models/plan.h"
+#include "models/turned.h"
 
 /* Rows of the parameter table, in its order. */
 enum {
@@ -264,6 +265,8 @@ struct ss_model {
     double *stiff;                                                  /* rows of the step bound */
     const ss_real **column;
     /* report */
+    ss_turned turned;
+    int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
     int32_t substeps;
     double pool;      /* J: gains of the last tenth of a second or so, losses taken off */
     double travelled; /* share of the tools' way in the last step */

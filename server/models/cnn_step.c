@@ -771,6 +771,21 @@ static bool try_substep(ss_model *model, progress *p)
     return true;
 }
 
+/* The network of a volume has no volumes. Of a window, what it left aside is as it was last filled:
+ * far off, where nothing turns. */
+static void judge_turned(ss_model *model)
+{
+    const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
+    const int32_t t = is_volume ? ss_turned_look(&model->turned, model->u) : -1;
+    if (t >= 0) {
+        model->worst = model->plan.mesh->tetrahedron[t][0];
+    }
+    if (t >= 0 && model->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = SS_TURNED_REASON;
+    }
+}
+
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
@@ -779,6 +794,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     }
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
+    model->worst = -1;
     take_tools(model, tool);
     take_loads(model, time + 0.5 * dt);
     ss_cnn_driven_update(model, time + dt);
@@ -816,6 +832,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         model->verdict = SOFTSIM_VERDICT_DEGRADED;
         model->reason = "needs more sub-steps than max_substeps: slower than real time";
     }
+    judge_turned(model);
     model->substeps = p.accepted;
     model->travelled = p.path;
     ++model->step;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/corot.h"
+#include "models/turned.h"
 /*
  * The model corotational: tetrahedra of linear elasticity that turn with the body (Mueller and
  * Gross, "Interactive virtual materials", 2004), stepped by implicit Euler: stable at any step and
@@ -232,6 +233,17 @@ static double step_cost_us(const ss_model_plan *plan)
            COST_TETRAHEDRON * (has_tool ? COST_TOOL : 1.0) * plan->mesh->tetrahedron_count;
 }
 
+/* The last evaluation of the step is at its end. */
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    ss_body_step(model->body, time, dt, tool);
+    if (model->inverted_count > 0) {
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(model->body, model->first_inverted);
+    }
+}
+
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
 {
     const ss_printer out = {line, sink};
@@ -268,7 +280,7 @@ const ss_model_class ss_model_corotational = {
     .step_cost_us = step_cost_us,
     .create = create,
     .destroy = destroy,
-    .step = ss_body_model_step,
+    .step = step,
     .contacts = ss_body_model_contacts,
     .reset = ss_body_model_reset,
     .info = ss_body_model_info,

@@ -340,7 +340,7 @@ void ss_corot_advance(void *owner, ss_body *body, double h, double path_end)
     }
     model->has_last = model->newton_count > 0;
     if (model->inverted_count > 0) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "elements are turned inside out");
-        ss_body_set_worst_element(body, model->first_inverted);
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "an element was inside out and is being turned back");
     }
 }

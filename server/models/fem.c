@@ -16,12 +16,14 @@
 #include <math.h>
 
 #include "models/tetrahedron.h"
+#include "models/turned.h"
 #include "rt/memory.h"
 
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
     ss_fem *fem;
     ss_fem_material material;
+    ss_turned turned; /* for the linear law, which does not know */
 };
 
 static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
@@ -96,6 +98,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, double *
     if (status != SOFTSIM_OK) {
         return status;
     }
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
     ss_body_volume_masses(plan->mesh, model->material.density, true, mass);
     const ss_fem_setup setup = {.mesh = plan->mesh,
                                 .material = &model->material,
@@ -156,6 +159,24 @@ static void step(ss_model *model, double time, double dt,
 {
     ss_body_step(model->body, time, dt, tool);
     ss_fem_judge(model->fem, model->body);
+    const bool is_linear = model->material.kind == SS_TISSUE_LINEAR;
+    const int32_t turned =
+        is_linear ? ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u) : -1;
+    if (turned >= 0) {
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(model->body, turned);
+    }
+}
+
+static void reset(ss_model *model)
+{
+    ss_turned_reset(&model->turned);
+    ss_body_model_reset(model);
+}
+
+static uint64_t hash_state(const ss_model *model, uint64_t seed)
+{
+    return ss_turned_hash(&model->turned, ss_body_model_hash(model, seed));
 }
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
@@ -176,10 +197,10 @@ const ss_model_class ss_model_fem = {
     .destroy = destroy,
     .step = step,
     .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    .reset = reset,
     .info = ss_body_model_info,
     .displacement = ss_body_model_displacement,
     .velocity = ss_body_model_velocity,
     .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    .hash = hash_state,
     .explain = explain};

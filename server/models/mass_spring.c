@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/body.h"
 #include "models/grasp.h"
+#include "models/turned.h"
 /*
  * mass-spring: the edges of a mesh as springs and dampers between point masses.
  *
@@ -125,6 +126,7 @@ struct ss_model {
     double *block;    /* A_i: xx yy zz xy yz zx, a node */
     int32_t age;      /* calls of stable_step since the last look */
     double seen_step; /* s, then */
+    ss_turned turned;
     double stiffness_min, stiffness_max;
 };
 
@@ -285,30 +287,13 @@ static double stable_step(void *owner, const ss_body *body)
 
 /* ---- the watch ---------------------------------------------------------------------------- */
 
-/* Springs know lengths alone: a tetrahedron that is its own mirror image is at rest to them, holds
- * its neighbours wrongly and pulls where it should push. That cannot be mended here, so it is said
- * for as long as it lasts. */
-static void judge_turned(const ss_model *model)
+/* Of a model of nodes: a corner names the tetrahedron. */
+static void judge_turned(ss_model *model)
 {
-    const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
-    for (int32_t t = 0; t < model->mesh->tetrahedron_count; ++t) {
-        const int32_t *c = model->mesh->tetrahedron[t];
-        const ss_real *u0 = nodes->u + 4 * (ptrdiff_t)c[0];
-        double side[3][3], n[3];
-        for (int a = 0; a < 3; ++a) {
-            const ss_real *u = nodes->u + 4 * (ptrdiff_t)c[a + 1];
-            for (int k = 0; k < 3; ++k) {
-                side[a][k] =
-                    nodes->rest[c[a + 1]][k] - nodes->rest[c[0]][k] + (double)(u[k] - u0[k]);
-            }
-        }
-        ss_cross3(n, side[0], side[1]);
-        if (!(ss_dot3(n, side[2]) > 0.0)) {
-            ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0,
-                          "tetrahedra are turned inside out, and springs may keep them so");
-            ss_body_set_worst_element(model->body, c[0]);
-            return;
-        }
+    const int32_t t = ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u);
+    if (t >= 0) {
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(model->body, model->mesh->tetrahedron[t][0]);
     }
 }
 
@@ -316,13 +301,15 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->age = 0;
+    ss_turned_reset(&model->turned);
 }
 
 static uint64_t hash_state(const void *owner, uint64_t seed)
 {
     const ss_model *model = owner;
-    return ss_hash_bytes(ss_hash_bytes(seed, &model->age, sizeof model->age), &model->seen_step,
-                         sizeof model->seen_step);
+    const uint64_t hash = ss_hash_bytes(seed, &model->age, sizeof model->age);
+    return ss_turned_hash(&model->turned,
+                          ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step));
 }
 
 /* ---- set-up ------------------------------------------------------------------------------- */
@@ -534,6 +521,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     model->mesh = plan->mesh;
     model->is_volume = plan->mesh->tetrahedron_count > 0;
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
     model->damping = plan->param[ROW_MASS_DAMPING].number;
     model->integrator =
         plan->param[ROW_INTEGRATOR].number != 0.0 ? SS_BODY_RK4 : SS_BODY_SYMPLECTIC_EULER;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/fem.h"
+#include "models/turned.h"
 #include "models/xpbd_kernels.h"
 /*
  * xpbd: extended position-based dynamics of neo-Hookean tetrahedra in small steps.
@@ -82,6 +83,7 @@ struct ss_model {
     double substep; /* s, as planned */
     double least;   /* J of the most squeezed element in the step */
     double longest; /* s, of the sub-steps in the step */
+    ss_turned turned;
 };
 
 /* ---- steps -------------------------------------------------------------------------------- */
@@ -137,7 +139,13 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->least = 1.0;
+    ss_turned_reset(&model->turned);
     ss_fem_reset(model->fem);
+}
+
+static uint64_t hash_state(const void *owner, uint64_t seed)
+{
+    return ss_turned_hash(&((const ss_model *)owner)->turned, seed);
 }
 
 static void step(ss_model *model, double time, double dt,
@@ -149,6 +157,11 @@ static void step(ss_model *model, double time, double dt,
     if (model->least < 0.0) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "an element was inside out and is being turned back");
+    }
+    const int32_t turned = ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u);
+    if (turned >= 0) {
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(model->body, turned);
     }
     if (model->longest > ss_fem_rest_step(model->fem)) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
@@ -211,7 +224,8 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
                                            .diagonal = diagonal,
                                            .stable_step = stable_step,
                                            .advance = advance,
-                                           .reset = reset_state}};
+                                           .reset = reset_state,
+                                           .hash = hash_state}};
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
     }
@@ -227,6 +241,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return status;
     }
     model->kernels = ss_xpbd_kernels_get();
+    ss_turned_init(&model->turned, mesh, plan->step);
     /* Stable at any length: the budget makes them longer, not the body slower. */
     model->substep = fmax(plan->param[ROW_SUBSTEP].number, plan->step / plan->max_substeps);
     status = create_body(model, plan, error);
