@@ -18,6 +18,7 @@ static const double SMALLEST_BODY_M = 1e-3;
 static const double LARGEST_BODY_M = 10.0;
 static const double SMALLEST_TOOL_SHARE = 1e-3; /* of the body's diagonal */
 static const double LARGEST_TOOL_SHARE = 1.0;
+static const double LONGEST_TRAIL_S = 0.05; /* at 0.04 s no touch is late, at 0.12 s by 0.07 s */
 
 typedef struct doubts {
     const char *path; /* of the scene */
@@ -93,6 +94,20 @@ static void doubt_supports(const doubts *to, const ss_scene *scene)
             "move; are box_m, plane and sphere in metres, and where the body is?");
 }
 
+/* A proxy that a jump left behind, or a hand above what velocities are cut at, comes up with the
+ * hand in damping over stiffness: until then nothing is felt. */
+static void doubt_coupling(const doubts *to, const ss_scene *scene)
+{
+    const double stiffness = scene->coupling_stiffness_n_per_m;
+    const double damping = scene->coupling_damping_n_s_per_m;
+    if (damping > LONGEST_TRAIL_S * stiffness) {
+        say(to,
+            "haptic.coupling.damping_n_s_per_m: after a jump the tool comes %.2g s late, damping "
+            "over stiffness; give at most %.4g, or a larger stiffness_n_per_m",
+            damping / stiffness, LONGEST_TRAIL_S * stiffness);
+    }
+}
+
 /* What the model's plan warns of, for those who do not ask it to explain itself. */
 static void doubt_plan(void *sink, const char *text)
 {
@@ -113,6 +128,7 @@ void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *
             diagonal);
     }
     doubt_supports(&to, scene);
+    doubt_coupling(&to, scene);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
             doubt_tool(&to, p, &scene->tool[p].shape, diagonal);

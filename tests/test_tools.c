@@ -299,6 +299,8 @@ static void what_a_model_doubts_is_told(void **state)
         {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", "it falls"},
         {"model.name=corotational' --set 'model.poisson_ratio=0.49", "lock above"},
         {"object.fixed=[{box_m: [[-9, -9, -9], [9, 9, 9]]}]", "every node of the surface is held"},
+        {"object.fixed=[]", "a tool pushes it away"},
+        {"haptic.coupling.damping_n_s_per_m=1000", "after a jump the tool comes"},
     };
     char out[4096], command[512];
     write_inputs();

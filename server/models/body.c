@@ -449,6 +449,9 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
     }
     if (!body->is_held && body->has_gravity) {
         ss_say(&out, "warning: gravity acts and supports do not hold the body: it falls");
+    } else if (!body->is_held && body->surface) {
+        ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
+                     "of it with object.fixed");
     }
     if (!(body->own.mass_damping > 0.0)) {
         ss_say(&out, "left out: mass damping (mass_damping_per_s is 0)");

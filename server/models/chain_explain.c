@@ -147,7 +147,8 @@ static void explain_material(const ss_model *model, const ss_printer *out)
            ss_chain_stable_step(model), ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9),
            model->plan.step);
     if (!model->is_held) {
-        ss_say(out, "warning: the supports do not hold the body: a tool pushes it away");
+        ss_say(out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
+                    "of it with object.fixed");
     }
 }
 

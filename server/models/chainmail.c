@@ -105,6 +105,7 @@ typedef struct mail_tool {
 struct ss_model {
     ss_model_plan plan;
     int32_t node_count;
+    bool is_held; /* supports stop every rigid motion */
     ss_chain_net *net;
     ss_surface *surface;
     double beta;
@@ -655,12 +656,11 @@ static void set_material(ss_model *model)
 static softsim_status build(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    bool is_body_held;
     double *size = ss_memory_get((size_t)model->node_count, sizeof *size);
     softsim_status status = size ? check(plan, error) : SOFTSIM_ERROR_MEMORY;
     if (size) {
         const softsim_status checked =
-            ss_plan_check(plan, "chainmail", size, NULL, &is_body_held, error);
+            ss_plan_check(plan, "chainmail", size, NULL, &model->is_held, error);
         status = status == SOFTSIM_OK ? checked : status;
     }
     ss_memory_free(size);
@@ -839,6 +839,10 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
            model->is_radial ? "radial" : "box",
            model->is_by_violation ? "largest violation first" : "first in, first out",
            model->iterations);
+    if (!model->is_held && model->surface) {
+        ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
+                     "of it with object.fixed");
+    }
     ss_say(&out,
            "left out: forces, energies, reactions (there are none in a chain): the felt force "
            "is the coupling's, working force over tool radius times the dent");
