@@ -675,6 +675,38 @@ static void hard_blow_is_survived(void **state)
     setup_fini(&s);
 }
 
+/* A corner of the core is taken through the node across its cell. */
+static void a_core_turned_inside_out_is_told(void **state)
+{
+    (void)state;
+    setup s;
+    int32_t node[1] = {0};
+    double way[1][3] = {{0.4, 0.4, 0.4}};
+    const ss_prescribed set = {.node = node,
+                               .node_count = 1,
+                               .displacement = way,
+                               .axis = {true, true, true},
+                               .ramp = 0.2};
+    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.0, is_below), 0.1);
+    for (int32_t i = 1; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = 7;
+    }
+    s.plan.prescribed = &set;
+    s.plan.prescribed_count = 1;
+    (void)start_hybrid(&s);
+    steps(&s, 2, 0.01);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    steps(&s, 40, 0.01);
+    const ss_model_info info = info_of(&s);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(info.reason, "inside out"));
+    const int32_t *c = s.mesh->tetrahedron[info.worst_element];
+    assert_true(c[0] == 0 || c[1] == 0 || c[2] == 0 || c[3] == 0);
+    s.class->reset(s.model);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -694,6 +726,7 @@ int main(void)
         cmocka_unit_test(fast_nodes_keep_within_an_edge),
         cmocka_unit_test(fault_ends_with_reset),
         cmocka_unit_test(hard_blow_is_survived),
+        cmocka_unit_test(a_core_turned_inside_out_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -489,6 +489,7 @@ static void settle(void *owner)
     ss_hybrid *hybrid = owner;
     ss_hybrid_settle(hybrid);
     ss_hybrid_forget(hybrid);
+    ss_turned_reset(&hybrid->turned);
 }
 
 static uint64_t fnv(uint64_t hash, const void *data, size_t size)
@@ -503,6 +504,7 @@ static uint64_t fnv(uint64_t hash, const void *data, size_t size)
 static uint64_t hash_layer(const void *owner, uint64_t seed)
 {
     const ss_hybrid *hybrid = owner;
+    seed = ss_turned_hash(&hybrid->turned, seed);
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
@@ -658,6 +660,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     *out_model = NULL;
     if (hybrid != NULL && own != NULL) {
         hybrid->mesh = plan->mesh;
+        ss_turned_init(&hybrid->turned, plan->mesh, plan->step);
         hybrid->law = ss_fem_kernels_get();
         hybrid->kernels = ss_layer_kernels_get();
         status = build(hybrid, plan, error != NULL ? error : own);
@@ -698,6 +701,11 @@ static void step(ss_model *model, double time, double dt,
         }
     }
     ss_body_step(hybrid->body, time, dt, tool);
+    const int32_t turned = ss_turned_look(&hybrid->turned, ss_body_read_nodes(hybrid->body)->u);
+    if (turned >= 0) {
+        ss_body_judge(hybrid->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(hybrid->body, turned);
+    }
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -17,6 +17,7 @@
 #include "models/layer.h"
 #include "models/layer_kernels.h"
 #include "models/point_grid.h"
+#include "models/turned.h"
 
 enum {
     SS_HYBRID_SPACING = SS_FEM_ROW_COUNT,
@@ -82,6 +83,8 @@ typedef struct ss_hybrid {
     double *cell_asleep;       /* and while all sleeps */
     double *mass_asleep;       /* kg, by node of the body: while all sleeps */
     double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
+
+    ss_turned turned; /* of the core */
 
     /* particles */
     ss_hybrid_particle *particle;
