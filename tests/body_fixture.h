@@ -4,7 +4,7 @@
 /* The body that Newtonian models share, under a law with closed forms: every node is held at its
  * place by a spring and a damper of its own. cmocka comes first. */
 #include "element_fixture.h"
-#include "models/body.h"
+#include "models/common/body.h"
 #include "models/model.h"
 #include "rt/memory.h"
 

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /* Meshes and networks: shared by the tests of chains. cmocka comes first. */
-#include "models/chain.h"
+#include "models/chain/chain.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"

@@ -3,9 +3,9 @@
 #pragma once
 /* Bodies of tetrahedra with their insides open: shared by the tests of fem. cmocka comes first. */
 #include "block_fixture.h"
-#include "models/body.h"
-#include "models/fem.h"
-#include "models/tetrahedron.h"
+#include "models/common/body.h"
+#include "models/common/fem.h"
+#include "models/common/tetrahedron.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"

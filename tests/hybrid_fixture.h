@@ -3,7 +3,7 @@
 #pragma once
 /* Bars of cubes cut into tetrahedra, some of them left to a particle layer, and a hybrid over them:
  * shared by the tests of the layer and of the model. cmocka comes first. */
-#include "models/hybrid.h"
+#include "models/hybrid/hybrid.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"

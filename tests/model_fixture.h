@@ -3,7 +3,7 @@
 #pragma once
 /* Meshes of triangles, and bodies of cnn-energy: shared by the tests of models/. cmocka comes
  * first. */
-#include "models/cnn_energy.h"
+#include "models/cnn/cnn.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"

@@ -18,11 +18,11 @@ scratch=${1:-build/planted}
 
 # model | unit test | file | line as it is | line with the defect
 defects=(
-  'cnn-energy|test_cnn_step|server/models/cnn_kernels.c|f = ss_pair_fnma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);|f = ss_pair_fma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);'
-  'cnn-energy|test_cnn_step|server/models/cnn_kernels.c|ss_pair f = ss_pair_sub(ss_pair_load(s->force + at), gamma_v);|ss_pair f = ss_pair_add(ss_pair_load(s->force + at), gamma_v);'
-  'fem|test_fem|server/models/fem_kernels.c|p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];|p.m[k / 3][k % 3] = all(0.0) + p.m[k / 3][k % 3];'
-  'mass-spring|test_mass_spring|server/models/mass_spring.c|f[e->from + a] += pull * now.n[a];|f[e->from + a] -= pull * now.n[a];'
-  'mass-spring|test_body|server/models/body_step.c|book_load(body, ss_body_loads_work(body));|book_load(body, -ss_body_loads_work(body));'
+  'cnn-energy|test_cnn_step|server/models/cnn/kernels.c|f = ss_pair_fnma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);|f = ss_pair_fma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);'
+  'cnn-energy|test_cnn_step|server/models/cnn/kernels.c|ss_pair f = ss_pair_sub(ss_pair_load(s->force + at), gamma_v);|ss_pair f = ss_pair_add(ss_pair_load(s->force + at), gamma_v);'
+  'fem|test_fem|server/models/common/fem_kernels.c|p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];|p.m[k / 3][k % 3] = all(0.0) + p.m[k / 3][k % 3];'
+  'mass-spring|test_mass_spring|server/models/mass_spring/mass_spring.c|f[e->from + a] += pull * now.n[a];|f[e->from + a] -= pull * now.n[a];'
+  'mass-spring|test_body|server/models/common/body_step.c|book_load(body, ss_body_loads_work(body));|book_load(body, -ss_body_loads_work(body));'
   'fem|test_abuse|server/haptic/haptic.c|ss_scale3(out_sent, whole, gain);|ss_scale3(out_sent, whole, ss_dot3(haptic->v, whole) > 0.0 ? 2.0 : 1.0);'
   'fem|test_abuse|server/watch.c|most_handed_out = 0.01;|most_handed_out = 10.0;'
 )

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "block_fixture.h"
-#include "models/corot.h"
+#include "models/corotational/corotational.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"
 #include "static_fem.h"

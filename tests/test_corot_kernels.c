@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-#include "models/corot_kernels.h"
+#include "models/corotational/kernels.h"
 #include "number_fixture.h"
 #include "rt/memory.h"
 #include "rt/vec.h"

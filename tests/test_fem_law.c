@@ -11,8 +11,8 @@
 
 #include <string.h>
 
-#include "models/tetrahedron.h"
-#include "models/tissue_law.h"
+#include "models/common/tetrahedron.h"
+#include "models/common/tissue_law.h"
 #include "number_fixture.h"
 
 static const char *const names[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",

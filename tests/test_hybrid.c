@@ -8,7 +8,7 @@
 
 #include "effort.h"
 #include "hybrid_fixture.h"
-#include "models/body_state.h"
+#include "models/common/body_state.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 

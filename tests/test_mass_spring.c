@@ -92,8 +92,8 @@ static double stretched_modulus(int cells)
 }
 
 /* Edges of cubes cut in six do not point all ways alike: along an edge of the cube they are softer
- * than the formula (Delaunay meshes have 0.96 to 1.05 of it, see mass_spring.c). Finer ones must
- * have the same. */
+ * than the formula (Delaunay meshes have 0.96 to 1.05 of it, see mass_spring/mass_spring.c). Finer
+ * ones must have the same. */
 static void a_block_has_about_the_modulus_that_is_given(void **state)
 {
     (void)state;

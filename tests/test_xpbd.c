@@ -12,9 +12,9 @@
 
 #include "effort.h"
 #include "element_fixture.h"
-#include "models/body.h"
-#include "models/tissue_law.h"
-#include "models/xpbd_kernels.h"
+#include "models/common/body.h"
+#include "models/common/tissue_law.h"
+#include "models/xpbd/kernels.h"
 
 #define MODULUS 5000.0
 

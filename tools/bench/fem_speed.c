@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "mesh/mesh.h"
-#include "models/fem.h"
+#include "models/common/fem.h"
 #include "models/model.h"
 #include "rt/clock.h"
 #include "rt/vec.h"

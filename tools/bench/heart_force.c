@@ -12,7 +12,7 @@
 
 #include "heart.h"
 #include "heart_own.h"
-#include "models/hybrid.h"
+#include "models/hybrid/hybrid.h"
 #include "rt/vec.h"
 
 enum { DEPTHS = 4, BINS = 12 };

@@ -10,8 +10,8 @@
 #include <string.h>
 
 #include "heart.h"
-#include "models/layer.h"
-#include "models/layer_kernels.h"
+#include "models/hybrid/layer.h"
+#include "models/hybrid/layer_kernels.h"
 #include "rt/vec.h"
 
 /* W(r) of eq. (8) for epsilon = 1, and F = -dW/dr. */

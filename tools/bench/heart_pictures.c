@@ -11,7 +11,7 @@
 #include "heart.h"
 #include "heart_draw.h"
 #include "heart_own.h"
-#include "models/hybrid.h"
+#include "models/hybrid/hybrid.h"
 #include "rt/vec.h"
 
 static const uint32_t awake_colour = 0xd0605a, layer_colour = 0xd8b9a0, core_colour = 0x8fb3c9;

@@ -9,7 +9,7 @@
 
 #include "heart.h"
 #include "heart_own.h"
-#include "models/hybrid.h"
+#include "models/hybrid/hybrid.h"
 #include "rt/vec.h"
 
 /* Frames a second that the paper reports, and its numbers of active particles: so many are awake

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-bench scaling: what a millisecond of the body of body.h costs at several sizes, how far
- * its field is from that of a direct solve in double (as body.h defines it), how smooth the force
- * of a sliding tool is, and whether energy adds up over press, slide and release.
+ * softsim-bench scaling: what a millisecond of the body of common/body.h costs at several sizes,
+ * how far its field is from that of a direct solve in double (as common/body.h defines it), how
+ * smooth the force of a sliding tool is, and whether energy adds up over press, slide and release.
  * Then what the block of block.h costs with every model, to a million nodes, and where a model
  * gives way. Beside it Table 1 of the paper on which cnn-energy is built (Zhong, Shirinzadeh,
  * Alici, Smith 2006; Pentium 4, 2.8 GHz), whose rates are given as the time of a step.
@@ -19,7 +19,7 @@
 #include "bench.h"
 #include "block.h"
 #include "body.h"
-#include "models/cnn_network.h"
+#include "models/cnn/network.h"
 #include "process.h"
 #include "report.h"
 #include "rt/args.h"
@@ -71,7 +71,7 @@ typedef struct row {
     const char *model; /* and its material */
     double p50_us, p99_us, step_us, paper_ms, prototype_us, jump, mean_force, ledger;
     double create_s, memory_mb, peak_mb; /* of blocks */
-    double direct_error;                 /* of the field against a direct solve: body.h */
+    double direct_error;                 /* of the field against a direct solve: common/body.h */
     double apart; /* from the same poke with all nodes active, over the largest displacement */
     char solver[160];
     char verdict[384];

@@ -21,7 +21,7 @@
 #include <string.h>
 
 #include "block_matrix.h"
-#include "models/tetrahedron.h"
+#include "models/common/tetrahedron.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

@@ -1,0 +1,869 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/model.h"
+/*
+ * chainmail: the traditional 3D ChainMail, beside which cnn-chainmail is judged.
+ *
+ * After Frisken-Gibson: "3D ChainMail: a fast algorithm for deforming volumetric objects", I3D
+ * 1997, for any graph as in Li, Brodlie: "Soft object modelling with generalised ChainMail",
+ * Computer Graphics Forum 22 (4), 2003. What a tool or a prescribed set moves is a sponsor; its
+ * neighbours are moved by as little as puts them back into the band about it, and sponsor theirs:
+ *
+ *   box     P_j - P_i clipped, axis by axis, to D +- (alpha |D_q| + beta sum of the other |D|)
+ *   radial  |P_j - P_i| clipped to [(1 - alpha) l0, (1 + alpha) l0]
+ *
+ * D the rest vector. The box is the original; it depends on how the axes lie, the radial band does
+ * not. A node moves at most once a step and is tested against its sponsor alone; fixed nodes never
+ * move, so links to them may stay out of band. First in, first out, or the largest violation of
+ * all first (a binary heap). Optional relaxation moves every free node to the mean displacement of
+ * its neighbours, in order, some times a step.
+ *
+ * Where the nonlinearity comes from: the band's dead zone, and the radial band's geometry. Left
+ * out: cutting and tearing. Links are the mesh's edges and stay.
+ *
+ * There is no force in it: energies, reactions and the model's force on tools are 0. A tool moves
+ * the cells it touches out of itself, by the mean depth of their surface samples, f_i/D_i with a
+ * contact of stiffness 1 (contact.c has the symbols), grasped ones along with it.
+ *
+ * The hand feels a spring alone, k = working force / tool radius, between the tool and the surface
+ * as it was when the tool came to touch it:
+ *   F = k (e - gap)+,   e = sum_i w_i n.(u_i^0 - u_i) / sum_i w_i,
+ * u^0 the displacements then, n the contact's normal, w_i the source weights of the cells about the
+ * tool (contact.h), gap how far the tool has gone out of the dent. It is 0 at the touch, also of a
+ * dent that was left, grows as the tool presses and falls as it goes out, whether the cells follow
+ * or stay. Rejected: what the law between results makes of a result without force, its stiffness
+ * times the way of one period: with a result each tick that is no force at all.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/chain/net.h"
+#include "models/common/grasp.h"
+#include "models/common/plan.h"
+#include "models/common/turned.h"
+#include "rt/memory.h"
+#include "rt/printer.h"
+#include "rt/vec.h"
+
+enum { ALPHA, BETA, BAND, ORDER, RELAXATION_ITERATIONS, ROW_COUNT };
+
+static const ss_param_row rows[ROW_COUNT] = {
+    [ALPHA] = {.name = "alpha",
+               .kind = SS_PARAM_FIELD,
+               .min = 0.0,
+               .max = 10.0,
+               .fallback = 0.15,
+               .help = "slack of a link along itself, a share of its length"},
+    [BETA] = {.name = "beta",
+              .kind = SS_PARAM_NUMBER,
+              .min = 0.0,
+              .max = 10.0,
+              .fallback = 0.5,
+              .help = "slack across (shear) of the box band"},
+    [BAND] = {.name = "band",
+              .kind = SS_PARAM_CHOICE,
+              .max = 1.0,
+              .choices = "box|radial",
+              .help = "limits per axis, as Gibson's, or along the link"},
+    [ORDER] = {.name = "order",
+               .kind = SS_PARAM_CHOICE,
+               .max = 1.0,
+               .choices = "fifo|violation",
+               .help = "who moves next: first come, or the largest violation"},
+    [RELAXATION_ITERATIONS] = {.name = "relaxation_iterations",
+                               .kind = SS_PARAM_INTEGER,
+                               .min = 0.0,
+                               .max = 1000.0,
+                               .fallback = 0.0,
+                               .help = "passes of averaging a step"}};
+
+/* Passes in which a tool moves cells out of itself: a cell's samples lie at different depths. */
+enum { PUSH_PASSES = 3 };
+/* N/m over working force and tool radius: what the hand meets between results. */
+#define FELT_SHARE 1.0
+
+/* A neighbour that its sponsor asks to move. */
+typedef struct request {
+    double violation; /* m */
+    int32_t node, sponsor;
+} request;
+
+typedef struct mail_tool {
+    bool is_used, is_present, is_pressed;
+    const ss_shape *shape;
+    double radius, felt;
+    ss_touch *touch;
+    ss_tool_pose pose;
+    bool is_touching;
+    double dent;     /* m, e - gap of the last step */
+    ss_real *before; /* u^0: 4 a node */
+    int32_t held_count;
+    int32_t *held;       /* grasped nodes */
+    double (*offset)[3]; /* in the tool's frame */
+} mail_tool;
+
+struct ss_model {
+    ss_model_plan plan;
+    int32_t node_count;
+    bool is_held; /* supports stop every rigid motion */
+    ss_chain_net *net;
+    ss_surface *surface;
+    double beta;
+    bool is_radial, is_by_violation;
+    int32_t iterations;
+    double *alpha; /* by link position */
+    mail_tool tool[SOFTSIM_MAX_PROBES];
+    ss_real *u, *v;     /* v stays 0: there is no motion but that of sponsors */
+    uint8_t *has_moved; /* in this propagation */
+    int32_t *queue;
+    int32_t queue_count;
+    request *heap;
+    int32_t heap_count;
+    ss_real *push; /* scratch of contact */
+    double *weight;
+    uint8_t *bound; /* axes of a node that are fixed or driven: bits 0 to 2 */
+    uint8_t *held;  /* by tools, in this step: a bit each */
+    int64_t step;
+    int32_t moved_count;
+    ss_turned turned;
+    int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
+    softsim_verdict verdict;
+    const char *reason;
+};
+
+/* ---- the band ----------------------------------------------------------------------------- */
+
+/* Where the link at `position` wants `node`, given where its sponsor is; returns by how far it
+ * is out of its band, m. */
+static double place_by(const ss_model *model, int32_t position, int32_t node, int32_t sponsor,
+                       double out_u[3])
+{
+    const ss_chain_group *group = &model->net->group[position / SS_CHAIN_LANES];
+    const int lane = position % SS_CHAIN_LANES;
+    const double sign = group->b[lane] == 4 * node ? 1.0 : -1.0;
+    const double rest[3] = {sign * (double)group->x[lane], sign * (double)group->y[lane],
+                            sign * (double)group->z[lane]};
+    const ss_real *own = model->u + 4 * (ptrdiff_t)node;
+    const ss_real *from = model->u + 4 * (ptrdiff_t)sponsor;
+    const double alpha = model->alpha[position];
+    double d[3], to[3], way[3];
+    for (int k = 0; k < 3; ++k) {
+        d[k] = rest[k] + ((double)own[k] - (double)from[k]);
+    }
+    if (model->is_radial) {
+        const double length = (double)group->rest[lane], now = ss_norm3(d);
+        const double wanted = fmin(fmax(now, (1.0 - alpha) * length), (1.0 + alpha) * length);
+        const bool is_coincident = !(now > 1e-9 * length);
+        ss_scale3(to, is_coincident ? rest : d, wanted / (is_coincident ? length : now));
+    } else {
+        const double sum = fabs(rest[0]) + fabs(rest[1]) + fabs(rest[2]);
+        for (int k = 0; k < 3; ++k) {
+            const double slack = alpha * fabs(rest[k]) + model->beta * (sum - fabs(rest[k]));
+            to[k] = fmin(fmax(d[k], rest[k] - slack), rest[k] + slack);
+        }
+    }
+    ss_sub3(way, to, d);
+    for (int k = 0; k < 3; ++k) {
+        out_u[k] = (double)own[k] + way[k];
+    }
+    return ss_norm3(way);
+}
+
+static bool may_move(const ss_model *model, int32_t node)
+{
+    return !model->has_moved[node] && model->bound[node] != 7;
+}
+
+/* Fixed and driven axes stay. Rounded as it is stored. */
+static void move_to(ss_model *model, int32_t node, const double u[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        if ((model->bound[node] & (1 << k)) == 0) {
+            model->u[4 * (ptrdiff_t)node + k] = (ss_real)u[k];
+        }
+    }
+}
+
+static void sponsor(ss_model *model, int32_t node)
+{
+    if (!model->has_moved[node]) {
+        model->has_moved[node] = 1;
+        model->queue[model->queue_count++] = node;
+    }
+}
+
+/* Rounding alone moves nobody. */
+static bool is_violation(const ss_model *model, double violation)
+{
+    return violation > (sizeof(ss_real) == sizeof(float) ? 1e-6 : 1e-13) * model->net->mean_length;
+}
+
+/* ---- order -------------------------------------------------------------------------------- */
+
+static void propagate_in_turn(ss_model *model)
+{
+    const ss_chain_net *net = model->net;
+    for (int32_t next = 0; next < model->queue_count; ++next) {
+        const int32_t node = model->queue[next];
+        for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
+            const int32_t other = ss_chain_other(net, net->at[p], node);
+            double u[3];
+            if (may_move(model, other) &&
+                is_violation(model, place_by(model, net->at[p], other, node, u))) {
+                move_to(model, other, u);
+                sponsor(model, other);
+            }
+        }
+    }
+}
+
+/* Before: larger violation, then lower node and sponsor, so that the order never depends on the
+ * heap's history. */
+static bool is_before(const request *a, const request *b)
+{
+    if (a->violation != b->violation) {
+        return a->violation > b->violation;
+    }
+    return a->node != b->node ? a->node < b->node : a->sponsor < b->sponsor;
+}
+
+static void heap_push(ss_model *model, request r)
+{
+    int32_t at = model->heap_count++;
+    while (at > 0 && is_before(&r, &model->heap[(at - 1) / 2])) {
+        model->heap[at] = model->heap[(at - 1) / 2];
+        at = (at - 1) / 2;
+    }
+    model->heap[at] = r;
+}
+
+static request heap_pop(ss_model *model)
+{
+    const request top = model->heap[0], last = model->heap[--model->heap_count];
+    int32_t at = 0;
+    for (;;) {
+        int32_t child = 2 * at + 1;
+        if (child >= model->heap_count) {
+            break;
+        }
+        if (child + 1 < model->heap_count &&
+            is_before(&model->heap[child + 1], &model->heap[child])) {
+            ++child;
+        }
+        if (!is_before(&model->heap[child], &last)) {
+            break;
+        }
+        model->heap[at] = model->heap[child];
+        at = child;
+    }
+    model->heap[at] = last;
+    return top;
+}
+
+/* What a node that has moved asks of its neighbours. Each link asks at most once. */
+static void ask_neighbours(ss_model *model, int32_t node)
+{
+    const ss_chain_net *net = model->net;
+    for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
+        const int32_t other = ss_chain_other(net, net->at[p], node);
+        double u[3];
+        if (may_move(model, other)) {
+            const double violation = place_by(model, net->at[p], other, node, u);
+            if (is_violation(model, violation)) {
+                heap_push(model, (request){violation, other, node});
+            }
+        }
+    }
+}
+
+static int32_t link_between(const ss_chain_net *net, int32_t node, int32_t other)
+{
+    int32_t p = net->first[node];
+    while (ss_chain_other(net, net->at[p], node) != other) {
+        ++p;
+    }
+    return net->at[p];
+}
+
+static void propagate_by_violation(ss_model *model)
+{
+    model->heap_count = 0;
+    for (int32_t k = 0; k < model->queue_count; ++k) {
+        ask_neighbours(model, model->queue[k]);
+    }
+    while (model->heap_count > 0) {
+        const request next = heap_pop(model);
+        if (may_move(model, next.node)) {
+            double u[3];
+            (void)place_by(model, link_between(model->net, next.node, next.sponsor), next.node,
+                           next.sponsor, u);
+            move_to(model, next.node, u);
+            sponsor(model, next.node);
+            ask_neighbours(model, next.node);
+        }
+    }
+}
+
+static void propagate(ss_model *model)
+{
+    if (model->is_by_violation) {
+        propagate_by_violation(model);
+    } else {
+        propagate_in_turn(model);
+    }
+    model->moved_count += model->queue_count;
+    for (int32_t k = 0; k < model->queue_count; ++k) {
+        model->has_moved[model->queue[k]] = 0;
+    }
+    model->queue_count = 0;
+}
+
+static void relax(ss_model *model)
+{
+    const ss_chain_net *net = model->net;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const int32_t degree = net->first[i + 1] - net->first[i];
+        double mean[3] = {0.0, 0.0, 0.0};
+        if (degree == 0 || model->held[i] != 0 || !may_move(model, i)) {
+            continue;
+        }
+        for (int32_t p = net->first[i]; p < net->first[i + 1]; ++p) {
+            const ss_real *u = model->u + 4 * (ptrdiff_t)ss_chain_other(net, net->at[p], i);
+            for (int k = 0; k < 3; ++k) {
+                mean[k] += (double)u[k] / degree;
+            }
+        }
+        move_to(model, i, mean);
+    }
+}
+
+/* ---- sponsors ----------------------------------------------------------------------------- */
+
+static void move_driven(ss_model *model, double time)
+{
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        const ss_prescribed *set = &model->plan.prescribed[s];
+        const double share = ss_plan_ramp(set->from, set->ramp, time);
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            bool is_moving = false;
+            for (int k = 0; k < 3; ++k) {
+                ss_real *u = &model->u[4 * (ptrdiff_t)set->node[i] + k];
+                if (ss_plan_is_driven(set, i, k)) {
+                    const ss_real to = (ss_real)(share * set->displacement[i][k]);
+                    is_moving = is_moving || to != *u;
+                    *u = to;
+                }
+            }
+            if (is_moving) {
+                sponsor(model, set->node[i]);
+            }
+        }
+    }
+}
+
+static uint8_t bit_of(const ss_model *model, const mail_tool *tool)
+{
+    _Static_assert(SOFTSIM_MAX_PROBES <= 8, "a bit for each tool");
+    return (uint8_t)(1u << (tool - model->tool));
+}
+
+/* One pass: cells whose samples are inside the tool go out by their mean depth. */
+static int32_t push_out(ss_model *model, const mail_tool *tool)
+{
+    double force[3] = {0.0}, torque[3] = {0.0};
+    const int32_t *node;
+    int32_t pushed = 0;
+    (void)ss_touch_penalty(tool->touch, model->u, &tool->pose, model->push, force, torque);
+    ss_touch_diagonal(tool->touch, model->weight);
+    const int32_t count = ss_touch_reach(tool->touch, &node);
+    for (int32_t k = 0; k < count; ++k) {
+        const int32_t i = node[k];
+        ss_real *f = model->push + 4 * (ptrdiff_t)i;
+        if (model->weight[i] > 0.0 && model->bound[i] != 7) {
+            double u[3];
+            for (int a = 0; a < 3; ++a) {
+                u[a] = (double)model->u[4 * (ptrdiff_t)i + a] + (double)f[a] / model->weight[i];
+            }
+            move_to(model, i, u);
+            model->held[i] |= bit_of(model, tool);
+            sponsor(model, i);
+            ++pushed;
+        }
+        memset(f, 0, 4 * sizeof *f);
+        model->weight[i] = 0.0;
+    }
+    return pushed;
+}
+
+static void take_grasp(ss_model *model, mail_tool *tool, bool is_grasping)
+{
+    if (is_grasping && !tool->is_pressed) {
+        tool->held_count = 0;
+        for (int32_t i = 0; i < model->node_count; ++i) {
+            if ((model->held[i] & bit_of(model, tool)) != 0) {
+                double x[3];
+                for (int k = 0; k < 3; ++k) {
+                    x[k] = model->plan.mesh->position[i][k] +
+                           (double)model->u[4 * (ptrdiff_t)i + k] - tool->pose.position[k];
+                }
+                ss_rotate_back(tool->offset[tool->held_count], tool->pose.orientation, x);
+                tool->held[tool->held_count++] = i;
+            }
+        }
+    }
+    tool->held_count = is_grasping ? tool->held_count : 0;
+    tool->is_pressed = is_grasping;
+}
+
+static void carry(ss_model *model, const mail_tool *tool)
+{
+    for (int32_t k = 0; k < tool->held_count; ++k) {
+        const int32_t i = tool->held[k];
+        double x[3];
+        ss_rotate(x, tool->pose.orientation, tool->offset[k]);
+        for (int a = 0; a < 3; ++a) {
+            x[a] += tool->pose.position[a] - model->plan.mesh->position[i][a];
+        }
+        move_to(model, i, x);
+        model->held[i] |= bit_of(model, tool);
+        sponsor(model, i);
+    }
+}
+
+/* The tools at `path` of the step: what they touch becomes a sponsor. */
+static void move_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES], double path)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        mail_tool *own = &model->tool[k];
+        if (!own->is_present) {
+            continue;
+        }
+        const ss_tool_pose start = own->pose;
+        ss_tool_pose_blend(&tool[k].from, &tool[k].to, path, &own->pose);
+        carry(model, own);
+        for (int pass = 0; pass < PUSH_PASSES; ++pass) {
+            ss_touch_gather(own->touch, model->u, &start, &own->pose);
+            if (push_out(model, own) == 0) {
+                break;
+            }
+            own->is_touching = true;
+        }
+    }
+}
+
+/* After the step: how far below the surface as it was the tool holds the cells about it. */
+static void measure_dent(ss_model *model, mail_tool *tool)
+{
+    const int32_t *node;
+    const double *weight;
+    double total = 0.0, sum = 0.0;
+    ss_contact_set set;
+    ss_touch_contacts(tool->touch, model->u, &tool->pose, tool->radius, &set);
+    const int32_t count =
+        ss_touch_weigh(tool->touch, model->u, NULL, &tool->pose, &node, &weight, &total);
+    for (int32_t k = 0; k < count; ++k) {
+        for (int a = 0; a < 3; ++a) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)node[k] + a;
+            sum += weight[k] * set.normal[a] * ((double)tool->before[at] - (double)model->u[at]);
+        }
+    }
+    const double gap = set.count > 0 ? set.contact[0].gap : (double)INFINITY;
+    tool->dent = total > 0.0 ? fmax(0.0, sum / total - gap) : 0.0;
+    tool->is_touching = tool->dent > 0.0;
+}
+
+/* Parts of the step in which no tool moves further than a quarter of its radius. */
+static int32_t count_parts(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    double parts = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        mail_tool *own = &model->tool[k];
+        own->is_present = own->is_used && tool && tool[k].is_present;
+        if (own->is_present) {
+            const double way = ss_tool_motion_bound(own->shape, &tool[k].from, &tool[k].to);
+            own->pose = tool[k].from;
+            parts = fmax(parts, ceil(4.0 * way / own->radius - 1e-9));
+            if (!own->is_touching) {
+                memcpy(own->before, model->u, 4 * (size_t)model->node_count * sizeof *model->u);
+            }
+        } else {
+            own->held_count = 0;
+            own->is_pressed = own->is_touching = false;
+            own->dent = 0.0;
+        }
+    }
+    if (parts > model->plan.max_substeps) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason = "a tool moved further in a step than its sub-steps can follow";
+    }
+    return (int32_t)fmin(parts, model->plan.max_substeps);
+}
+
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+        return;
+    }
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+    model->worst = -1;
+    const int32_t parts = count_parts(model, tool);
+    model->moved_count = 0;
+    memset(model->held, 0, (size_t)model->node_count);
+    if (model->surface) {
+        ss_surface_refit(model->surface, model->u);
+    }
+    for (int32_t p = 1; p <= parts; ++p) {
+        move_driven(model, time + dt * p / parts);
+        move_tools(model, tool, (double)p / parts);
+        propagate(model);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            take_grasp(model, &model->tool[k], tool[k].is_grasping);
+        }
+    }
+    for (int32_t n = 0; n < model->iterations; ++n) {
+        relax(model);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* for contacts() */
+        mail_tool *own = &model->tool[k];
+        double force[3] = {0.0}, torque[3] = {0.0};
+        if (own->is_present) {
+            ss_touch_gather(own->touch, model->u, &own->pose, &own->pose);
+            (void)ss_touch_penalty(own->touch, model->u, &own->pose, NULL, force, torque);
+            if (own->is_touching) {
+                measure_dent(model, own);
+            }
+        }
+    }
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        if (!isfinite(model->u[at])) {
+            memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
+            model->verdict = SOFTSIM_VERDICT_FAULT;
+            model->reason = "not finite: back at rest, waiting for reset";
+            return;
+        }
+    }
+    const int32_t t = ss_turned_look(&model->turned, model->u);
+    if (t >= 0) {
+        model->worst = model->plan.mesh->tetrahedron[t][0];
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = SS_TURNED_REASON;
+    }
+    ++model->step;
+}
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+static softsim_status check(const ss_model_plan *plan, softsim_error *error)
+{
+    const int32_t before = error->fault_count;
+    if (ss_norm3(plan->gravity) > 0.0) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "chainmail: gravity_m_s2: there is no mass in a chain: leave it out");
+    }
+    if (plan->load_count > 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "chainmail: loads: there is no force in a chain: prescribe "
+                          "displacements instead");
+    }
+    return error->fault_count > before ? SOFTSIM_ERROR_SCENE : SOFTSIM_OK;
+}
+
+static softsim_status create_tool(ss_model *model, mail_tool *tool, const ss_shape *shape)
+{
+    const double radius = ss_shape_curvature_radius(shape);
+    const double working = model->plan.working_force > 0.0 ? model->plan.working_force : 1.0;
+    const ss_touch_options options = {.delta = ss_surface_mean_edge(model->surface),
+                                      .stiffness = 1.0};
+    tool->is_used = true;
+    tool->shape = shape;
+    tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
+    tool->felt = FELT_SHARE * working / tool->radius;
+    tool->before = ss_memory_get(4 * (size_t)model->node_count, sizeof *tool->before);
+    tool->held = ss_memory_get((size_t)model->node_count, sizeof *tool->held);
+    tool->offset = ss_memory_get((size_t)model->node_count, sizeof *tool->offset);
+    const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
+    const bool is_whole = tool->before && tool->held && tool->offset;
+    return status == SOFTSIM_OK && !is_whole ? SOFTSIM_ERROR_MEMORY : status;
+}
+
+static softsim_status create_tools(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    const double smallest = ss_plan_smallest_tool(plan);
+    softsim_status status =
+        isfinite(smallest)
+            ? ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error)
+            : SOFTSIM_OK;
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            status = create_tool(model, &model->tool[k], &plan->tool[k].shape);
+        }
+    }
+    return status;
+}
+
+static softsim_status allocate(ss_model *model)
+{
+    const size_t n = (size_t)model->node_count, links = (size_t)model->net->link_count;
+    model->alpha = ss_memory_get((size_t)model->net->group_count * SS_CHAIN_LANES, sizeof(double));
+    model->u = ss_memory_get(4 * n, sizeof *model->u);
+    model->v = ss_memory_get(4 * n, sizeof *model->v);
+    model->push = ss_memory_get(4 * n, sizeof *model->push);
+    model->weight = ss_memory_get(n, sizeof *model->weight);
+    model->has_moved = ss_memory_get(n, 1);
+    model->bound = ss_memory_get(n, 1);
+    model->held = ss_memory_get(n, 1);
+    model->queue = ss_memory_get(n, sizeof *model->queue);
+    model->heap = ss_memory_get(model->is_by_violation ? 2 * links : 0, sizeof *model->heap);
+    return model->alpha && model->u && model->v && model->push && model->weight &&
+                   model->has_moved && model->bound && model->held && model->queue && model->heap
+               ? SOFTSIM_OK
+               : SOFTSIM_ERROR_MEMORY;
+}
+
+static double value_at(const ss_param_value *value, int32_t node)
+{
+    return value->per_node ? value->per_node[node] : value->number;
+}
+
+static void set_material(ss_model *model)
+{
+    const ss_model_plan *plan = &model->plan;
+    const ss_chain_net *net = model->net;
+    for (int32_t e = 0; e < net->link_count; ++e) {
+        model->alpha[net->position[e]] = 0.5 * (value_at(&plan->param[ALPHA], net->link[e][0]) +
+                                                value_at(&plan->param[ALPHA], net->link[e][1]));
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->bound[i] = plan->fixed[i] & 7;
+    }
+    for (int32_t s = 0; s < plan->prescribed_count; ++s) {
+        const ss_prescribed *set = &plan->prescribed[s];
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                if (ss_plan_is_driven(set, i, k)) {
+                    model->bound[set->node[i]] |= (uint8_t)(1u << k);
+                }
+            }
+        }
+    }
+}
+
+static softsim_status build(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    double *size = ss_memory_get((size_t)model->node_count, sizeof *size);
+    softsim_status status = size ? check(plan, error) : SOFTSIM_ERROR_MEMORY;
+    if (size) {
+        const softsim_status checked =
+            ss_plan_check(plan, "chainmail", size, NULL, &model->is_held, error);
+        status = status == SOFTSIM_OK ? checked : status;
+    }
+    ss_memory_free(size);
+    status = status == SOFTSIM_OK ? ss_chain_net_create(plan->mesh, "chainmail", &model->net, error)
+                                  : status;
+    status = status == SOFTSIM_OK ? allocate(model) : status;
+    if (status == SOFTSIM_OK) {
+        set_material(model);
+        status = create_tools(model, error);
+    }
+    return status;
+}
+
+/* ---- the class ---------------------------------------------------------------------------- */
+
+static void destroy(ss_model *model)
+{
+    if (!model) {
+        return;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_touch_destroy(&model->tool[k].touch);
+        ss_memory_free(model->tool[k].before);
+        ss_memory_free(model->tool[k].held);
+        ss_memory_free(model->tool[k].offset);
+    }
+    ss_surface_destroy(&model->surface);
+    ss_chain_net_destroy(&model->net);
+    void *const owned[] = {model->alpha,     model->u,     model->v,    model->push,  model->weight,
+                           model->has_moved, model->bound, model->held, model->queue, model->heap};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_memory_free(model);
+}
+
+static void reset(ss_model *model)
+{
+    memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
+    memset(model->held, 0, (size_t)model->node_count);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].is_present = model->tool[k].is_pressed = false;
+        model->tool[k].is_touching = false;
+        model->tool[k].dent = 0.0;
+        model->tool[k].held_count = 0;
+    }
+    model->step = 0;
+    model->moved_count = 0;
+    ss_turned_reset(&model->turned);
+    model->worst = -1;
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    *out_model = NULL;
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (model && own) {
+        model->plan = *plan;
+        model->node_count = plan->mesh->node_count;
+        ss_turned_init(&model->turned, plan->mesh, plan->step);
+        model->beta = plan->param[BETA].number;
+        model->is_radial = plan->param[BAND].number != 0.0;
+        model->is_by_violation = plan->param[ORDER].number != 0.0;
+        model->iterations = (int32_t)plan->param[RELAXATION_ITERATIONS].number;
+        status = build(model, error ? error : own);
+        model->plan.param = NULL;
+    }
+    ss_memory_free(own);
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    reset(model);
+    *out_model = model;
+    return SOFTSIM_OK;
+}
+
+/* Microseconds of a link that is tested, in propagation and in a pass of relaxation, and of a tool;
+ * liver of 5762 nodes, reference core. A step is planned to reach a fifth of the links. */
+#define COST_LINK  0.01
+#define COST_RELAX 0.003
+#define COST_TOOL  80.0
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    const double links = plan->mesh->tetrahedron_count > 0
+                             ? plan->mesh->node_count + 1.3 * plan->mesh->tetrahedron_count
+                             : 3.0 * plan->mesh->node_count;
+    double tools = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        tools += plan->tool[k].is_used;
+    }
+    return 1.0 + COST_TOOL * tools + 0.2 * COST_LINK * links +
+           2.0 * COST_RELAX * links * plan->param[RELAXATION_ITERATIONS].number;
+}
+
+static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
+{
+    memset(out, 0, sizeof *out);
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->tool[probe].is_present) {
+        return;
+    }
+    const mail_tool *tool = &model->tool[probe];
+    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
+    out->is_held = tool->is_pressed && tool->held_count > 0;
+    ss_set3(out->force, 0.0, 0.0, 0.0);
+    ss_set3(out->torque, 0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < out->count; ++k) {
+        ss_contact *contact = &out->contact[k];
+        contact->stiffness = contact->tangential = tool->felt / out->count;
+        contact->force = contact->stiffness * tool->dent;
+        contact->gap = tool->dent > 0.0 ? 0.0 : contact->gap;
+    }
+}
+
+static void info(const ss_model *model, ss_model_info *out)
+{
+    *out = (ss_model_info){
+        .step = model->step,
+        .substeps = 1,
+        .active_nodes = model->moved_count,
+        .worst_element = model->worst,
+        .fault_bits = model->verdict == SOFTSIM_VERDICT_FAULT ? SS_MODEL_FAULT_NOT_FINITE : 0,
+        .verdict = model->verdict,
+        .reason = model->reason,
+        .stable_step = (double)INFINITY,
+        .travelled = 1.0};
+}
+
+static const ss_real *displacement(const ss_model *model)
+{
+    return model->u;
+}
+
+static const ss_real *velocity(const ss_model *model)
+{
+    return model->v;
+}
+
+/* There is no force in a chain. */
+static void reaction(const ss_model *model, int32_t set, double out_force[3])
+{
+    (void)model;
+    (void)set;
+    ss_set3(out_force, 0.0, 0.0, 0.0);
+}
+
+static uint64_t hash_state(const ss_model *model, uint64_t seed)
+{
+    uint64_t hash = ss_turned_hash(&model->turned, seed);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const mail_tool *tool = &model->tool[k];
+        const size_t count = (size_t)tool->held_count;
+        if (tool->is_used) {
+            hash = ss_hash_bytes(hash, &count, sizeof count);
+            hash = ss_hash_bytes(hash, &tool->dent, sizeof tool->dent);
+        }
+        if (count > 0) {
+            hash = ss_hash_bytes(hash, tool->held, count * sizeof *tool->held);
+            hash = ss_hash_bytes(hash, tool->offset, count * sizeof *tool->offset);
+        }
+    }
+    return hash;
+}
+
+static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const ss_printer out = {line, sink};
+    ss_say(&out, "chain: %d elements, %d links, each once, mean %.4g m", model->node_count,
+           model->net->link_count, model->net->mean_length);
+    ss_say(&out, "band: %s; order: %s; relaxation: %d passes a step",
+           model->is_radial ? "radial" : "box",
+           model->is_by_violation ? "largest violation first" : "first in, first out",
+           model->iterations);
+    if (!model->is_held && model->surface) {
+        ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
+                     "of it with object.fixed");
+    }
+    ss_say(&out,
+           "left out: forces, energies, reactions (there are none in a chain): the felt force "
+           "is the coupling's, working force over tool radius times the dent");
+}
+
+extern const ss_model_class ss_model_chainmail;
+const ss_model_class ss_model_chainmail = {
+    .name = "chainmail",
+    .help = "the traditional ChainMail: chain elements move only where links leave their band",
+    .row = rows,
+    .row_count = ROW_COUNT,
+    .needs_volume = false,
+    .step_cost_us = step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = step,
+    .contacts = contacts,
+    .reset = reset,
+    .info = info,
+    .displacement = displacement,
+    .velocity = velocity,
+    .reaction = reaction,
+    .hash = hash_state,
+    .explain = explain};

@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/chain/chain.h"
+/*
+ * Tools on the chain: which cells a tool holds, where, and what it feels.
+ *
+ * The paper moves one contact point by the input displacement. A tool touches a surface: its
+ * samples x_q = sum_i B_qi P_i inside the tool are to be put back on its skin. Cell i is asked to
+ * move by f_i/D_i, the mean of its samples' depths (f_i = sum_q A_q kc B_qi (-d_q)+ n_q, D_i =
+ * sum_q A_q kc B_qi), and is held there as firmly as D_i is beside its links:
+ *
+ *   u_i += tau_i (dP_i + f_i/(2 k) - u_i/R_rest),  1/tau_i = C_i/h + D_i/(2 k)
+ *
+ * For D_i >> 2 k C_i/h the cell goes where the tool puts it (a fixed-state cell), for D_i -> 0 it
+ * is free: a cell enters and leaves a contact through D_i = 0, so neither position nor force jumps
+ * as a tool slides, and nothing is held when the tool pulls away: f is unilateral. The step
+ * stays a descent whatever kc is: the Hessian H of W + U/(2 k) has x'Hx <= x'(L/2 + D/(2 k)) x
+ * (rows of B sum to 1, the tool is convex), below x'(2/tau) x wherever h is stable without contact.
+ * Rejected: nodes set onto the tool's skin (a sphere of 10 mm sinks 3 mm between nodes 12 mm
+ * apart, and ripples as much as it slides), an explicit penalty (kc would have to be so soft that
+ * the tool sinks in).
+ *
+ * `source: position`: kc from the working force, as for every model, and at least twice the links'
+ * own stiffness. `source: current`: kc = 2 k/a, a the mean area of a cell, so that a covered cell's
+ * current f_i/(2 k) is the tool's depth there: the paper's "current source set to the input
+ * displacement", a drive of force.
+ *
+ * Stiffness for the hand: as cnn/contact.c, k(y) = k_cc - 2 c.y + y.Hy >= the static stiffness for
+ * any motion y. Here y ~ c_i/(D_i + k s_i/3) in the best proportion, with all links taken as taut:
+ * no cell further in moves, so what is told is what a quick touch meets, and it errs high. The
+ * viscosity is the drag 2 k C |y|^2 of that motion, at most 10 ms of stiffness.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/common/plan.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#define PI 3.14159265358979323846
+/* s: viscosity over stiffness. */
+#define MAX_VISCOUS_TIME 0.01
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+/* Of the nodes that lie on the surface, m^2; negative without memory. */
+static double mean_area(const ss_mesh *mesh)
+{
+    double area = 0.0, count = 0.0;
+    double *of = ss_memory_get((size_t)mesh->node_count, sizeof *of);
+    if (!of) {
+        return -1.0;
+    }
+    ss_mesh_node_areas(mesh, of);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        area += of[i];
+        count += of[i] > 0.0;
+    }
+    ss_memory_free(of);
+    return area / fmax(count, 1.0);
+}
+
+/* kc, N/m^3. */
+static double contact_stiffness(const ss_model *model, double radius, double area)
+{
+    const ss_model_plan *plan = &model->plan;
+    if (model->is_current) {
+        return 2.0 * model->k / area;
+    }
+    if (plan->contact_stiffness > 0.0) {
+        return plan->contact_stiffness;
+    }
+    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
+    double valence = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        valence += model->valence[i] / model->node_count;
+    }
+    return fmax(working / (0.03 * radius * radius * radius), 2.0 * model->k * valence / area);
+}
+
+static softsim_status create_tool(ss_model *model, ss_chain_tool *tool, const ss_shape *shape,
+                                  double area)
+{
+    const double radius = ss_shape_curvature_radius(shape);
+    tool->is_used = true;
+    tool->shape = shape;
+    tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
+    tool->stiffness = contact_stiffness(model, tool->radius, area);
+    /* The contact a tenth of R deep, in series with the links of one cell. */
+    const double contact = 0.2 * PI * tool->stiffness * tool->radius * tool->radius;
+    double valence = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        valence += model->valence[i] / model->node_count;
+    }
+    tool->rest_felt = 1.0 / (1.0 / contact + 1.0 / (model->k * valence));
+    const ss_touch_options options = {.delta = ss_surface_mean_edge(model->surface),
+                                      .stiffness = tool->stiffness};
+    const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
+    return status != SOFTSIM_OK                             ? status
+           : ss_grasp_init(&tool->grasp, model->node_count) ? SOFTSIM_OK
+                                                            : SOFTSIM_ERROR_MEMORY;
+}
+
+static softsim_status allocate(ss_model *model)
+{
+    const size_t n = (size_t)model->padded;
+    model->contact = ss_memory_get(4 * n, sizeof *model->contact);
+    model->push = ss_memory_get(4 * n, sizeof *model->push);
+    model->answer = ss_memory_get(4 * n, sizeof *model->answer);
+    model->diagonal_of = ss_memory_get(n, sizeof *model->diagonal_of);
+    model->firmness = ss_memory_get(n, sizeof *model->firmness);
+    model->touched = ss_memory_get(n, sizeof *model->touched);
+    model->is_touched = ss_memory_get(n, sizeof *model->is_touched);
+    model->is_marked = ss_memory_get(n, sizeof *model->is_marked);
+    model->hold = ss_memory_get(n, sizeof *model->hold);
+    model->hold_weight = ss_memory_get(n, sizeof *model->hold_weight);
+    return model->contact && model->push && model->answer && model->diagonal_of &&
+                   model->firmness && model->touched && model->is_touched && model->is_marked &&
+                   model->hold && model->hold_weight
+               ? SOFTSIM_OK
+               : SOFTSIM_ERROR_MEMORY;
+}
+
+softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    const double smallest = ss_plan_smallest_tool(plan);
+    if (isinf(smallest)) {
+        return SOFTSIM_OK;
+    }
+    softsim_status status =
+        ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
+    status = status == SOFTSIM_OK ? allocate(model) : status;
+    const double area = status == SOFTSIM_OK ? mean_area(plan->mesh) : 0.0;
+    status = area < 0.0 ? SOFTSIM_ERROR_MEMORY : status;
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            status = create_tool(model, &model->tool[k], &plan->tool[k].shape, area);
+        }
+    }
+    return status;
+}
+
+void ss_chain_tools_fini(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_touch_destroy(&model->tool[k].touch);
+        ss_grasp_fini(&model->tool[k].grasp);
+    }
+    ss_surface_destroy(&model->surface);
+    void *const owned[] = {model->contact,     model->push,      model->answer,
+                           model->diagonal_of, model->firmness,  model->touched,
+                           model->is_touched,  model->is_marked, model->hold,
+                           model->hold_weight};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+}
+
+/* ---- where tools are ---------------------------------------------------------------------- */
+
+static void let_go(ss_chain_tool *tool)
+{
+    tool->grasp.count = 0;
+    tool->grasp.is_pressed = false;
+    tool->is_touching = tool->was_touching = false;
+    tool->energy = tool->felt = 0.0;
+    tool->drive = (ss_chain_drive){0};
+    ss_set3(tool->force, 0.0, 0.0, 0.0);
+    ss_set3(tool->torque, 0.0, 0.0, 0.0);
+}
+
+/* Forgets which cells the tools held at the last sub-step. */
+static void forget_touched(ss_model *model)
+{
+    for (int32_t k = 0; k < model->touched_count; ++k) {
+        model->is_touched[model->touched[k]] = 0;
+    }
+    model->touched_count = 0;
+}
+
+void ss_chain_tools_reset(ss_model *model)
+{
+    const size_t n = (size_t)model->padded; /* a fault leaves scratch as it was */
+    forget_touched(model);
+    memset(model->contact, 0, 4 * n * sizeof *model->contact);
+    memset(model->push, 0, 4 * n * sizeof *model->push);
+    memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
+    memset(model->firmness, 0, n * sizeof *model->firmness);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].is_present = false;
+        let_go(&model->tool[k]);
+    }
+}
+
+/* What a tool stores and feels as it stands; its triangles are gathered. */
+static void evaluate(ss_model *model, ss_chain_tool *tool)
+{
+    ss_set3(tool->force, 0.0, 0.0, 0.0);
+    ss_set3(tool->torque, 0.0, 0.0, 0.0);
+    tool->energy =
+        ss_touch_penalty(tool->touch, model->u, &tool->pose, NULL, tool->force, tool->torque);
+    ss_grasp_add_forces(&tool->grasp, (const double(*)[3])model->plan.mesh->position, model->u,
+                        &tool->pose, model->push, tool->force, tool->torque);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        memset(model->push + 4 * (ptrdiff_t)tool->grasp.node[i], 0, 4 * sizeof(ss_real));
+    }
+}
+
+double ss_chain_tool_energy(const ss_chain_tool *tool)
+{
+    return tool->energy + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
+}
+
+void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    bool is_any = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_chain_tool *own = &model->tool[k];
+        const bool is_present = own->is_used && tool && tool[k].is_present;
+        const bool is_moved =
+            is_present && memcmp(&tool[k].from, &own->pose, sizeof own->pose) != 0;
+        if (is_present && !is_any) {
+            ss_surface_refit(model->surface, model->u);
+            is_any = true;
+        }
+        const double before = ss_chain_tool_energy(own);
+        if (!is_present ||
+            (is_moved && own->is_present &&
+             ss_tool_motion_bound(own->shape, &own->pose, &tool[k].from) > 0.25 * own->radius)) {
+            let_go(own); /* what jumps lets go */
+        }
+        if (is_present) {
+            own->from = tool[k].from;
+            own->to = tool[k].to;
+            own->pose = own->from;
+        }
+        if (is_present && (is_moved || !own->is_present)) {
+            ss_touch_gather(own->touch, model->u, &own->pose, &own->pose);
+            evaluate(model, own);
+        }
+        /* A jump's energy is the tool's work. */
+        model->work += ss_chain_tool_energy(own) - before;
+        own->is_present = is_present;
+        own->grasp_wish = is_present && tool[k].is_grasping;
+    }
+}
+
+int32_t ss_chain_tools_substeps(ss_model *model)
+{
+    double steps = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_chain_tool *tool = &model->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
+        const double most = 0.25 * fmin(tool->radius, model->net->mean_length);
+        if (way > most && ss_touch_gather(tool->touch, model->u, &tool->from, &tool->to) > 0) {
+            steps = fmax(steps, ceil(way / most - 1e-9));
+        }
+    }
+    if (steps > (double)model->plan.max_substeps) {
+        ss_chain_tell(model, SOFTSIM_VERDICT_GUARDED,
+                      "a tool moved further in a step than its sub-steps can follow");
+    }
+    return (int32_t)fmin(steps, (double)model->plan.max_substeps);
+}
+
+/* ---- a sub-step --------------------------------------------------------------------------- */
+
+/* Depth that a tool has pressed its cells in by: the weighted mean of what they moved. */
+static double depth_of(const ss_model *model, const int32_t *node, int32_t count)
+{
+    double moved[3] = {0.0}, sum = 0.0;
+    for (int32_t k = 0; k < count; ++k) {
+        const double weight = model->firmness[node[k]];
+        for (int a = 0; a < 3; ++a) {
+            moved[a] += weight * (double)model->u[4 * (ptrdiff_t)node[k] + a];
+        }
+        sum += weight;
+    }
+    return sum > 0.0 ? ss_norm3(moved) / sum : 0.0;
+}
+
+/* The button's press takes hold of the cells that are touched. */
+static void take_grasp(ss_model *model, ss_chain_tool *tool, const int32_t *node, int32_t count)
+{
+    if (tool->grasp_wish && !tool->grasp.is_pressed) {
+        int32_t held = 0;
+        for (int32_t k = 0; k < count; ++k) {
+            if (model->firmness[node[k]] > 0.0 && held < model->node_count) {
+                model->hold[held] = node[k];
+                model->hold_weight[held++] = model->firmness[node[k]] / tool->stiffness;
+            }
+        }
+        ss_grasp_take(&tool->grasp, held, model->hold, model->hold_weight,
+                      SS_GRASP_SHARE * tool->stiffness,
+                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
+    }
+    tool->grasp.is_pressed = tool->grasp_wish;
+}
+
+static void list_touched(ss_model *model, const int32_t *node, int32_t count)
+{
+    for (int32_t k = 0; k < count; ++k) {
+        if (model->diagonal_of[node[k]] > 0.0 && !model->is_touched[node[k]]) {
+            model->is_touched[node[k]] = 1;
+            model->touched[model->touched_count++] = node[k];
+        }
+    }
+}
+
+/* Moves the tool on to `path`; what it stores more with all cells where they are is its work. */
+static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double path)
+{
+    const double(*rest)[3] = (const double(*)[3])model->plan.mesh->position;
+    ss_tool_pose start;
+    const int32_t *node;
+    start = tool->pose;
+    ss_tool_pose_blend(&tool->from, &tool->to, path, &tool->pose);
+    ss_touch_gather(tool->touch, model->u, &start, &tool->pose);
+    if (!is_first) { /* else known from the end of the last step */
+        const ss_tool_pose next = tool->pose;
+        tool->pose = start;
+        evaluate(model, tool);
+        tool->pose = next;
+    }
+    const double before = ss_chain_tool_energy(tool);
+    ss_set3(tool->force, 0.0, 0.0, 0.0);
+    ss_set3(tool->torque, 0.0, 0.0, 0.0);
+    tool->energy = ss_touch_penalty(tool->touch, model->u, &tool->pose, model->contact, tool->force,
+                                    tool->torque);
+    ss_touch_diagonal(tool->touch, model->firmness);
+    const int32_t count = ss_touch_reach(tool->touch, &node);
+    ss_grasp_add_forces(&tool->grasp, rest, model->u, &tool->pose, model->contact, tool->force,
+                        tool->torque);
+    model->work += ss_chain_tool_energy(tool) - before;
+    tool->is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
+    tool->drive.depth = tool->is_touching ? depth_of(model, node, count) : 0.0;
+    take_grasp(model, tool, node, count);
+    for (int32_t k = 0; k < count; ++k) {
+        model->diagonal_of[node[k]] += model->firmness[node[k]];
+        model->firmness[node[k]] = 0.0;
+    }
+    for (int32_t k = 0; k < tool->grasp.count; ++k) {
+        model->diagonal_of[tool->grasp.node[k]] += tool->grasp.share * tool->grasp.stiffness[k];
+    }
+    list_touched(model, node, count);
+    list_touched(model, tool->grasp.node, tool->grasp.count);
+}
+
+void ss_chain_tools_touch(ss_model *model, bool is_first, double path)
+{
+    if (!model->surface) {
+        return;
+    }
+    forget_touched(model);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            touch(model, &model->tool[k], is_first, path);
+        }
+    }
+}
+
+void ss_chain_tools_apply(ss_model *model, double h)
+{
+    const double scale = 1.0 / (2.0 * model->k);
+    for (int32_t t = 0; t < model->touched_count; ++t) {
+        const int32_t i = model->touched[t];
+        const ptrdiff_t at = 4 * (ptrdiff_t)i;
+        const double firm = h * model->conductance[i] * model->diagonal_of[i] * scale;
+        for (int a = 0; a < 3; ++a) {
+            const bool is_free = model->free[at + a] > 0;
+            const double leak = model->leak * (double)model->u[at + a]; /* comes with the answer */
+            const double pull =
+                (double)model->pull[at + a] + scale * (double)model->contact[at + a];
+            model->pull[at + a] = (ss_real)(is_free ? (pull - leak) / (1.0 + firm) + leak : pull);
+            model->contact[at + a] = 0;
+        }
+        model->diagonal_of[i] = 0.0;
+        ss_chain_set_add(&model->front.moving, i);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_chain_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->grasp.count > 0) {
+            ss_grasp_fade(&tool->grasp, h);
+            (void)ss_grasp_settle(&tool->grasp, true); /* what it let go of is lost */
+        }
+    }
+}
+
+/* ---- what the hand is told ---------------------------------------------------------------- */
+
+void ss_chain_tools_sample(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            evaluate(model, &model->tool[k]);
+        }
+    }
+}
+
+/* Nodes under the tool now, with D in model->diagonal_of and c, the force on them for a push of 1 m
+ * along the normal, in model->push; returns k_cc. */
+static double push_along(ss_model *model, const ss_chain_tool *tool, const double normal[3])
+{
+    double on_tool[3] = {0.0, 0.0, 0.0};
+    ss_touch_tangent(tool->touch, NULL, normal, model->push, on_tool);
+    ss_touch_diagonal(tool->touch, model->diagonal_of);
+    double stiffness = -ss_dot3(on_tool, normal);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        const double k = tool->grasp.share * tool->grasp.stiffness[i];
+        for (int a = 0; a < 3; ++a) {
+            model->push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
+        }
+        model->diagonal_of[tool->grasp.node[i]] += k;
+        stiffness += k;
+    }
+    return stiffness;
+}
+
+/* z.Kz of a link for a difference z of its ends' motions, over k w: n n' as if it were taut, and
+ * what a stretched one resists across. */
+static double link_resists(const ss_model *model, const ss_chain_group *group, int lane,
+                           const double z[3])
+{
+    const ss_real *a = model->u + group->a[lane], *b = model->u + group->b[lane];
+    const double d[3] = {(double)(group->x[lane] + (b[0] - a[0])),
+                         (double)(group->y[lane] + (b[1] - a[1])),
+                         (double)(group->z[lane] + (b[2] - a[2]))};
+    const double square = ss_dot3(d, d), along = ss_dot3(d, z), all = ss_dot3(z, z);
+    if (!(square > 0.0)) {
+        return all;
+    }
+    const double high = (double)group->rest[lane] + model->ratio * (double)group->slack[lane];
+    const double across = fmax(0.0, 1.0 - high / sqrt(square));
+    return along * along / square + across * (all - along * along / square);
+}
+
+/* y.Hy of one node's part; links to nodes that move too count half. */
+static double resist(const ss_model *model, int32_t node)
+{
+    const ss_chain_net *net = model->net;
+    const ss_real *y = model->answer + 4 * (ptrdiff_t)node;
+    double sum = model->diagonal_of[node] * (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+    for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
+        const int32_t other = ss_chain_other(net, net->at[p], node);
+        const ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
+        const int lane = net->at[p] % SS_CHAIN_LANES;
+        const double weight = 2.0 * (double)group->half[lane];
+        const ss_real *z = model->answer + 4 * (ptrdiff_t)other;
+        const double way[3] = {(double)(y[0] - z[0]), (double)(y[1] - z[1]), (double)(y[2] - z[2])};
+        const bool is_shared = model->diagonal_of[other] > 0.0;
+        sum += (is_shared ? 0.5 : 1.0) * model->k * weight * link_resists(model, group, lane, way);
+    }
+    return sum;
+}
+
+/* The best y in the direction c_i/(D_i + k s_i/3). Clears what it used of push, answer and D. */
+static void feel(ss_model *model, ss_chain_tool *tool, const double normal[3],
+                 double *out_viscosity)
+{
+    const double k_cc = push_along(model, tool, normal);
+    const int32_t *reach;
+    double gain = 0.0, cost = 0.0, drag = 0.0;
+    const int32_t reach_count = ss_touch_reach(tool->touch, &reach);
+    const int32_t *const list[2] = {reach, tool->grasp.node};
+    const int32_t count[2] = {reach_count, tool->grasp.count};
+    for (int l = 0; l < 2; ++l) {
+        for (int32_t n = 0; n < count[l]; ++n) {
+            const int32_t i = list[l][n];
+            const double firm = model->diagonal_of[i] + model->k * model->valence[i] / 3.0;
+            for (int a = 0; a < 3; ++a) {
+                const ptrdiff_t at = 4 * (ptrdiff_t)i + a;
+                model->answer[at] = model->diagonal_of[i] > 0.0 && model->free[at] > 0
+                                        ? (ss_real)((double)model->push[at] / firm)
+                                        : 0;
+            }
+        }
+    }
+    for (int l = 0; l < 2; ++l) {
+        for (int32_t n = 0; n < count[l]; ++n) {
+            const int32_t i = list[l][n];
+            if (!(model->diagonal_of[i] > 0.0) || model->is_marked[i]) {
+                continue;
+            }
+            const ss_real *y = model->answer + 4 * (ptrdiff_t)i;
+            const ss_real *c = model->push + 4 * (ptrdiff_t)i;
+            model->is_marked[i] = 1;
+            gain += (double)(c[0] * y[0] + c[1] * y[1] + c[2] * y[2]);
+            drag += 2.0 * model->k / model->conductance[i] *
+                    (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+            cost += resist(model, i);
+        }
+    }
+    const double scale = cost > 0.0 ? gain / cost : 0.0;
+    const double felt = k_cc - gain * scale;
+    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
+    *out_viscosity =
+        tool->was_touching ? fmin(scale * scale * drag, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+    for (int l = 0; l < 2; ++l) {
+        for (int32_t n = 0; n < count[l]; ++n) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)list[l][n];
+            memset(model->push + at, 0, 4 * sizeof(ss_real));
+            memset(model->answer + at, 0, 4 * sizeof(ss_real));
+            model->diagonal_of[list[l][n]] = 0.0;
+            model->is_marked[list[l][n]] = 0;
+        }
+    }
+}
+
+void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
+{
+    memset(out, 0, sizeof *out);
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->tool[probe].is_present) {
+        return;
+    }
+    ss_chain_tool *tool = &model->tool[probe];
+    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
+    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
+    ss_copy3(out->force, tool->force);
+    ss_copy3(out->torque, tool->torque);
+    const bool is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
+    if (out->count > 0 && is_touching) {
+        double normal[3], viscosity;
+        ss_contact_set_direction(out, tool->force, normal);
+        feel(model, tool, normal, &viscosity);
+        ss_contact_set_share(out, normal, tool->felt, viscosity);
+    } else {
+        for (int32_t k = 0; k < out->count; ++k) {
+            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
+            out->contact[k].tangential = out->contact[k].stiffness;
+        }
+    }
+    tool->was_touching = is_touching;
+}

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/chain/chain.h"
+/*
+ * What acts on the chain without a tool: forces and pressures as current sources, I = f/(2 k);
+ * prescribed displacements as cells that are moved at the start of each sub-step, before the others
+ * answer (fixed-state cells: the paper's Dirichlet condition, and its contact point). Reactions are
+ * sampled there too, F = -(2 k dP + f): what the links pull after the cells were moved; sampled
+ * after the answer they would miss the part that decays within a sub-step.
+ *
+ * The work of a driven cell is the change of W while the others stand still, from its own links.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/common/plan.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+static softsim_status create_load(ss_model *model, int32_t which, uint8_t *mark,
+                                  softsim_error *error)
+{
+    ss_chain_load *load = &model->load[which];
+    load->plan = &model->plan.load[which];
+    for (int32_t k = 0; k < load->plan->node_count; ++k) {
+        mark[load->plan->node[k]] = 1;
+    }
+    return load->plan->is_pressure
+               ? ss_plan_pressure_triangles(&model->plan, "cnn-chainmail", which, &load->triangle,
+                                            &load->triangle_count, error)
+               : SOFTSIM_OK;
+}
+
+static softsim_status create_driven(ss_model *model, int32_t which)
+{
+    ss_chain_driven *driven = &model->driven[which];
+    const ss_prescribed *set = &model->plan.prescribed[which];
+    driven->plan = set;
+    driven->from = ss_memory_get((size_t)set->node_count, sizeof *driven->from);
+    driven->to = ss_memory_get((size_t)set->node_count, sizeof *driven->to);
+    if (!driven->from || !driven->to) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < set->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (ss_plan_is_driven(set, i, k)) {
+                model->free[4 * (ptrdiff_t)set->node[i] + k] = 0;
+                model->is_bound[set->node[i]] = 1;
+            }
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+static softsim_status set_fixed(ss_model *model)
+{
+    model->fixed = ss_memory_get((size_t)model->node_count, sizeof *model->fixed);
+    if (!model->fixed) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const uint8_t axes = model->plan.fixed[i] & 7;
+        for (int k = 0; k < 3; ++k) {
+            model->free[4 * (ptrdiff_t)i + k] = (axes & (1 << k)) == 0;
+        }
+        model->is_bound[i] = axes != 0;
+        if (axes != 0) {
+            model->fixed[model->fixed_count++] = i;
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
+    model->load = ss_memory_get((size_t)plan->load_count, sizeof *model->load);
+    model->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *model->driven);
+    model->loaded = ss_memory_get((size_t)model->node_count, sizeof *model->loaded);
+    softsim_status status = mark && model->load && model->driven && model->loaded
+                                ? set_fixed(model)
+                                : SOFTSIM_ERROR_MEMORY;
+    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
+        status = create_load(model, k, mark, error);
+    }
+    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
+        status = create_driven(model, k);
+    }
+    for (int32_t i = 0; status == SOFTSIM_OK && i < model->node_count; ++i) {
+        if (mark[i]) {
+            model->loaded[model->loaded_count++] = i;
+        }
+    }
+    ss_memory_free(mark);
+    return status;
+}
+
+void ss_chain_loads_fini(ss_model *model)
+{
+    for (int32_t k = 0; model->load && k < model->plan.load_count; ++k) {
+        ss_memory_free(model->load[k].triangle);
+    }
+    for (int32_t k = 0; model->driven && k < model->plan.prescribed_count; ++k) {
+        ss_memory_free(model->driven[k].from);
+        ss_memory_free(model->driven[k].to);
+    }
+    ss_memory_free(model->load);
+    ss_memory_free(model->driven);
+    ss_memory_free(model->loaded);
+    ss_memory_free(model->fixed);
+}
+
+/* ---- loads -------------------------------------------------------------------------------- */
+
+/* Forces into currents on the loaded nodes. */
+static void build(ss_model *model)
+{
+    ss_real *current = model->current;
+    for (int32_t k = 0; k < model->loaded_count; ++k) {
+        memset(current + 4 * (ptrdiff_t)model->loaded[k], 0, 4 * sizeof *current);
+    }
+    for (int32_t l = 0; l < model->plan.load_count; ++l) {
+        const ss_chain_load *load = &model->load[l];
+        const ss_load *plan = load->plan;
+        if (load->factor != 0.0 && plan->is_pressure) {
+            ss_plan_add_pressure(model->plan.mesh, load->triangle_count, load->triangle, model->u,
+                                 load->factor * plan->pressure / (2.0 * model->k), current);
+        } else if (load->factor != 0.0) {
+            const double scale = load->factor / (2.0 * model->k * plan->node_count);
+            for (int32_t k = 0; k < plan->node_count; ++k) {
+                for (int a = 0; a < 3; ++a) {
+                    current[4 * (ptrdiff_t)plan->node[k] + a] += (ss_real)(scale * plan->force[a]);
+                }
+            }
+        }
+    }
+}
+
+void ss_chain_loads_update(ss_model *model, double time)
+{
+    bool is_changed = false;
+    model->has_current = false;
+    for (int32_t l = 0; l < model->plan.load_count; ++l) {
+        ss_chain_load *load = &model->load[l];
+        const double factor = ss_plan_load_factor(load->plan, time);
+        is_changed =
+            is_changed || factor != load->factor || (load->plan->is_pressure && factor != 0.0);
+        load->factor = factor;
+        model->has_current = model->has_current || factor != 0.0;
+    }
+    if (is_changed) {
+        build(model);
+    }
+}
+
+void ss_chain_loads_apply(ss_model *model)
+{
+    for (int32_t k = 0; model->has_current && k < model->loaded_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+        for (int a = 0; a < 3; ++a) {
+            model->pull[at + a] += model->current[at + a];
+        }
+        ss_chain_set_add(&model->front.moving, model->loaded[k]);
+    }
+}
+
+double ss_chain_loads_work(const ss_model *model, double sign)
+{
+    double work = 0.0;
+    for (int32_t k = 0; model->has_current && k < model->loaded_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+        for (int a = 0; a < 3; ++a) {
+            work += (double)model->current[at + a] * (double)model->u[at + a];
+        }
+    }
+    return sign * 2.0 * model->k * work;
+}
+
+/* ---- driven cells ------------------------------------------------------------------------- */
+
+void ss_chain_driven_update(ss_model *model, double time)
+{
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        ss_chain_driven *driven = &model->driven[s];
+        const ss_prescribed *set = driven->plan;
+        const double share = ss_plan_ramp(set->from, set->ramp, time);
+        double middle[3] = {0.0, 0.0, 0.0};
+        driven->is_moving = false;
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                if (!ss_plan_is_driven(set, i, k)) {
+                    continue;
+                }
+                driven->from[i][k] = (double)model->u[4 * (ptrdiff_t)set->node[i] + k];
+                driven->to[i][k] = (double)(ss_real)(share * set->displacement[i][k]);
+                driven->is_moving = driven->is_moving || driven->from[i][k] != driven->to[i][k];
+                middle[k] += driven->to[i][k] / set->node_count;
+            }
+        }
+        driven->drive.depth = ss_norm3(middle);
+    }
+}
+
+/* A node's output, Q of step.c. */
+static void output_at(const ss_model *model, int32_t at, double out[3])
+{
+    const ss_real *u = model->u + at;
+    ss_set3(out, (double)u[0], (double)u[1], (double)u[2]);
+    const double length = isfinite(model->saturation) ? ss_norm3(out) : 0.0;
+    if (length > model->saturation) {
+        ss_scale3(out, out, model->saturation / length);
+    }
+}
+
+/* sum w/4 ex^2 of the links of one node, those to nodes in the mask half. */
+static double energy_at(const ss_model *model, int32_t node, const uint8_t *is_inside)
+{
+    const ss_chain_net *net = model->net;
+    double energy = 0.0;
+    for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
+        const ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
+        const int lane = net->at[p] % SS_CHAIN_LANES;
+        double a[3], b[3];
+        output_at(model, group->a[lane], a);
+        output_at(model, group->b[lane], b);
+        const double d[3] = {(double)group->x[lane] + (b[0] - a[0]),
+                             (double)group->y[lane] + (b[1] - a[1]),
+                             (double)group->z[lane] + (b[2] - a[2])};
+        const double length = ss_norm3(d), rest = (double)group->rest[lane];
+        const double slack = model->ratio * (double)group->slack[lane];
+        const double ex =
+            fmax(length - rest - slack, 0.0) - fmax(fmax(rest - slack, 0.0) - length, 0.0);
+        const double share = is_inside[ss_chain_other(net, net->at[p], node)] ? 0.25 : 0.5;
+        energy += share * (double)group->half[lane] * ex * ex;
+    }
+    return energy;
+}
+
+double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *node)
+{
+    double energy = 0.0;
+    for (int32_t i = 0; i < count; ++i) {
+        model->is_placed[node[i]] = 1;
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        energy += energy_at(model, node[i], model->is_placed);
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        model->is_placed[node[i]] = 0;
+    }
+    return 2.0 * model->k * energy;
+}
+
+void ss_chain_driven_place(ss_model *model, double path)
+{
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        ss_chain_driven *driven = &model->driven[s];
+        const ss_prescribed *set = driven->plan;
+        if (!driven->is_moving) {
+            continue;
+        }
+        const double before = ss_chain_energy_around(model, set->node_count, set->node);
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                if (ss_plan_is_driven(set, i, k)) {
+                    const double way = driven->to[i][k] - driven->from[i][k];
+                    const double at =
+                        path < 1.0 ? driven->from[i][k] + path * way : driven->to[i][k];
+                    model->u[4 * (ptrdiff_t)set->node[i] + k] = (ss_real)at;
+                }
+            }
+            ss_chain_wake(model, set->node[i]);
+        }
+        const double work = ss_chain_energy_around(model, set->node_count, set->node) - before;
+        model->work += work;
+        model->load_work += work;
+    }
+}
+
+/* -(2 k dP + f) on the axes that `axes` has bits for. */
+static void add_support(const ss_model *model, int32_t node, const bool axis[3], double out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        if (axis[k]) {
+            out[k] -= 2.0 * model->k * (double)model->pull[4 * (ptrdiff_t)node + k];
+        }
+    }
+}
+
+static void add_fixed(ss_model *model, int32_t node)
+{
+    const uint8_t axes = model->plan.fixed[node];
+    const bool axis[3] = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+    add_support(model, node, axis, model->fixed_reaction);
+}
+
+void ss_chain_sample_reactions(ss_model *model, bool is_full)
+{
+    for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
+        ss_chain_driven *driven = &model->driven[s];
+        ss_set3(driven->reaction, 0.0, 0.0, 0.0);
+        for (int32_t i = 0; i < driven->plan->node_count; ++i) {
+            const bool axis[3] = {ss_plan_is_driven(driven->plan, i, 0),
+                                  ss_plan_is_driven(driven->plan, i, 1),
+                                  ss_plan_is_driven(driven->plan, i, 2)};
+            add_support(model, driven->plan->node[i], axis, driven->reaction);
+        }
+    }
+    ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
+    for (int32_t k = 0; is_full && k < model->fixed_count; ++k) {
+        add_fixed(model, model->fixed[k]);
+    }
+    /* Nothing pulls at nodes that are not in the front. */
+    const ss_chain_set *moving = &model->front.moving;
+    for (int32_t i = is_full ? -1 : ss_chain_set_next(moving, 0); i >= 0;
+         i = ss_chain_set_next(moving, i + 1)) {
+        if (i < model->node_count) {
+            add_fixed(model, i);
+        }
+    }
+}

@@ -1,0 +1,538 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn/cnn.h"
+/*
+ * cnn-energy: a surface or a volume deforms as a cellular neural network spreads the energy of a
+ * contact.
+ *
+ * After Zhong, Shirinzadeh, Alici, Smith: "Haptic deformation modelling through cellular neural
+ * network", I. J. of Simulation 7 (8), 2006. A contact is a current source on the cells of the
+ * touched nodes; the network's equilibrium is the discrete Poisson equation; the flux between two
+ * cells becomes a force along the edge between two nodes. The paper leaves open which source acts
+ * after unloading, whether there is a memory of rest, and whose lengths count. Taken literally
+ * the body collapses or stays dented. The closure used here, with rest-geometry templates:
+ *
+ *   kap_i   normalised flux densities of a source on cell i alone (network.c, influence.c),
+ *           at equilibrium or as far as the network has come in its own time (relax.c)
+ *   kap     = sum_i w^_i kap_i over the cells that are touched
+ *   eps     = 1/2 sum_e kap_e (|P_e|^2 - L0_e^2)        the flux-weighted mean Green strain, so
+ *   psi     = E^ eps+^2 / 2 + T0 eta                    the source is modulus x strain (equation 5)
+ *   eta     = 1/2 sum_e kap_e |u_e|^2                   pretension in balance at rest
+ *   Pi      = sum_sources a psi + contact + 1/2 sum ks |P - P*|^2
+ *             + sum_bodies 1/2 (B/V0) (sum N.u)^2
+ *   m P'' + gamma P' = F - dPi/dP
+ *
+ * Pi is one potential of positions and tool poses, without memory: for fixed weights it is convex
+ * (one equilibrium for each load, full return after it), all work is the tools' and the loads',
+ * and touching, sliding, letting go and second tools need no case of their own. A cell saturates
+ * at the output K: psi then grows linearly beyond eps_s (source.c); the cells of several
+ * loads share what K leaves them (saturate.c).
+ *
+ * Where the nonlinearity comes from: eps is a Green strain, quadratic in the displacements, so
+ * that bodies harden as they stretch; that is geometric. The network itself is linear until a cell
+ * reaches K, which softens. The paper calls the nonlinearity the network's and not geometric; of
+ * this closure that is true of saturation alone. Left out, as future work in the paper: cutting and
+ * tearing. Links are the mesh's edges and stay.
+ *
+ * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
+ * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
+ * motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed
+ * volume are then refused, since their derivative through the fit is missing.
+ *
+ * The cells are the nodes of triangles, of a rectangular grid, or (domain: volume) of tetrahedra,
+ * inner nodes included; templates.c has what differs, and everything here is the same for all.
+ * In a volume tools and loads act on the surface, whose nodes alone are sources, E is a modulus in
+ * Pa, and densities are per volume.
+ *
+ * State: u, v and the rounding error of u, four scalars a node, in the mesh's node order (the inner
+ * nodes of a volume mesh whose surface alone is simulated stay at rest). Everything else is
+ * derived. Displacements, never positions, so that single precision loses nothing far from the
+ * origin.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/common/dispatch.h"
+#include "models/common/plan.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+SS_KERNEL_PATHS(ss_cnn_kernels)
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+static bool get_quads(const ss_model *model, ss_real **out)
+{
+    *out = ss_memory_get(ss_cnn_padded(model->node_count) * 4, sizeof **out);
+    return *out != NULL;
+}
+
+static bool get_node_reals(const ss_model *model, const double *from, ss_real **out)
+{
+    *out = ss_memory_get(ss_cnn_padded(model->node_count), sizeof **out);
+    for (int32_t i = 0; *out && i < model->node_count; ++i) {
+        (*out)[i] = (ss_real)from[i];
+    }
+    return *out != NULL;
+}
+
+static softsim_status allocate_state(ss_model *model)
+{
+    ss_real **const quads[] = {
+        &model->u,          &model->v,        &model->u_low,  &model->old_u,    &model->old_v,
+        &model->old_low,    &model->us,       &model->vs[0],  &model->vs[1],    &model->vs[2],
+        &model->load_force, &model->base,     &model->force,  &model->mobility, &model->inverse,
+        &model->push,       &model->residual, &model->search, &model->scaled,   &model->product,
+        &model->held_b};
+    bool is_good = true;
+    for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
+        is_good = is_good && get_quads(model, quads[k]);
+    }
+    is_good = is_good && (model->is_held || get_quads(model, &model->fitted));
+    is_good = is_good && (model->material.bulk == 0.0 || get_quads(model, &model->normal));
+    is_good = is_good && get_node_reals(model, model->material.mass, &model->mass) &&
+              get_node_reals(model, model->material.damping, &model->damping) &&
+              get_node_reals(model, model->material.rest_stiffness, &model->rest_stiffness);
+    const size_t n = ss_cnn_padded(model->node_count);
+    const size_t edges = (size_t)model->network->edges.padded_count;
+    model->stiff = ss_memory_get(n, sizeof *model->stiff);
+    model->mobility_max = ss_memory_get(n, sizeof *model->mobility_max);
+    model->strain = ss_memory_get(edges, sizeof *model->strain);
+    model->stretch = ss_memory_get(edges, sizeof *model->stretch);
+    model->held_kap =
+        ss_memory_get((size_t)model->network->held.entry_count, sizeof *model->held_kap);
+    model->column = ss_memory_get(SS_CNN_WHOLE_COLUMNS, sizeof *model->column);
+    is_good = is_good && model->stiff && model->mobility_max && model->strain && model->stretch &&
+              model->held_kap && model->column;
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+/* 1/m on every axis that may move; driven axes are taken out when their sets are read. */
+static void set_mobility(ss_model *model)
+{
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double mass = model->material.mass[i];
+        for (int k = 0; k < 3; ++k) {
+            const bool is_free = mass > 0.0 && (model->plan.fixed[i] & (1 << k)) == 0;
+            model->mobility[4 * (ptrdiff_t)i + k] = is_free ? (ss_real)(1.0 / mass) : 0;
+        }
+    }
+}
+
+/* What the step bound and the contact stiffness need of the free nodes. */
+static void set_extremes(ss_model *model)
+{
+    model->damping_rate_min = model->smallest_sigma = (double)INFINITY;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const ss_real *mobility = model->mobility + 4 * (ptrdiff_t)i;
+        model->mobility_max[i] =
+            fmax(fmax((double)mobility[0], (double)mobility[1]), (double)mobility[2]);
+        if (model->mobility_max[i] > 0.0) {
+            const double mass = model->material.mass[i];
+            const double rate = model->material.damping[i] / mass;
+            model->damping_rate_min = fmin(model->damping_rate_min, rate);
+            model->damping_rate_max = fmax(model->damping_rate_max, rate);
+            const double area = model->network->surface_area[i];
+            if (area > 0.0) {
+                model->smallest_sigma = fmin(model->smallest_sigma, mass / area);
+            }
+        }
+    }
+}
+
+/* Centroid and size; of free bodies the weights of the fit. */
+static void set_geometry(ss_model *model)
+{
+    const ss_mesh *mesh = model->plan.mesh;
+    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0}, extent[3], size = 0.0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->fit_weight += model->material.rest_stiffness[i];
+        size += model->network->size[i];
+        for (int k = 0; k < 3; ++k) {
+            low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
+            high[k] = i == 0 ? mesh->position[i][k] : fmax(high[k], mesh->position[i][k]);
+        }
+    }
+    ss_sub3(extent, high, low);
+    model->diagonal = ss_norm3(extent);
+    model->small_energy = 1e-3 * model->network->mean_edge *
+                          (model->plan.working_force > 0.0 ? model->plan.working_force : 1.0);
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        const double w = model->fit_weight > 0.0
+                             ? model->material.rest_stiffness[i] / model->fit_weight
+                             : model->network->size[i] / size;
+        ss_madd3(model->centroid_rest, model->centroid_rest, w, mesh->position[i]);
+    }
+}
+
+static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_shape *shape)
+{
+    const ss_model_plan *plan = &model->plan;
+    const size_t n = (size_t)model->node_count;
+    const double radius = ss_shape_curvature_radius(shape), h = model->network->mean_edge;
+    tool->is_used = true;
+    tool->shape = shape;
+    tool->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
+    tool->radius = radius > 0.0 ? radius : tool->reach;
+    tool->full_weight = 3.14159265358979323846 * tool->radius * tool->reach / 3.0;
+    tool->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, tool->radius);
+    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
+    status = status == SOFTSIM_OK ? ss_cnn_source_init(model, &tool->source) : status;
+    tool->source.is_tool = true;
+    tool->mu = ss_memory_get(n, sizeof *tool->mu);
+    tool->fading_mu = ss_memory_get(n, sizeof *tool->fading_mu);
+    tool->eps = ss_memory_get(n, sizeof *tool->eps);
+    tool->eta = ss_memory_get(n, sizeof *tool->eta);
+    tool->share = ss_memory_get(n, sizeof *tool->share);
+    const bool is_good = get_quads(model, &tool->shape_y) &&
+                         get_quads(model, &tool->weight_slope) && tool->mu && tool->fading_mu &&
+                         tool->eps && tool->eta && tool->share &&
+                         ss_grasp_init(&tool->grasp, model->node_count);
+    return status != SOFTSIM_OK ? status : is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+static softsim_status create_tools(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    const double smallest = ss_plan_smallest_tool(plan);
+    if (isinf(smallest)) {
+        return SOFTSIM_OK;
+    }
+    softsim_status status =
+        ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
+    if (status == SOFTSIM_OK) {
+        status = ss_cnn_network_solve_all(model->network, !model->is_relaxed, plan->threads, error);
+    }
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            status = create_tool(model, &model->tool[k], &model->plan.tool[k].shape);
+        }
+    }
+    return status;
+}
+
+/* The network in its own time, for the cells that tools and loads may use. */
+static softsim_status create_relaxation(ss_model *model, softsim_error *error)
+{
+    if (!model->is_relaxed) {
+        return SOFTSIM_OK;
+    }
+    uint8_t *is_cell = ss_memory_get((size_t)model->node_count, sizeof *is_cell);
+    if (!is_cell) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->plan.tool[k].is_used) {
+            memcpy(is_cell, model->network->is_source, (size_t)model->node_count);
+        }
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        for (int32_t c = 0; c < model->source[k].cell_count; ++c) {
+            is_cell[model->source[k].cell[c]] = 1;
+        }
+    }
+    const int32_t steps = (int32_t)model->plan.param[SS_CNN_RELAXATION_STEPS].number;
+    const softsim_status status = ss_cnn_relax_create(model->network, model->plan.mesh, model->held,
+                                                      is_cell, steps, &model->relax, error);
+    ss_memory_free(is_cell);
+    return status;
+}
+
+/* ---- the class ---------------------------------------------------------------------------- */
+
+static void reset(ss_model *model)
+{
+    const size_t bytes = (size_t)model->node_count * 4 * sizeof(ss_real);
+    ss_real *const cleared[] = {model->u,          model->v,     model->u_low,
+                                model->old_u,      model->old_v, model->old_low,
+                                model->load_force, model->base,  model->force};
+    for (size_t k = 0; k < sizeof cleared / sizeof *cleared; ++k) {
+        memset(cleared[k], 0, bytes);
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        model->source[k].is_on = false;
+    }
+    for (int32_t k = 0; k < model->plan.load_count; ++k) {
+        model->load[k].factor = 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        tool->is_present = tool->was_touching = false;
+        tool->grasp.is_pressed = false;
+        tool->grasp.count = tool->count = 0;
+        ss_cnn_source_let_go(tool);
+        tool->source.is_on = false;
+        tool->felt = 0.0;
+        tool->penalty = 0.0;
+        if (tool->is_used) {
+            memset(tool->shape_y, 0, bytes);
+        }
+    }
+    if (model->relax) {
+        ss_cnn_relax_reset(model->relax);
+    }
+    ss_cnn_loads_build(model);
+    model->step = 0;
+    model->substeps = 0;
+    model->work = model->load_work = model->dissipated = model->kinetic = model->elastic = 0.0;
+    model->pool = 0.0;
+    for (int32_t k = 0; k < model->enclosed_count; ++k) {
+        model->enclosed[k].pressure = 0.0;
+    }
+    model->is_ready = false;
+    model->has_loads_only = false;
+    model->first = NULL;
+    model->d = model->u;
+    ss_cnn_window_reset(model);
+    ss_turned_reset(&model->turned);
+    model->worst = -1;
+    model->fault_bits = 0;
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+    ss_cnn_set_bound(model);
+}
+
+static void destroy(ss_model *model)
+{
+    if (!model) {
+        return;
+    }
+    ss_cnn_loads_fini(model);
+    ss_cnn_window_destroy(&model->window);
+    ss_cnn_enclosed_fini(model);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        ss_touch_destroy(&tool->touch);
+        ss_cnn_source_fini(&tool->source);
+        ss_grasp_fini(&tool->grasp);
+        void *const owned[] = {tool->mu,      tool->eps,       tool->eta,         tool->share,
+                               tool->shape_y, tool->fading_mu, tool->weight_slope};
+        for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
+            ss_memory_free(owned[m]);
+        }
+    }
+    ss_surface_destroy(&model->surface);
+    ss_cnn_relax_destroy(&model->relax);
+    ss_cnn_network_destroy(&model->network);
+    ss_cnn_material_fini(&model->material);
+    void *const owned[] = {
+        model->held,     model->mass,       model->damping,      model->rest_stiffness,
+        model->mobility, model->normal,     model->mobility_max, model->u,
+        model->v,        model->u_low,      model->old_u,        model->old_v,
+        model->old_low,  model->us,         model->vs[0],        model->vs[1],
+        model->vs[2],    model->load_force, model->base,         model->force,
+        model->fitted,   model->strain,     model->stretch,      model->held_kap,
+        model->held_b,   model->inverse,    model->push,         model->residual,
+        model->search,   model->scaled,     model->product,      model->stiff};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_memory_free(model->column);
+    ss_memory_free(model->saturation);
+    ss_memory_free(model);
+}
+
+/* The parts in the order in which they need one another. */
+static softsim_status build(ss_model *model, softsim_error *error)
+{
+    const ss_model_plan *plan = &model->plan;
+    softsim_status status = ss_cnn_material_create(plan, &model->material, error);
+    const softsim_status checked =
+        ss_cnn_plan_check(plan, &model->material, &model->is_held, error);
+    if (status != SOFTSIM_OK || checked != SOFTSIM_OK) {
+        return status != SOFTSIM_OK ? status : checked;
+    }
+    model->held = ss_memory_get((size_t)model->node_count, 1);
+    if (!model->held) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        model->held[i] = (plan->fixed[i] & 7) == 7;
+    }
+    const ss_cnn_fabric fabric = ss_cnn_material_fabric(plan, &model->material);
+    status = ss_cnn_network_create(&fabric, model->held, &model->network, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    model->whole_span = (ss_cnn_span){.node_end = (int32_t)ss_cnn_padded(model->node_count),
+                                      .group_end = model->network->rows.group_count};
+    model->whole = (ss_cnn_part){.count = 1, .span = &model->whole_span};
+    model->part = &model->whole;
+    status = allocate_state(model);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    set_mobility(model);
+    status = ss_cnn_loads_create(model, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    set_extremes(model);
+    set_geometry(model);
+    status = ss_cnn_enclosed_create(model, error);
+    status = status == SOFTSIM_OK ? create_relaxation(model, error) : status;
+    status = status == SOFTSIM_OK ? create_tools(model, error) : status;
+    status = status == SOFTSIM_OK ? ss_cnn_window_create(model) : status;
+    if (status == SOFTSIM_OK) {
+        status = ss_cnn_saturation_create(model, error);
+    }
+    if (status == SOFTSIM_OK) {
+        ss_cnn_source_moduli(model);
+        status = ss_cnn_set_rest_felt(model);
+        reset(model);
+    }
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    *out_model = NULL;
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (model && own) {
+        model->plan = *plan;
+        model->node_count = plan->mesh->node_count;
+        ss_turned_init(&model->turned, plan->mesh, plan->step);
+        model->kernels = ss_cnn_kernels_get();
+        model->has_gravity = ss_norm3(plan->gravity) > 0.0;
+        model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
+        model->is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
+        status = build(model, error ? error : own);
+        model->plan.param = NULL;
+    }
+    ss_memory_free(own);
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    *out_model = model;
+    return SOFTSIM_OK;
+}
+
+/* The node that limits the step, where the step is the trouble; else -1. */
+static int32_t limiting_node(const ss_model *model)
+{
+    int32_t worst = -1;
+    double largest = 0.0;
+    for (int32_t s = 0; model->verdict >= SOFTSIM_VERDICT_DEGRADED && s < model->part->count; ++s) {
+        const ss_cnn_span *span = &model->part->span[s];
+        for (int32_t i = span->node; i < span->node_end; ++i) {
+            const double rate = model->stiff[i] * model->mobility_max[i];
+            worst = rate > largest ? i : worst;
+            largest = fmax(largest, rate);
+        }
+    }
+    return worst;
+}
+
+static void info(const ss_model *model, ss_model_info *out)
+{
+    *out = (ss_model_info){.step = model->step,
+                           .substeps = model->substeps,
+                           .active_nodes = model->window ? model->window->active_nodes
+                                                         : model->network->cell_count,
+                           .worst_element = model->worst >= 0 ? model->worst : limiting_node(model),
+                           .fault_bits = model->fault_bits,
+                           .verdict = model->verdict,
+                           .reason = model->reason,
+                           .stable_step = model->bound,
+                           .travelled = model->travelled,
+                           .kinetic = model->kinetic,
+                           .elastic = model->elastic,
+                           .dissipated = model->dissipated,
+                           .work = model->work,
+                           .load_work = model->load_work};
+}
+
+static const ss_real *displacement(const ss_model *model)
+{
+    ss_cnn_window_fill(model);
+    return model->u;
+}
+
+static const ss_real *velocity(const ss_model *model)
+{
+    ss_cnn_window_fill(model);
+    return model->v;
+}
+
+static uint64_t hash_state(const ss_model *model, uint64_t seed)
+{
+    const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
+    uint64_t hash = ss_turned_hash(&model->turned, ss_hash_bytes(seed, model->u_low, quads));
+    if (model->window) {
+        const ss_cnn_window *window = model->window;
+        hash = ss_hash_bytes(hash, window->rank, (size_t)window->block_count);
+        hash = ss_hash_bytes(hash, window->y, sizeof window->y);
+        hash = ss_hash_bytes(hash, window->w, sizeof window->w);
+        hash = ss_hash_bytes(hash, &window->age, sizeof window->age);
+        hash = ss_hash_bytes(hash, &window->tension, sizeof window->tension);
+    }
+    for (int32_t k = 0; k < model->source_count; ++k) {
+        hash = ss_hash_bytes(hash, &model->source[k].is_on, sizeof(bool));
+    }
+    for (int32_t i = 0; model->relax && i < model->node_count; ++i) {
+        const int32_t slot = model->relax->slot_of[i];
+        for (int32_t j = 0; slot >= 0 && j < model->node_count; ++j) {
+            const double potential = ss_cnn_relax_potential(model->relax, slot, j);
+            hash = ss_hash_bytes(hash, &potential, sizeof potential);
+        }
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_used) {
+            continue;
+        }
+        hash = ss_hash_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
+        hash = ss_hash_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
+        hash = ss_hash_bytes(hash, tool->shape_y, quads);
+        hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
+        hash = ss_hash_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
+        hash = ss_grasp_hash(&tool->grasp, hash);
+    }
+    return hash;
+}
+
+/* The modulus that is set is the one that counts from then on. What the change adds to or takes
+ * from the stored energy is booked as work at the next step. */
+static void set(ss_model *model, int32_t index, double value)
+{
+    ss_cnn_material *material = &model->material;
+    const bool is_volume = material->element == SS_CNN_TETRAHEDRON;
+    const bool is_modulus = index == SS_CNN_MODULUS_J ||
+                            index == (is_volume ? SS_CNN_MODULUS_PA : SS_CNN_MODULUS_N_PER_M);
+    if (is_modulus && value > 0.0 && isfinite(value)) {
+        material->is_modulus_energy = index == SS_CNN_MODULUS_J;
+        material->modulus = value;
+    } else if (index == SS_CNN_PRETENSION_J && model->is_held && value >= 0.0 && isfinite(value)) {
+        material->pretension = value;
+    } else {
+        return;
+    }
+    ss_cnn_source_moduli(model);
+    model->is_ready = false;
+}
+
+extern const ss_model_class ss_model_cnn_energy;
+const ss_model_class ss_model_cnn_energy = {
+    .name = "cnn-energy",
+    .help =
+        "a surface or volume deforms as a cellular neural network spreads the energy of a contact",
+    .row = ss_cnn_rows_table,
+    .row_count = SS_CNN_ROW_COUNT,
+    .needs_volume = false,
+    .step_cost_us = ss_cnn_step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = ss_cnn_step,
+    .contacts = ss_cnn_contacts,
+    .reset = reset,
+    .info = info,
+    .displacement = displacement,
+    .velocity = velocity,
+    .reaction = ss_cnn_reaction,
+    .hash = hash_state,
+    .explain = ss_cnn_explain,
+    .set = set};

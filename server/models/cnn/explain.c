@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn/cnn.h"
+/*
+ * What a plan uses and leaves out, what it costs, and how stiff its contacts are.
+ *
+ * The cost of a step is counted work times a cost per unit measured once on the reference core
+ * (Zen 5, float, AVX2), never a clock: rates chosen from it are the same on every machine.
+ */
+#include <math.h>
+
+#include "rt/printer.h"
+#include "rt/vec.h"
+
+/* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
+ * sub-step, of which a step in contact is planned to take five: one would leave the contact so soft
+ * that the surface slips past a tool at a few newtons. */
+#define CONTACT_SHARE    0.3
+#define CONTACT_SUBSTEPS 5.0
+#define RK4_RADIUS       2.6
+/* rho beside rho under a tool, where the contact starts to soften. */
+#define RHO_RATIO_WARNING 4.0
+
+double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius)
+{
+    const double rate = RK4_RADIUS * CONTACT_SUBSTEPS / plan->step;
+    return ss_plan_contact_stiffness(plan, CONTACT_SHARE * sigma * rate * rate, radius);
+}
+
+/* Microseconds a step, a node in it, an edge of each source, a tool and an edge under it: medians
+ * of 422 to 1192 nodes, with one load, and with a sphere of R = 5 mm that slides and is asked for
+ * its contacts. */
+#define COST_STEP        0.5
+#define COST_NODE        0.011
+#define COST_SOURCE_EDGE 0.0025
+#define COST_TOOL        12.0
+#define COST_TOOL_EDGE   0.0234
+/* The planned sub-steps of a contact, against one: weights, columns and contacts once a step. */
+#define COST_CONTACT 2.3
+
+enum { MOST_BODIES = 8 }; /* with an enclosed volume: told one by one */
+
+/* Edges of the network: half the sides of a closed surface; of a volume by Euler's formula. */
+static double edge_count(const ss_model_plan *plan)
+{
+    const ss_mesh *mesh = plan->mesh;
+    const bool is_volume = plan->param[SS_CNN_DOMAIN].number != 0.0;
+    return is_volume ? mesh->node_count + mesh->tetrahedron_count + 0.5 * mesh->triangle_count
+           : mesh->quad_count > 0 ? 2.0 * mesh->quad_count
+                                  : 1.5 * mesh->triangle_count;
+}
+
+/* With the network in its own time: a node of each cell in use, for a network step and for its
+ * column; on plates of 400 and 1156 nodes, 26 to 111 cells under a tool, 1 to 100 steps. */
+#define COST_NETWORK_STEP 0.00075
+#define COST_COLUMN       0.0025
+
+/* Cells under a tool of radius R pressed in by about R: twice those that one would reach that just
+ * touches flat ground. */
+static double touched_cells(const ss_model_plan *plan, const ss_shape *shape)
+{
+    const ss_mesh *mesh = plan->mesh;
+    double area = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        double u[3], v[3], n[3];
+        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+        ss_cross3(n, u, v);
+        area += 0.5 * ss_norm3(n);
+    }
+    const double share = area / mesh->node_count, edge = 1.1 * sqrt(share);
+    const double radius = ss_shape_curvature_radius(shape);
+    const double reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(edge, 0.5 * radius);
+    const double cells = 6.28318530717959 * reach * (2.0 * radius + reach) / share;
+    return fmin(fmax(cells, 1.0), mesh->node_count);
+}
+
+/* A sub-step of the network in its own time. */
+static double network_cost_us(const ss_model_plan *plan)
+{
+    const bool is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
+    double cells = 0.0;
+    for (int32_t k = 0; k < plan->load_count; ++k) {
+        cells += is_one_cell ? 1.0 : plan->load[k].node_count;
+    }
+    for (int32_t k = 0; k < plan->prescribed_count; ++k) {
+        cells += is_one_cell ? 1.0 : plan->prescribed[k].node_count;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            cells += is_one_cell ? 1.0 : touched_cells(plan, &plan->tool[k].shape);
+        }
+    }
+    const double lanes = SS_CNN_RELAX_WIDTH * ceil(cells / SS_CNN_RELAX_WIDTH);
+    return lanes * plan->mesh->node_count *
+           (COST_COLUMN + COST_NETWORK_STEP * plan->param[SS_CNN_RELAXATION_STEPS].number);
+}
+
+double ss_cnn_step_cost_us(const ss_model_plan *plan)
+{
+    const double nodes = plan->mesh->node_count, edges = edge_count(plan);
+    int tools = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        tools += plan->tool[k].is_used;
+    }
+    const double sources = plan->load_count + plan->prescribed_count;
+    const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
+    const double network =
+        is_relaxed ? network_cost_us(plan) * (tools > 0 ? CONTACT_SUBSTEPS : 1.0) : 0.0;
+    return network + COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
+           COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
+}
+
+/* ---- lines -------------------------------------------------------------------------------- */
+
+static double megabytes(double bytes)
+{
+    return bytes / 1048576.0;
+}
+
+static void explain_relaxation(const ss_cnn_relax *relax, const ss_printer *out)
+{
+    const double good = ss_cnn_relax_steps_to(relax, 1e-3);
+    const double exact = ss_cnn_relax_steps_to(relax, 1e-6);
+    ss_say(out,
+           "network in its own time (C = 1): step %.4g, slowest time constant %.4g, %d steps a "
+           "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
+           "1e-6 after %.0f",
+           relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
+    ss_say(out, "network states: at most %d cells, %.1f MB", relax->cell_count,
+           megabytes((double)relax->bytes));
+}
+
+static void explain_network(const ss_model *model, const ss_printer *out)
+{
+    const ss_cnn_network *network = model->network;
+    static const char *const carrier[] = {[SS_CNN_TRIANGLE] = "triangles",
+                                          [SS_CNN_QUAD] = "a rectangular grid",
+                                          [SS_CNN_TETRAHEDRON] = "tetrahedra"};
+    const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
+    int32_t held = 0, inner = 0;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        held += model->held[i] && network->size[i] > 0.0;
+        inner += !(network->surface_area[i] > 0.0);
+    }
+    ss_say(out,
+           "network: %d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, "
+           "%.2f MB",
+           network->cell_count, carrier[model->material.element], held, network->edges.count,
+           network->mean_edge, network->component_count, network->component_count == 1 ? "" : "s",
+           megabytes((double)ss_cnn_network_bytes(network)));
+    if (is_volume) {
+        ss_say(out, "volume: %d cells inside, which no tool or load touches", inner);
+    } else if (inner > 0) {
+        ss_say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest",
+               inner);
+    }
+    if (model->relax) {
+        explain_relaxation(model->relax, out);
+    } else {
+        ss_say(out, "left out: the network's own time (solver is equilibrium)");
+    }
+    if (model->relax) {
+        ss_say(out, "left out: settled columns (solver is relaxation)");
+    } else if (network->column_count > 0) {
+        ss_say(out, "columns: %d, %s, %.1f MB", network->column_count,
+               network->is_compact ? "as potentials, rebuilt when a cell is touched"
+                                   : "as flux densities",
+               megabytes((double)ss_cnn_network_column_bytes(network)));
+    } else {
+        ss_say(out, "left out: columns (no tool)");
+    }
+    const ss_cnn_factor *factor = network->factor;
+    if (factor->is_given_up) {
+        ss_say(out,
+               "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
+               "multiplications, above the limit",
+               factor->fill, factor->work);
+    } else {
+        ss_say(out, "solver: a factor of %.3g entries, which took %.2g multiplications",
+               factor->fill, factor->work);
+    }
+    if (model->window) {
+        ss_say(out,
+               "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "
+               "displacement",
+               model->window->block_count, model->window->block_size, model->window->active_nodes,
+               model->window->tolerance);
+    } else {
+        ss_say(out, "left out: active window (%s)", model->window_reason);
+    }
+    ss_say(out, "kernels: %s, %s", model->kernels->name,
+           sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+}
+
+static void explain_modulus(const ss_model *model, const ss_printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    const bool is_volume = m->element == SS_CNN_TETRAHEDRON;
+    const char *unit = is_volume ? "Pa" : "N/m";
+    const double qhat = model->network->median_qhat;
+    if (qhat > 0.0) {
+        ss_say(out, "modulus: %.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
+               m->is_modulus_energy ? m->modulus : m->modulus * qhat,
+               m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
+               is_volume ? "m^3" : "m^2");
+    } else {
+        ss_say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
+    }
+}
+
+static void explain_rho(const ss_model *model, const ss_printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    double low = (double)INFINITY, high = 0.0;
+    for (int32_t i = 0; m->rho_across && i < model->node_count; ++i) {
+        if (model->network->size[i] > 0.0) {
+            low = fmin(low, m->rho_across[i] / m->rho[i]);
+            high = fmax(high, m->rho_across[i] / m->rho[i]);
+        }
+    }
+    if (m->rho_across) {
+        ss_say(out,
+               "anisotropic: rho across the material direction is %.4g to %.4g times that along",
+               low, high);
+    } else {
+        ss_say(out, "left out: anisotropy (rho is the same in all directions)");
+    }
+}
+
+static void explain_material(const ss_model *model, const ss_printer *out)
+{
+    const ss_cnn_material *m = &model->material;
+    explain_modulus(model, out);
+    explain_rho(model, out);
+    if (m->pretension > 0.0) {
+        ss_say(out, "pretension: %.6g J", m->pretension);
+    } else {
+        ss_say(out, "left out: pretension (pretension_j is 0)");
+    }
+    if (model->normal) {
+        for (int32_t k = 0; k < model->enclosed_count && k < MOST_BODIES; ++k) {
+            ss_say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->enclosed[k].volume, m->bulk);
+        }
+        if (model->enclosed_count > MOST_BODIES) {
+            ss_say(out, "and %d bodies more, with a volume each",
+                   model->enclosed_count - MOST_BODIES);
+        }
+    } else {
+        ss_say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
+    }
+    if (isfinite(m->saturation)) {
+        ss_say(out, "saturation: cells at %.6g%s", m->saturation,
+               model->saturation ? ", shared by the sources without a tool" : "");
+    } else {
+        ss_say(out, "left out: saturation of cells (none given)");
+    }
+    if (model->is_one_cell) {
+        ss_say(out, "source: the contact cell alone; under a tool it stays where the touch began");
+    }
+    if (model->is_held) {
+        ss_say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
+    } else {
+        ss_say(out, "rest shape: follows the body's rigid motion (too few supports to hold it)");
+    }
+}
+
+static void warn_rho(const ss_model *model, const ss_printer *out)
+{
+    const ss_cnn_network *network = model->network;
+    int32_t soft = 0, first = -1;
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (network->is_source[i] &&
+            network->largest_rho > RHO_RATIO_WARNING * ss_cnn_best_rho(&model->material, i)) {
+            first = soft++ == 0 ? i : first;
+        }
+    }
+    if (soft > 0) {
+        ss_say(
+            out,
+            "warning: rho of %d nodes (first %d) is more than %g times below the largest: contact "
+            "there is soft, and a load where it is ten times below is refused",
+            soft, ss_mesh_file_node(model->plan.mesh, first), RHO_RATIO_WARNING);
+    }
+}
+
+static void explain_tools(const ss_model *model, const ss_printer *out)
+{
+    const ss_model_plan *plan = &model->plan;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_used) {
+            continue;
+        }
+        const double depth =
+            sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
+        ss_say(out,
+               "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
+               "%.4g N/m at rest",
+               k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
+        if (depth > 0.2 * tool->radius) {
+            ss_say(out,
+                   "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
+                   k, depth / tool->radius,
+                   ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
+        }
+        if (tool->radius < 0.5 * model->network->mean_edge) {
+            ss_say(
+                out,
+                "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
+                "force will ripple; refine the mesh",
+                k, tool->radius, model->network->mean_edge);
+        }
+    }
+    if (model->surface) {
+        ss_say(out, "contact: %lld samples", (long long)ss_surface_sample_count(model->surface));
+    } else {
+        ss_say(out, "left out: contact (no tool)");
+    }
+}
+
+void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const ss_printer out = {line, sink};
+    explain_network(model, &out);
+    explain_material(model, &out);
+    warn_rho(model, &out);
+    explain_tools(model, &out);
+    ss_say(&out,
+           "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
+           model->source_count, model->bound);
+    ss_plan_say_substeps(&model->plan, 0.7 * model->bound, &out);
+}

@@ -1,0 +1,458 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn/network.h"
+/*
+ * Columns of the network: the flux densities that a source on one cell sets up,
+ *
+ *   Qhat = sum_e q_e L0_e^2,  kap_e = q_e / Qhat
+ *
+ * Eight are solved at a time, so that the factor is read once for all of them, and blocks of
+ * eight go round the threads; every column is the same whoever solves it. While running they are
+ * superposed as kap, never as potentials: |sum of g| cancels inside a tool's footprint and has
+ * kinks in the weights. In the compact form a column is rebuilt from its potentials when its cell
+ * is touched and kept until it is the one used longest ago; a rebuilt column has the same bits.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/thread.h"
+
+/* Columns solved in one pass over the factor. */
+enum { WIDTH = SS_CNN_SOLVE_WIDTH };
+
+/* ---- solving ------------------------------------------------------------------------------ */
+
+/* x := A^-1 x for WIDTH right-hand sides side by side. */
+static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
+{
+    if (factor->is_given_up) {
+        return ss_cnn_iterate(factor, x);
+    }
+    for (int j = 0; j < factor->n; ++j) {
+        for (int p = factor->column[j]; p < factor->column[j + 1]; ++p) {
+            for (int k = 0; k < WIDTH; ++k) {
+                x[factor->row[p]][k] -= factor->lower[p] * x[j][k];
+            }
+        }
+    }
+    for (int j = factor->n - 1; j >= 0; --j) {
+        double sum[WIDTH];
+        for (int k = 0; k < WIDTH; ++k) {
+            sum[k] = x[j][k] / factor->diagonal[j];
+        }
+        for (int p = factor->column[j]; p < factor->column[j + 1]; ++p) {
+            for (int k = 0; k < WIDTH; ++k) {
+                sum[k] -= factor->lower[p] * x[factor->row[p]][k];
+            }
+        }
+        for (int k = 0; k < WIDTH; ++k) {
+            x[j][k] = sum[k];
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+/* ghat for sources on up to WIDTH cells; out_ghat is node_count x WIDTH. */
+static softsim_status solve_cells(const ss_cnn_network *network, int32_t count, const int32_t *node,
+                                  double (*x)[WIDTH], double (*out_ghat)[WIDTH])
+{
+    const ss_cnn_factor *factor = network->factor;
+    memset(x, 0, (size_t)factor->n * sizeof *x);
+    for (int32_t k = 0; k < count; ++k) {
+        const int32_t c = factor->component[node[k]];
+        const double source = network->size[node[k]] / factor->rho[node[k]];
+        if (factor->unknown[node[k]] >= 0) {
+            x[factor->unknown[node[k]]][k] = source;
+        }
+        const double drain = source / factor->component_size[c];
+        for (int32_t i = 0; factor->is_drained[c] && i < network->node_count; ++i) {
+            if (factor->component[i] == c && factor->unknown[i] >= 0) {
+                x[factor->unknown[i]][k] -= drain * network->size[i];
+            }
+        }
+    }
+    const softsim_status status = solve_wide(factor, x);
+    double least[WIDTH] = {0.0};
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        for (int k = 0; k < WIDTH; ++k) {
+            out_ghat[i][k] = factor->unknown[i] >= 0 ? x[factor->unknown[i]][k] : 0.0;
+            least[k] = out_ghat[i][k] < least[k] ? out_ghat[i][k] : least[k];
+        }
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        const int32_t c = factor->component[node[k]];
+        for (int32_t i = 0; factor->is_drained[c] && i < network->node_count; ++i) {
+            out_ghat[i][k] -= factor->component[i] == c ? least[k] : 0.0;
+        }
+    }
+    return status;
+}
+
+/* Qhat of column k of a solved block. */
+static double block_qhat(const ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k)
+{
+    double qhat = 0.0;
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        const int32_t i = network->edges.from[e] / 4, j = network->edges.to[e] / 4;
+        qhat += network->edge_rho[e] * fabs(ghat[i][k] - ghat[j][k]);
+    }
+    return qhat;
+}
+
+static double block_kap(const ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
+                        double qhat, int32_t e)
+{
+    const int32_t i = network->edges.from[e] / 4, j = network->edges.to[e] / 4;
+    return network->edge_rho[e] * fabs(ghat[i][k] - ghat[j][k]) / (network->edge_square[e] * qhat);
+}
+
+typedef struct solve_job {
+    ss_cnn_network *network;
+    const int32_t *node; /* by column */
+    int32_t first, stride;
+    double (*x)[WIDTH], (*ghat)[WIDTH];
+    softsim_status status; /* of the last block that did not work */
+} solve_job;
+
+static void store_column(ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
+                         int32_t column, int32_t node)
+{
+    const double qhat = block_qhat(network, ghat, k);
+    network->qhat[node] = qhat;
+    network->own[node] = ghat[node][k];
+    if (!network->kap && !network->ghat) {
+        return; /* the network relaxes in its own time */
+    }
+    if (network->is_compact) {
+        ss_real *out = network->ghat + (size_t)column * (size_t)network->node_count;
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            out[i] = (ss_real)ghat[i][k];
+        }
+        return;
+    }
+    ss_real *out = network->kap + (size_t)column * (size_t)network->edges.padded_count;
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        out[e] = (ss_real)block_kap(network, ghat, k, qhat, e);
+    }
+}
+
+static void *run_solve_job(void *argument)
+{
+    solve_job *job = argument;
+    ss_cnn_network *network = job->network;
+    for (int32_t first = job->first * WIDTH; first < network->column_count;
+         first += job->stride * WIDTH) {
+        const int32_t left = network->column_count - first;
+        const int32_t count = left < WIDTH ? left : WIDTH;
+        const softsim_status status =
+            solve_cells(network, count, job->node + first, job->x, job->ghat);
+        job->status = status == SOFTSIM_OK ? job->status : status;
+        for (int32_t k = 0; k < count; ++k) {
+            store_column(network, (const double(*)[WIDTH])job->ghat, k, first + k,
+                         job->node[first + k]);
+        }
+    }
+    return NULL;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *node)
+{
+    double *sorted = ss_memory_get((size_t)network->column_count, sizeof *sorted);
+    if (!sorted) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t k = 0; k < network->column_count; ++k) {
+        sorted[k] = network->qhat[node[k]];
+    }
+    qsort(sorted, (size_t)network->column_count, sizeof *sorted, compare_doubles);
+    network->median_qhat = network->column_count > 0 ? sorted[network->column_count / 2] : 0.0;
+    ss_memory_free(sorted);
+    return SOFTSIM_OK;
+}
+
+/* Is it better to keep potentials than flux densities? Volumes have many edges a source. */
+static bool wants_compact(const ss_cnn_network *network, int64_t columns)
+{
+    return columns > SS_CNN_WHOLE_COLUMNS ||
+           columns * network->edges.padded_count * (int64_t)sizeof(ss_real) > SS_CNN_COLUMN_BYTES;
+}
+
+int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
+{
+    int64_t count = 0;
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        count += network->is_source[i];
+    }
+    const int64_t length =
+        wants_compact(network, count) ? network->node_count : network->edges.padded_count;
+    return count * length * (int64_t)sizeof(ss_real);
+}
+
+/* Memory for the columns in whole or compact form, or none; *out_node lists their cells. */
+static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, int32_t **out_node,
+                                       softsim_error *error)
+{
+    const size_t n = (size_t)network->node_count, padded = (size_t)network->edges.padded_count;
+    int32_t *node = *out_node = ss_memory_get(n, sizeof *node);
+    if (!node) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        if (network->is_source[i]) {
+            network->column_of[i] = network->column_count;
+            node[network->column_count++] = i;
+        }
+    }
+    if (!is_kept) {
+        return SOFTSIM_OK;
+    }
+    network->is_compact = wants_compact(network, network->column_count);
+    if (!network->is_compact) {
+        network->kap = ss_memory_get((size_t)network->column_count * padded, sizeof(ss_real));
+        return network->kap ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    }
+    const int64_t bytes = ss_cnn_network_column_bytes(network);
+    if (bytes > SS_CNN_COLUMN_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                          "cnn-energy: tools need the columns of %d cells, %lld MB, and %lld MB is "
+                          "the limit (about %d nodes): use a coarser surface",
+                          network->column_count, (long long)(bytes >> 20),
+                          (long long)(SS_CNN_COLUMN_BYTES >> 20),
+                          (int)sqrt((double)SS_CNN_COLUMN_BYTES / (double)sizeof(ss_real)));
+        return SOFTSIM_ERROR_UNSUPPORTED;
+    }
+    const int64_t kept = (int64_t)SS_CNN_CACHE_SLOTS * (int64_t)(padded * sizeof(ss_real));
+    if (kept > SS_CNN_COLUMN_BYTES) {
+        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                          "cnn-energy: tools keep the flux densities of %d cells on %d edges, %lld "
+                          "MB, and %lld MB is the limit: use a coarser mesh",
+                          SS_CNN_CACHE_SLOTS, network->edges.count, (long long)(kept >> 20),
+                          (long long)(SS_CNN_COLUMN_BYTES >> 20));
+        return SOFTSIM_ERROR_UNSUPPORTED;
+    }
+    network->slot_count = SS_CNN_CACHE_SLOTS;
+    const size_t slots = (size_t)network->slot_count;
+    network->ghat = ss_memory_get((size_t)network->column_count * n, sizeof(ss_real));
+    network->kap = ss_memory_get(slots * padded, sizeof(ss_real));
+    network->edge_scale = ss_memory_get(padded, sizeof(ss_real));
+    network->slot_of = ss_memory_get(n, sizeof *network->slot_of);
+    network->slot_node = ss_memory_get(slots, sizeof *network->slot_node);
+    network->slot_used = ss_memory_get(slots, sizeof *network->slot_used);
+    if (!network->ghat || !network->kap || !network->edge_scale || !network->slot_of ||
+        !network->slot_node || !network->slot_used) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        network->edge_scale[e] = (ss_real)(network->edge_rho[e] / network->edge_square[e]);
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        network->slot_of[i] = -1;
+    }
+    for (int32_t s = 0; s < network->slot_count; ++s) {
+        network->slot_node[s] = -1;
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, int32_t threads,
+                                        softsim_error *error)
+{
+    enum { MAX_THREADS = 64 };
+    const int32_t count = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
+    solve_job job[MAX_THREADS] = {0};
+    ss_thread *thread[MAX_THREADS] = {0};
+    int32_t *node = NULL;
+    softsim_status status = allocate_columns(network, is_kept, &node, error);
+    for (int32_t k = 0; status == SOFTSIM_OK && k < count; ++k) {
+        job[k] = (solve_job){.network = network, .node = node, .first = k, .stride = count};
+        job[k].x = ss_memory_get((size_t)network->factor->n, sizeof *job[k].x);
+        job[k].ghat = ss_memory_get((size_t)network->node_count, sizeof *job[k].ghat);
+        status = job[k].x && job[k].ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    }
+    /* Also one job gets a thread of its own: all run in the same floating-point mode. */
+    for (int32_t k = 0; status == SOFTSIM_OK && k < count; ++k) {
+        bool is_refused = false;
+        status = ss_thread_start("columns", 0, SS_REALTIME_OFF, run_solve_job, &job[k], &thread[k],
+                                 &is_refused);
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        ss_thread_join(&thread[k]);
+        status = status == SOFTSIM_OK ? job[k].status : status;
+        ss_memory_free(job[k].x);
+        ss_memory_free(job[k].ghat);
+    }
+    if (status == SOFTSIM_OK) {
+        status = find_median_qhat(network, node);
+    }
+    for (int32_t i = 0; !is_kept && i < network->node_count; ++i) {
+        network->column_of[i] = -1;
+    }
+    network->column_count = is_kept ? network->column_count : 0;
+    ss_memory_free(node);
+    return status;
+}
+
+softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
+                                        const double *weight, double *out_kap)
+{
+    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
+    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    for (int32_t e = 0; e < network->edges.padded_count; ++e) {
+        out_kap[e] = 0.0;
+    }
+    for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
+        const int32_t some = count - first < WIDTH ? count - first : WIDTH;
+        status = solve_cells(network, some, node + first, x, ghat);
+        for (int32_t k = 0; k < some; ++k) {
+            const double(*block)[WIDTH] = (const double(*)[WIDTH])ghat;
+            const int32_t cell = node[first + k];
+            const double qhat = block_qhat(network, block, k);
+            network->qhat[cell] = qhat;
+            network->own[cell] = ghat[cell][k];
+            for (int32_t e = 0; e < network->edges.count; ++e) {
+                out_kap[e] += weight[first + k] * block_kap(network, block, k, qhat, e);
+            }
+        }
+    }
+    ss_memory_free(x);
+    ss_memory_free(ghat);
+    return status;
+}
+
+softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t count,
+                                        const int32_t *node, const double *scale,
+                                        double *out_potential)
+{
+    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
+    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    memset(out_potential, 0, (size_t)network->node_count * sizeof *out_potential);
+    for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
+        const int32_t some = count - first < WIDTH ? count - first : WIDTH;
+        status = solve_cells(network, some, node + first, x, ghat);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            for (int32_t k = 0; k < some; ++k) {
+                out_potential[i] += scale[first + k] * ghat[i][k];
+            }
+        }
+    }
+    ss_memory_free(x);
+    ss_memory_free(ghat);
+    return status;
+}
+
+/* x := x minus its mean by S / rho over every drained part. */
+static void take_out_means(const ss_cnn_network *network, double *sum, double *x)
+{
+    const ss_cnn_factor *factor = network->factor;
+    memset(sum, 0, 2 * (size_t)network->component_count * sizeof *sum);
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        const int32_t c = factor->component[i];
+        if (c >= 0 && factor->is_drained[c]) {
+            sum[2 * c] += network->size[i] / factor->rho[i] * x[i];
+            sum[2 * c + 1] += network->size[i] / factor->rho[i];
+        }
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        const int32_t c = factor->component[i];
+        x[i] -= c >= 0 && factor->is_drained[c] ? sum[2 * c] / sum[2 * c + 1] : 0.0;
+    }
+}
+
+softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, double *out_time)
+{
+    enum { ROUNDS = 100 };
+    const ss_cnn_factor *factor = network->factor;
+    double(*y)[WIDTH] = ss_memory_get((size_t)factor->n, sizeof *y);
+    double *x = ss_memory_get((size_t)network->node_count, sizeof *x);
+    double *sum = ss_memory_get(2 * (size_t)network->component_count, sizeof *sum);
+    softsim_status status = x && y && sum ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    uint32_t random = 1;
+    *out_time = 0.0;
+    for (int32_t i = 0; status == SOFTSIM_OK && i < network->node_count; ++i) {
+        random = random * 1664525u + 1013904223u;
+        x[i] = factor->component[i] >= 0 &&
+                       (factor->unknown[i] >= 0 || factor->is_drained[factor->component[i]])
+                   ? 1.0 + (double)(random >> 8) / 16777216.0
+                   : 0.0;
+    }
+    /* x := W^-1 (S / rho) x, whose largest eigenvalue is the time constant. */
+    for (int round = 0; status == SOFTSIM_OK && factor->n > 0 && round < ROUNDS; ++round) {
+        double before = 0.0, after = 0.0;
+        take_out_means(network, sum, x);
+        memset(y, 0, (size_t)factor->n * sizeof *y);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            before += network->size[i] / factor->rho[i] * x[i] * x[i];
+        }
+        if (!(before > 0.0)) {
+            break;
+        }
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            x[i] /= sqrt(before);
+            if (factor->unknown[i] >= 0) {
+                y[factor->unknown[i]][0] = network->size[i] / factor->rho[i] * x[i];
+            }
+        }
+        status = solve_wide(factor, y);
+        for (int32_t i = 0; i < network->node_count; ++i) {
+            const double next = factor->unknown[i] >= 0 ? y[factor->unknown[i]][0] : 0.0;
+            after += network->size[i] / factor->rho[i] * x[i] * next;
+            x[i] = next;
+        }
+        *out_time = after;
+    }
+    ss_memory_free(x);
+    ss_memory_free(y);
+    ss_memory_free(sum);
+    return status;
+}
+
+/* ---- reading columns while running -------------------------------------------------------- */
+
+/* The slot of `node`'s column: as it is, or rebuilt from ghat in the slot used longest ago. */
+static int32_t ready_slot(ss_cnn_network *network, int32_t node)
+{
+    int32_t slot = network->slot_of[node];
+    if (slot < 0) {
+        slot = 0;
+        for (int32_t s = 1; s < network->slot_count; ++s) {
+            slot = network->slot_used[s] < network->slot_used[slot] ? s : slot;
+        }
+        if (network->slot_node[slot] >= 0) {
+            network->slot_of[network->slot_node[slot]] = -1;
+        }
+        network->slot_node[slot] = node;
+        network->slot_of[node] = slot;
+        const ss_real *ghat =
+            network->ghat + (size_t)network->column_of[node] * (size_t)network->node_count;
+        ss_real *out = network->kap + (size_t)slot * (size_t)network->edges.padded_count;
+        const ss_real scale = (ss_real)(1.0 / network->qhat[node]);
+        for (int32_t e = 0; e < network->edges.count; ++e) {
+            const ss_real d = ghat[network->edges.from[e] / 4] - ghat[network->edges.to[e] / 4];
+            out[e] = network->edge_scale[e] * scale * (d < 0 ? -d : d);
+        }
+    }
+    network->slot_used[slot] = ++network->slot_clock;
+    return slot;
+}
+
+void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_t *node,
+                            const ss_real **out_column)
+{
+    for (int32_t k = 0; k < count; ++k) {
+        const int32_t column = network->column_of[node[k]];
+        const int32_t at =
+            column >= 0 && network->is_compact ? ready_slot(network, node[k]) : column;
+        out_column[k] =
+            at < 0 ? NULL : network->kap + (size_t)at * (size_t)network->edges.padded_count;
+    }
+}

@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn/network.h"
+/*
+ * The discrete Poisson equation that a cellular neural network settles to (Zhong, Shirinzadeh,
+ * Alici, Smith 2006, equations 14 to 19):
+ *
+ *   sum_j c_ij (g_i - g_j) = S_i chi_i / rho_i     g = 0 when held
+ *   q_ij = rho_ij |g_i - g_j| / L0_ij^2
+ *
+ * with the templates c_ij, S_i (in volumes V_i) and rho_ij of templates.c; rho_i is the one
+ * along the material direction where there are two.
+ * A component without a held cell drains through a uniform sink, rhs_i -= S_i sum(rhs)/sum(S),
+ * and its least potential is zero; one of its cells is pinned to solve and shifted afterwards.
+ *
+ * The matrix is factored once (approximate minimum degree, then L D L'); influence.c solves with
+ * it. Large volumes fill up; above SS_CNN_MAX_WORK there is no factor, and iterate.c solves.
+ * Rejected: conjugate gradients or relaxation of the cells at each step, which cost ten to a
+ * thousand times a back-solve, and whose small residual still leaves the field 9 to 41 % wrong at
+ * 1e-3.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/memory.h"
+
+#include <amd.h>
+#include <ldl.h>
+
+/* ---- factor ------------------------------------------------------------------------------- */
+
+static int32_t root(int32_t *parent, int32_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* Components of the edge graph; those without a held cell drain and have one cell pinned. */
+static softsim_status find_components(ss_cnn_network *network, const uint8_t *held)
+{
+    ss_cnn_factor *factor = network->factor;
+    const int32_t n = network->node_count;
+    int32_t *parent = ss_memory_get((size_t)n, sizeof *parent);
+    factor->component = ss_memory_get((size_t)n, sizeof *factor->component);
+    factor->unknown = ss_memory_get((size_t)n, sizeof *factor->unknown);
+    factor->is_drained = ss_memory_get((size_t)n, sizeof *factor->is_drained);
+    factor->component_size = ss_memory_get((size_t)n, sizeof *factor->component_size);
+    if (!parent || !factor->component || !factor->unknown || !factor->is_drained ||
+        !factor->component_size) {
+        ss_memory_free(parent);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        parent[i] = i;
+        factor->component[i] = -1;
+        factor->unknown[i] = -1;
+    }
+    for (int32_t e = 0; e < network->edges.count; ++e) {
+        const int32_t a = root(parent, network->edges.from[e] / 4);
+        const int32_t b = root(parent, network->edges.to[e] / 4);
+        parent[a > b ? a : b] = a > b ? b : a;
+    }
+    for (int32_t e = 0; e < network->edges.count; ++e) { /* nodes with an edge have a component */
+        factor->unknown[network->edges.from[e] / 4] = 0;
+        factor->unknown[network->edges.to[e] / 4] = 0;
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        if (factor->unknown[i] < 0) {
+            continue;
+        }
+        ++network->cell_count;
+        const int32_t r = root(parent, i); /* the least node of its component, met first */
+        if (r == i) {
+            factor->component[i] = network->component_count++;
+            factor->is_drained[factor->component[i]] = 1;
+        } else {
+            factor->component[i] = factor->component[r];
+        }
+        factor->component_size[factor->component[i]] += network->size[i];
+        if (held[i]) {
+            factor->is_drained[factor->component[i]] = 0;
+        }
+    }
+    for (int32_t i = 0; i < n; ++i) {
+        const bool is_loose = factor->component[i] < 0;
+        const bool is_pinned =
+            !is_loose && root(parent, i) == i && factor->is_drained[factor->component[i]];
+        factor->unknown[i] = is_loose || is_pinned || held[i] ? -1 : factor->n++;
+    }
+    ss_memory_free(parent);
+    return SOFTSIM_OK;
+}
+
+/* The matrix of the unknowns by columns, all of it (symmetric). */
+static softsim_status build_matrix(const ss_cnn_network *network, int **out_column, int **out_row,
+                                   double **out_value)
+{
+    const ss_cnn_factor *factor = network->factor;
+    const ss_cnn_edges *edges = &network->edges;
+    const size_t n = (size_t)factor->n, entries = n + 2 * (size_t)edges->count;
+    int *column = ss_memory_get(n + 1, sizeof *column), *row = ss_memory_get(entries, sizeof *row);
+    int *cursor = ss_memory_get(n, sizeof *cursor);
+    double *value = ss_memory_get(entries, sizeof *value);
+    *out_column = column;
+    *out_row = row;
+    *out_value = value;
+    if (!column || !row || !value || !cursor) {
+        ss_memory_free(cursor);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int k = 0; k < factor->n; ++k) {
+        column[k + 1] = 1;
+    }
+    for (int32_t e = 0; e < edges->count; ++e) {
+        const int i = factor->unknown[edges->from[e] / 4], j = factor->unknown[edges->to[e] / 4];
+        if (i >= 0 && j >= 0) {
+            ++column[i + 1];
+            ++column[j + 1];
+        }
+    }
+    for (int k = 0; k < factor->n; ++k) {
+        column[k + 1] += column[k];
+        row[column[k]] = k;
+        cursor[k] = column[k] + 1;
+    }
+    for (int32_t e = 0; e < edges->count; ++e) {
+        const int i = factor->unknown[edges->from[e] / 4], j = factor->unknown[edges->to[e] / 4];
+        const double w = network->edge_weight[e];
+        if (i >= 0) {
+            value[column[i]] += w;
+        }
+        if (j >= 0) {
+            value[column[j]] += w;
+        }
+        if (i >= 0 && j >= 0) {
+            row[cursor[i]] = j;
+            value[cursor[i]++] = -w;
+            row[cursor[j]] = i;
+            value[cursor[j]++] = -w;
+        }
+    }
+    ss_memory_free(cursor);
+    return SOFTSIM_OK;
+}
+
+static softsim_status refuse_loose_cell(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                      "cnn-energy: the network has a cell without connection (degenerate "
+                      "elements): repair the mesh");
+    return SOFTSIM_ERROR_MESH;
+}
+
+/* Keeps the matrix in the factor's place. */
+static softsim_status give_up(ss_cnn_factor *factor, int *column, int *row, double *value,
+                              softsim_error *error)
+{
+    factor->is_given_up = true;
+    factor->entry_column = column;
+    factor->entry_row = row;
+    factor->entry = value;
+    for (int k = 0; k < factor->n; ++k) {
+        if (!(value[column[k]] > 0.0)) {
+            return refuse_loose_cell(error);
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+/* L D L' of the permuted matrix; unknown[] then numbers nodes in permuted order. */
+static softsim_status factorise(ss_cnn_network *network, double max_work, softsim_error *error)
+{
+    ss_cnn_factor *factor = network->factor;
+    const size_t n = (size_t)factor->n;
+    int *column = NULL, *row = NULL, *work = ss_memory_get(6 * n + 1, sizeof *work);
+    double *value = NULL, *scratch = ss_memory_get(n, sizeof *scratch);
+    softsim_status status = build_matrix(network, &column, &row, &value);
+    factor->column = ss_memory_get(n + 1, sizeof *factor->column);
+    factor->diagonal = ss_memory_get(n, sizeof *factor->diagonal);
+    if (status != SOFTSIM_OK || !work || !scratch || !factor->column || !factor->diagonal) {
+        status = SOFTSIM_ERROR_MEMORY;
+        goto done;
+    }
+    int *order = work, *inverse = work + n, *parent = work + 2 * n, *counts = work + 3 * n;
+    int *flag = work + 4 * n, *pattern = work + 5 * n;
+    if (factor->n > 0 && amd_order(factor->n, column, row, order, NULL, NULL) < 0) {
+        status = SOFTSIM_ERROR_MEMORY;
+        goto done;
+    }
+    ldl_symbolic(factor->n, column, row, factor->column, parent, counts, flag, order, inverse);
+    for (int k = 0; k < factor->n; ++k) {
+        factor->fill += counts[k];
+        factor->work += (double)counts[k] * counts[k];
+    }
+    if (factor->fill > INT32_MAX || factor->work > (max_work > 0.0 ? max_work : SS_CNN_MAX_WORK)) {
+        status = give_up(factor, column, row, value, error);
+        column = row = NULL;
+        value = NULL;
+        goto done;
+    }
+    factor->row = ss_memory_get((size_t)factor->column[n], sizeof *factor->row);
+    factor->lower = ss_memory_get((size_t)factor->column[n], sizeof *factor->lower);
+    if (!factor->row || !factor->lower) {
+        status = SOFTSIM_ERROR_MEMORY;
+        goto done;
+    }
+    const int done_count =
+        ldl_numeric(factor->n, column, row, value, factor->column, parent, counts, factor->row,
+                    factor->lower, factor->diagonal, scratch, pattern, flag, order, inverse);
+    if (done_count != factor->n) {
+        status = refuse_loose_cell(error);
+        goto done;
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) {
+        factor->unknown[i] = factor->unknown[i] < 0 ? -1 : inverse[factor->unknown[i]];
+    }
+done:
+    ss_memory_free(column);
+    ss_memory_free(row);
+    ss_memory_free(value);
+    ss_memory_free(work);
+    ss_memory_free(scratch);
+    return status;
+}
+
+/* ---- life --------------------------------------------------------------------------------- */
+
+/* Sizes of the cells, and of a volume's surface the areas; on surfaces they are the same. */
+static softsim_status build_sizes(ss_cnn_network *network, const ss_cnn_fabric *fabric)
+{
+    const size_t n = (size_t)network->node_count;
+    network->size = ss_memory_get(n, sizeof *network->size);
+    network->surface_area = fabric->element == SS_CNN_TETRAHEDRON
+                                ? ss_memory_get(n, sizeof *network->surface_area)
+                                : network->size;
+    if (!network->size || !network->surface_area) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    ss_cnn_cell_sizes(fabric, network->size);
+    for (size_t i = 0; i < n; ++i) {
+        network->size[i] = fmax(network->size[i], 0.0);
+    }
+    if (fabric->element == SS_CNN_TETRAHEDRON) {
+        ss_mesh_node_areas(fabric->mesh, network->surface_area);
+    }
+    return SOFTSIM_OK;
+}
+
+/* The parts in the order in which they need one another. */
+static softsim_status build(ss_cnn_network *network, const ss_cnn_fabric *fabric,
+                            const uint8_t *held, softsim_error *error)
+{
+    softsim_status status = build_sizes(network, fabric);
+    status = status == SOFTSIM_OK ? ss_cnn_network_build_edges(network, fabric) : status;
+    if (status == SOFTSIM_OK && !ss_cnn_network_edges_are_usable(network, fabric->mesh, error)) {
+        status = SOFTSIM_ERROR_MESH;
+    }
+    status = status == SOFTSIM_OK ? ss_cnn_network_build_rows(network, held, false, &network->rows)
+                                  : status;
+    status = status == SOFTSIM_OK ? ss_cnn_network_build_rows(network, held, true, &network->held)
+                                  : status;
+    status = status == SOFTSIM_OK ? find_components(network, held) : status;
+    return status == SOFTSIM_OK ? factorise(network, fabric->max_work, error) : status;
+}
+
+softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t *held,
+                                     ss_cnn_network **out_network, softsim_error *error)
+{
+    const size_t n = (size_t)fabric->mesh->node_count;
+    ss_cnn_network *network = ss_memory_get(1, sizeof *network);
+    *out_network = NULL;
+    if (!network) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    double *rho = ss_memory_get(n, sizeof *rho);
+    network->node_count = fabric->mesh->node_count;
+    network->factor = ss_memory_get(1, sizeof *network->factor);
+    network->qhat = ss_memory_get(n, sizeof *network->qhat);
+    network->own = ss_memory_get(n, sizeof *network->own);
+    network->is_source = ss_memory_get(n, sizeof *network->is_source);
+    network->column_of = ss_memory_get(n, sizeof *network->column_of);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (!rho || !network->factor || !network->qhat || !network->own || !network->is_source ||
+        !network->column_of) {
+        ss_memory_free(rho);
+        goto fail;
+    }
+    memcpy(rho, fabric->rho, n * sizeof *rho);
+    network->factor->rho = rho;
+    status = build(network, fabric, held, error);
+    if (status != SOFTSIM_OK) {
+        goto fail;
+    }
+    for (int32_t i = 0; i < network->node_count; ++i) { /* a volume is touched on its surface */
+        network->column_of[i] = -1;
+        network->is_source[i] =
+            !held[i] && network->size[i] > 0.0 && network->surface_area[i] > 0.0;
+    }
+    *out_network = network;
+    return SOFTSIM_OK;
+fail:
+    ss_cnn_network_destroy(&network);
+    return status;
+}
+
+static void free_factor(ss_cnn_factor *factor)
+{
+    if (!factor) {
+        return;
+    }
+    ss_memory_free(factor->unknown);
+    ss_memory_free(factor->column);
+    ss_memory_free(factor->row);
+    ss_memory_free(factor->lower);
+    ss_memory_free(factor->entry_column);
+    ss_memory_free(factor->entry_row);
+    ss_memory_free(factor->entry);
+    ss_memory_free(factor->diagonal);
+    ss_memory_free(factor->component);
+    ss_memory_free(factor->is_drained);
+    ss_memory_free(factor->component_size);
+    ss_memory_free(factor->rho);
+    ss_memory_free(factor);
+}
+
+void ss_cnn_network_destroy(ss_cnn_network **network)
+{
+    ss_cnn_network *gone = *network;
+    if (!gone) {
+        return;
+    }
+    if (gone->surface_area != gone->size) {
+        ss_memory_free(gone->surface_area);
+    }
+    void *const owned[] = {gone->size,       gone->edge_rho,  gone->edge_square, gone->edge_weight,
+                           gone->edges.from, gone->edges.to,  gone->edges.x,     gone->edges.y,
+                           gone->edges.z,    gone->is_source, gone->qhat,        gone->own,
+                           gone->column_of,  gone->kap,       gone->ghat,        gone->edge_scale,
+                           gone->slot_of,    gone->slot_node, gone->slot_used};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_cnn_rows_fini(&gone->rows);
+    ss_cnn_rows_fini(&gone->held);
+    free_factor(gone->factor);
+    ss_memory_free(gone);
+    *network = NULL;
+}
+
+int64_t ss_cnn_network_bytes(const ss_cnn_network *network)
+{
+    const int64_t entry = (int64_t)(2 * sizeof(int32_t) + 4 * sizeof(ss_real));
+    const int64_t edge = (int64_t)(2 * sizeof(int32_t) + 3 * sizeof(ss_real) + 3 * sizeof(double));
+    const ss_cnn_factor *factor = network->factor;
+    const int64_t entries =
+        factor->is_given_up ? factor->entry_column[factor->n] : factor->column[factor->n];
+    return entry * (network->rows.entry_count + network->held.entry_count) +
+           edge * network->edges.padded_count + (int64_t)(sizeof(int) + sizeof(double)) * entries;
+}

@@ -1,0 +1,839 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/cnn/cnn.h"
+/*
+ * Time: m P'' + gamma P' + g + ks (P - P*) = F by classical Runge-Kutta, with a step that is
+ * computed, not guessed.
+ *
+ * Any mode is x'' + d x' + w^2 x = 0 with d within the bounds of gamma/m and w^2 at most
+ *
+ *   omega^2 = max_i (ks_i + 2 sum_k c1_k D_k,i + kc sum_q A_q B_qi + k_i) / m_i
+ *           + sum_k a E^ sum_i |r_i|^2 / m_i + (B/V0) sum_i |N_i|^2 / m_i
+ *
+ * (D_k,i the row sum of kap of source k). The bound is the largest step that keeps all of them
+ * inside RK4's region of stability; sub-steps take 0.7 of it, a tool moves at most R/4 in one,
+ * and the bound is looked at again after each: a step that turns out too large is taken back, and
+ * that is said where it held more energy than a hand feels (small_energy): the bound also shrinks
+ * with every tool that comes near a body at rest.
+ * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
+ * sub-step still stable, and tools and driven nodes go the same share of their ways: flagged, never
+ * silent. Rejected: the whole way in a part of the time, which presses at a multiple of the speed
+ * that a hand has, and feeds itself: what is pressed harder is stiffer, and simulated slower still.
+ * The bound does not know how forces through the weights change within a sub-step; at strains far
+ * beyond use that can feed energy in, which is then taken out of the motion again, and flagged.
+ * Rejected: an implicit step (the contact set and kap change within it), scaling masses.
+ *
+ * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
+ * also give the energies at that moment, and hold through the next one. Work and dissipation are
+ * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
+ * A network in its own time takes its steps after each accepted sub-step; the energy that its new
+ * flux densities bring or take is its work, and stands in the ledger as such.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+/* Of the stable step. */
+#define STEP_SHARE   0.7
+#define FROZEN_SHARE 0.25 /* of 1/rate: the least that the rule of frozen forces asks for */
+/* Sub-steps taken back in one outer step, each half the one before, then a sixteenth: beyond, the
+ * state itself is at fault (a number that is not finite). */
+enum { MAX_REJECTED = 40 };
+/* A sub-step that makes more than this share of the energy from nothing was too long. */
+#define MAX_GAIN 0.25
+/* Of what is left, a share (beyond what a hand could feel) that is taken out of the motion again,
+ * and said: closed loops at sensible speeds stay a hundred times below in all. A loss is only
+ * said. */
+#define MAX_SILENT_GAIN 0.01
+/* Up to this share all of it can be taken out, and the motion is still to be trusted: what a step
+ * near the limit makes of a load that sets in. */
+#define MAX_SLIGHT_GAIN 0.1
+/* Diagonals of the body: a displacement beyond is cut off. */
+#define MAX_DISPLACEMENT 100.0
+
+/* ---- the stable step ---------------------------------------------------------------------- */
+
+/* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
+ * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
+enum { ARCS = 32 };
+static const double rk4_radius[ARCS] = {
+    2.8284, 2.9087, 2.9499, 2.9431, 2.9040, 2.8482, 2.7840, 2.7217, 2.6707, 2.6360, 2.6185,
+    2.6156, 2.6164, 2.6270, 2.6471, 2.6738, 2.7044, 2.7361, 2.7667, 2.7943, 2.8175, 2.8353,
+    2.8472, 2.8530, 2.8482, 2.8393, 2.8279, 2.8155, 2.8036, 2.7939, 2.7875, 2.7853};
+/* cos of the angle from the negative real axis at the ends of the intervals: sin(k pi / 64). */
+static const double arc_cosine[ARCS + 1] = {
+    0.0,         0.049067674, 0.098017140, 0.146730474, 0.195090322, 0.242980180, 0.290284677,
+    0.336889853, 0.382683432, 0.427555093, 0.471396737, 0.514102744, 0.555570233, 0.595699304,
+    0.634393284, 0.671558955, 0.707106781, 0.740951125, 0.773010453, 0.803207531, 0.831469612,
+    0.857728610, 0.881921264, 0.903989293, 0.923879533, 0.941544065, 0.956940336, 0.970031253,
+    0.980785280, 0.989176510, 0.995184727, 0.998795456, 1.0};
+
+double ss_cnn_rk4_limit(double d_min, double d_max, double omega2)
+{
+    const double omega = sqrt(fmax(omega2, 0.0));
+    double limit = d_max > 0.0 ? rk4_radius[ARCS - 1] / d_max : (double)INFINITY;
+    for (int k = 0; k < ARCS && omega > 0.0; ++k) {
+        if (2.0 * omega * arc_cosine[k + 1] < d_min) {
+            continue; /* every mode is more damped than that */
+        }
+        const double highest =
+            k > 0 ? fmin(omega, d_max / (2.0 * arc_cosine[k])) : omega; /* mode at these angles */
+        limit = highest > 0.0 ? fmin(limit, rk4_radius[k] / highest) : limit;
+    }
+    return limit;
+}
+
+/* Adds to model->stiff and returns the strain term of one source. */
+static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
+{
+    const ss_cnn_kernels *kernels = model->kernels;
+    if (source->c1 > 0.0) {
+        kernels->add_rows(model->part, 2.0 * source->c1, source->b, model->stiff);
+    }
+    return source->rank > 0.0
+               ? source->rank * kernels->weighted_square(model->part, source->r, model->mobility)
+               : 0.0;
+}
+
+/* The longest step over which forces through the weights may stay frozen: a force that is held
+ * while its stiffness k acts gains energy at the rate k h / (4 m), which damping must take up,
+ * h <= 2 (gamma/m) / (k/m); a little is allowed where there is no damping. */
+static double frozen_limit(const ss_model *model)
+{
+    double limit = (double)INFINITY;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->source.is_on && tool->mu_largest > 0.0) {
+            const double rate2 =
+                2.0 * tool->mu_largest / (tool->reach * tool->reach * model->smallest_sigma);
+            limit = fmin(limit,
+                         fmax(2.0 * model->damping_rate_min / rate2, FROZEN_SHARE / sqrt(rate2)));
+        }
+    }
+    return limit;
+}
+
+void ss_cnn_set_bound(ss_model *model)
+{
+    double omega2 = model->bulk_rate;
+    for (int32_t s = 0; s < model->part->count; ++s) {
+        const ss_cnn_span *span = &model->part->span[s];
+        const int32_t end = span->node_end < model->node_count ? span->node_end : model->node_count;
+        memcpy(model->stiff + span->node, model->material.rest_stiffness + span->node,
+               (size_t)(end - span->node) * sizeof *model->stiff);
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        omega2 += source ? add_source_stiffness(model, source) : 0.0;
+        omega2 +=
+            source && source->rank > 0.0 ? source->rank * ss_cnn_window_stiffness(model, k) : 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        omega2 += tool->is_fading ? ss_cnn_source_fading_stiffness(model, tool) : 0.0;
+        ss_touch_diagonal(tool->touch, model->stiff);
+        for (int32_t i = 0; i < tool->grasp.count; ++i) {
+            model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+        }
+    }
+    omega2 += fmax(model->kernels->largest(model->part, model->stiff, model->mobility_max),
+                   model->window ? model->window->rate2 : 0.0);
+    model->bound = fmin(ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2),
+                        frozen_limit(model));
+}
+
+/* ---- forces ------------------------------------------------------------------------------- */
+
+/* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
+static void pose_at(const ss_cnn_tool *tool, double path, ss_tool_pose *out)
+{
+    if (path > 0.0 && path < 1.0) {
+        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
+    } else {
+        *out = path > 0.0 ? tool->to : tool->from;
+    }
+}
+
+static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, double path)
+{
+    pose_at(tool, path, &tool->pose);
+    ss_copy3(tool->force, tool->frozen_force);
+    ss_copy3(tool->torque, tool->frozen_torque);
+    tool->penalty =
+        ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force, tool->torque);
+    if (tool->is_fading) {
+        ss_cnn_source_add_fading(model, tool);
+    }
+    ss_grasp_add_forces(&tool->grasp, (const double(*)[3])model->plan.mesh->position, u,
+                        &tool->pose, model->force, tool->force, tool->torque);
+}
+
+/* Takes the last contact and grasp forces out of model->force. */
+static void clear_contact(ss_model *model)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        const int32_t *node;
+        const int32_t count = tool->is_present ? ss_touch_reach(tool->touch, &node) : 0;
+        for (int32_t i = 0; i < count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+        for (int32_t i = 0; tool->is_present && tool->is_fading && i < tool->count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->node[i];
+            memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
+        }
+    }
+}
+
+/* Quads of the nodes that a step works on. */
+static void copy_quads(const ss_cnn_part *part, const ss_real *from, ss_real *to)
+{
+    for (int32_t s = 0; s < part->count; ++s) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)part->span[s].node;
+        const ptrdiff_t end = 4 * (ptrdiff_t)part->span[s].node_end;
+        memcpy(to + at, from + at, (size_t)(end - at) * sizeof *to);
+    }
+}
+
+/* Sources beyond the first go into model->force as a whole; the first is left to the stage. */
+static void evaluate_sources(ss_model *model)
+{
+    const ss_cnn_kernels *kernels = model->kernels;
+    model->first = NULL;
+    bool is_clean = model->enclosed_count > 1; /* their pressures come on top */
+    if (is_clean) {
+        copy_quads(model->part, model->base, model->force);
+        model->has_loads_only = false;
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (source) {
+            ss_cnn_source_evaluate(model, source, model->d);
+        }
+    }
+    if (model->saturation) {
+        ss_cnn_saturate(model);
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_source *source = ss_cnn_source_on(model, k);
+        if (!source) {
+            continue;
+        }
+        if (!model->first) {
+            model->first = source;
+            continue;
+        }
+        if (!is_clean) {
+            copy_quads(model->part, model->base, model->force);
+            is_clean = true;
+            model->has_loads_only = false;
+        }
+        const ss_real *b = model->is_held ? source->b : source->b_turned;
+        kernels->axpy(model->part, -source->c1, source->r, model->force);
+        if (source->c2 != 0.0) {
+            kernels->axpy(model->part, source->c2, b, model->force);
+        }
+    }
+}
+
+/* All forces at displacements `u` with the tools at `path`; model->force must hold no contact, and
+ * the change of one enclosed volume belongs to u. */
+static void evaluate(ss_model *model, ss_real *u, double path)
+{
+    model->d = ss_cnn_fit(model, u);
+    const double far_change = ss_cnn_window_evaluate(model, u);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present && tool->is_fading) {
+            ss_tool_pose pose;
+            pose_at(tool, path, &pose);
+            ss_cnn_source_fade(model, tool, u, &pose);
+        }
+    }
+    evaluate_sources(model);
+    ss_cnn_enclosed_evaluate(model, u, far_change);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            add_contact(model, &model->tool[k], u, path);
+        }
+    }
+}
+
+/* ---- between sub-steps -------------------------------------------------------------------- */
+
+/* Finds what the tools may reach between two places on their paths. */
+static int32_t gather(ss_model *model, double path, double next)
+{
+    int32_t count = 0;
+    bool is_refitted = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        if (!is_refitted) {
+            ss_surface_refit(model->surface, model->u);
+            is_refitted = true;
+        }
+        ss_tool_pose from, to;
+        pose_at(tool, path, &from);
+        pose_at(tool, next, &to);
+        count += ss_touch_gather(tool->touch, model->u, &from, &to);
+    }
+    return count;
+}
+
+static void set_totals(ss_model *model)
+{
+    model->kernels->total(model->part, model->u, model->v, model->rest_stiffness, model->mass,
+                          &model->totals);
+    model->has_totals = true;
+}
+
+static void set_energies(ss_model *model)
+{
+    if (!model->has_totals) {
+        set_totals(model);
+    }
+    ss_cnn_window_add_totals(model, &model->totals);
+    model->kinetic = 0.5 * model->totals.kinetic;
+    double elastic = 0.5 * model->totals.rest;
+    if (!model->is_held) {
+        ss_cnn_totals fitted;
+        model->kernels->total(model->part, model->d, model->v, model->rest_stiffness, model->mass,
+                              &fitted);
+        elastic = 0.5 * fitted.rest;
+    }
+    for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_source *source = ss_cnn_source_on(model, k);
+        elastic += source ? ss_cnn_source_energy(model, source) : 0.0;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        elastic += tool->is_present ? tool->penalty + tool->grasp.share * tool->grasp.square : 0.0;
+    }
+    model->elastic = elastic + ss_cnn_enclosed_energy(model);
+}
+
+/* Everything at the present state with the tools at `path`: weights, forces, energies, bound. */
+static void prepare(ss_model *model, double path)
+{
+    bool has_tool = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        has_tool = has_tool || model->tool[k].is_present;
+    }
+    model->has_strain = false;
+    model->d = ss_cnn_fit(model, model->u);
+    ss_cnn_source_relax(model);
+    if (has_tool || !model->has_loads_only) {
+        copy_quads(model->part, model->load_force, model->base);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            pose_at(tool, path, &tool->pose);
+            ss_cnn_source_weigh(model, tool, &tool->pose);
+        }
+    }
+    if (has_tool || !model->has_loads_only) {
+        copy_quads(model->part, model->base, model->force);
+        model->has_loads_only = !has_tool;
+    }
+    const ss_real *normal = ss_cnn_enclosed_normal(model);
+    if (normal && (!model->has_totals || model->plan.prescribed_count > 0)) {
+        model->enclosed[0].change = model->kernels->dot(model->part, normal, model->u);
+    }
+    evaluate(model, model->u, path);
+    set_energies(model);
+    ss_cnn_set_bound(model);
+    model->is_ready = true;
+    model->has_totals = false;
+}
+
+/* ---- one sub-step ------------------------------------------------------------------------- */
+
+/* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
+static double tool_work(const ss_model *model, double fraction, double share)
+{
+    double work = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            double way[3];
+            ss_sub3(way, tool->to.position, tool->from.position);
+            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
+        }
+    }
+    return work * fraction * share;
+}
+
+/* After the first stage: what the tools reach on the way, and no contact left in the forces. */
+static void ready_contact(ss_model *model, double path, double next)
+{
+    clear_contact(model);
+    gather(model, path, next);
+}
+
+static void swap(ss_real **a, ss_real **b)
+{
+    ss_real *t = *a;
+    *a = *b;
+    *b = t;
+}
+
+static void swap_states(ss_model *model)
+{
+    ss_cnn_window_swap(model);
+    swap(&model->u, &model->old_u);
+    swap(&model->v, &model->old_v);
+    swap(&model->u_low, &model->old_low);
+}
+
+/* Classical Runge-Kutta over `h` seconds; the state before is kept in old_*. */
+static void runge_kutta(ss_model *model, double h, double path, double fraction)
+{
+    static const double place[4] = {0.0, 0.5, 0.5, 1.0};
+    static const double share[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    ss_cnn_stage stage = {.part = model->part,
+                          .h = h,
+                          .force = model->force,
+                          .normal = ss_cnn_enclosed_normal(model),
+                          .rest_stiffness = model->rest_stiffness,
+                          .damping = model->damping,
+                          .mass = model->mass,
+                          .mobility = model->mobility,
+                          .u0 = model->u,
+                          .v0 = model->v,
+                          .low0 = model->u_low,
+                          .us = model->us,
+                          .vs = {model->vs[0], model->vs[1], model->vs[2]},
+                          .u = model->old_u,
+                          .v = model->old_v,
+                          .low = model->old_low};
+    for (int s = 0; s < 4; ++s) {
+        if (s > 0) {
+            clear_contact(model);
+            evaluate(model, model->us, path + place[s] * fraction);
+        }
+        const ss_cnn_source *first = model->first;
+        stage.index = s;
+        stage.d = model->d;
+        stage.r = first ? first->r : NULL;
+        stage.b = first ? (model->is_held ? first->b : first->b_turned) : NULL;
+        stage.c1 = first ? first->c1 : 0.0;
+        stage.c2 = first ? first->c2 : 0.0;
+        stage.pressure = stage.normal ? model->enclosed[0].pressure : 0.0;
+        model->work += tool_work(model, fraction, share[s]);
+        if (model->plan.prescribed_count > 0) {
+            const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
+            const double work = ss_cnn_driven_work(model, stage.d, v, h, share[s]);
+            model->work += work;
+            model->load_work += work;
+        }
+        model->dissipated += h * share[s] * model->kernels->stage(&stage);
+        model->dissipated += h * share[s] * ss_cnn_window_stage(model, s, h);
+        if (stage.normal) {
+            model->enclosed[0].change = stage.volume;
+        }
+        if (s == 0) {
+            ready_contact(model, path, path + fraction);
+        }
+    }
+    model->totals = stage.totals;
+    model->has_totals = true;
+    swap_states(model);
+}
+
+static bool is_finite_state(const ss_model *model)
+{
+    return isfinite(model->totals.kinetic) && isfinite(model->totals.rest) &&
+           isfinite(model->totals.largest);
+}
+
+static void fade_grasps(ss_model *model, double h)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_grasp_fade(&model->tool[k].grasp, h);
+    }
+}
+
+static void settle_grasps(ss_model *model, bool is_accepted)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->dissipated += ss_grasp_settle(&model->tool[k].grasp, is_accepted);
+    }
+}
+
+/* Energy that came from nowhere in an accepted sub-step goes out of the motion again: strains far
+ * beyond the body's size, which forces frozen over a sub-step cannot follow, then never feed on
+ * themselves. */
+static void take_gain(ss_model *model, double gain)
+{
+    const double left = model->kinetic > gain ? 1.0 - gain / model->kinetic : 0.0;
+    const ss_real factor = (ss_real)sqrt(left);
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
+        model->v[at] *= factor;
+    }
+    ss_cnn_window_damp(model, sqrt(left));
+    model->kinetic *= left;
+    model->fault_bits |= SS_MODEL_FAULT_ENERGY;
+    const bool is_slight =
+        left > 0.0 && gain <= MAX_SLIGHT_GAIN * (model->elastic + model->kinetic + gain);
+    if (!is_slight || model->verdict < SOFTSIM_VERDICT_GUARDED) {
+        model->verdict = is_slight ? SOFTSIM_VERDICT_GUARDED : SOFTSIM_VERDICT_DEGRADED;
+        model->reason = "energy from nowhere was taken out of the motion";
+    }
+}
+
+static double most_silent(const ss_model *model)
+{
+    return MAX_SILENT_GAIN * (model->elastic + model->kinetic) + model->small_energy;
+}
+
+static void damp_gain(ss_model *model, double gain)
+{
+    if (gain > most_silent(model)) {
+        take_gain(model, gain);
+    }
+}
+
+/* Gains too small for one sub-step add up; `gain` of an outer step, after what its sub-steps took
+ * out. */
+static void damp_pool(ss_model *model, double gain, double dt)
+{
+    const double most = most_silent(model);
+    model->pool = ss_plan_pool_gain(model->pool, gain, most, dt);
+    if (model->pool > most) {
+        take_gain(model, model->pool);
+        model->pool = 0.0;
+    }
+}
+
+/* Energy that vanished in an accepted sub-step: Runge-Kutta damps motion near its stable step, and
+ * forces frozen over a sub-step miss what a quick tool does in it. */
+static void tell_loss(ss_model *model, double loss)
+{
+    if (loss > most_silent(model) && model->verdict == SOFTSIM_VERDICT_GOOD) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason = "a sub-step lost energy to its length";
+    }
+}
+
+/* A displacement far beyond the body means nothing any more and would drown every digit. */
+static void clamp_displacements(ss_model *model)
+{
+    const double limit = MAX_DISPLACEMENT * model->diagonal;
+    if (!(model->totals.largest > limit * limit)) {
+        return;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        ss_real *u = model->u + 4 * (ptrdiff_t)i, *v = model->v + 4 * (ptrdiff_t)i;
+        const double length = sqrt((double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] +
+                                   (double)u[2] * (double)u[2]);
+        for (int k = 0; length > limit && k < 3; ++k) {
+            u[k] = (ss_real)((double)u[k] * (limit / length));
+            v[k] = 0;
+            model->is_ready = false;
+            model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
+            model->verdict = SOFTSIM_VERDICT_DEGRADED;
+            model->reason = "displacement beyond a hundred times the body was cut off";
+        }
+    }
+}
+
+/* ---- the outer step ----------------------------------------------------------------------- */
+
+/* Taking over where the tools go; what changed with a jump is prepared again. */
+static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_cnn_tool *own = &model->tool[k];
+        const bool is_present = own->is_used && tool && tool[k].is_present;
+        if (is_present) {
+            own->from = tool[k].from;
+            own->to = tool[k].to;
+            ss_tool_turn(&own->from, &own->to, own->turn);
+        }
+        if (is_present != own->is_present ||
+            (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
+            model->is_ready = false;
+            /* What jumps lets go: springs stretched at once across the jump are no grasp. */
+            if (!is_present ||
+                ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
+                own->grasp.count = 0;
+                ss_cnn_source_let_go(own);
+            }
+        }
+        if (!is_present) {
+            own->grasp.count = 0;
+            own->grasp.is_pressed = false;
+            ss_cnn_source_let_go(own);
+            own->source.is_on = false;
+            own->count = 0;
+        }
+        own->is_present = is_present;
+    }
+}
+
+/* Loads that changed since the last step replace their old selves in base and force. */
+static void take_loads(ss_model *model, double time)
+{
+    const ss_cnn_part *part = model->part;
+    if (model->loaded_count == 0 && model->source_count == 0) {
+        return;
+    }
+    if (ss_cnn_loads_update(model, time)) {
+        model->kernels->axpy(part, -1.0, model->load_force, model->force);
+        model->kernels->axpy(part, -1.0, model->load_force, model->base);
+        ss_cnn_loads_build(model);
+        model->has_loads_only = false; /* but for rounding */
+        model->kernels->axpy(part, 1.0, model->load_force, model->force);
+        model->kernels->axpy(part, 1.0, model->load_force, model->base);
+    }
+}
+
+/* The button's press stores where the touched nodes are in the tool's frame. */
+static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
+{
+    ss_grasp *grasp = &tool->grasp;
+    if (is_grasping && !grasp->is_pressed) {
+        if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
+            model->dissipated += grasp->share * grasp->square;
+            grasp->count = 0;
+            model->has_totals = false;
+            prepare(model, 0.0);
+        }
+        ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
+                      SS_GRASP_SHARE * tool->stiffness,
+                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
+        ss_cnn_set_bound(model);
+    }
+    grasp->is_pressed = is_grasping;
+}
+
+/* Sub-steps that the tools' motion asks for: at most R/4 each, if anything is in the way. */
+static int32_t motion_steps(ss_model *model)
+{
+    double steps = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_cnn_tool *tool = &model->tool[k];
+        if (tool->is_present) {
+            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
+            steps = fmax(steps, ceil(4.0 * way / tool->radius - 1e-9));
+        }
+    }
+    if (steps > 1.0 && gather(model, 0.0, 1.0) == 0) {
+        return 1;
+    }
+    return (int32_t)fmin(steps, (double)model->plan.max_substeps);
+}
+
+static void fault(ss_model *model)
+{
+    model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
+    model->verdict = SOFTSIM_VERDICT_FAULT;
+    model->reason = "not finite: last good state restored, waiting for reset";
+    model->is_ready = false;
+}
+
+/* Where the outer step stands. */
+typedef struct progress {
+    double left, path; /* s still to simulate; 0..1 of the tools' way */
+    double cap;        /* s: after a sub-step was taken back */
+    int32_t motion, attempts, accepted, rejected;
+    bool is_telling; /* what was taken back could have been felt */
+} progress;
+
+/* Sub-steps for what is left where each may be twice as long as the one before, up to `stable`. */
+static double least_substeps(const progress *p, double stable)
+{
+    const double growing = p->cap < p->left ? 1.0 + ilogb(p->left / p->cap) : 0.0;
+    return growing + ceil(p->left / stable - 1e-9);
+}
+
+/* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
+ * else the longest stable one, and its share of the way. */
+static void plan_substep(ss_model *model, const progress *p, double *out_h, double *out_fraction)
+{
+    const double stable = fmin(STEP_SHARE * model->bound, p->cap);
+    const double by_time = ceil(p->left / stable - 1e-9);
+    const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
+    const double needed = fmax(fmax(by_time, by_way), 1.0);
+    const double available = fmax(1.0, (double)(model->plan.max_substeps - p->attempts));
+    const double parts = fmin(needed, available);
+    const double h = fmin(p->left / parts, stable);
+    *out_h = h;
+    const bool is_slow = least_substeps(p, STEP_SHARE * model->bound) > available;
+    *out_fraction = is_slow ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
+}
+
+/* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
+typedef struct ledger {
+    double work, dissipated, load_work;
+} ledger;
+
+static void take_back(ss_model *model, progress *p, const ledger *before, double h)
+{
+    ++p->rejected;
+    p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
+    swap_states(model);
+    settle_grasps(model, false);
+    ss_cnn_source_restore(model);
+    gather(model, p->path, p->path);
+    model->has_totals = false;
+    model->work = before->work;
+    model->dissipated = before->dissipated;
+    model->load_work = before->load_work;
+    prepare(model, p->path); /* books what it changes by itself */
+}
+
+static double ledger_sum(const ss_model *model)
+{
+    return model->kinetic + model->elastic - model->work + model->dissipated;
+}
+
+/* The network goes on in its own time; what its changed flux densities bring or take is work. */
+static void relax_network(ss_model *model, double path)
+{
+    const double before = ledger_sum(model);
+    if (!ss_cnn_relax_advance(model->relax)) {
+        return;
+    }
+    prepare(model, path);
+    model->work += ledger_sum(model) - before;
+}
+
+/* Blocks that became active or still; what that changes in the energy is lost. */
+static void move_window(ss_model *model, double path)
+{
+    if (ss_cnn_window_look(model)) {
+        const double before = ledger_sum(model);
+        model->has_totals = model->has_loads_only = false;
+        prepare(model, path);
+        model->dissipated += before - ledger_sum(model);
+    }
+}
+
+/* One attempt; false when the model is at fault. */
+static bool try_substep(ss_model *model, progress *p)
+{
+    double h, fraction;
+    plan_substep(model, p, &h, &fraction);
+    const double balance = ledger_sum(model);
+    ss_cnn_driven_place(model, p->path, fraction, h);
+    const ledger before = {model->work, model->dissipated, model->load_work};
+    ss_cnn_source_keep(model);
+    runge_kutta(model, h, p->path, fraction);
+    ++p->attempts;
+    fade_grasps(model, h);
+    bool is_good = is_finite_state(model);
+    double loads = 0.0, gain = 0.0;
+    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    if (is_good) {
+        ss_cnn_driven_place(model, next, 0.0, 0.0);
+        loads = ss_cnn_loads_work(model);
+        prepare(model, next);
+        gain = ledger_sum(model) - loads - balance;
+        is_good = model->bound >= h && (p->rejected >= MAX_REJECTED / 4 ||
+                                        !(gain > MAX_GAIN * (model->elastic + model->kinetic)));
+    }
+    if (!is_good) {
+        p->is_telling |= !(fabs(model->elastic + model->kinetic) <= model->small_energy);
+        take_back(model, p, &before, h);
+        if (p->rejected >= MAX_REJECTED) {
+            fault(model);
+        }
+        return p->rejected < MAX_REJECTED;
+    }
+    settle_grasps(model, true);
+    damp_gain(model, gain);
+    model->work += loads;
+    model->load_work += loads;
+    tell_loss(model, balance - ledger_sum(model));
+    if (model->relax) {
+        relax_network(model, next);
+    }
+    move_window(model, next);
+    p->left -= h;
+    p->path = next;
+    p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);
+    ++p->accepted;
+    return true;
+}
+
+/* The network of a volume has no volumes. Of a window, what it left aside is as it was last filled:
+ * far off, where nothing turns. */
+static void judge_turned(ss_model *model)
+{
+    const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
+    const int32_t t = is_volume ? ss_turned_look(&model->turned, model->u) : -1;
+    if (t >= 0) {
+        model->worst = model->plan.mesh->tetrahedron[t][0];
+    }
+    if (t >= 0 && model->verdict < SOFTSIM_VERDICT_DEGRADED) {
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = SS_TURNED_REASON;
+    }
+}
+
+void ss_cnn_step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+        return;
+    }
+    model->verdict = SOFTSIM_VERDICT_GOOD;
+    model->reason = "";
+    model->worst = -1;
+    take_tools(model, tool);
+    take_loads(model, time + 0.5 * dt);
+    ss_cnn_driven_update(model, time + dt);
+    if (!model->is_ready) {
+        const double before = model->elastic - model->work + model->dissipated;
+        gather(model, 0.0, 0.0);
+        model->has_totals = false;
+        prepare(model, 0.0);
+        model->work = model->elastic + model->dissipated - before;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (model->tool[k].is_present) {
+            take_grasp(model, &model->tool[k], tool[k].is_grasping);
+        }
+    }
+    const double balance = ledger_sum(model);
+    progress p = {.left = dt, .cap = (double)INFINITY, .motion = motion_steps(model)};
+    while (p.path < 1.0 && (p.attempts < model->plan.max_substeps || p.accepted == 0)) {
+        if (!try_substep(model, &p)) {
+            return;
+        }
+        clamp_displacements(model);
+    }
+    if (!isfinite(model->elastic + model->kinetic)) {
+        fault(model);
+        return;
+    }
+    damp_pool(model, ledger_sum(model) - balance, dt);
+    if (model->verdict == SOFTSIM_VERDICT_GOOD && p.is_telling) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason = "a sub-step was taken back and halved";
+    }
+    if (p.left > 1e-6 * dt) {
+        model->fault_bits |= SS_MODEL_FAULT_BUDGET;
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = "needs more sub-steps than max_substeps: slower than real time";
+    }
+    judge_turned(model);
+    model->substeps = p.accepted;
+    model->travelled = p.path;
+    ++model->step;
+}

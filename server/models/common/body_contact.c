@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/body_state.h"
+/*
+ * Tools against a body: penalty on the samples of a smooth surface (contact.h), grasps, and how
+ * stiff the contact may be.
+ *
+ * A sample that is d deep pushes with A kc d, kc in N/m^3: the same on every mesh. It is as stiff
+ * as the planned sub-step h allows, kc <= share sigma / h^2 with sigma the mean mass per area
+ * of the surface's nodes, and no stiffer than a penetration of a tenth of the radius at the
+ * working force, F_w / (0.03 R^3). With omega_c^2 = max_i k_i / m_i of the samples that touch
+ * now, and omega_e the law's, omega^2 <= omega_e^2 + omega_c^2 bounds every mode (largest
+ * eigenvalues of sums), so that sub-steps shorten by what the contact takes and no more.
+ * The contact's surface is the mesh's, or one of the model's own that rides on the nodes: x_s =
+ * S x; forces return by S^T, omega_c^2 is what the model says of M^-1 S^T k S.
+ * Rejected: contact as constraints (a force that ripples as samples come and go, and no energy to
+ * balance the hand against).
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/common/plan.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* omega_c^2 h^2 of a node of mean mass per area, h the planned sub-step: times edge / radius, and
+ * its bounds. A node by itself resists with about a quarter of 1/h^2 of its mass, tissue under a
+ * tool with edge / radius of that: 3 makes the contact some ten times as stiff as the tissue. Where
+ * the mesh is as coarse as the tool its sub-steps are cheap; where it is fine less will do. The
+ * edges of a model's own skin say nothing of what carries it, which its least sigma does. */
+#define CONTACT_SHARE     3.0
+#define MIN_CONTACT_SHARE 0.5
+#define MAX_CONTACT_SHARE 3.0
+
+/* ---- set-up ------------------------------------------------------------------------------- */
+
+/* Mass per area of the nodes that may move, over all of them. */
+static double mean_sigma(const ss_body *body)
+{
+    const ss_mesh *mesh = body->plan.mesh;
+    double *area = ss_memory_get((size_t)mesh->node_count, sizeof *area);
+    if (!area) {
+        return -1.0;
+    }
+    double mass = 0.0, sum = 0.0;
+    ss_mesh_node_areas(mesh, area);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        if (body->is_source[i] && area[i] > 0.0) {
+            mass += body->nodes.mass[i];
+            sum += area[i];
+        }
+    }
+    ss_memory_free(area);
+    return sum > 0.0 ? mass / sum : (double)INFINITY;
+}
+
+static softsim_status create_tool(ss_body *body, ss_body_tool *tool, const ss_shape *shape)
+{
+    const ss_model_plan *plan = &body->plan;
+    const double radius = ss_shape_curvature_radius(shape);
+    tool->is_used = true;
+    tool->shape = shape;
+    tool->reach = plan->contact_reach > 0.0
+                      ? plan->contact_reach
+                      : fmax(ss_surface_mean_edge(body->surface), 0.5 * radius);
+    tool->radius = radius > 0.0 ? radius : tool->reach;
+    const ss_touch_options options = {.delta = tool->reach, .stiffness = 1.0};
+    const softsim_status status = ss_touch_create(body->surface, shape, &options, &tool->touch);
+    tool->shape_y = ss_memory_get((size_t)body->nodes.padded_count * 4, sizeof *tool->shape_y);
+    if (!tool->shape_y || !ss_grasp_init(&tool->grasp, body->skin->node_count)) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return status;
+}
+
+static softsim_status allocate(ss_body *body)
+{
+    const size_t n = (size_t)body->nodes.padded_count;
+    const size_t skin = (size_t)(body->skin->node_count + 7) / 8 * 8;
+    ss_body_solver *solver = &body->solver;
+    ss_real **const quads[] = {&solver->inverse, &solver->push,   &solver->residual,
+                               &solver->search,  &solver->scaled, &solver->product};
+    bool is_good = true;
+    for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
+        *quads[k] = ss_memory_get(n * 4, sizeof **quads[k]);
+        is_good = is_good && *quads[k];
+    }
+    solver->stiff = ss_memory_get(n, sizeof *solver->stiff);
+    body->contact_stiff = ss_memory_get(n, sizeof *body->contact_stiff);
+    body->skin_force = ss_memory_get(skin * 4, sizeof *body->skin_force);
+    body->skin_stiff = ss_memory_get(skin, sizeof *body->skin_stiff);
+    body->is_stiff = ss_memory_get(skin, 1);
+    body->stiff_node = ss_memory_get(skin, sizeof *body->stiff_node);
+    body->skin_u = body->has_skin ? ss_memory_get(skin * 4, sizeof *body->skin_u) : NULL;
+    is_good = is_good && solver->stiff && body->contact_stiff && body->skin_force &&
+              body->skin_stiff && body->is_stiff && body->stiff_node &&
+              (!body->has_skin || body->skin_u);
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
+{
+    const ss_model_plan *plan = &body->plan;
+    const double smallest = ss_plan_smallest_tool(plan);
+    softsim_status status = allocate(body);
+    body->sigma = body->has_skin ? body->own.skin.sigma : mean_sigma(body);
+    if (status != SOFTSIM_OK || body->sigma < 0.0) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    status = ss_surface_create(body->skin, smallest, plan->contact_parts, &body->surface, error);
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
+        if (plan->tool[k].is_used) {
+            status = create_tool(body, &body->tool[k], &body->plan.tool[k].shape);
+        }
+    }
+    return status;
+}
+
+void ss_body_set_contact_stiffness(ss_body *body)
+{
+    const double h = body->own.planned_step;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (tool->is_used) {
+            const double wanted =
+                body->has_skin ? MIN_CONTACT_SHARE
+                               : CONTACT_SHARE * ss_surface_mean_edge(body->surface) / tool->radius;
+            const double share = fmin(fmax(wanted, MIN_CONTACT_SHARE), MAX_CONTACT_SHARE);
+            const double stable = isfinite(h) ? share * body->sigma / (h * h) : (double)INFINITY;
+            tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);
+            ss_touch_set_stiffness(tool->touch, tool->stiffness);
+        }
+    }
+}
+
+void ss_body_tools_fini(ss_body *body)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_touch_destroy(&body->tool[k].touch);
+        ss_grasp_fini(&body->tool[k].grasp);
+        ss_memory_free(body->tool[k].shape_y);
+    }
+    ss_surface_destroy(&body->surface);
+    const ss_body_solver *solver = &body->solver;
+    void *const owned[] = {solver->inverse,  solver->push,    solver->residual,    solver->search,
+                           solver->scaled,   solver->product, solver->stiff,       body->skin_force,
+                           body->skin_stiff, body->skin_u,    body->contact_stiff, body->is_stiff,
+                           body->stiff_node};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+}
+
+void ss_body_tools_reset(ss_body *body)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        tool->is_present = tool->was_touching = false;
+        tool->grasp.is_pressed = false;
+        tool->grasp.count = 0;
+        tool->grasp.square = 0.0;
+        tool->felt = tool->viscosity = tool->penalty = 0.0;
+        tool->age = 0;
+        ss_set3(tool->push_normal, 0.0, 0.0, 0.0);
+        ss_set3(tool->force, 0.0, 0.0, 0.0);
+        ss_set3(tool->torque, 0.0, 0.0, 0.0);
+        if (tool->is_used) {
+            memset(tool->shape_y, 0, ss_body_bytes(body));
+        }
+    }
+}
+
+/* ---- on the way --------------------------------------------------------------------------- */
+
+/* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
+static void pose_at(const ss_body_tool *tool, double path, ss_tool_pose *out)
+{
+    if (path > 0.0 && path < 1.0) {
+        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
+    } else {
+        *out = path > 0.0 ? tool->to : tool->from;
+    }
+}
+
+/* Finds what the tools may reach from `path` on; returns the number of triangles. */
+static int32_t gather(ss_body *body, const ss_real *u, double path)
+{
+    int32_t count = 0;
+    bool is_refitted = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        ss_tool_pose from;
+        pose_at(tool, path, &from);
+        if (!is_refitted && !ss_touch_is_gathered(tool->touch, u, &from, &tool->to)) {
+            ss_surface_refit(body->surface, u);
+            is_refitted = true;
+        }
+        count += ss_touch_gather(tool->touch, u, &from, &tool->to);
+    }
+    return count;
+}
+
+static const ss_real *lay_skin(ss_body *body, const ss_real *u)
+{
+    if (body->has_skin) {
+        body->own.skin.lay(body->own.elastic.owner, u, body->skin_u);
+    }
+    return ss_body_skin_u(body, u);
+}
+
+void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *own = &body->tool[k];
+        const bool is_present = own->is_used && tool && tool[k].is_present;
+        if (is_present) {
+            own->from = tool[k].from;
+            own->to = tool[k].to;
+            ss_tool_turn(&own->from, &own->to, own->turn);
+        }
+        if (is_present != own->is_present ||
+            (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
+            body->is_ready = false;
+            /* What jumps lets go: springs stretched at once across the jump are no grasp. */
+            if (!is_present ||
+                ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
+                own->grasp.count = 0;
+            }
+        }
+        if (!is_present) {
+            own->grasp.is_pressed = false;
+            own->was_touching = false;
+            own->penalty = 0.0;
+        }
+        own->is_present = is_present;
+    }
+}
+
+void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *own = &body->tool[k];
+        if (!own->is_present) {
+            continue;
+        }
+        if (tool[k].is_grasping && !own->grasp.is_pressed) {
+            const int32_t *node;
+            const double *weight;
+            double total;
+            const ss_real *u = lay_skin(body, body->nodes.u);
+            gather(body, u, 0.0);
+            if (own->grasp.count > 0) { /* still letting go: what is left is lost at once */
+                own->grasp.count = 0;
+                body->is_ready = false;
+            }
+            const int32_t count =
+                ss_touch_weigh(own->touch, u, body->has_skin ? NULL : body->is_source, &own->pose,
+                               &node, &weight, &total);
+            ss_grasp_take(&own->grasp, count, node, weight, SS_GRASP_SHARE * own->stiffness,
+                          (const double(*)[3])body->skin->position, u, &own->pose);
+        }
+        own->grasp.is_pressed = tool[k].is_grasping;
+    }
+}
+
+int32_t ss_body_motion_steps(ss_body *body)
+{
+    double steps = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k];
+        if (tool->is_present) {
+            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
+            steps = fmax(steps, ceil(4.0 * way / tool->radius - 1e-9));
+        }
+    }
+    if (steps > 1.0 && gather(body, lay_skin(body, body->nodes.u), 0.0) == 0) {
+        return 1;
+    }
+    return (int32_t)fmin(steps, (double)body->plan.max_substeps);
+}
+
+bool ss_body_has_contact(const ss_body *body)
+{
+    bool is_any = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_any = is_any || body->tool[k].is_present;
+    }
+    return is_any;
+}
+
+/* Skin forces of the `count` nodes go to the body's and are cleared. */
+static void carry(ss_body *body, int32_t count, const int32_t *node, ss_real *force)
+{
+    body->own.skin.carry(body->own.elastic.owner, count, node, body->skin_force, force);
+    for (int32_t i = 0; i < count; ++i) {
+        memset(body->skin_force + 4 * (ptrdiff_t)node[i], 0, 4 * sizeof *body->skin_force);
+    }
+}
+
+void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *force)
+{
+    if (!ss_body_has_contact(body)) {
+        return;
+    }
+    const ss_real *skin_u = lay_skin(body, u);
+    ss_real *target = body->has_skin ? body->skin_force : force;
+    gather(body, skin_u, path);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        pose_at(tool, path, &tool->pose);
+        ss_set3(tool->force, 0.0, 0.0, 0.0);
+        ss_set3(tool->torque, 0.0, 0.0, 0.0);
+        tool->penalty =
+            ss_touch_penalty(tool->touch, skin_u, &tool->pose, target, tool->force, tool->torque);
+        ss_grasp_add_forces(&tool->grasp, (const double(*)[3])body->skin->position, skin_u,
+                            &tool->pose, target, tool->force, tool->torque);
+        if (body->has_skin) {
+            const int32_t *node;
+            const int32_t count = ss_touch_reach(tool->touch, &node);
+            carry(body, count, node, force);
+            carry(body, tool->grasp.count, tool->grasp.node, force);
+        }
+    }
+}
+
+double ss_body_contact_energy(const ss_body *body)
+{
+    double energy = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k];
+        energy += tool->is_present ? tool->penalty : 0.0;
+        energy += tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0;
+    }
+    return energy;
+}
+
+double ss_body_tool_work(const ss_body *body)
+{
+    double work = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k];
+        if (tool->is_present) {
+            double way[3];
+            ss_sub3(way, tool->to.position, tool->from.position);
+            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
+        }
+    }
+    return work;
+}
+
+/* ---- stiffness ---------------------------------------------------------------------------- */
+
+/* The contact's and the grasp's rows of one tool onto skin_stiff; then to `diagonal`, clearing. */
+static void add_tool_diagonal(ss_body *body, ss_body_tool *tool, double *diagonal)
+{
+    const int32_t *node;
+    const int32_t count = ss_touch_reach(tool->touch, &node);
+    ss_touch_diagonal(tool->touch, body->skin_stiff);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        body->skin_stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+    }
+    for (int part = 0; part < 2; ++part) {
+        const int32_t *list = part == 0 ? node : tool->grasp.node;
+        const int32_t length = part == 0 ? count : tool->grasp.count;
+        if (body->has_skin) {
+            body->own.skin.carry_diagonal(body->own.elastic.owner, length, list, body->skin_stiff,
+                                          diagonal);
+        }
+        for (int32_t i = 0; i < length; ++i) {
+            diagonal[list[i]] += body->has_skin ? 0.0 : body->skin_stiff[list[i]];
+            body->skin_stiff[list[i]] = 0.0;
+        }
+    }
+}
+
+void ss_body_contact_diagonal(ss_body *body, double *diagonal)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (body->tool[k].is_present) {
+            add_tool_diagonal(body, &body->tool[k], diagonal);
+        }
+    }
+}
+
+/* Stiffness of all tools and grasps onto skin_stiff, the nodes that have any into stiff_node. */
+static int32_t list_stiff(ss_body *body)
+{
+    int32_t count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k];
+        if (tool->is_present) {
+            ss_touch_diagonal(tool->touch, body->skin_stiff);
+        }
+        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
+            body->skin_stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+        }
+    }
+    for (int k = 0; k < 2 * SOFTSIM_MAX_PROBES; ++k) {
+        const ss_body_tool *tool = &body->tool[k / 2];
+        const int32_t *node = tool->grasp.node;
+        const int32_t length = !tool->is_present ? 0
+                               : k % 2 == 0      ? ss_touch_reach(tool->touch, &node)
+                                                 : tool->grasp.count;
+        for (int32_t i = 0; i < length; ++i) {
+            if (body->skin_stiff[node[i]] > 0.0 && !body->is_stiff[node[i]]) {
+                body->is_stiff[node[i]] = 1;
+                body->stiff_node[count++] = node[i];
+            }
+        }
+    }
+    return count;
+}
+
+double ss_body_contact_rate2(ss_body *body)
+{
+    const ss_body_skin *skin = &body->own.skin;
+    const ss_real *mobility = body->nodes.mobility;
+    bool is_held = false;
+    double largest = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_held = is_held || body->tool[k].grasp.count > 0;
+    }
+    if (!is_held && (!ss_body_has_contact(body) || ss_body_contact_energy(body) == 0.0)) {
+        return 0.0;
+    }
+    const int32_t count = list_stiff(body);
+    if (body->has_skin) {
+        largest = skin->rate2(body->own.elastic.owner, count, body->stiff_node, body->skin_stiff,
+                              mobility);
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t node = body->stiff_node[i];
+        if (!body->has_skin) {
+            const ss_real *light = mobility + 4 * (ptrdiff_t)node;
+            const double most = fmax(fmax((double)light[0], (double)light[1]), (double)light[2]);
+            largest = fmax(largest, most * body->skin_stiff[node]);
+        }
+        body->skin_stiff[node] = 0.0;
+        body->is_stiff[node] = 0;
+    }
+    return largest;
+}
+
+void ss_body_contact_tangent(ss_body *body, const ss_real *x, ss_real *out)
+{
+    static const double still[3] = {0.0, 0.0, 0.0};
+    if (!ss_body_has_contact(body)) {
+        return;
+    }
+    /* The motion of the skin is linear in that of the nodes, so that `lay` serves both. */
+    const ss_real *skin_x = lay_skin(body, x);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (!tool->is_present) {
+            continue;
+        }
+        const int32_t *node;
+        const int32_t count = ss_touch_reach(tool->touch, &node);
+        double unused[3] = {0.0, 0.0, 0.0};
+        if (tool->penalty > 0.0) {
+            ss_touch_tangent(tool->touch, skin_x, still, body->skin_force, unused);
+        }
+        for (int32_t i = 0; i < tool->grasp.count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+            const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
+            for (int a = 0; a < 3; ++a) {
+                body->skin_force[at + a] -= stiffness * skin_x[at + a];
+            }
+        }
+        for (int part = 0; part < 2; ++part) {
+            const int32_t *list = part == 0 ? node : tool->grasp.node;
+            const int32_t length = part == 0 ? count : tool->grasp.count;
+            for (int32_t i = 0; i < length; ++i) {
+                ss_real *f = body->skin_force + 4 * (ptrdiff_t)list[i];
+                for (int a = 0; a < 3; ++a) {
+                    f[a] = -f[a]; /* the force's change, turned into stiffness times motion */
+                }
+                if (!body->has_skin) {
+                    for (int a = 0; a < 3; ++a) {
+                        out[4 * (ptrdiff_t)list[i] + a] += f[a];
+                    }
+                    memset(f, 0, 4 * sizeof *f);
+                }
+            }
+            if (body->has_skin) {
+                carry(body, length, list, out);
+            }
+        }
+    }
+}
+
+void ss_body_external(ss_body *body, const ss_real *u, double path)
+{
+    memcpy(body->nodes.force, body->load_force, ss_body_bytes(body));
+    ss_body_add_contact(body, u, path, body->nodes.force);
+    body->has_elastic = false;
+}
+
+double ss_body_path_start(const ss_body *body)
+{
+    return body->path;
+}
+
+/* ---- what the hand is told ---------------------------------------------------------------- */
+
+void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
+{
+    memset(out, 0, sizeof *out);
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !body->is_ready ||
+        !body->tool[probe].is_present) {
+        return;
+    }
+    ss_body_tool *tool = &body->tool[probe];
+    ss_touch_contacts(tool->touch, lay_skin(body, body->nodes.u), &tool->pose, near, out);
+    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
+    ss_copy3(out->force, tool->force);
+    ss_copy3(out->torque, tool->torque);
+    const bool is_touching = tool->penalty > 0.0 || tool->grasp.count > 0;
+    if (out->count > 0 && is_touching) {
+        double normal[3];
+        ss_contact_set_direction(out, tool->force, normal);
+        ss_body_feel(body, tool, normal);
+        ss_contact_set_share(out, normal, tool->felt, tool->viscosity);
+    } else {
+        for (int32_t k = 0; k < out->count; ++k) {
+            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
+            out->contact[k].tangential = out->contact[k].stiffness;
+        }
+    }
+    tool->was_touching = is_touching;
+}

@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/body_state.h"
+/*
+ * How stiff a body feels to a tool that presses along n: the contact's own stiffness in series
+ * with the body's. With c the force on the nodes and k_cc that on the tool for a unit motion of the
+ * tool, K the law's tangent, C the contact's and grasps',
+ *
+ *   H = K + C + M / tau^2,   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c  for any motion y,
+ *
+ * with equality at H y = c. y is kept between steps and improved by a part along the displacement
+ * and a fixed small number of Jacobi-preconditioned conjugate gradients, so that the estimate costs
+ * a few products, depends on nothing but the past, and errs high: a stiffness that is too low makes
+ * the haptic loop unstable, one that is too high only stiffens it. M / tau^2, the inertia over tau
+ * = 50 ms, errs high too; it is what a body without supports answers with at all, and changes
+ * little where there are some. It is improved in every step while a contact is young, then every
+ * fourth: a product costs as much as a sub-step. Where K is not positive along a search direction
+ * (a buckled body) the estimate stays as it was. Rejected: an exact solve (a factor a step), the
+ * secant (too low).
+ *
+ * Tangentially the body answers with the same H: k_t = k_n. The viscosity is the damping that y
+ * meets, alpha M and viscous_time K, at most 10 ms of stiffness.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* Conjugate gradients at a time, in a new contact, and at rest; calls in which a contact is young,
+ * and calls from one improvement to the next afterwards. */
+enum { ITERATIONS = 1, FIRST_ITERATIONS = 6, REST_ITERATIONS = 200, YOUNG = 8, EVERY = 4 };
+/* s: of the inertia, and viscosity over stiffness at most. */
+#define INERTIA_TIME     0.05
+#define MAX_VISCOUS_TIME 0.01
+
+/* out = (K + M / tau^2) x on the axes that may move. */
+static void apply_law(ss_body *body, const ss_real *x, ss_real *out)
+{
+    const ss_body_nodes *nodes = &body->nodes;
+    const double rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
+    for (int32_t i = 0; i < nodes->padded_count; ++i) {
+        const ss_real inertia = (ss_real)(nodes->mass[i] * rate2);
+        for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 4; ++at) {
+            out[at] = inertia * x[at];
+        }
+    }
+    body->own.elastic.tangent(body->own.elastic.owner, x, out);
+}
+
+static void apply(ss_body *body, const ss_real *x, ss_real *out)
+{
+    apply_law(body, x, out);
+    ss_body_contact_tangent(body, x, out);
+}
+
+/* Rows of the Jacobi preconditioner: 0 on axes that cannot move. */
+static void set_inverse(ss_body *body)
+{
+    const ss_body_nodes *nodes = &body->nodes;
+    const double rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
+    memset(body->contact_stiff, 0, (size_t)nodes->padded_count * sizeof *body->contact_stiff);
+    ss_body_contact_diagonal(body, body->contact_stiff);
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        const double stiff =
+            body->solver.stiff[i] + body->contact_stiff[i] + nodes->mass[i] * rate2;
+        const ss_real inverse = stiff > 0.0 ? (ss_real)(1.0 / stiff) : 0;
+        for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 4; ++at) {
+            body->solver.inverse[at] = nodes->mobility[at] > 0 ? inverse : 0;
+        }
+    }
+}
+
+static void precondition(const ss_body *body)
+{
+    const ss_body_solver *solver = &body->solver;
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)body->nodes.padded_count; ++at) {
+        solver->scaled[at] = solver->inverse[at] * solver->residual[at];
+    }
+}
+
+/* y and the residual as good as a part along the body's own displacement makes them: what a tool
+ * has pressed so far is much like what it presses next, all over the body, where conjugate
+ * gradients get in many steps only. */
+static void follow_displacement(ss_body *body, ss_real *y)
+{
+    ss_body_solver *solver = &body->solver;
+    const int32_t n = body->nodes.padded_count;
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)n; ++at) {
+        solver->search[at] = body->nodes.mobility[at] > 0 ? body->nodes.u[at] : 0;
+    }
+    apply(body, solver->search, solver->product);
+    const double curvature = ss_body_dot(n, solver->search, solver->product);
+    const double share = ss_body_dot(n, solver->search, solver->residual) / curvature;
+    if (curvature > 0.0 && isfinite(share)) {
+        ss_body_axpy(n, share, solver->search, y);
+        ss_body_axpy(n, -share, solver->product, solver->residual);
+    }
+}
+
+/* Improves y towards H y = push; leaves the residual push - H y in solver.residual. */
+static void solve_some(ss_body *body, ss_real *y, int iterations, bool is_pressed)
+{
+    ss_body_solver *solver = &body->solver;
+    const int32_t n = body->nodes.padded_count;
+    apply(body, y, solver->product);
+    ss_body_blend(n, solver->push, -1.0, solver->product, solver->residual);
+    if (is_pressed) {
+        follow_displacement(body, y);
+    }
+    precondition(body);
+    memcpy(solver->search, solver->scaled, ss_body_bytes(body));
+    double rho = ss_body_dot(n, solver->residual, solver->scaled);
+    /* Beyond the precision of the scalars there is nothing left to improve. */
+    const double enough = rho * (sizeof *y == sizeof(float) ? 1e-13 : 1e-26);
+    for (int k = 0; k < iterations && rho > enough; ++k) {
+        apply(body, solver->search, solver->product);
+        /* The search has no part along axes that cannot move. */
+        const double curvature = ss_body_dot(n, solver->search, solver->product);
+        if (!(curvature > 0.0)) {
+            break;
+        }
+        ss_body_axpy(n, rho / curvature, solver->search, y);
+        ss_body_axpy(n, -rho / curvature, solver->product, solver->residual);
+        precondition(body);
+        const double next = ss_body_dot(n, solver->residual, solver->scaled);
+        ss_body_blend(n, solver->scaled, next / rho, solver->search, solver->search);
+        rho = next;
+    }
+}
+
+/* ---- in contact --------------------------------------------------------------------------- */
+
+/* The forces on the contact surface's nodes go into solver.push and are cleared. */
+static void carry_push(ss_body *body, int32_t count, const int32_t *node)
+{
+    ss_real *push = body->solver.push;
+    if (body->has_skin) {
+        body->own.skin.carry(body->own.elastic.owner, count, node, body->skin_force, push);
+    } else {
+        for (int32_t i = 0; i < count; ++i) {
+            for (ptrdiff_t at = 4 * (ptrdiff_t)node[i]; at < 4 * (ptrdiff_t)node[i] + 3; ++at) {
+                push[at] += body->skin_force[at];
+                body->skin_force[at] = 0;
+            }
+        }
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        memset(body->skin_force + 4 * (ptrdiff_t)node[i], 0, 4 * sizeof *body->skin_force);
+    }
+}
+
+/* c into solver.push; returns k_cc. */
+static double push_along(ss_body *body, const ss_body_tool *tool, const double normal[3])
+{
+    double on_tool[3] = {0.0, 0.0, 0.0};
+    const int32_t *node;
+    const int32_t count = ss_touch_reach(tool->touch, &node);
+    memset(body->solver.push, 0, ss_body_bytes(body));
+    ss_touch_tangent(tool->touch, NULL, normal, body->skin_force, on_tool);
+    double stiffness = -ss_dot3(on_tool, normal);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        const double k = tool->grasp.share * tool->grasp.stiffness[i];
+        for (int a = 0; a < 3; ++a) {
+            body->skin_force[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
+        }
+        stiffness += k;
+    }
+    carry_push(body, count, node);
+    carry_push(body, tool->grasp.count, tool->grasp.node);
+    return stiffness;
+}
+
+/* sum alpha m |y|^2 + viscous_time y.K y */
+static double damping_met(ss_body *body, const ss_real *y)
+{
+    const double viscous = body->own.elastic.viscous_time;
+    double mass = 0.0;
+    for (int32_t i = 0; body->own.mass_damping > 0.0 && i < body->nodes.count; ++i) {
+        const ss_real *p = y + 4 * (ptrdiff_t)i;
+        mass += body->nodes.mass[i] * (double)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    }
+    double stiff = 0.0;
+    if (viscous > 0.0) {
+        memset(body->solver.product, 0, ss_body_bytes(body));
+        body->own.elastic.tangent(body->own.elastic.owner, y, body->solver.product);
+        stiff = fmax(0.0, ss_body_dot(body->nodes.padded_count, y, body->solver.product));
+    }
+    return body->own.mass_damping * mass + viscous * stiff;
+}
+
+void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3])
+{
+    if (!tool->was_touching) {
+        memset(tool->shape_y, 0, ss_body_bytes(body));
+        tool->age = 0;
+    }
+    const bool is_due = tool->age < YOUNG || tool->age % EVERY == 0;
+    ++tool->age;
+    if (!is_due) {
+        return;
+    }
+    const int32_t n = body->nodes.padded_count;
+    const double k_cc = push_along(body, tool, normal);
+    set_inverse(body);
+    solve_some(body, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS, true);
+    /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
+    const double felt = k_cc - ss_body_dot(n, tool->shape_y, body->solver.push) -
+                        ss_body_dot(n, tool->shape_y, body->solver.residual);
+    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
+    if (!isfinite(felt)) {
+        memset(tool->shape_y, 0, ss_body_bytes(body));
+    }
+    const double viscosity = damping_met(body, tool->shape_y);
+    tool->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+}
+
+/* ---- at rest ------------------------------------------------------------------------------ */
+
+/* The node of the contact surface whose area is nearest the mean: neither at the rim nor a special
+ * place. */
+static int32_t usual_node(const ss_body *body, double *area)
+{
+    const ss_mesh *mesh = body->skin;
+    int32_t best = -1, count = 0;
+    double mean = 0.0;
+    ss_mesh_node_areas(mesh, area);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const bool is_free = area[i] > 0.0 && (body->has_skin || body->is_source[i]);
+        area[i] = is_free ? area[i] : -1.0;
+        mean += is_free ? area[i] : 0.0;
+        count += is_free;
+    }
+    mean = count > 0 ? mean / count : 0.0;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        if (area[i] > 0.0 && (best < 0 || fabs(area[i] - mean) < fabs(area[best] - mean))) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* The push of a contact sample at `node` by the subdivision row's weights: half on the node, half
+ * on its ring, along the node's normal. */
+static void push_node(ss_body *body, int32_t node)
+{
+    const ss_mesh *mesh = body->skin;
+    double normal[3] = {0.0, 0.0, 0.0};
+    int32_t triangles = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        if (c[0] == node || c[1] == node || c[2] == node) {
+            double u[3], v[3], n[3];
+            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
+            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
+            ss_cross3(n, u, v);
+            ss_add3(normal, normal, n);
+            ++triangles;
+        }
+    }
+    (void)ss_normalize3(normal);
+    memset(body->solver.push, 0, ss_body_bytes(body));
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        if (c[0] != node && c[1] != node && c[2] != node) {
+            continue;
+        }
+        for (int a = 0; a < 3; ++a) {
+            const double weight = c[a] == node ? 0.5 / triangles : 0.25 / triangles;
+            for (int k = 0; k < 3; ++k) {
+                body->skin_force[4 * (ptrdiff_t)c[a] + k] += (ss_real)(weight * normal[k]);
+            }
+        }
+        carry_push(body, 3, c);
+    }
+}
+
+softsim_status ss_body_set_rest_felt(ss_body *body)
+{
+    if (!body->surface) {
+        return SOFTSIM_OK;
+    }
+    double *area = ss_memory_get((size_t)body->skin->node_count, sizeof *area);
+    if (!area) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    /* The tangent is that of the last forces: those at rest. */
+    const ss_body_elastic *law = &body->own.elastic;
+    ss_body_energy energy = {0};
+    law->force(law->owner, body->nodes.u, body->nodes.v, body->nodes.force, &energy);
+    memset(body->nodes.force, 0, ss_body_bytes(body));
+    memset(body->solver.stiff, 0, (size_t)body->nodes.padded_count * sizeof(double));
+    body->own.elastic.diagonal(body->own.elastic.owner, body->solver.stiff);
+    const int32_t node = usual_node(body, area);
+    ss_memory_free(area);
+    double compliance = 0.0;
+    ss_real *y = NULL;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_body_tool *tool = &body->tool[k];
+        if (!tool->is_used) {
+            continue;
+        }
+        if (!y && node >= 0) { /* the body is the same for all tools */
+            y = tool->shape_y;
+            push_node(body, node);
+            set_inverse(body);
+            solve_some(body, y, REST_ITERATIONS, false);
+            compliance = ss_body_dot(body->nodes.padded_count, y, body->solver.push);
+            memset(y, 0, ss_body_bytes(body));
+        }
+        /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
+        const double contact =
+            0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
+        tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
+    }
+    return SOFTSIM_OK;
+}

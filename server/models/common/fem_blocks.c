@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/fem_kernels.h"
+/*
+ * Elements into blocks of eight.
+ *
+ * The mesh's order keeps neighbours together (ss_mesh_renumber), so eight elements in a row share
+ * nodes, and a kernel that adds their forces one by one waits for each store before the next load.
+ * Elements are therefore dealt like cards: of each run of 8 x DEAL, lane l of block b gets number
+ * l DEAL + b, DEAL elements away from its neighbours in the block and still in the same cache.
+ */
+#include <stddef.h>
+
+#include "models/common/tetrahedron.h"
+#include "rt/memory.h"
+
+/* Blocks of a run. */
+enum { DEAL = 32 };
+
+void ss_fem_blocks_fini(ss_fem_blocks *blocks)
+{
+    void *const owned[] = {blocks->node,  blocks->shape,  blocks->modulus, blocks->viscosity,
+                           blocks->kappa, blocks->volume, blocks->element};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    *blocks = (ss_fem_blocks){0};
+}
+
+/* One element into lane `lane` of block `b`. */
+static void fill(const ss_fem_stuff *stuff, ss_fem_blocks *blocks, int32_t e, ptrdiff_t b, int lane)
+{
+    const int32_t *corner = stuff->corner[e];
+    double gradient[4][3];
+    double volume =
+        ss_tetrahedron_gradients(stuff->position[corner[0]], stuff->position[corner[1]],
+                                 stuff->position[corner[2]], stuff->position[corner[3]], gradient);
+    volume *= stuff->volume_share ? stuff->volume_share[e] : 1.0;
+    ss_real *shape = blocks->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane;
+    ss_real *modulus = blocks->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane;
+    for (int a = 0; a < 4; ++a) {
+        blocks->node[(b * 4 + a) * SS_FEM_LANES + lane] = 4 * corner[a];
+    }
+    for (int k = 0; k < SS_FEM_SHAPES; ++k) {
+        shape[SS_FEM_LANES * k] = (ss_real)gradient[1 + k / 3][k % 3];
+    }
+    modulus[0] = (ss_real)(volume * stuff->lambda_own[e]);
+    modulus[SS_FEM_LANES] = (ss_real)(volume * stuff->mu[e]);
+    blocks->kappa[b * SS_FEM_LANES + lane] =
+        (ss_real)(volume * (stuff->lambda[e] + 2.0 * stuff->mu[e]));
+    if (blocks->viscosity) {
+        ss_real *viscosity = blocks->viscosity + b * 2 * SS_FEM_LANES + lane;
+        viscosity[0] = (ss_real)(volume * stuff->phi[e]);
+        viscosity[SS_FEM_LANES] = (ss_real)(volume * stuff->psi[e]);
+    }
+    blocks->volume[b * SS_FEM_LANES + lane] =
+        stuff->lambda[e] > stuff->lambda_own[e] ? (ss_real)volume : 0;
+    blocks->element[b * SS_FEM_LANES + lane] = e;
+}
+
+bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_fem_blocks *out_blocks)
+{
+    const int32_t elements = stuff->element_count;
+    const size_t count = ((size_t)elements + SS_FEM_LANES - 1) / SS_FEM_LANES;
+    const size_t values = count * SS_FEM_LANES;
+    ss_fem_blocks blocks = {
+        .count = (int32_t)count,
+        .element_count = elements,
+        .node_count = stuff->node_count,
+        .node = ss_memory_get(values * 4, sizeof *blocks.node),
+        .shape = ss_memory_get(values * SS_FEM_SHAPES, sizeof *blocks.shape),
+        .modulus = ss_memory_get(values * SS_FEM_MODULI, sizeof *blocks.modulus),
+        .viscosity = stuff->phi ? ss_memory_get(values * 2, sizeof *blocks.viscosity) : NULL,
+        .kappa = ss_memory_get(values, sizeof *blocks.kappa),
+        .volume = ss_memory_get(values, sizeof *blocks.volume),
+        .element = ss_memory_get(values, sizeof *blocks.element)};
+    *out_blocks = blocks;
+    if (!blocks.node || !blocks.shape || !blocks.modulus || !blocks.kappa || !blocks.volume ||
+        !blocks.element || (stuff->phi && !blocks.viscosity)) {
+        ss_fem_blocks_fini(out_blocks);
+        return false;
+    }
+    for (size_t k = 0; k < values; ++k) {
+        blocks.element[k] = -1;
+    }
+    for (int32_t first = 0, b0 = 0; b0 < blocks.count; b0 += DEAL) {
+        const int32_t deal = blocks.count - b0 < DEAL ? blocks.count - b0 : DEAL;
+        for (int32_t k = 0; k < deal * SS_FEM_LANES && first + k < elements; ++k) {
+            fill(stuff, &blocks, first + k, b0 + k % deal, k / deal);
+        }
+        first += deal * SS_FEM_LANES;
+    }
+    return true;
+}

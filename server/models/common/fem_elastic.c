@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/fem.h"
+/*
+ * The elastic body of tetrahedra: its parts put together, its forces, what it says of itself.
+ */
+#include <math.h>
+
+#include "models/common/dispatch.h"
+#include "rt/memory.h"
+#include "rt/printer.h"
+
+SS_KERNEL_PATHS(ss_fem_kernels)
+
+/* ---- life --------------------------------------------------------------------------------- */
+
+void ss_fem_destroy(ss_fem **fem)
+{
+    if (!*fem) {
+        return;
+    }
+    ss_fem_blocks_fini(&(*fem)->blocks);
+    ss_fem_average_fini(&(*fem)->average);
+    ss_fem_stability_fini(&(*fem)->stability);
+    ss_memory_free((*fem)->diagonal);
+    ss_memory_free(*fem);
+    *fem = NULL;
+}
+
+softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
+{
+    const ss_fem_material *material = setup->material;
+    const int32_t padded = (setup->node_count + 7) / 8 * 8;
+    const ss_fem_stuff stuff = {.node_count = setup->node_count,
+                                .element_count = setup->mesh->tetrahedron_count,
+                                .position = (const double(*)[3])setup->mesh->position,
+                                .corner = (const int32_t(*)[4])setup->mesh->tetrahedron,
+                                .lambda_own = material->lambda_own,
+                                .lambda = material->lambda,
+                                .mu = material->mu,
+                                .phi = material->phi,
+                                .psi = material->psi,
+                                .volume_share = setup->volume_share};
+    ss_fem *fem = ss_memory_get(1, sizeof *fem);
+    ss_real *rest = ss_memory_get((size_t)padded * 4, sizeof *rest);
+    *out_fem = fem;
+    bool is_good = fem && rest;
+    if (is_good) {
+        fem->kernels = ss_fem_kernels_get();
+        fem->kind = material->kind;
+        fem->integrator = material->integrator;
+        fem->viscous_time = material->viscous_time;
+        fem->mass_damping = material->mass_damping;
+        fem->diagonal = ss_memory_get((size_t)setup->node_count, sizeof *fem->diagonal);
+        fem->u = rest;
+        is_good = fem->diagonal && ss_fem_blocks_create(&stuff, &fem->blocks) &&
+                  (!material->is_averaged || ss_fem_average_create(&fem->average, setup, padded)) &&
+                  ss_fem_stability_create(fem, setup, padded);
+        fem->u = NULL;
+    }
+    ss_memory_free(rest);
+    if (!is_good) {
+        ss_fem_destroy(out_fem);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return SOFTSIM_OK;
+}
+
+/* ---- forces ------------------------------------------------------------------------------- */
+
+void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
+                  ss_body_energy *out)
+{
+    ss_fem *fem = owner;
+    ss_fem_pass pass = {.blocks = &fem->blocks,
+                        .kind = fem->kind,
+                        .u = u,
+                        .v = v,
+                        .out = force,
+                        .wants_energy = out->is_wanted};
+    if (fem->average.modulus) {
+        pass.energy = ss_fem_average_update(fem, u, out->is_wanted);
+        pass.pressure = fem->average.pressure;
+    }
+    fem->kernels->force(&pass);
+    fem->u = u;
+    fem->stability.strain = fmax(fem->stability.strain, sqrt(pass.strain));
+    out->elastic = pass.energy;
+    out->power = pass.power;
+}
+
+void ss_fem_tangent(void *owner, const ss_real *x, ss_real *out)
+{
+    ss_fem *fem = owner;
+    ss_fem_pass pass = {.blocks = &fem->blocks, .kind = fem->kind, .u = fem->u, .x = x, .out = out};
+    if (fem->average.modulus) {
+        ss_fem_average_change(fem, x);
+        pass.pressure = fem->average.pressure;
+        pass.change = fem->average.change;
+    }
+    fem->kernels->tangent(&pass);
+}
+
+void ss_fem_diagonal(void *owner, double *diagonal)
+{
+    const ss_fem *fem = owner;
+    for (int32_t i = 0; i < fem->blocks.node_count; ++i) {
+        diagonal[i] += fem->diagonal[i];
+    }
+}
+
+/* ---- what it says ------------------------------------------------------------------------- */
+
+void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops)
+{
+    /* Counted in fem_kernels.c. H 54, D 42, its square 13, S 14, P 63, forces 54; the guard's test
+     * 18; rate 54, strain rate 66, S 14, power and sum 20. */
+    *out_bytes =
+        (double)((SS_FEM_SHAPES + SS_FEM_MODULI + (is_viscous ? 2 : 0)) * (int)sizeof(ss_real) +
+                 4 * (int)sizeof(int32_t));
+    *out_flops = 240.0 + (kind == SS_TISSUE_STVK_GUARDED ? 18.0 : 0.0) + (is_viscous ? 154.0 : 0.0);
+}
+
+void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
+                    void (*line)(void *sink, const char *text), void *sink)
+{
+    static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
+                                                          "stable-neo-hookean", "linear"};
+    const ss_printer out = {line, sink};
+    const ss_fem_stability *s = &fem->stability;
+    double bytes, flops, cured = 0.0;
+    ss_fem_work(fem->kind, fem->blocks.viscosity != NULL, &bytes, &flops);
+    for (int32_t e = 0; e < fem->blocks.element_count; ++e) {
+        cured += material->lambda_own[e] < material->lambda[e];
+    }
+    ss_say(&out, "tetrahedra: %d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
+           fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
+    if (fem->average.modulus) {
+        ss_say(&out, "locking: dilatation resisted by nodes in %.0f elements; a second sweep",
+               cured);
+    } else {
+        ss_say(&out, "left out: cure for locking, and its sweep (%s)",
+               "no element above Poisson's ratio 0.45, or switched off");
+    }
+    if (fem->blocks.viscosity) {
+        ss_say(&out, "viscosity: at most %.4g s of the elastic stiffness", fem->viscous_time);
+    } else {
+        ss_say(&out, "left out: velocity pass (no viscosity)");
+    }
+    ss_say(&out,
+           "stable step of the elastic body: %.4g s by power iteration, of which half is taken; "
+           "assembled bound %.4g s%s",
+           ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
+           s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
+}

@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/fem_element.h"
+/*
+ * The kernels, written once. This file is compiled for the baseline processor as it stands, and
+ * once more by fem_kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ *
+ * Element e with corners 0..3, from displacements relative to corner 0:
+ *
+ *   H = sum_a (u_a - u_0) (grad N_a)^T,  D = 2E = H + H^T + H^T H,  f_a = -V P grad N_a,
+ *   f_0 = -(f_1 + f_2 + f_3)
+ *
+ * so that rigid translation is free of rounding and forces add up to 0. Moduli carry the volume.
+ * The laws stand in tissue_law.c; `stress` has them in the same order. A modulus lambda may be
+ * split: the element's own part is in the blocks, the rest comes as a pressure of the nodes
+ * (fem_pressure.c), of which an element takes the mean of its four.
+ *
+ * Where the time goes: about 145 operations of eight lanes an element block and as many loads,
+ * shuffles and stores to bring 32 nodes in and 32 forces out. Forces are added node by node, since
+ * one node may stand twice in a block; fem_blocks.c deals the elements so that it seldom does, for
+ * a store that is loaded again at once stalls. Rejected: colouring (the colours of a tetrahedral
+ * mesh scatter the nodes over memory), a force an element gathered by nodes (four times the bytes).
+ */
+
+/* Blocks summed in ss_real before a sum goes over to double. */
+enum { RUN = 32 };
+
+/* ---- sweeps -------------------------------------------------------------------------------- */
+
+/* The mean of the corners' pressures. */
+SS_INLINE ss_wide corner_mean(const element *e, const ss_real *pressure)
+{
+    _Alignas(32) ss_real lane[SS_WIDE_LANES];
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        const int32_t *at = e->at + k;
+        lane[k] = (pressure[at[0]] + pressure[at[SS_FEM_LANES]]) +
+                  (pressure[at[2 * SS_FEM_LANES]] + pressure[at[3 * SS_FEM_LANES]]);
+    }
+    return all(0.25) * ss_wide_load(lane);
+}
+
+SS_INLINE element element_at(const ss_fem_pass *pass, int32_t block, int lane)
+{
+    const ss_fem_blocks *blocks = pass->blocks;
+    const ptrdiff_t b = block;
+    element e = {.at = blocks->node + b * 4 * SS_FEM_LANES + lane,
+                 .shape = blocks->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane,
+                 .modulus = blocks->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane,
+                 .viscosity =
+                     blocks->viscosity ? blocks->viscosity + b * 2 * SS_FEM_LANES + lane : NULL,
+                 .kappa = blocks->kappa + b * SS_FEM_LANES + lane};
+    e.lambda = ss_wide_load(e.modulus);
+    e.mu = ss_wide_load(e.modulus + SS_FEM_LANES);
+    e.pressure = all(0.0);
+    e.h = gradient(&e, pass->u);
+    e.volume = ss_wide_load(blocks->volume + b * SS_FEM_LANES + lane);
+    if (pass->pressure) {
+        e.pressure = e.volume * corner_mean(&e, pass->pressure);
+    }
+    return e;
+}
+
+SS_INLINE double largest_lane(ss_wide a)
+{
+    _Alignas(32) ss_real lane[SS_WIDE_LANES];
+    ss_wide_store(lane, a);
+    double largest = 0.0;
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        largest = (double)lane[k] > largest ? (double)lane[k] : largest;
+    }
+    return largest;
+}
+
+SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
+{
+    const int32_t count = pass->blocks->count;
+    ss_wide strain = all(0.0);
+    for (int32_t first = 0; first < count; first += RUN) {
+        const int32_t end = first + RUN < count ? first + RUN : count;
+        sums sum = {all(0.0), all(0.0), strain};
+        for (int32_t b = first; b < end; ++b) {
+            for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
+                const element e = element_at(pass, b, lane);
+                tensor p = stress(kind, is_viscous, &e, pass, &sum);
+                for (int k = 0; k < 9; ++k) {
+                    p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];
+                }
+                spread(&e, &p, pass->out);
+            }
+        }
+        pass->energy += ss_wide_sum(sum.energy);
+        pass->power += ss_wide_sum(sum.power);
+        strain = sum.strain;
+    }
+    const double largest = largest_lane(strain);
+    pass->strain = largest > pass->strain ? largest : pass->strain;
+}
+
+static void force(ss_fem_pass *pass)
+{
+    const bool is_viscous = pass->v && pass->blocks->viscosity;
+    switch (pass->kind) {
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        if (is_viscous) {                                                                          \
+            force_of(kind, true, pass);                                                            \
+        } else {                                                                                   \
+            force_of(kind, false, pass);                                                           \
+        }                                                                                          \
+        break
+        CASE(SS_TISSUE_STVK_GUARDED);
+        CASE(SS_TISSUE_STVK);
+        CASE(SS_TISSUE_NEO_HOOKEAN);
+        CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);
+        CASE(SS_TISSUE_LINEAR);
+#undef CASE
+    case SS_TISSUE_KIND_COUNT:
+        break;
+    }
+}
+
+/* ---- tangents ------------------------------------------------------------------------------ */
+
+/* a dF + da F + b dC + db C */
+SS_INLINE void add_volume_tangent(tensor *p, const element *e, const tensor *x, const dilatation *v,
+                                  ss_wide a, ss_wide da, ss_wide b, ss_wide db)
+{
+    const tensor dc = cogrownchange(&e->h, x);
+    add_scaled(p, a, x);
+    add_scaled(p, da, &e->h);
+    add_diagonal(p, da);
+    add_scaled(p, b, &dc);
+    add_scaled(p, db, &v->c);
+}
+
+SS_INLINE tensor volume_tangent(ss_tissue_kind kind, const element *e, const tensor *x,
+                                ss_wide change)
+{
+    const dilatation v = dilatation_of(&e->h);
+    const symmetric d = twice_green(&e->h), dd = twice_mixed(&e->h, x);
+    const ss_wide dj = product(&v.c, x), mu = e->mu;
+    const ss_wide invariant = all(3.0) + trace_of(&d), d_invariant = trace_of(&dd);
+    tensor p = zero_tensor();
+    if (kind == SS_TISSUE_NEO_HOOKEAN) {
+        const factor f = isochoric_factor(v.j);
+        const ss_wide bulk = ss_wide_fma(all(2.0 / 3.0), mu, e->lambda), half = all(0.5) * mu;
+        const ss_wide b = ss_wide_fma(half * f.slope, invariant, bulk * v.j) + e->pressure;
+        const ss_wide db = half * (f.bend * dj * invariant + f.slope * d_invariant) + bulk * dj;
+        add_volume_tangent(&p, e, x, &v, mu + mu * f.g1, mu * f.slope * dj, b, db + change);
+    } else {
+        const ss_wide m = all(4.0 / 3.0) * mu, l = ss_wide_fma(all(5.0 / 6.0), mu, e->lambda);
+        const ss_wide inverse = all(1.0) / (invariant + all(1.0));
+        add_volume_tangent(&p, e, x, &v, m - m * inverse, m * inverse * inverse * d_invariant,
+                           ss_wide_fma(l, v.j, e->pressure) - mu, ss_wide_fma(l, dj, change));
+    }
+    return p;
+}
+
+SS_INLINE void tangent_of(ss_tissue_kind kind, ss_fem_pass *pass)
+{
+    const bool is_linear = kind == SS_TISSUE_LINEAR;
+    const bool is_volume = kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN;
+    for (int32_t i = 0; i < pass->blocks->count * (SS_FEM_LANES / SS_WIDE_LANES); ++i) {
+        const element e = element_at(pass, i / (SS_FEM_LANES / SS_WIDE_LANES),
+                                     i % (SS_FEM_LANES / SS_WIDE_LANES) * SS_WIDE_LANES);
+        const tensor x = gradient(&e, pass->x);
+        ss_wide change = all(0.0);
+        if (pass->change) {
+            change = e.volume * corner_mean(&e, pass->change);
+        }
+        tensor p;
+        if (is_volume) {
+            p = volume_tangent(kind, &e, &x, change);
+        } else {
+            const symmetric dd = is_linear ? twice_small(&x) : twice_mixed(&e.h, &x);
+            const symmetric ds = hooke(e.lambda, e.mu, &dd, change);
+            p = full(&ds);
+            if (!is_linear) {
+                const symmetric d = twice_green(&e.h);
+                const symmetric s = hooke(e.lambda, e.mu, &d, e.pressure);
+                add_symmetric(&p, &e.h, &ds);
+                add_symmetric(&p, &x, &s);
+            }
+        }
+        if (kind == SS_TISSUE_STVK_GUARDED && ss_wide_any_below(above_guard(&e.h), all(0.0))) {
+            const dilatation v = dilatation_of(&e.h);
+            const ss_wide short_of = all(SS_TISSUE_GUARD - 1.0) - v.j;
+            const ss_wide kappa =
+                ss_wide_below(all(0.0), short_of, ss_wide_load(e.kappa), all(0.0));
+            add_volume_tangent(&p, &e, &x, &v, all(0.0), all(0.0), all(0.0) - kappa * short_of,
+                               kappa * product(&v.c, &x));
+        }
+        spread(&e, &p, pass->out);
+    }
+}
+
+static void tangent(ss_fem_pass *pass)
+{
+    switch (pass->kind) {
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        tangent_of(kind, pass);                                                                    \
+        break
+        CASE(SS_TISSUE_STVK_GUARDED);
+        CASE(SS_TISSUE_STVK);
+        CASE(SS_TISSUE_NEO_HOOKEAN);
+        CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);
+        CASE(SS_TISSUE_LINEAR);
+#undef CASE
+    case SS_TISSUE_KIND_COUNT:
+        break;
+    }
+}
+
+/* ---- dilatation ---------------------------------------------------------------------------- */
+
+SS_INLINE ss_wide trace_of_tensor(const tensor *h)
+{
+    return (h->m[0][0] + h->m[1][1]) + h->m[2][2];
+}
+
+SS_INLINE void dilate_of(bool is_linear, bool is_volume, ss_fem_pass *pass)
+{
+    for (int32_t b = 0; b < pass->blocks->count; ++b) {
+        for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
+            const element e = element_at(pass, b, lane);
+            const tensor *h = &e.h;
+            ss_wide q = trace_of_tensor(h);
+            if (is_volume) {
+                const dilatation v = dilatation_of(h);
+                q = v.j;
+                if (pass->x) {
+                    const tensor x = gradient(&e, pass->x);
+                    q = product(&v.c, &x);
+                }
+            } else if (pass->x) {
+                const tensor x = gradient(&e, pass->x);
+                q = trace_of_tensor(&x);
+                if (!is_linear) {
+                    q = q + product(h, &x);
+                }
+            } else if (!is_linear) {
+                q = ss_wide_fma(all(0.5), product(h, h), q);
+            }
+            _Alignas(32) ss_real share[SS_WIDE_LANES];
+            ss_wide_store(
+                share, q * ss_wide_load(pass->blocks->volume + SS_FEM_LANES * (ptrdiff_t)b + lane));
+            for (int k = 0; k < SS_WIDE_LANES; ++k) {
+                for (int a = 0; a < 4; ++a) {
+                    pass->out[e.at[SS_FEM_LANES * a + k]] += share[k];
+                }
+            }
+        }
+    }
+}
+
+static void dilate(ss_fem_pass *pass)
+{
+    if (pass->kind == SS_TISSUE_LINEAR) {
+        dilate_of(true, false, pass);
+    } else if (pass->kind == SS_TISSUE_NEO_HOOKEAN || pass->kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
+        dilate_of(false, true, pass);
+    } else {
+        dilate_of(false, false, pass);
+    }
+}
+
+/* ---- growth -------------------------------------------------------------------------------- */
+
+/*
+ * For nodal motions x of an element, dE(x) = sym(F^T dF) is the small strain of y_a = F^T x_a, so
+ * that the first term of
+ *
+ *   V (dE : C : dE + S : dF^T dF) <= omega0^2 sum m |y|^2 + s V |dF|^2
+ *
+ * grows by at most |F|_2^2; and V (lambda + 2 mu) |dF|^2 <= omega0^2 sum m |x|^2, as motions
+ * along one gradient show. So omega^2 <= omega0^2 (|F|_2^2 + s/(lambda + 2 mu)), s the largest
+ * eigenvalue of S, and for the guard + |C|^2 + 2 (J0 - J) |F| with the same argument. Eigenvalues
+ * of E are at most tr E/3 + sqrt(2/3) |dev E|.
+ */
+static void growth(const ss_fem_pass *pass, ss_real *out_growth, ss_real *out_ratio)
+{
+    for (int32_t b = 0; b < pass->blocks->count; ++b) {
+        for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
+            const element e = element_at(pass, b, lane);
+            const symmetric d = twice_green(&e.h);
+            const ss_wide t = trace_of(&d), third = all(1.0 / 3.0) * t;
+            const ss_wide dev = ss_wide_most(ss_wide_fnma(third, t, contract(&d, &d)), all(0.0));
+            const ss_wide most = ss_wide_fma(all(sqrt(2.0 / 3.0)), ss_wide_root(dev), third);
+            /* kappa carries V and is the modulus lambda + 2 mu: no element of ours has 0 but spare
+             * lanes. */
+            const ss_wide modulus = ss_wide_load(e.kappa);
+            const ss_wide kappa = ss_wide_below(all(0.0), modulus, modulus, all(1.0));
+            const ss_wide s = ss_wide_fma(all(0.5) * e.lambda, t, e.mu * most) + e.pressure;
+            ss_wide grown =
+                all(1.0) + ss_wide_most(most, all(0.0)) + ss_wide_most(s, all(0.0)) / kappa;
+            const ss_wide above = above_guard(&e.h);
+            const ss_wide short_of = ss_wide_most(all(0.0) - above, all(0.0));
+            if (pass->kind == SS_TISSUE_STVK_GUARDED) {
+                const ss_wide square = all(3.0) + t; /* |F|^2 >= 3 |C|^(2/3) */
+                const ss_wide guard =
+                    all(1.0 / 3.0) * square * square + all(2.0) * short_of * ss_wide_root(square);
+                grown = grown + ss_wide_below(all(0.0), short_of, guard, all(0.0));
+            }
+            ss_wide_store(out_growth + SS_FEM_LANES * (ptrdiff_t)b + lane, grown);
+            ss_wide_store(out_ratio + SS_FEM_LANES * (ptrdiff_t)b + lane,
+                          above + all(SS_TISSUE_GUARD));
+        }
+    }
+}
+
+/* ---- the table ---------------------------------------------------------------------------- */
+
+#ifdef SS_WIDE_AVX2
+#define PATH      ss_fem_kernels_avx2
+#define PATH_NAME "avx2+fma"
+#else
+#define PATH ss_fem_kernels_baseline
+#ifdef SS_WIDE_SSE2
+#define PATH_NAME "sse2"
+#else
+#define PATH_NAME "plain C"
+#endif
+#endif
+
+extern const ss_fem_kernels PATH;
+const ss_fem_kernels PATH = {
+    .name = PATH_NAME, .force = force, .tangent = tangent, .dilate = dilate, .growth = growth};

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/grasp.h"
+/* Grasps, turns and what contacts share. */
+#include <math.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+/* Time in which a released grasp lets go, s. */
+#define RELEASE_TIME 0.02
+
+/* ---- grasp -------------------------------------------------------------------------------- */
+
+bool ss_grasp_init(ss_grasp *grasp, int32_t capacity)
+{
+    const size_t n = (size_t)capacity;
+    grasp->node = ss_memory_get(n, sizeof *grasp->node);
+    grasp->stiffness = ss_memory_get(n, sizeof *grasp->stiffness);
+    grasp->offset = ss_memory_get(n, sizeof *grasp->offset);
+    return grasp->node && grasp->stiffness && grasp->offset;
+}
+
+void ss_grasp_fini(ss_grasp *grasp)
+{
+    ss_memory_free(grasp->node);
+    ss_memory_free(grasp->stiffness);
+    ss_memory_free(grasp->offset);
+    *grasp = (ss_grasp){0};
+}
+
+void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,
+                   double stiffness, const double (*rest)[3], const ss_real *u,
+                   const ss_tool_pose *pose)
+{
+    grasp->share = 1.0;
+    grasp->count = count;
+    for (int32_t i = 0; i < count; ++i) {
+        double x[3];
+        for (int k = 0; k < 3; ++k) {
+            x[k] = rest[node[i]][k] + (double)u[4 * (ptrdiff_t)node[i] + k] - pose->position[k];
+        }
+        grasp->node[i] = node[i];
+        grasp->stiffness[i] = stiffness * weight[i];
+        ss_rotate_back(grasp->offset[i], pose->orientation, x);
+    }
+    grasp->square = 0.0;
+}
+
+void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
+                         const ss_tool_pose *pose, ss_real *force, double tool_force[3],
+                         double tool_torque[3])
+{
+    grasp->square = 0.0;
+    for (int32_t i = 0; i < grasp->count; ++i) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)grasp->node[i];
+        double arm[3], x[3], f[3], moment[3];
+        ss_rotate(arm, pose->orientation, grasp->offset[i]);
+        for (int k = 0; k < 3; ++k) {
+            x[k] = rest[grasp->node[i]][k] + (double)u[at + k] - pose->position[k];
+            const double stretch = x[k] - arm[k];
+            f[k] = grasp->share * grasp->stiffness[i] * stretch; /* on the tool */
+            force[at + k] -= (ss_real)f[k];
+            grasp->square += 0.5 * grasp->stiffness[i] * stretch * stretch;
+        }
+        ss_cross3(moment, arm, f);
+        ss_add3(tool_force, tool_force, f);
+        ss_add3(tool_torque, tool_torque, moment);
+    }
+}
+
+void ss_grasp_fade(ss_grasp *grasp, double h)
+{
+    grasp->share_before = grasp->share;
+    if (!grasp->is_pressed && grasp->count > 0) {
+        grasp->share = fmax(0.0, grasp->share - h / RELEASE_TIME);
+    }
+}
+
+double ss_grasp_settle(ss_grasp *grasp, bool is_accepted)
+{
+    if (!is_accepted) {
+        grasp->share = grasp->share_before;
+        return 0.0;
+    }
+    if (grasp->count == 0) {
+        return 0.0;
+    }
+    const double lost = (grasp->share_before - grasp->share) * grasp->square;
+    grasp->count = grasp->share > 0.0 ? grasp->count : 0;
+    return lost;
+}
+
+uint64_t ss_hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; ++k) {
+        hash = (hash ^ byte[k]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)
+{
+    const size_t count = (size_t)grasp->count;
+    uint64_t hash = ss_hash_bytes(seed, &grasp->count, sizeof grasp->count);
+    if (count > 0) {
+        hash = ss_hash_bytes(hash, &grasp->share, sizeof grasp->share);
+        hash = ss_hash_bytes(hash, grasp->node, count * sizeof *grasp->node);
+        hash = ss_hash_bytes(hash, grasp->stiffness, count * sizeof *grasp->stiffness);
+        hash = ss_hash_bytes(hash, grasp->offset, count * sizeof *grasp->offset);
+    }
+    return hash;
+}
+
+/* ---- tools -------------------------------------------------------------------------------- */
+
+void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_turn[3])
+{
+    const double *a = from->orientation, *b = to->orientation;
+    /* Rotation vector of b a*, the short way. */
+    const double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+    const double x[3] = {a[0] * b[1] - b[0] * a[1] - b[2] * a[3] + b[3] * a[2],
+                         a[0] * b[2] - b[0] * a[2] - b[3] * a[1] + b[1] * a[3],
+                         a[0] * b[3] - b[0] * a[3] - b[1] * a[2] + b[2] * a[1]};
+    const double sine = ss_norm3(x);
+    const double angle = 2.0 * atan2(sine, fabs(w)) * (w < 0.0 ? -1.0 : 1.0);
+    ss_scale3(out_turn, x, sine > 0.0 ? angle / sine : 0.0);
+}
+
+void ss_contact_set_direction(const ss_contact_set *set, const double force[3], double out[3])
+{
+    ss_copy3(out, set->contact[0].normal);
+    if (set->count > 1) {
+        double along[3];
+        ss_copy3(along, force);
+        if (ss_normalize3(along) > 0.0 && ss_dot3(along, out) > 0.0) {
+            ss_copy3(out, along);
+        }
+    }
+}
+
+void ss_contact_set_share(ss_contact_set *set, const double normal[3], double stiffness,
+                          double viscosity)
+{
+    double along = 0.0, sum = 0.0;
+    for (int32_t k = 0; k < set->count; ++k) {
+        along += set->contact[k].force * ss_dot3(set->contact[k].normal, normal);
+        sum += set->contact[k].force;
+    }
+    const double whole = ss_dot3(set->force, normal);
+    const double factor = along > 0.0 ? whole / along : 0.0;
+    for (int32_t k = 0; k < set->count; ++k) {
+        ss_contact *contact = &set->contact[k];
+        const double share = sum > 0.0 ? contact->force / sum : 1.0 / set->count;
+        contact->force = along > 0.0 ? contact->force * factor : whole * share;
+        if (!set->is_held) {
+            contact->force = fmax(0.0, contact->force);
+        }
+        contact->stiffness = share * stiffness;
+        contact->tangential = share * stiffness;
+        contact->viscosity = share * viscosity;
+    }
+}

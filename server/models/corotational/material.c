@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/corotational/corotational.h"
+/*
+ * Parameters to values of every element. All that is wrong is named in one go.
+ */
+#include <math.h>
+
+#include "models/common/plan.h"
+#include "rt/memory.h"
+
+const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
+    {.name = "material",
+     .kind = SS_PARAM_CHOICE,
+     .choices = "linear",
+     .help = "small strain in each element, turned with it; for other laws use the model fem"},
+    {.name = "youngs_modulus_pa",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .max = 1e13,
+     .exclusive_min = true,
+     .fallback = NAN,
+     .help = "stiffness, with poisson_ratio; or give lame_lambda_pa and lame_mu_pa"},
+    {.name = "poisson_ratio",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .min = -0.99,
+     .max = 0.4999,
+     .fallback = NAN,
+     .help = "0.5 would be incompressible; linear tetrahedra lock near it"},
+    {.name = "lame_lambda_pa",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .min = -1e13,
+     .max = 1e17,
+     .fallback = NAN,
+     .help = "in place of youngs_modulus_pa and poisson_ratio"},
+    {.name = "lame_mu_pa",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .max = 1e13,
+     .exclusive_min = true,
+     .fallback = NAN,
+     .help = "shear modulus"},
+    {.name = "density_kg_m3",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .max = 1e9,
+     .exclusive_min = true,
+     .fallback = 1000.0,
+     .help = "mass per volume"},
+    {.name = "viscosity_phi_pa_s",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .max = 1e12,
+     .help = "viscosity of dilatation"},
+    {.name = "viscosity_psi_pa_s",
+     .kind = SS_PARAM_FIELD,
+     .takes_elements = true,
+     .max = 1e12,
+     .help = "viscosity of shear"},
+    {.name = "stiffness_damping_s",
+     .kind = SS_PARAM_NUMBER,
+     .max = 1e3,
+     .help = "viscosity in proportion to stiffness, added to the two above"},
+    {.name = "mass_damping_per_s",
+     .kind = SS_PARAM_NUMBER,
+     .max = 1e6,
+     .help = "damping in proportion to mass; the method itself damps fast motions"},
+    {.name = "solver_tolerance",
+     .kind = SS_PARAM_NUMBER,
+     .min = 1e-12,
+     .max = 0.1,
+     .fallback = 3e-3,
+     .help = "residual of a step's equation that is left, as a share of what it began with"},
+    {.name = "newton_iterations",
+     .kind = SS_PARAM_INTEGER,
+     .min = 1.0,
+     .max = 100.0,
+     .fallback = 6.0,
+     .help = "at most, in a step; one is usual, two in contact"},
+    {.name = "solver_iterations",
+     .kind = SS_PARAM_INTEGER,
+     .min = 1.0,
+     .max = 10000.0,
+     .fallback = 200.0,
+     .help = "of conjugate gradients, at most, in a step"},
+};
+
+/* Which pair of constants is given; false after a fault. */
+static bool choose_pair(const ss_model_plan *plan, bool *out_is_lame, softsim_error *error)
+{
+    const ss_param_value *param = plan->param;
+    const bool has_young = param[SS_COROT_YOUNGS_MODULUS].is_given;
+    const bool has_poisson = param[SS_COROT_POISSON_RATIO].is_given;
+    const bool has_lambda = param[SS_COROT_LAME_LAMBDA].is_given;
+    const bool has_mu = param[SS_COROT_LAME_MU].is_given;
+    *out_is_lame = has_lambda && has_mu;
+    const bool is_young = has_young && has_poisson && !has_lambda && !has_mu;
+    const bool is_lame = has_lambda && has_mu && !has_young && !has_poisson;
+    if (!is_young && !is_lame) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "corotational: give youngs_modulus_pa and poisson_ratio, or "
+                          "lame_lambda_pa and lame_mu_pa: one pair, all of it");
+    }
+    return is_young || is_lame;
+}
+
+static softsim_status fill(const ss_model_plan *plan, ss_corot_material *material,
+                           softsim_error *error)
+{
+    bool is_lame;
+    int32_t bad_count = 0, first_bad = -1;
+    if (!choose_pair(plan, &is_lame, error)) {
+        return SOFTSIM_ERROR_SCENE;
+    }
+    const int one = is_lame ? SS_COROT_LAME_LAMBDA : SS_COROT_YOUNGS_MODULUS;
+    const int two = is_lame ? SS_COROT_LAME_MU : SS_COROT_POISSON_RATIO;
+    for (int32_t t = 0; t < plan->mesh->tetrahedron_count; ++t) {
+        double *lambda = &material->lambda[t], *mu = &material->mu[t];
+        *lambda = ss_plan_element_value(plan, one, t);
+        *mu = ss_plan_element_value(plan, two, t);
+        if (!is_lame) {
+            ss_tissue_lame(*lambda, *mu, lambda, mu);
+        }
+        material->density[t] = ss_plan_element_value(plan, SS_COROT_DENSITY, t);
+        const bool is_good = *mu > 0.0 && 3.0 * *lambda + 2.0 * *mu > 0.0 && isfinite(*lambda);
+        first_bad = is_good || bad_count > 0 ? first_bad : t;
+        bad_count += !is_good;
+        material->largest_poisson =
+            fmax(material->largest_poisson, 0.5 * *lambda / (*lambda + *mu));
+    }
+    if (bad_count > 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "corotational: %d elements (first %d) have constants that no stable "
+                          "material has: lame_mu_pa and 3 lame_lambda_pa + 2 lame_mu_pa must be "
+                          "above 0",
+                          bad_count, ss_mesh_file_element(plan->mesh, first_bad));
+        return SOFTSIM_ERROR_SCENE;
+    }
+    return SOFTSIM_OK;
+}
+
+softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_material *out_material,
+                                        softsim_error *error)
+{
+    const size_t count = (size_t)plan->mesh->tetrahedron_count;
+    static const int viscosity[] = {SS_COROT_VISCOSITY_PHI, SS_COROT_VISCOSITY_PSI,
+                                    SS_COROT_STIFFNESS_DAMPING};
+    ss_corot_material material = {.lambda = ss_memory_get(count, sizeof(double)),
+                                  .mu = ss_memory_get(count, sizeof(double)),
+                                  .density = ss_memory_get(count, sizeof(double)),
+                                  .mass_damping = plan->param[SS_COROT_MASS_DAMPING].number};
+    *out_material = material;
+    if (!material.lambda || !material.mu || !material.density) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    const softsim_status status = fill(plan, out_material, error);
+    return status != SOFTSIM_OK || ss_plan_viscosity(plan, viscosity, material.lambda, material.mu,
+                                                     &out_material->phi, &out_material->psi,
+                                                     &out_material->viscous_time)
+               ? status
+               : SOFTSIM_ERROR_MEMORY;
+}
+
+void ss_corot_material_fini(ss_corot_material *material)
+{
+    ss_memory_free(material->lambda);
+    ss_memory_free(material->mu);
+    ss_memory_free(material->density);
+    ss_memory_free(material->phi);
+    ss_memory_free(material->psi);
+}

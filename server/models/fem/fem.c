@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/fem.h"
+/*
+ * fem: a volume of linear tetrahedra under Green strain with viscous stress, explicit in time.
+ *
+ * After the finite element part of the hybrid model's paper (its eqs. (1) to (6), put right in
+ * common/tissue_law.c), which takes its discretisation from O'Brien and Hodgins (1999). The elastic
+ * body is ss_fem, everything else ss_body. Mass is lumped, so that an explicit step solves nothing.
+ * Where the nonlinearity comes from: Green strain under a linear law (stvk), quadratic in the
+ * displacement; the other laws are nonlinear of themselves, and the guard stiffens what is squeezed
+ * below 0.65 of its volume. Left out: cutting and tearing. Elements are the mesh's and stay.
+ * Rejected as a default: RK4 (four times the cost, and it loses energy), an implicit step (the
+ * model `corotational` is that).
+ */
+#include <math.h>
+
+#include "models/common/tetrahedron.h"
+#include "models/common/turned.h"
+#include "rt/memory.h"
+
+struct ss_model {
+    ss_body *body; /* first, as ss_body_model_... take it */
+    ss_fem *fem;
+    ss_fem_material material;
+    ss_turned turned; /* for the linear law, which does not know */
+};
+
+static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
+
+/* Of the stable step that sub-steps take. */
+#define STEP_SHARE 0.5
+
+/* ---- cost ----------------------------------------------------------------------------------- */
+
+/* Microseconds a sub-step of an element with its share of a node, elastic, viscous, cured, and of
+ * an outer step by itself; measured on ellipsoids of 5k to 100k elements with one tool. */
+#define COST_ELASTIC 0.0058
+#define COST_VISCOUS 0.0022
+#define COST_CURE    0.0042
+#define COST_STEP    5.0
+#define COST_TOOL    15.0
+
+/* Sub-steps of a millisecond, from the least height of an element against the speed of sound: that
+ * is the stable step of a regular element but for a tenth or two. */
+static double substeps_of_ms(const ss_model_plan *plan, const ss_fem_material *material)
+{
+    double rate = 0.0;
+    for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
+        const int32_t *c = plan->mesh->tetrahedron[e];
+        const double(*x)[3] = (const double(*)[3])plan->mesh->position;
+        double gradient[4][3], largest = 0.0;
+        (void)ss_tetrahedron_gradients(x[c[0]], x[c[1]], x[c[2]], x[c[3]], gradient);
+        for (int a = 0; a < 4; ++a) {
+            largest = fmax(largest, ss_norm3(gradient[a]));
+        }
+        const double speed =
+            sqrt((material->lambda[e] + 2.0 * material->mu[e]) / material->density[e]);
+        rate = fmax(rate, speed * largest);
+    }
+    return fmax(1.0, 1e-3 * rate / STEP_SHARE);
+}
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    ss_fem_material material;
+    double cost = COST_STEP;
+    if (ss_fem_material_create(plan, "fem", &material, NULL) == SOFTSIM_OK) {
+        const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
+                               (material.is_averaged ? COST_CURE : 0.0);
+        const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
+        cost += substeps_of_ms(plan, &material) * sweeps * element * plan->mesh->tetrahedron_count;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
+    }
+    ss_fem_material_fini(&material);
+    return cost;
+}
+
+/* ---- life --------------------------------------------------------------------------------- */
+
+static void destroy(ss_model *model)
+{
+    if (!model) {
+        return;
+    }
+    ss_body_destroy(&model->body);
+    ss_fem_destroy(&model->fem);
+    ss_fem_material_fini(&model->material);
+    ss_memory_free(model);
+}
+
+static softsim_status build(ss_model *model, const ss_model_plan *plan, double *mass,
+                            softsim_error *error)
+{
+    softsim_status status = ss_fem_material_create(plan, "fem", &model->material, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_body_volume_masses(plan->mesh, model->material.density, true, mass);
+    const ss_fem_setup setup = {.mesh = plan->mesh,
+                                .material = &model->material,
+                                .node_count = plan->mesh->node_count,
+                                .mass = mass,
+                                .fixed = plan->fixed};
+    status = ss_fem_create(&setup, &model->fem);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    const ss_body_plan body = {.name = "fem",
+                               .plan = plan,
+                               .node_count = plan->mesh->node_count,
+                               .mass = mass,
+                               .mass_damping = model->material.mass_damping,
+                               .edge = ss_body_mean_edge(plan->mesh),
+                               .planned_step = STEP_SHARE * ss_fem_rest_step(model->fem),
+                               .step_share = STEP_SHARE,
+                               .integrator = model->material.integrator,
+                               .elastic = {.owner = model->fem,
+                                           .force = ss_fem_force,
+                                           .tangent = ss_fem_tangent,
+                                           .diagonal = ss_fem_diagonal,
+                                           .viscous_time = model->material.viscous_time,
+                                           .stable_step = ss_fem_stable_step,
+                                           .reset = ss_fem_reset,
+                                           .hash = ss_fem_hash}};
+    status = ss_body_create(&body, &model->body, error);
+    if (status == SOFTSIM_OK) {
+        model->fem->u = ss_body_read_nodes(model->body)->u;
+        status = ss_body_start(model->body);
+    }
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    double *mass = ss_memory_get((size_t)plan->mesh->node_count, sizeof *mass);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    *out_model = NULL;
+    if (model && mass) {
+        status = build(model, plan, mass, error);
+    }
+    ss_memory_free(mass);
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    *out_model = model;
+    return SOFTSIM_OK;
+}
+
+/* ---- the class ---------------------------------------------------------------------------- */
+
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    ss_body_step(model->body, time, dt, tool);
+    ss_fem_judge(model->fem, model->body);
+    const bool is_linear = model->material.kind == SS_TISSUE_LINEAR;
+    const int32_t turned =
+        is_linear ? ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u) : -1;
+    if (turned >= 0) {
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(model->body, turned);
+    }
+}
+
+static void reset(ss_model *model)
+{
+    ss_turned_reset(&model->turned);
+    ss_body_model_reset(model);
+}
+
+static uint64_t hash_state(const ss_model *model, uint64_t seed)
+{
+    return ss_turned_hash(&model->turned, ss_body_model_hash(model, seed));
+}
+
+static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    ss_fem_explain(model->fem, &model->material, line, sink);
+    ss_body_explain(model->body, line, sink);
+}
+
+extern const ss_model_class ss_model_fem;
+const ss_model_class ss_model_fem = {
+    .name = "fem",
+    .help = "a volume of tetrahedra with Green strain and viscous stress, explicit in time",
+    .row = rows,
+    .row_count = SS_FEM_ROW_COUNT,
+    .needs_volume = true,
+    .step_cost_us = step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = step,
+    .contacts = ss_body_model_contacts,
+    .reset = reset,
+    .info = ss_body_model_info,
+    .displacement = ss_body_model_displacement,
+    .velocity = ss_body_model_velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = hash_state,
+    .explain = explain};

@@ -1,0 +1,849 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/hybrid/hybrid.h"
+/*
+ * hybrid: a core of tetrahedra under a layer of particles that wake where a tool is.
+ *
+ * After "a new hybrid deformable model for haptic interactions": a coarse mesh moves the bulk
+ * cheaply and a mesh-free layer gives the touched place detail. What the paper leaves open is
+ * closed in layer.c (rows that are exact for affine maps), layer_kernels.c (forces), volume.c
+ * (one volume shared by both: collar and sleeping skin), skin.c (the surface that is
+ * touched), wake.c (activation), bound.c (the stable step); near.c gathers
+ * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
+ * tools and the ledger the body's.
+ *
+ * Where the nonlinearity comes from: Green strain, as in `fem`, of tetrahedra and particles alike,
+ * and the pair forces of the share that is cohesion. Left out: cutting and tearing. Neighbours are
+ * those at rest and stay.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "models/common/tetrahedron.h"
+#include "rt/memory.h"
+#include "rt/printer.h"
+#include "rt/vec.h"
+
+/* Of the stable step that sub-steps take. */
+#define STEP_SHARE 0.5
+/* The same of the contact's part. The reserve of the law's is for what stretches between two looks;
+ * the contact's is a bound, taken anew every sub-step, and 1.3 to 1.8 times its omega^2 (HM1). */
+#define CONTACT_STEP_SHARE 0.9
+/* Defaults of the reaches, in spacings. */
+#define ACTIVATE_SPACINGS 4.0
+#define DEACTIVATE_RATIO  1.3
+/* Of a cell of the search grid: the reach within which max_active wake is a few. */
+#define GRID_SPACINGS 2.0
+/* Points for each particle that may be awake: its neighbours tied to the core around it. */
+enum { POINTS_PER_AWAKE = 4, SPARE_POINTS = 400 };
+
+static const ss_param_row rows[SS_HYBRID_ROW_COUNT] = {
+    SS_FEM_ROWS,
+    [SS_HYBRID_SPACING] = {.name = "layer.spacing_m",
+                           .kind = SS_PARAM_FIELD,
+                           .max = 1e3,
+                           .exclusive_min = true,
+                           .is_required = true,
+                           .fallback = (double)NAN,
+                           .help = "of the particles; finer ones are halves, quarters or eighths "
+                                   "of the coarsest"},
+    [SS_HYBRID_THICKNESS] = {.name = "layer.thickness_m",
+                             .kind = SS_PARAM_NUMBER,
+                             .min = -1e3,
+                             .max = 1e3,
+                             .fallback = (double)NAN,
+                             .help = "without object.outer: grows the layer outward from the mesh, "
+                                     "or inward (below 0)"},
+    [SS_HYBRID_COHESION] = {.name = "layer.lennard_jones_share",
+                            .kind = SS_PARAM_NUMBER,
+                            .max = 1.0,
+                            .fallback = 0.05,
+                            .help = "of the particles' shear stiffness that is their cohesion"},
+    [SS_HYBRID_STABILISATION] = {.name = "layer.stabilisation",
+                                 .kind = SS_PARAM_NUMBER,
+                                 .max = 100.0,
+                                 .fallback = 0.3,
+                                 .help = "stiffness against motions that the strain does not see, "
+                                         "times the shear modulus"},
+    [SS_HYBRID_ACTIVATE] = {.name = "layer.activate_m",
+                            .kind = SS_PARAM_NUMBER,
+                            .max = 1e9,
+                            .exclusive_min = true,
+                            .fallback = (double)NAN,
+                            .help = "particles nearer than this to a tool wake; absent: 4 "
+                                    "spacings; as far as the body is long: all, always"},
+    [SS_HYBRID_DEACTIVATE] = {.name = "layer.deactivate_m",
+                              .kind = SS_PARAM_NUMBER,
+                              .max = 1e9,
+                              .exclusive_min = true,
+                              .fallback = (double)NAN,
+                              .help = "and further than this may sleep; absent: 1.3 times that"},
+    [SS_HYBRID_MAX_ACTIVE] = {.name = "layer.max_active",
+                              .kind = SS_PARAM_INTEGER,
+                              .min = 1,
+                              .max = 1e6,
+                              .fallback = 600,
+                              .help = "the nearest ones wake where there are more"}};
+
+/* ---- cost -----------------------------------------------------------------------------------
+ */
+
+/* Microseconds a sub-step of an element, of a particle awake with its tied neighbours, and of an
+ * outer step with its tool. */
+#define COST_ELEMENT  0.008
+#define COST_PARTICLE 0.25
+#define COST_STEP     20.0
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    ss_fem_material material;
+    double cost = COST_STEP;
+    if (ss_fem_material_create(plan, "hybrid", &material, NULL) == SOFTSIM_OK) {
+        double rate = 0.0;
+        const double spacing = plan->param[SS_HYBRID_SPACING].number;
+        for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
+            const int32_t *c = plan->mesh->tetrahedron[e];
+            const double(*x)[3] = (const double(*)[3])plan->mesh->position;
+            double gradient[4][3];
+            double largest = isfinite(spacing) ? 1.0 / spacing : 0.0;
+            (void)ss_tetrahedron_gradients(x[c[0]], x[c[1]], x[c[2]], x[c[3]], gradient);
+            for (int a = 0; a < 4; ++a) {
+                largest = fmax(largest, ss_norm3(gradient[a]));
+            }
+            rate = fmax(rate, largest * sqrt((material.lambda[e] + 2.0 * material.mu[e]) /
+                                             material.density[e]));
+        }
+        cost += fmax(1.0, 1e-3 * rate / STEP_SHARE) *
+                (COST_ELEMENT * plan->mesh->tetrahedron_count +
+                 COST_PARTICLE * plan->param[SS_HYBRID_MAX_ACTIVE].number);
+    }
+    ss_fem_material_fini(&material);
+    return cost;
+}
+
+/* ---- set-up ---------------------------------------------------------------------------------
+ */
+
+static softsim_status refuse(softsim_error *error, const char *text)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_SCENE, "hybrid: %s", text);
+    return SOFTSIM_ERROR_SCENE;
+}
+
+static softsim_status create_layer(ss_hybrid *hybrid, const ss_model_plan *plan,
+                                   softsim_error *error)
+{
+    const ss_param_value *spacing = &plan->param[SS_HYBRID_SPACING];
+    ss_layer_plan layer = {
+        .mesh = plan->mesh, .spacing = spacing->number, .spacing_of = spacing->per_node};
+    for (int32_t i = 0; spacing->per_node != NULL && i < plan->mesh->node_count; ++i) {
+        layer.spacing = i == 0 ? spacing->per_node[0] : fmax(layer.spacing, spacing->per_node[i]);
+    }
+    const softsim_status status = ss_layer_create(&layer, &hybrid->layer, error);
+    if (status == SOFTSIM_OK && hybrid->layer->skin_count == 0) {
+        return refuse(error, "the mesh has no layer: give object.outer, or layer.thickness_m");
+    }
+    return status;
+}
+
+static double mean_skin_edge(const ss_mesh *mesh)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            double d[3];
+            ss_sub3(d, mesh->position[mesh->triangle[t][k]],
+                    mesh->position[mesh->triangle[t][(k + 1) % 3]]);
+            sum += ss_norm3(d);
+        }
+    }
+    return sum / (3.0 * mesh->triangle_count);
+}
+
+static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *plan,
+                                      softsim_error *error)
+{
+    const ss_param_value *param = plan->param;
+    const ss_layer *layer = hybrid->layer;
+    const double coarsest = layer->spacing[0];
+    hybrid->cohesion = param[SS_HYBRID_COHESION].number;
+    hybrid->stabilisation = param[SS_HYBRID_STABILISATION].number;
+    hybrid->wake_reach = param[SS_HYBRID_ACTIVATE].is_given ? param[SS_HYBRID_ACTIVATE].number
+                                                            : ACTIVATE_SPACINGS * coarsest;
+    hybrid->sleep_reach = param[SS_HYBRID_DEACTIVATE].is_given
+                              ? param[SS_HYBRID_DEACTIVATE].number
+                              : DEACTIVATE_RATIO * hybrid->wake_reach;
+    if (hybrid->sleep_reach < hybrid->wake_reach) {
+        return refuse(error, "layer.deactivate_m is less than layer.activate_m; give more, or "
+                             "particles would wake and sleep at once");
+    }
+    if (param[SS_FEM_LOCKING_CURE].number == 2.0) {
+        return refuse(error, "locking_cure: nodal-pressure is for whole volumes, and the layer "
+                             "takes part of the core's; use none, or the model fem");
+    }
+    hybrid->is_all_awake = hybrid->wake_reach >= ss_mesh_diagonal(plan->mesh);
+    hybrid->max_awake = (int32_t)param[SS_HYBRID_MAX_ACTIVE].number;
+    if (hybrid->is_all_awake && hybrid->max_awake < layer->own_count) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "hybrid: layer.activate_m wakes all %d particles, and layer.max_active "
+                          "is %d; raise it, or wake fewer",
+                          layer->own_count, hybrid->max_awake);
+        return SOFTSIM_ERROR_SCENE;
+    }
+    hybrid->max_awake = hybrid->max_awake < layer->own_count ? hybrid->max_awake : layer->own_count;
+    const int64_t points = (int64_t)POINTS_PER_AWAKE * hybrid->max_awake + SPARE_POINTS;
+    hybrid->max_points =
+        hybrid->is_all_awake || points > layer->count ? layer->count : (int32_t)points;
+    memcpy(hybrid->material.lambda_own, hybrid->material.lambda,
+           (size_t)plan->mesh->tetrahedron_count * sizeof(double));
+    hybrid->is_locking = hybrid->material.is_averaged;
+    hybrid->material.is_averaged = false;
+    hybrid->skin_edge = mean_skin_edge(plan->mesh);
+    hybrid->least_spacing = coarsest;
+    for (int32_t p = 0; p < layer->count; ++p) {
+        hybrid->least_spacing = fmin(hybrid->least_spacing, layer->spacing[p]);
+    }
+    return SOFTSIM_OK;
+}
+
+/* Skin has no mass: pressure on it would push nothing, and nobody would be told. */
+static softsim_status check_pressures(const ss_hybrid *hybrid, const ss_model_plan *plan,
+                                      softsim_error *error)
+{
+    const ss_mesh *mesh = plan->mesh;
+    uint8_t *mark = ss_memory_get((size_t)mesh->node_count, 1);
+    softsim_status status = mark != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    for (int32_t l = 0; mark != NULL && l < plan->load_count; ++l) {
+        const ss_load *load = &plan->load[l];
+        int32_t lost = 0;
+        memset(mark, 0, (size_t)mesh->node_count);
+        for (int32_t k = 0; load->is_pressure && k < load->node_count; ++k) {
+            if (load->node[k] >= 0 && load->node[k] < mesh->node_count) {
+                mark[load->node[k]] = 1;
+            }
+        }
+        for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+            const int32_t *c = mesh->triangle[t];
+            const int32_t *of = hybrid->layer->skin_of;
+            lost += mark[c[0]] && mark[c[1]] && mark[c[2]] &&
+                    (of[c[0]] >= 0 || of[c[1]] >= 0 || of[c[2]] >= 0);
+        }
+        if (lost > 0) {
+            status = SOFTSIM_ERROR_SCENE;
+            softsim_error_add(error, status,
+                              "hybrid: load %d is a pressure on %d triangles of the outer surface, "
+                              "whose nodes ride on the layer; press on the core's own faces, or "
+                              "with a tool",
+                              l, lost);
+        }
+    }
+    ss_memory_free(mark);
+    return status;
+}
+
+static bool create_core(ss_hybrid *hybrid)
+{
+    const ss_mesh *mesh = hybrid->mesh;
+    const size_t elements = (size_t)mesh->tetrahedron_count;
+    const ss_fem_stuff stuff = {.node_count = mesh->node_count,
+                                .element_count = mesh->tetrahedron_count,
+                                .position = (const double(*)[3])mesh->position,
+                                .corner = (const int32_t(*)[4])mesh->tetrahedron,
+                                .lambda_own = hybrid->material.lambda_own,
+                                .lambda = hybrid->material.lambda,
+                                .mu = hybrid->material.mu,
+                                .phi = hybrid->material.phi,
+                                .psi = hybrid->material.psi};
+    hybrid->volume = ss_memory_get(elements, sizeof *hybrid->volume);
+    hybrid->lane = ss_memory_get(elements, sizeof *hybrid->lane);
+    if (hybrid->volume == NULL || hybrid->lane == NULL ||
+        !ss_fem_blocks_create(&stuff, &hybrid->core)) {
+        return false;
+    }
+    for (int32_t k = 0; k < hybrid->core.count * SS_FEM_LANES; ++k) {
+        const int32_t e = hybrid->core.element[k];
+        if (e >= 0) {
+            const int32_t *c = mesh->tetrahedron[e];
+            double gradient[4][3];
+            hybrid->lane[e] = k;
+            hybrid->volume[e] =
+                ss_tetrahedron_gradients(mesh->position[c[0]], mesh->position[c[1]],
+                                         mesh->position[c[2]], mesh->position[c[3]], gradient);
+        }
+    }
+    return true;
+}
+
+static bool create_points(ss_hybrid *hybrid)
+{
+    const size_t points = (size_t)hybrid->max_points;
+    const size_t columns = 8 * (1 + 3 * (points + SS_FEM_LANES));
+    hybrid->point = ss_memory_get(points, sizeof *hybrid->point);
+    hybrid->coefficient = ss_memory_get(2 * points, sizeof *hybrid->coefficient);
+    hybrid->gradient = ss_memory_get(columns, sizeof *hybrid->gradient);
+    hybrid->stress = ss_memory_get(columns, sizeof *hybrid->stress);
+    hybrid->spread = ss_memory_get(8 * points, sizeof *hybrid->spread);
+    return hybrid->point != NULL && hybrid->coefficient != NULL && hybrid->gradient != NULL &&
+           hybrid->stress != NULL && hybrid->spread != NULL &&
+           ss_hybrid_create_blocks(hybrid->max_points, hybrid->material.phi != NULL,
+                                   &hybrid->points);
+}
+
+static bool create_particles(ss_hybrid *hybrid)
+{
+    const size_t n = (size_t)hybrid->layer->count;
+    const size_t awake = (size_t)hybrid->max_awake;
+    hybrid->particle = ss_memory_get(n, sizeof *hybrid->particle);
+    hybrid->node_of = ss_memory_get(n, sizeof *hybrid->node_of);
+    hybrid->is_held = ss_memory_get(n, sizeof *hybrid->is_held);
+    hybrid->offset = ss_memory_get(4 * n, sizeof *hybrid->offset);
+    hybrid->near = ss_memory_get(n, sizeof *hybrid->near);
+    hybrid->wanted = ss_memory_get(awake, sizeof *hybrid->wanted);
+    hybrid->idle = ss_memory_get(awake, sizeof *hybrid->idle);
+    hybrid->drifting = ss_memory_get(n, sizeof *hybrid->drifting);
+    hybrid->distance = ss_memory_get(n, sizeof *hybrid->distance);
+    hybrid->found = ss_memory_get(n, sizeof *hybrid->found);
+    if (hybrid->particle == NULL || hybrid->node_of == NULL || hybrid->is_held == NULL ||
+        hybrid->offset == NULL || hybrid->near == NULL || hybrid->wanted == NULL ||
+        hybrid->idle == NULL || hybrid->drifting == NULL || hybrid->distance == NULL ||
+        hybrid->found == NULL) {
+        return false;
+    }
+    for (size_t p = 0; p < n; ++p) {
+        hybrid->particle[p] = (ss_hybrid_particle){.point = -1, .near = -1, .wanted = -1};
+        hybrid->node_of[p] = -1;
+        hybrid->distance[p] = (double)INFINITY;
+    }
+    ss_hybrid_idle_all(hybrid);
+    return ss_point_grid_init(&hybrid->grid, hybrid->layer->own_count,
+                              (const double(*)[3])hybrid->layer->rest,
+                              GRID_SPACINGS * hybrid->layer->spacing[0]);
+}
+
+/* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a
+ * skin node and of its neighbours. False when out of memory. */
+static bool fill_spans(ss_hybrid *hybrid)
+{
+    const ss_mesh *mesh = hybrid->mesh;
+    double *longest = ss_memory_get((size_t)mesh->node_count, sizeof *longest);
+    const bool is_good = longest != NULL;
+    for (int32_t c = 0; is_good && c < 3 * mesh->triangle_count; ++c) {
+        const int32_t i = mesh->triangle[c / 3][c % 3];
+        const int32_t j = mesh->triangle[c / 3][(c + 1) % 3];
+        double d[3];
+        ss_sub3(d, mesh->position[i], mesh->position[j]);
+        longest[i] = fmax(longest[i], ss_norm3(d));
+        longest[j] = fmax(longest[j], ss_norm3(d));
+    }
+    for (int32_t t = 0; is_good && t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        const double most = fmax(longest[c[0]], fmax(longest[c[1]], longest[c[2]]));
+        for (int k = 0; k < 3; ++k) {
+            const int32_t s = hybrid->layer->skin_of[c[k]];
+            if (s >= 0) {
+                hybrid->span[s] = fmax(hybrid->span[s], most);
+            }
+        }
+    }
+    ss_memory_free(longest);
+    return is_good;
+}
+
+/* Nodes that the particles of skin node s are tied to; `mark` (by node, -1) is left as it was. */
+static int32_t count_ties(const ss_hybrid *hybrid, int32_t s)
+{
+    const ss_layer *layer = hybrid->layer;
+    int32_t count = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
+            const int32_t p = layer->skin_particle[k];
+            for (int32_t t = layer->tie_first[p]; t < layer->tie_first[p + 1]; ++t) {
+                int32_t *mark = &hybrid->mark[layer->tie_node[t]];
+                count += pass == 0 && *mark < 0;
+                *mark = pass == 0 ? 0 : -1;
+            }
+        }
+    }
+    return count;
+}
+
+/* Room for the row of every skin node, whichever of its particles are awake. */
+static bool create_rides(ss_hybrid *hybrid)
+{
+    const ss_layer *layer = hybrid->layer;
+    size_t entries = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        entries = 0;
+        for (int32_t s = 0; s < layer->skin_count; ++s) {
+            if (pass == 1) {
+                hybrid->ride[s].node = hybrid->ride_node + entries;
+                hybrid->ride[s].weight = hybrid->ride_weight + entries;
+            }
+            const int32_t particles = layer->skin_first[s + 1] - layer->skin_first[s];
+            entries += (size_t)(particles + count_ties(hybrid, s));
+        }
+        if (pass == 0) {
+            hybrid->ride_node = ss_memory_get(entries, sizeof *hybrid->ride_node);
+            hybrid->ride_weight = ss_memory_get(entries, sizeof *hybrid->ride_weight);
+            if (hybrid->ride_node == NULL || hybrid->ride_weight == NULL) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* Which skin nodes ride on a particle; and the arrays of the skin. */
+static bool create_skin(ss_hybrid *hybrid)
+{
+    const ss_layer *layer = hybrid->layer;
+    const size_t skin = (size_t)layer->skin_count;
+    const size_t nodes = (size_t)(hybrid->mesh->node_count + hybrid->max_awake);
+    const int32_t entries = layer->skin_first[layer->skin_count];
+    hybrid->rider_first = ss_memory_get((size_t)layer->count + 2, sizeof *hybrid->rider_first);
+    hybrid->rider = ss_memory_get((size_t)entries, sizeof *hybrid->rider);
+    hybrid->ride = ss_memory_get(skin, sizeof *hybrid->ride);
+    hybrid->riding = ss_memory_get(skin, sizeof *hybrid->riding);
+    hybrid->riding_at = ss_memory_get(skin, sizeof *hybrid->riding_at);
+    hybrid->mark = ss_memory_get(nodes, sizeof *hybrid->mark);
+    hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
+    hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
+    hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
+    hybrid->span = ss_memory_get(skin, sizeof *hybrid->span);
+    hybrid->close = ss_memory_get(skin, sizeof *hybrid->close);
+    hybrid->around = ss_memory_get(skin, sizeof *hybrid->around);
+    hybrid->core_node = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
+    hybrid->load = ss_memory_get(nodes, sizeof *hybrid->load);
+    hybrid->swing = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->swing);
+    hybrid->mode = ss_memory_get(4 * nodes, sizeof *hybrid->mode);
+    hybrid->product = ss_memory_get(4 * nodes, sizeof *hybrid->product);
+    if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
+        hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
+        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
+        hybrid->span == NULL || hybrid->close == NULL || hybrid->around == NULL ||
+        hybrid->core_node == NULL || hybrid->load == NULL || hybrid->swing == NULL ||
+        hybrid->mode == NULL || hybrid->product == NULL) {
+        return false;
+    }
+    for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
+        if (layer->skin_of[i] < 0) {
+            hybrid->core_node[hybrid->core_count++] = i;
+        }
+    }
+    memset(hybrid->riding_at, 0xff, skin * sizeof *hybrid->riding_at);
+    memset(hybrid->mark, 0xff, nodes * sizeof *hybrid->mark);
+    for (int32_t k = 0; k < entries; ++k) {
+        ++hybrid->rider_first[layer->skin_particle[k] + 2];
+    }
+    for (int32_t p = 0; p < layer->count; ++p) {
+        hybrid->rider_first[p + 2] += hybrid->rider_first[p + 1];
+    }
+    for (int32_t s = 0; s < layer->skin_count; ++s) {
+        for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
+            hybrid->rider[hybrid->rider_first[layer->skin_particle[k] + 1]++] = s;
+        }
+    }
+    return create_rides(hybrid) && fill_spans(hybrid);
+}
+
+/* Masses while all sleeps: a quarter of its own and of its guests' to each corner of an element. */
+static void fill_masses(const ss_hybrid *hybrid, double *mass)
+{
+    const ss_mesh *mesh = hybrid->mesh;
+    const ss_layer *layer = hybrid->layer;
+    ss_body_volume_masses(mesh, hybrid->material.density, true, mass);
+    for (int32_t p = 0; p < layer->own_count; ++p) {
+        const int32_t e = layer->host[p];
+        for (int k = 0; k < 4; ++k) {
+            mass[mesh->tetrahedron[e][k]] += 0.25 * layer->volume[p] * hybrid->material.density[e];
+        }
+    }
+}
+
+/* Skin nodes ride and cannot be held themselves: the particles under those that are stay tied. */
+static void hold(ss_hybrid *hybrid, uint8_t *fixed)
+{
+    const ss_layer *layer = hybrid->layer;
+    for (int32_t s = 0; s < layer->skin_count; ++s) {
+        if (fixed[layer->skin_node[s]] != 0) {
+            ++hybrid->held_skin;
+            fixed[layer->skin_node[s]] = 0;
+            for (int32_t k = layer->skin_first[s]; k < layer->skin_first[s + 1]; ++k) {
+                hybrid->is_held[layer->skin_particle[k]] = 1;
+            }
+        }
+    }
+}
+
+static bool is_any_held(const uint8_t *fixed, int32_t count)
+{
+    bool is_held = false;
+    for (int32_t i = 0; i < count; ++i) {
+        is_held = is_held || fixed[i] != 0;
+    }
+    return is_held;
+}
+
+static void settle(void *owner)
+{
+    ss_hybrid *hybrid = owner;
+    ss_hybrid_settle(hybrid);
+    ss_hybrid_forget(hybrid);
+    ss_turned_reset(&hybrid->turned);
+}
+
+static uint64_t fnv(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; ++k) {
+        hash = (hash ^ byte[k]) * 1099511628211u;
+    }
+    return hash;
+}
+
+static uint64_t hash_layer(const void *owner, uint64_t seed)
+{
+    const ss_hybrid *hybrid = owner;
+    seed = ss_turned_hash(&hybrid->turned, seed);
+    for (int32_t k = 0; k < hybrid->point_count; ++k) {
+        const int32_t p = hybrid->point[k];
+        const ss_hybrid_particle *particle = &hybrid->particle[p];
+        const ss_real value[5] = {(ss_real)p, particle->share, hybrid->offset[4 * (ptrdiff_t)p],
+                                  hybrid->offset[4 * (ptrdiff_t)p + 1],
+                                  hybrid->offset[4 * (ptrdiff_t)p + 2]};
+        seed = fnv(seed, value, sizeof value);
+        seed = fnv(seed, &hybrid->node_of[p], sizeof hybrid->node_of[p]);
+    }
+    return seed;
+}
+
+static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, const double *mass,
+                                  double planned_step, softsim_error *error)
+{
+    double density = (double)INFINITY;
+    for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
+        density = fmin(density, hybrid->material.density[e]);
+    }
+    const ss_body_plan body = {.name = "hybrid",
+                               .plan = plan,
+                               .node_count = plan->mesh->node_count + hybrid->max_awake,
+                               .mass = mass,
+                               .mass_damping = hybrid->material.mass_damping,
+                               .edge = fmin(hybrid->least_spacing, ss_body_mean_edge(plan->mesh)),
+                               .planned_step = planned_step,
+                               .step_share = STEP_SHARE,
+                               .contact_share = CONTACT_STEP_SHARE,
+                               .integrator = hybrid->material.integrator,
+                               .elastic = {.owner = hybrid,
+                                           .force = ss_hybrid_force,
+                                           .tangent = ss_hybrid_tangent,
+                                           .diagonal = ss_hybrid_diagonal,
+                                           .viscous_time = hybrid->material.viscous_time,
+                                           .stable_step = ss_hybrid_stable_step,
+                                           .reset = settle,
+                                           .hash = hash_layer},
+                               .skin = {.mesh = plan->mesh,
+                                        .sigma = density * hybrid->least_spacing,
+                                        .lay = ss_hybrid_lay,
+                                        .carry = ss_hybrid_carry,
+                                        .carry_diagonal = ss_hybrid_carry_diagonal,
+                                        .rate2 = ss_hybrid_carry_rate2}};
+    return ss_body_create(&body, &hybrid->body, error);
+}
+
+/* The stable step is that of a body, and the body's contact needs the stable step: a bare body is
+ * measured first. */
+static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_plan *plan,
+                                              const double *mass, softsim_error *error)
+{
+    ss_model_plan bare = *plan;
+    bare.load_count = 0;
+    bare.prescribed_count = 0;
+    memset(bare.tool, 0, sizeof bare.tool);
+    softsim_status status = create_body(hybrid, &bare, mass, 1.0, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    ss_hybrid_measure(hybrid);
+    ss_hybrid_settle(hybrid);
+    const bool is_all_awake = hybrid->is_all_awake;
+    hybrid->is_all_awake = false; /* the new body begins with its masses asleep */
+    ss_hybrid_settle(hybrid);
+    hybrid->is_all_awake = is_all_awake;
+    ss_body_destroy(&hybrid->body);
+    const double limit =
+        ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                           hybrid->material.viscous_time, hybrid->material.mass_damping);
+    status = create_body(hybrid, plan, mass, STEP_SHARE * limit, error);
+    if (status == SOFTSIM_OK) {
+        hybrid->u = ss_body_read_nodes(hybrid->body)->u;
+        status = ss_body_start(hybrid->body);
+    }
+    return status;
+}
+
+static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsim_error *error)
+{
+    softsim_status status = ss_fem_material_create(plan, "hybrid", &hybrid->material, error);
+    if (status == SOFTSIM_OK) {
+        status = create_layer(hybrid, plan, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = read_parameters(hybrid, plan, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = check_pressures(hybrid, plan, error);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    const size_t nodes = (size_t)plan->mesh->node_count;
+    ss_model_plan own = *plan;
+    double *mass = ss_memory_get(nodes + (size_t)hybrid->max_awake, sizeof *mass);
+    hybrid->mass_asleep = mass;
+    hybrid->fixed = ss_memory_get(nodes, 1);
+    if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
+        !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) || !create_particles(hybrid) ||
+        !ss_hybrid_create_near(hybrid) || !create_skin(hybrid)) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    memcpy(hybrid->fixed, plan->fixed, nodes);
+    hold(hybrid, hybrid->fixed);
+    if (hybrid->held_skin > 0 && !is_any_held(hybrid->fixed, plan->mesh->node_count)) {
+        return refuse(error,
+                      "object.fixed: all nodes that are held lie on the layer, which rides on "
+                      "the core, and the core would fall; hold nodes of the core too, or let "
+                      "the layer be thinner there");
+    }
+    own.fixed = hybrid->fixed;
+    memcpy(hybrid->shape, plan->tool, sizeof hybrid->shape);
+    fill_masses(hybrid, mass);
+    return measure_and_create_body(hybrid, &own, mass, error);
+}
+
+static void destroy(ss_model *model)
+{
+    ss_hybrid *hybrid = (ss_hybrid *)model;
+    if (hybrid == NULL) {
+        return;
+    }
+    ss_body_destroy(&hybrid->body);
+    ss_layer_destroy(&hybrid->layer);
+    ss_fem_material_fini(&hybrid->material);
+    ss_fem_blocks_fini(&hybrid->core);
+    ss_fem_blocks_fini(&hybrid->points);
+    ss_point_grid_fini(&hybrid->grid);
+    ss_hybrid_destroy_cells(hybrid);
+    ss_hybrid_destroy_near(hybrid);
+    void *const owned[] = {
+        hybrid->lane,      hybrid->volume,      hybrid->particle,  hybrid->node_of,
+        hybrid->is_held,   hybrid->offset,      hybrid->point,     hybrid->coefficient,
+        hybrid->gradient,  hybrid->spread,      hybrid->stress,    hybrid->near,
+        hybrid->wanted,    hybrid->idle,        hybrid->drifting,  hybrid->rider_first,
+        hybrid->rider,     hybrid->ride,        hybrid->riding,    hybrid->riding_at,
+        hybrid->mark,      hybrid->shown,       hybrid->shown_v,   hybrid->laid,
+        hybrid->distance,  hybrid->found,       hybrid->mode,      hybrid->product,
+        hybrid->fixed,     hybrid->mass_asleep, hybrid->load,      hybrid->swing,
+        hybrid->close,     hybrid->around,      hybrid->core_node, hybrid->span,
+        hybrid->ride_node, hybrid->ride_weight};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
+        ss_memory_free(owned[k]);
+    }
+    ss_memory_free(hybrid);
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    ss_hybrid *hybrid = ss_memory_get(1, sizeof *hybrid);
+    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    *out_model = NULL;
+    if (hybrid != NULL && own != NULL) {
+        hybrid->mesh = plan->mesh;
+        ss_turned_init(&hybrid->turned, plan->mesh, plan->step);
+        hybrid->law = ss_fem_kernels_get();
+        hybrid->kernels = ss_layer_kernels_get();
+        status = build(hybrid, plan, error != NULL ? error : own);
+    }
+    ss_memory_free(own);
+    if (status != SOFTSIM_OK) {
+        destroy((ss_model *)hybrid);
+        return status;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (hybrid->shape[k].is_used) {
+            const double radius = ss_shape_bounding_radius(&hybrid->shape[k].shape);
+            hybrid->close_reach[k] = radius + 3.5 * hybrid->skin_edge;
+            hybrid->around_reach[k] = radius + hybrid->sleep_reach + 1.5 * hybrid->skin_edge;
+        }
+    }
+    *out_model = (ss_model *)hybrid;
+    return SOFTSIM_OK;
+}
+
+/* ---- the class ------------------------------------------------------------------------------
+ */
+
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    ss_hybrid *hybrid = (ss_hybrid *)model;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        hybrid->tool[k] = tool != NULL ? tool[k] : (ss_model_tool){0};
+        hybrid->tool[k].is_present = hybrid->tool[k].is_present && hybrid->shape[k].is_used;
+    }
+    ss_model_info now;
+    ss_body_info(hybrid->body, &now);
+    if ((now.fault_bits & SS_MODEL_FAULT_NOT_FINITE) == 0) { /* else all stays as it was */
+        ss_hybrid_list_skin(hybrid);
+        if (ss_hybrid_wake(hybrid)) {
+            ss_body_renew(hybrid->body);
+        }
+    }
+    ss_body_step(hybrid->body, time, dt, tool);
+    const int32_t turned = ss_turned_look(&hybrid->turned, ss_body_read_nodes(hybrid->body)->u);
+    if (turned >= 0) {
+        ss_body_judge(hybrid->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_set_worst_element(hybrid->body, turned);
+    }
+}
+
+static const ss_real *displacement(const ss_model *model)
+{
+    const ss_hybrid *hybrid = (const ss_hybrid *)model;
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->shown);
+    return hybrid->shown;
+}
+
+static const ss_real *velocity(const ss_model *model)
+{
+    const ss_hybrid *hybrid = (const ss_hybrid *)model;
+    ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->v, hybrid->shown_v);
+    return hybrid->shown_v;
+}
+
+/* ---- words ----------------------------------------------------------------------------------
+ */
+
+enum { PRESSES = 64 }; /* places that are looked at, evenly over the skin */
+
+/* The most particles that a ball of radius `radius`, pressed in by half of it, comes nearer to than
+ * wake_reach. */
+static int32_t most_near(const ss_hybrid *hybrid, const double (*area)[3], double radius)
+{
+    const ss_layer *layer = hybrid->layer;
+    const double reach = radius + hybrid->wake_reach;
+    int32_t most = 0;
+    for (int32_t place = 0; place < PRESSES; ++place) {
+        const int32_t i = layer->skin_node[(int64_t)place * layer->skin_count / PRESSES];
+        double out[3], middle[3];
+        int32_t count = 0;
+        ss_copy3(out, area[i]);
+        if (!(ss_normalize3(out) > 0.0)) {
+            continue;
+        }
+        ss_madd3(middle, hybrid->mesh->position[i], 0.5 * radius, out);
+        for (int32_t p = 0; p < layer->own_count; ++p) {
+            double way[3];
+            ss_sub3(way, layer->rest[p], middle);
+            count += ss_dot3(way, way) < reach * reach;
+        }
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+/* Where max_active may leave particles near a tool asleep. */
+static void explain_cap(const ss_hybrid *hybrid, const ss_printer *out)
+{
+    const double limit = ss_hybrid_most_wanted(hybrid);
+    double(*area)[3] = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *area);
+    if (area != NULL) {
+        ss_mesh_node_area_vectors(hybrid->mesh, area);
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES && area != NULL; ++k) {
+        if (!hybrid->shape[k].is_used) {
+            continue;
+        }
+        const double radius = ss_shape_inradius(&hybrid->shape[k].shape);
+        const int32_t near = most_near(hybrid, (const double(*)[3])area, radius);
+        if (near > limit) {
+            ss_say(out,
+                   "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
+                   "to %d particles, and layer.max_active wakes %.0f: the others follow the "
+                   "core; raise it, or wake from nearer",
+                   k, 0.5 * radius, near, floor(limit));
+        }
+    }
+    ss_memory_free(area);
+}
+
+static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const ss_hybrid *hybrid = (const ss_hybrid *)model;
+    const ss_layer *layer = hybrid->layer;
+    const ss_printer out = {line, sink};
+    ss_say(&out,
+           "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
+           "kernels %s",
+           layer->own_count, hybrid->cells.count, layer->count - layer->own_count,
+           layer->spacing[0], hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
+           layer->pair_first[layer->count], hybrid->kernels->name);
+    if (layer->dropped_count > 0) {
+        ss_say(&out, "layer: %d places with too few neighbours were left empty",
+               layer->dropped_count);
+    }
+    if (hybrid->is_all_awake) {
+        ss_say(&out, "activation: none, all particles are awake always");
+    } else {
+        ss_say(&out,
+               "activation: within %.4g m of a tool, until %.4g m, at most %d particles and %d "
+               "with their neighbours; the rest is counted with the core",
+               hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake, hybrid->max_points);
+        explain_cap(hybrid, &out);
+    }
+    ss_say(&out, "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",
+           layer->skin_count,
+           hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
+           ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                              hybrid->material.viscous_time, hybrid->material.mass_damping));
+    if (layer->far_count > 0) {
+        ss_say(&out,
+               "warning: %d of %d nodes of the surface are so far from the core's small elements "
+               "that they repeat its motion up to %.0f-fold; make the core coarser or the layer "
+               "thinner",
+               layer->far_count, layer->skin_count, layer->farthest_tie);
+    }
+    if (hybrid->is_locking) {
+        ss_say(&out,
+               "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
+               "cure is for whole volumes, and the layer takes part of the core's: left out");
+    }
+    if (!(hybrid->cohesion > 0.0)) {
+        ss_say(&out, "left out: cohesion (lennard_jones_share 0)");
+    }
+    if (hybrid->material.phi == NULL) {
+        ss_say(&out, "left out: velocity gradients (no viscosity)");
+    }
+    ss_body_explain(hybrid->body, line, sink);
+}
+
+extern const ss_model_class ss_model_hybrid;
+const ss_model_class ss_model_hybrid = {
+    .name = "hybrid",
+    .help = "a core of tetrahedra under a layer of particles that wake where a tool is",
+    .row = rows,
+    .row_count = SS_HYBRID_ROW_COUNT,
+    .needs_volume = true,
+    .step_cost_us = step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = step,
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
+    .info = ss_body_model_info,
+    .displacement = displacement,
+    .velocity = velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
+    .explain = explain};
