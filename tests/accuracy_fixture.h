@@ -5,7 +5,7 @@
  * first. */
 #include <stdint.h>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "folder_fixture.h"
 #include "number_fixture.h"
 
@@ -28,7 +28,7 @@ static inline int run_accuracy(const char *const *option, FILE *stream, const ch
         argv[argc] = (char *)(uintptr_t)option[argc - 1];
     }
     const int kept = divert(stream, to);
-    const int result = ss_bench_accuracy(argc, argv);
+    const int result = ss_report_accuracy.run(argc, argv);
     restore(stream, kept);
     return result;
 }

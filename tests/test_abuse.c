@@ -16,12 +16,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "assay.h"
-#include "assay_scene.h"
-#include "audit.h"
+#include "bench/stability/stress_case.h"
+#include "bench/stability/stress_scene.h"
+#include "bench/stability/audit.h"
 #include "effort.h"
 #include "folder_fixture.h"
-#include "hand.h"
+#include "bench/stability/hand.h"
 #include "rt/vec.h"
 #include "watch.h"
 #include "world.h"

@@ -23,14 +23,14 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "accuracy.h"
+#include "bench/accuracy/accuracy.h"
 #include "accuracy_fixture.h"
-#include "case.h"
+#include "case/case.h"
 #include "effort.h"
 #include "models/model.h"
-#include "norms.h"
-#include "refine.h"
-#include "table.h"
+#include "case/norms.h"
+#include "bench/accuracy/refine.h"
+#include "case/table.h"
 
 /* ---- norms ------------------------------------------------------------------------------------
  */

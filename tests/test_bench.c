@@ -20,19 +20,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "bench.h"
-#include "child.h"
-#include "csv.h"
-#include "fem_speed.h"
-#include "figures.h"
+#include "bench/bench.h"
+#include "bench/core/child.h"
+#include "case/csv.h"
+#include "bench/papers/hybrid/fem_speed.h"
+#include "bench/latency/figures.h"
 #include "folder_fixture.h"
-#include "judge.h"
+#include "bench/latency/judge.h"
 #include "process.h"
-#include "report.h"
-#include "samples.h"
-#include "scratch.h"
-#include "session.h"
-#include "table.h"
+#include "bench/core/report.h"
+#include "case/samples.h"
+#include "case/scratch.h"
+#include "bench/latency/session.h"
+#include "case/table.h"
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
 
@@ -392,7 +392,7 @@ static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
     softsim_error error = {.status = SOFTSIM_OK};
     snprintf(out, sizeof out, "%s", in_folder("ablation"));
     const int kept = divert(stdout, "/dev/null");
-    assert_int_equal(ss_bench_ablation(3, argv), 0);
+    assert_int_equal(ss_report_ablation.run(3, argv), 0);
     restore(stdout, kept);
     if (ss_table_load(in_folder("ablation/ablation.csv"), &table, &error) != SOFTSIM_OK) {
         fail_msg("%s", error.text);

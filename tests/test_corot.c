@@ -17,7 +17,7 @@
 #include "models/corotational/corotational.h"
 #include "rt/vec.h"
 #include "setup_fixture.h"
-#include "static_fem.h"
+#include "bench/core/static_fem.h"
 
 typedef double vector[3];
 

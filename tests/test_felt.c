@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "felt.h"
+#include "bench/latency/felt.h"
 
 #define T  1e-3
 #define PI 3.14159265358979323846

@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "effort.h"
-#include "felt.h"
+#include "bench/latency/felt.h"
 #include "haptic/haptic.h"
 
 #define T  1e-3

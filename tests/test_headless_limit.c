@@ -16,7 +16,7 @@
 
 #include "device.h"
 #include "effort.h"
-#include "felt.h"
+#include "bench/latency/felt.h"
 #include "limit_judge.h"
 #include "press_fixture.h"
 #include "world.h"

@@ -18,15 +18,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "effort.h"
 #include "folder_fixture.h"
-#include "paper.h"
-#include "paper_shape.h"
+#include "bench/papers/paper.h"
+#include "bench/core/shape.h"
 #include "rt/vec.h"
-#include "zhong.h"
-#include "zhong_motion.h"
-#include "zhong_net.h"
+#include "bench/papers/zhong2006/zhong2006.h"
+#include "bench/papers/zhong2006/motion.h"
+#include "bench/papers/zhong2006/net.h"
 
 #define PI                       3.14159265358979323846
 #define assert_near(a, b, share) assert_true(fabs((a) - (b)) <= (share)*fabs(b))
@@ -527,7 +527,7 @@ static void faces_are_drawn_from_far_to_near(void **state)
 static int run_quietly(int argc, char **argv)
 {
     const int kept = divert(stderr, "/dev/null");
-    const int result = ss_bench_paper(argc, argv);
+    const int result = ss_report_paper.run(argc, argv);
     restore(stderr, kept);
     return result;
 }

@@ -17,8 +17,8 @@
 #include <string.h>
 
 #include "folder_fixture.h"
-#include "heart.h"
-#include "heart_own.h"
+#include "bench/papers/hybrid/hybrid.h"
+#include "bench/papers/hybrid/own.h"
 #include "number_fixture.h"
 #include "rt/vec.h"
 

@@ -22,7 +22,7 @@
 #include "folder_fixture.h"
 #include "number_fixture.h"
 #include "rt/vec.h"
-#include "zhang.h"
+#include "bench/papers/zhang2018/zhang2018.h"
 
 static softsim_error error;
 

@@ -18,13 +18,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "assay.h"
-#include "audit.h"
+#include "bench/stability/stress_case.h"
+#include "bench/stability/audit.h"
 #include "folder_fixture.h"
 #include "models/model.h"
 #include "rt/vec.h"
-#include "specimen.h"
-#include "stability.h"
+#include "bench/stability/specimen.h"
+#include "bench/stability/stability.h"
 
 /* ---- the body -------------------------------------------------------------------------------- */
 

@@ -18,7 +18,7 @@
 
 #include "number_fixture.h"
 #include "rt/vec.h"
-#include "static_fem.h"
+#include "bench/core/static_fem.h"
 
 #define REFERENCE SOURCE_DIR "/tests/reference/"
 

@@ -22,7 +22,7 @@
 
 #include "folder_fixture.h"
 #include "process.h"
-#include "sweep.h"
+#include "bench/core/sweep.h"
 
 enum { RUNS = 12, CRASHES = 3, FAILS = 5, HANGS = 7 };
 

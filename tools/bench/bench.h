@@ -2,20 +2,15 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * The reports of softsim-bench. argv[0] is "softsim-bench REPORT"; each returns the program's exit
- * status. Thread: main.
+ * The reports of softsim-bench: each is one folder and one row of the table that CMakeLists.txt
+ * makes of the folders. Thread: main.
  */
+typedef struct ss_report_class {
+    const char *name, *about;
+    /* Returns the program's exit status; argv[0] is "softsim-bench NAME". */
+    int (*run)(int argc, char **argv);
+} ss_report_class;
 
-/* Error against run time of every model, on problems with trusted solutions. */
-int ss_bench_accuracy(int argc, char **argv);
-/* The whole chain against a bare timer loop and a bare LCM echo in the same run; or, with --log,
- * how a session felt. */
-int ss_bench_latency(int argc, char **argv);
-/* The figures and tables of a paper, claim by claim. */
-int ss_bench_paper(int argc, char **argv);
-/* What each omission of the plan is worth. */
-int ss_bench_ablation(int argc, char **argv);
-/* Step time, smoothness and energy against the number of nodes. */
-int ss_bench_scaling(int argc, char **argv);
-/* What breaks a model, and whether the program says so. */
-int ss_bench_stability(int argc, char **argv);
+#define SS_REPORT_ROW(object) extern const ss_report_class object;
+#include "report_rows.h"
+#undef SS_REPORT_ROW

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "csv.h"
+#include "case/csv.h"
 
 enum { DEPTH, TIME, FORCE, COLUMNS };
 

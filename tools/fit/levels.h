@@ -12,11 +12,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "accuracy_run.h"
-#include "case.h"
+#include "case/run.h"
+#include "case/case.h"
 #include "parameters.h"
 #include "press.h"
-#include "scratch.h"
+#include "case/scratch.h"
 #include "softsim/types.h"
 
 typedef struct ss_fit_levels {

@@ -1,0 +1,883 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-bench accuracy: every model on every mesh of problems with trusted solutions, error
+ * against run time. What is measured: the field and the force against the reference (case/norms.h),
+ * the thread CPU time of a step of 1 ms of the product's own world, and the time until the body has
+ * come to rest. What is not: loads or materials that a model refuses; those rows say so.
+ */
+#include <dirent.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bench/accuracy/accuracy.h"
+#include "bench/accuracy/scene.h"
+#include "bench/bench.h"
+#include "bench/core/child.h"
+#include "bench/core/sweep.h"
+#include "case/run.h"
+#include "case/scratch.h"
+#include "models/model.h"
+#include "output.h"
+#include "process.h"
+#include "rt/args.h"
+#include "rt/files.h"
+#include "world.h"
+
+enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
+static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
+static const char standard_folder[] = "tests/reference";
+
+typedef struct options {
+    ss_arg_list cases, compare, set;
+    const char *scene, *model, *mesh, *out;
+    double budget_us;
+    int64_t jobs;
+    bool is_quick;
+} options;
+
+typedef struct report {
+    options o;
+    ss_accuracy_plan plan, dynamic; /* share their cases */
+    ss_accuracy_rows rows;
+    char *dynamics; /* lines of dynamics.csv */
+    ss_yardstick yardstick;
+    char found[SS_ACCURACY_MAX_CASES][SS_CASE_PATH]; /* folders of the standard cases */
+    int32_t found_count;
+    ss_accuracy_worth worth; /* of a scene's reference */
+} report;
+
+/* ---- options ------------------------------------------------------------------------------ */
+
+/* The report may be no file that the command names. */
+static void check_outputs(const options *o, softsim_error *error)
+{
+    static const char *const names[] = {"accuracy.csv", "accuracy.html", "dynamics.csv",
+                                        "case/case.yaml"};
+    enum { COUNT = sizeof names / sizeof *names };
+    char path[COUNT][SS_ACCURACY_PATH + 32];
+    ss_named_file in[SS_ARG_LIST_MAX + 1] = {{"the --scene file", o->scene}}, out[COUNT];
+    for (int32_t k = 0; k < o->compare.count; ++k) {
+        in[k + 1] = (ss_named_file){"a --compare file", o->compare.value[k]};
+    }
+    for (int k = 0; k < COUNT; ++k) {
+        snprintf(path[k], sizeof path[k], "%s/%s", o->out, names[k]);
+        out[k] = (ss_named_file){"--out", path[k]};
+    }
+    (void)ss_files_check(in, o->compare.count + 1, out, COUNT, error);
+}
+
+static ss_args_result parse(int argc, char **argv, options *out, softsim_error *error)
+{
+    options o = {.out = "accuracy-report", .jobs = 1};
+    const ss_arg rows[] = {
+        {"--case", SS_ARG_LIST, &o.cases, 0, 0, "DIR",
+         "a reference problem, a folder with a case.yaml; may be given again (all of "
+         "tests/reference)"},
+        {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "SCENE.yaml",
+         "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
+         "reference is made by refinement, and judged"},
+        {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
+        {"--set", SS_ARG_LIST, &o.set, 0, 0, "KEY=VALUE",
+         "a parameter of physical models that the case does not give, as "
+         "locking_cure=nodal-pressure; may be given again"},
+        {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
+        {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
+         "the two coarsest meshes, up to 2000 nodes, and the first and last level"},
+        {"--budget-us", SS_ARG_NUMBER, &o.budget_us, 1e-3, 1e9, "N",
+         "names the most accurate choice whose step takes no longer"},
+        {"--compare", SS_ARG_LIST, &o.compare, 0, 0, "FILE.csv",
+         "rows of other programs, with the columns of accuracy.csv, into the same pictures"},
+        {"--jobs", SS_ARG_INTEGER, &o.jobs, 1, SS_SWEEP_MAX_JOBS, "N", "processes at a time (1)"},
+        {"--out", SS_ARG_STRING, &o.out, 0, 0, "DIR", "for the report (accuracy-report)"},
+    };
+    int32_t count = 0;
+    const char *positional = NULL;
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options]",
+        "Measures the error of every model against its run time on problems with "
+        "trusted solutions. The same command goes on where it was killed, and runs "
+        "under mpirun.",
+        rows, (int32_t)(sizeof rows / sizeof *rows), &positional, 0, 0, &count, error);
+    *out = o;
+    if (result == SS_ARGS_RUN && strlen(o.out) > SS_ACCURACY_PATH - 300) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
+    }
+    if (result == SS_ARGS_RUN && o.scene != NULL && o.cases.count > 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--scene stands in place of --case; leave one out");
+    }
+    if (result == SS_ARGS_RUN && error->fault_count == 0) {
+        check_outputs(&o, error);
+    }
+    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+}
+
+/* Is `name` in the list "a,b,c"? No list: everything is. */
+static bool is_listed(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    for (const char *at = list; at != NULL; at = *at == ',' ? at + 1 : NULL) {
+        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) {
+            return true;
+        }
+        at += strcspn(at, ",");
+    }
+    return list == NULL;
+}
+
+static void check_models(const options *o, softsim_error *error)
+{
+    for (const char *at = o->model; at != NULL;) {
+        char name[64];
+        const size_t length = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (ss_model_find(name) == NULL) {
+            char known[256] = "";
+            int32_t count = 0;
+            const ss_model_class *const *table = ss_model_table(&count);
+            for (int32_t i = 0; i < count; ++i) {
+                const size_t used = strlen(known);
+                snprintf(known + used, sizeof known - used, " %s", table[i]->name);
+            }
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                              "--model: '%s' is not a model of this program; it has:%s", name,
+                              known);
+        }
+        at = at[length] == ',' ? at + length + 1 : NULL;
+    }
+}
+
+/* Each must be a parameter of a model that is to run. */
+static void check_sets(const options *o, softsim_error *error)
+{
+    for (int32_t i = 0; i < o->set.count; ++i) {
+        const char *set = o->set.value[i];
+        const char *equals = strchr(set, '=');
+        int32_t count = 0, takers = 0;
+        const ss_model_class *const *table = ss_model_table(&count);
+        for (int32_t k = 0; k < count; ++k) {
+            const ss_accuracy_model *model = ss_accuracy_model_find(table[k]->name);
+            takers += model != NULL && is_listed(o->model, model->name) &&
+                      ss_accuracy_model_takes(model, set);
+        }
+        if (equals == NULL || equals[1] == '\0' || strpbrk(set, "\n\r#") != NULL || takers == 0) {
+            softsim_error_add(
+                error, SOFTSIM_ERROR_ARGUMENT,
+                "--set: '%s' is not KEY=VALUE with a parameter that is left to choose "
+                "of a physical model that runs; softsimd --print-config shows them",
+                set);
+        }
+    }
+}
+
+/* ---- cases -------------------------------------------------------------------------------- */
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
+/* Every folder of `parent` with a case.yaml. */
+static void find_cases(report *r, const char *parent)
+{
+    DIR *folder = opendir(parent);
+    if (folder == NULL) {
+        return;
+    }
+    for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
+        char path[SS_CASE_PATH + 300];
+        const int length = snprintf(path, sizeof path, "%s/%s/case.yaml", parent, at->d_name);
+        if (at->d_name[0] != '.' && length < SS_CASE_PATH && access(path, R_OK) == 0 &&
+            r->found_count < SS_ACCURACY_MAX_CASES) {
+            snprintf(r->found[r->found_count++], SS_CASE_PATH, "%s/%s", parent, at->d_name);
+        }
+    }
+    closedir(folder);
+    qsort(r->found, (size_t)r->found_count, sizeof r->found[0], by_name);
+}
+
+/* tests/reference here, or in a folder above the program: of the source tree it was built in. */
+static void find_standard_cases(report *r)
+{
+    char own[SS_CASE_PATH], path[SS_CASE_PATH + 32];
+    find_cases(r, standard_folder);
+    if (r->found_count > 0 || !ss_child_own_folder(own, sizeof own)) {
+        return;
+    }
+    for (char *slash = own + strlen(own); slash != NULL && r->found_count == 0;
+         slash = strrchr(own, '/')) {
+        *slash = '\0';
+        snprintf(path, sizeof path, "%s/%s", own, standard_folder);
+        find_cases(r, path);
+    }
+}
+
+/* The scene as a case of the report's own. */
+static softsim_status make_scene_case(report *r, softsim_error *error)
+{
+    char *path = r->found[r->found_count++];
+    if (snprintf(path, SS_CASE_PATH, "%s/case", r->o.out) >= SS_CASE_PATH) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    return ss_accuracy_scene(r->o.scene, path, r->o.is_quick, &r->worth, error);
+}
+
+/* A file as it is read; of one that cannot be read its job will say so. */
+static uint64_t add_file(uint64_t hash, const char *folder, const char *name)
+{
+    char path[2 * SS_CASE_PATH];
+    size_t size = 0;
+    softsim_error ignored = {.status = SOFTSIM_OK};
+    if (name[0] == '\0') {
+        return hash;
+    }
+    ss_case_join(folder, name, path, sizeof path);
+    char *text = ss_table_read_file(path, &size, &ignored);
+    hash = ss_world_fnv(hash, &size, sizeof size);
+    hash = ss_world_fnv(hash, text, size);
+    free(text);
+    return hash;
+}
+
+static uint64_t add_meshes(uint64_t hash, const ss_case *c, bool on_surface, bool has_solution)
+{
+    int32_t count = 0;
+    const ss_case_mesh *mesh = ss_case_meshes(c, on_surface, &count);
+    for (int32_t i = 0; i < count; ++i) {
+        hash = add_file(hash, c->mesh_folder, on_surface ? mesh[i].surface : mesh[i].volume);
+        hash = add_file(hash, c->mesh_folder, mesh[i].sets);
+        for (int32_t m = 0; m < c->material_count && has_solution; ++m) {
+            hash = add_file(hash, c->mesh_folder, mesh[i].reference[m]);
+        }
+    }
+    return hash;
+}
+
+/* Of all that a case says, and of what is set beside it. `has_solution` false: but for what follows
+ * from the rest. */
+static uint64_t digest_of(const ss_case *c, bool has_solution, const ss_arg_list *set)
+{
+    uint64_t hash = add_file(0, c->folder, "case.yaml");
+    for (int32_t i = 0; i < set->count; ++i) {
+        hash = ss_world_fnv(hash, set->value[i], strlen(set->value[i]) + 1);
+    }
+    hash = add_file(hash, c->mesh_folder, "case.yaml");
+    hash = add_meshes(add_meshes(hash, c, false, has_solution), c, true, has_solution);
+    for (int32_t i = 0; i < c->level_count && has_solution; ++i) {
+        hash = ss_world_fnv(hash, &c->level[i].force, sizeof c->level[i].force);
+    }
+    hash = ss_world_fnv(hash, &c->first_frequency, sizeof c->first_frequency);
+    for (int32_t i = 0; i < c->step_count; ++i) {
+        const ss_case_step *step = &c->step[i];
+        hash = ss_world_fnv(hash, step->time, (size_t)step->count * sizeof *step->time);
+        hash = ss_world_fnv(hash, step->u, (size_t)step->count * sizeof *step->u);
+    }
+    return hash;
+}
+
+static softsim_status load_cases(report *r, softsim_error *error)
+{
+    if (r->o.scene != NULL) {
+        const softsim_status status = make_scene_case(r, error);
+        if (status != SOFTSIM_OK) {
+            return status;
+        }
+    } else if (r->o.cases.count == 0) {
+        find_standard_cases(r);
+    }
+    const int32_t count = r->o.cases.count > 0 ? r->o.cases.count : r->found_count;
+    if (count == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "no %s with reference problems is near; name them with --case DIR",
+                          standard_folder);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    r->plan.c = calloc((size_t)count, sizeof *r->plan.c);
+    if (r->plan.c == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        ss_case *c = &r->plan.c[r->plan.case_count++];
+        ss_case_load(r->o.cases.count > 0 ? r->o.cases.value[k] : r->found[k], c, error);
+        for (int32_t i = 0; i < k; ++i) {
+            if (error->fault_count == 0 && strcmp(c->name, r->plan.c[i].name) == 0) {
+                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s and %s are both called '%s'",
+                                  r->plan.c[i].folder, c->folder, c->name);
+            }
+        }
+        /* What a scene's case has for a solution is made anew by every start, and may be rounded
+         * otherwise by another machine. */
+        r->plan.digest[k] =
+            error->fault_count == 0 ? digest_of(c, r->o.scene == NULL, &r->o.set) : 0;
+    }
+    return error->fault_count > 0 ? error->status : SOFTSIM_OK;
+}
+
+/* ---- jobs --------------------------------------------------------------------------------- */
+
+static softsim_status add_job(ss_accuracy_plan *plan, ss_accuracy_job job, softsim_error *error)
+{
+    if (plan->job_count % 64 == 0) {
+        ss_accuracy_job *more =
+            realloc(plan->job, (size_t)(plan->job_count + 64) * sizeof *plan->job);
+        if (more == NULL) {
+            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+            return SOFTSIM_ERROR_MEMORY;
+        }
+        plan->job = more;
+    }
+    plan->job[plan->job_count++] = job;
+    return SOFTSIM_OK;
+}
+
+/* In a hurry: the coarsest meshes, and of these not those that are fine already. */
+static bool is_quick_mesh(const ss_case *c, const ss_case_mesh *mesh, int32_t index,
+                          bool on_surface)
+{
+    ss_case_body body;
+    softsim_error ignored = {.status = SOFTSIM_OK}; /* ss_accuracy_check_bodies says it */
+    if (index == 0 || index >= QUICK_MESHES) {
+        return index == 0;
+    }
+    ss_case_load_body(c, mesh, -1, on_surface, &body, &ignored);
+    const bool is_small = body.mesh == NULL || body.mesh->node_count <= QUICK_NODES;
+    ss_case_body_fini(&body);
+    return is_small;
+}
+
+static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_error *error)
+{
+    const ss_case *c = &r->plan.c[k];
+    const ss_accuracy_model *model = ss_accuracy_model_find(name);
+    const bool on_surface = model != NULL && model->on_surface;
+    int32_t mesh_count = 0;
+    const ss_case_mesh *mesh = ss_case_meshes(c, on_surface, &mesh_count);
+    ss_accuracy_plan *plan = c->is_dynamic ? &r->dynamic : &r->plan;
+    softsim_status status = SOFTSIM_OK;
+    for (int32_t i = 0; i < mesh_count && status == SOFTSIM_OK; ++i) {
+        if (!is_listed(r->o.mesh, mesh[i].name) || !ss_case_has_body(&mesh[i], on_surface) ||
+            (r->o.mesh == NULL && r->o.is_quick && !is_quick_mesh(c, &mesh[i], i, on_surface))) {
+            continue;
+        }
+        for (int32_t m = c->is_dynamic ? -1 : 0; m < c->material_count && status == SOFTSIM_OK;
+             ++m) {
+            if (c->is_dynamic || mesh[i].reference[m][0] != '\0') {
+                const ss_accuracy_job job = {
+                    .case_index = k, .material = m, .mesh = i, .model = name};
+                status = add_job(plan, job, error);
+            }
+        }
+    }
+    return status;
+}
+
+static bool has_mesh(const report *r, const char *name)
+{
+    for (int32_t k = 0; k < r->plan.case_count; ++k) {
+        for (int on_surface = 0; on_surface < 2; ++on_surface) {
+            int32_t count = 0;
+            const ss_case_mesh *mesh = ss_case_meshes(&r->plan.c[k], on_surface == 1, &count);
+            for (int32_t i = 0; i < count; ++i) {
+                if (strcmp(mesh[i].name, name) == 0) {
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+static void check_meshes(const report *r, softsim_error *error)
+{
+    for (const char *at = r->o.mesh; at != NULL;) {
+        char name[64];
+        const size_t length = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (!has_mesh(r, name)) {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--mesh: no case has a mesh '%s'",
+                              name);
+        }
+        at = at[length] == ',' ? at + length + 1 : NULL;
+    }
+}
+
+static softsim_status list_jobs(report *r, softsim_error *error)
+{
+    int32_t count = 0;
+    const ss_model_class *const *table = ss_model_table(&count);
+    softsim_status status = SOFTSIM_OK;
+    r->plan.folder = r->o.out;
+    r->plan.is_quick = r->o.is_quick;
+    r->plan.set = &r->o.set;
+    r->plan.longest_cpu_s = r->o.is_quick ? quick_cpu_s : full_cpu_s;
+    r->dynamic = r->plan;
+    for (int32_t k = 0; k < r->plan.case_count; ++k) {
+        for (int32_t i = 0; i < count && status == SOFTSIM_OK; ++i) {
+            if (is_listed(r->o.model, table[i]->name)) {
+                status = add_jobs(r, k, table[i]->name, error);
+            }
+        }
+    }
+    if (status == SOFTSIM_OK && r->plan.job_count + r->dynamic.job_count == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "nothing to run: no case has a mesh that --mesh and --model leave");
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    return status;
+}
+
+/* Files of others are read for the pictures, when the runs are over: their faults are told before.
+ */
+static void check_compared(const options *o, const ss_accuracy_plan *plan, softsim_error *error)
+{
+    ss_accuracy_rows rows = {.row = NULL};
+    const int32_t faults = error->fault_count;
+    for (int32_t k = 0; k < o->compare.count; ++k) {
+        ss_accuracy_rows_compare(&rows, o->compare.value[k], error);
+    }
+    if (error->fault_count == faults) {
+        ss_accuracy_check_compared(plan, &rows, error);
+    }
+    ss_accuracy_rows_fini(&rows);
+}
+
+/* All that can be wrong with what the command names, before anything is written or run. */
+static softsim_status prepare(report *r, softsim_error *error)
+{
+    if (r->o.scene != NULL) {
+        ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
+        if (c == NULL) {
+            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+            return SOFTSIM_ERROR_MEMORY;
+        }
+        ss_accuracy_scene_outline(c);
+        check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
+        free(c);
+        if (error->fault_count > 0) {
+            return error->status;
+        }
+    }
+    softsim_status status = load_cases(r, error);
+    const bool has_cases = status == SOFTSIM_OK;
+    if (has_cases) {
+        check_meshes(r, error);
+        status = error->fault_count == 0 ? list_jobs(r, error) : error->status;
+    }
+    if (status == SOFTSIM_OK) {
+        ss_accuracy_check_bodies(&r->plan, &r->dynamic, error);
+    }
+    if (has_cases) {
+        check_compared(&r->o, &r->plan, error);
+    }
+    return error->fault_count > 0 ? error->status : SOFTSIM_OK;
+}
+
+/* What a job's result depends on beside the program. */
+static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
+{
+    const ss_accuracy_plan *plan = context;
+    char id[256];
+    ss_accuracy_job_id(plan, index, id);
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%.200s%s %016" PRIx64, id, plan->is_quick ? " quick" : "",
+             plan->digest[plan->job[index].case_index]);
+}
+
+/* Texts of all runs one after the other, to be freed; `lose` (may be NULL) writes for a lost one.
+ */
+static char *gather(const ss_accuracy_plan *plan, const ss_sweep_result *result,
+                    void (*lose)(const ss_accuracy_plan *, int32_t, const char *, FILE *))
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    for (int32_t i = 0; i < result->count && file != NULL; ++i) {
+        if (result->run[i].is_lost) {
+            lose(plan, i, result->run[i].text, file);
+        } else {
+            fputs(result->run[i].text, file);
+        }
+    }
+    if (file == NULL || fclose(file) != 0) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+static void lose_dynamic(const ss_accuracy_plan *plan, int32_t index, const char *reason, FILE *out)
+{
+    const ss_accuracy_job *job = &plan->job[index];
+    const ss_accuracy_model *model = ss_accuracy_model_find(job->model);
+    int32_t count = 0;
+    const ss_case_mesh *mesh =
+        ss_case_meshes(&plan->c[job->case_index], model != NULL && model->on_surface, &count);
+    fprintf(out, "%s,%s,%s,,,,", plan->c[job->case_index].name, job->model, mesh[job->mesh].name);
+    ss_csv_text(out, reason);
+    fputc('\n', out);
+}
+
+/* False in *out_is_complete: another rank writes the report. */
+static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *out_is_complete,
+                                ss_sweep *sweep, ss_sweep_result *result, softsim_error *error)
+{
+    const bool is_dynamic = plan == &r->dynamic;
+    char scratch[SS_ACCURACY_SCRATCH];
+    *sweep = (ss_sweep){.folder = r->o.out,
+                        .name = is_dynamic ? "dynamics" : "accuracy",
+                        .count = plan->job_count,
+                        .jobs = (int32_t)r->o.jobs,
+                        .timeout_s = 40.0 * plan->longest_cpu_s, /* of a busy machine's clock */
+                        .context = plan,
+                        .label = label,
+                        .run = is_dynamic ? ss_accuracy_run_dynamic : ss_accuracy_run_job};
+    *result = (ss_sweep_result){.is_complete = true};
+    const softsim_status status =
+        plan->job_count > 0 ? ss_sweep_execute(sweep, result, error) : SOFTSIM_OK;
+    *out_is_complete = result->is_complete;
+    ss_accuracy_scratch_name(getpid(), scratch);
+    ss_scratch_remove_all(scratch);
+    return status;
+}
+
+/* ---- the page ----------------------------------------------------------------------------- */
+
+static softsim_status write_dynamics(report *r, softsim_error *error)
+{
+    ss_output output;
+    const softsim_status status = ss_report_csv_open(
+        &output, r->o.out, "dynamics",
+        "case,model,mesh,f1_error,first_minimum_error,rms_first_period,verdict", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fputs(r->dynamics != NULL ? r->dynamics : "", output.file);
+    return ss_output_commit(&output, error);
+}
+
+static void put_means(const ss_accuracy_means *means, ss_page *page)
+{
+    static const char *const head[ROW_CELLS] = {
+        "model",       "mesh",      "nodes",           "field error",
+        "force error", "us a step", "times real time", "ms to within 1 %",
+        "calibrated",  "front",     "verdict"};
+    for (int32_t k = 0; k < means->count; ++k) {
+        means->time[k] = 1.0 / means->mean[k].realtime;
+        means->error[k] = means->mean[k].is_other ? (double)NAN : means->mean[k].error_l2;
+    }
+    ss_accuracy_pareto(means->count, means->time, means->error, means->is_front);
+    ss_page_table_begin(page, ROW_CELLS, head);
+    for (int32_t k = 0; k < means->count; ++k) {
+        const ss_accuracy_mean *m = &means->mean[k];
+        ss_row cells = {.count = 0};
+        ss_row_add(&cells, "%s%s", m->first->model, m->first->source > 0 ? " *" : "");
+        ss_row_add(&cells, "%s", m->first->mesh);
+        ss_row_add(&cells, "%d", m->first->nodes);
+        ss_row_add_number(&cells, m->error_l2);
+        ss_row_add_number(&cells, m->error_force);
+        ss_row_add_number(&cells, m->p50_us);
+        ss_row_add_number(&cells, m->realtime);
+        ss_row_add_number(&cells, m->to_1pct_ms);
+        ss_row_add(&cells, "%s", m->is_calibrated ? "yes" : "");
+        ss_row_add(&cells, "%s", means->is_front[k] ? "*" : "");
+        ss_row_add(&cells, "%s", strcmp(m->verdict, "good") != 0 ? m->verdict : "");
+        ss_page_table_row(page, cells.count, cells.cell);
+    }
+    ss_page_table_end(page);
+}
+
+static char *read_snippet(const report *r, const ss_accuracy_mean *m)
+{
+    char path[SS_ACCURACY_PATH + 400];
+    softsim_error missing = {.status = SOFTSIM_OK};
+    size_t size = 0;
+    snprintf(path, sizeof path, "%s/scenes/%s_%s_%s_%s.yaml", r->o.out, m->first->case_name,
+             m->first->material, m->first->model, m->first->mesh);
+    return m->first->source == 0 ? ss_table_read_file(path, &size, &missing) : NULL;
+}
+
+/* The best choice within the budget, onto the page and the terminal. */
+static void put_budget(const report *r, ss_page *page, const char *case_name, const char *material,
+                       const ss_accuracy_means *means)
+{
+    if (r->o.budget_us <= 0.0) {
+        return;
+    }
+    const ss_accuracy_mean *best = ss_accuracy_choose(means->mean, means->count, r->o.budget_us);
+    char text[600], force[64] = "";
+    if (best == NULL) {
+        snprintf(text, sizeof text, "%s, %s: no model takes %g us a step or less", case_name,
+                 material, r->o.budget_us);
+    } else {
+        if (!isnan(best->error_force)) {
+            snprintf(force, sizeof force, ", force error %.3g", best->error_force);
+        }
+        snprintf(
+            text, sizeof text,
+            "%s, %s, %g us: %s on mesh %s (%d nodes): field error %.3g%s%s, %.4g us a step, %.3g "
+            "times real time%s",
+            case_name, material, r->o.budget_us, best->first->model, best->first->mesh,
+            best->first->nodes, best->error_l2, force,
+            best->is_calibrated ? " (fitted on the first of these levels)" : "", best->p50_us,
+            best->realtime, best->realtime < 1.0 ? " (slower: not for the hand)" : "");
+    }
+    char *snippet = best != NULL ? read_snippet(r, best) : NULL;
+    printf("%s\n%s", text, snippet != NULL ? snippet : "");
+    ss_page_text(page, "%s", text);
+    if (snippet != NULL) {
+        ss_page_code(page, snippet);
+    }
+    free(snippet);
+}
+
+static bool has_rows(const ss_case *c, int32_t material, const ss_accuracy_rows *rows)
+{
+    for (int32_t i = 0; i < rows->count; ++i) {
+        if (strcmp(rows->row[i].case_name, c->name) == 0 &&
+            strcmp(rows->row[i].material, c->material[material]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static softsim_status put_case(const report *r, ss_page *page, const ss_case *c,
+                               softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    int32_t shaped = -1; /* nh where there is one: it goes furthest */
+    for (int32_t m = 0; m < c->material_count; ++m) {
+        if (has_rows(c, m, &r->rows) && (shaped < 0 || strcmp(c->material[shaped], "nh") != 0)) {
+            shaped = m;
+        }
+    }
+    for (int32_t m = 0; m < c->material_count && status == SOFTSIM_OK; ++m) {
+        char title[128];
+        if (!has_rows(c, m, &r->rows)) {
+            continue;
+        }
+        snprintf(title, sizeof title, "%s, %s", c->name, c->material[m]);
+        ss_page_heading(page, title);
+        ss_accuracy_means means;
+        status = ss_accuracy_means_find(&r->rows, c->name, c->material[m], &means, error);
+        if (status == SOFTSIM_OK) {
+            put_budget(r, page, c->name, c->material[m], &means);
+            put_means(&means, page);
+        }
+        ss_accuracy_means_fini(&means);
+        status = status != SOFTSIM_OK
+                     ? status
+                     : ss_accuracy_draw(page, &r->plan, c, m, m == shaped, &r->rows, error);
+    }
+    return status;
+}
+
+static void put_dynamics(const report *r, ss_page *page)
+{
+    static const char *const head[] = {
+        "case",   "model", "mesh", "first frequency", "first minimum", "rms of the first period",
+        "verdict"};
+    ss_page_heading(page, "Motion");
+    ss_page_text(page, "Gravity switched on, undamped: errors as fractions, the worst of the "
+                       "steps.");
+    ss_page_table_begin(page, 7, head);
+    char *copy = strdup(r->dynamics);
+    for (char *at = copy, *line = NULL; copy != NULL && (line = strsep(&at, "\n")) != NULL;) {
+        ss_row cells = {.count = 0};
+        for (int k = 0; k < 6 && line != NULL && *line != '\0'; ++k) {
+            ss_row_add(&cells, "%s", strsep(&line, ","));
+        }
+        if (cells.count == 6) {
+            /* The rest, which may have commas and then is quoted. */
+            const char *verdict = line != NULL ? line + (*line == '"') : "";
+            const size_t length = strlen(verdict);
+            const bool is_quoted = length > 0 && verdict[length - 1] == '"';
+            ss_row_add(&cells, "%.*s", (int)(length - is_quoted), verdict);
+            ss_page_table_row(page, cells.count, cells.cell);
+        }
+    }
+    free(copy);
+    ss_page_table_end(page);
+}
+
+static void put_places(const report *r, ss_page *page)
+{
+    int32_t count = 0;
+    const ss_model_class *const *table = ss_model_table(&count);
+    ss_page_heading(page, "What each model is for");
+    for (int32_t i = 0; i < count; ++i) {
+        const ss_accuracy_model *model = ss_accuracy_model_find(table[i]->name);
+        if (model != NULL && is_listed(r->o.model, model->name)) {
+            ss_page_text(page, "%s: %s.", model->name, model->about);
+        }
+    }
+}
+
+static softsim_status write_page(report *r, softsim_error *error)
+{
+    ss_page page;
+    softsim_status status =
+        ss_page_open(&page, r->o.out, "accuracy", "softsim: error against run time", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    ss_page_text(
+        &page,
+        "Every model on problems with trusted solutions, through the scene loader and the "
+        "world of the server, without LCM, in steps of 1 ms on one thread. Errors are "
+        "fractions: of the field sqrt(sum w |u - u_ref|^2 / sum w |u_ref|^2), of the "
+        "force |F - F_ref| / |F_ref| along the push; times are thread CPU time. Loads "
+        "come over a ramp, and the body is damped until it has settled. Tables hold means "
+        "over a material's levels. A verdict is the program's own, on how a run went: 'good' "
+        "is stable, not near; where half of the field or more is wrong it says so.");
+    ss_page_text(&page, "Calibrated: what a model leaves free was fitted on the first level of "
+                        "each material and mesh, the field first, then the force; its other levels "
+                        "are predictions, its first is not.");
+    for (int32_t i = 0; i < r->o.set.count; ++i) {
+        ss_page_text(&page, "Set, for models that have it: %s", r->o.set.value[i]);
+    }
+    if (r->o.scene != NULL) {
+        printf("%s\n", r->worth.text);
+        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.taken);
+        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.text);
+    }
+    ss_page_link(&page, "accuracy.csv");
+    put_places(r, &page);
+    for (int32_t k = 0; k < r->plan.case_count && status == SOFTSIM_OK; ++k) {
+        status = put_case(r, &page, &r->plan.c[k], error);
+    }
+    if (r->dynamic.job_count > 0) {
+        put_dynamics(r, &page);
+        ss_page_link(&page, "dynamics.csv");
+    }
+    for (int32_t k = 1; k <= r->rows.source_count; ++k) {
+        ss_page_text(&page, "*: from %s.", r->rows.source[k]);
+    }
+    ss_page_yardstick(&page, &r->yardstick);
+    if (status == SOFTSIM_OK) {
+        return ss_page_close(&page, error);
+    }
+    ss_page_abandon(&page);
+    return status;
+}
+
+/* ---- all ---------------------------------------------------------------------------------- */
+
+static softsim_status make_folders(const report *r, softsim_error *error)
+{
+    static const char *const parts[] = {"", "/fields", "/scenes"};
+    softsim_status status = SOFTSIM_OK;
+    for (size_t k = 0; k < sizeof parts / sizeof *parts && status == SOFTSIM_OK; ++k) {
+        char path[SS_ACCURACY_PATH + 16];
+        snprintf(path, sizeof path, "%s%s", r->o.out, parts[k]);
+        status = ss_report_make_folder(path, error);
+    }
+    return status;
+}
+
+static softsim_status write_all(report *r, softsim_error *error)
+{
+    const int32_t own_count = r->rows.count;
+    softsim_status status = ss_accuracy_rows_write(&r->rows, r->o.out, error);
+    if (status == SOFTSIM_OK && r->dynamic.job_count > 0) {
+        status = write_dynamics(r, error);
+    }
+    for (int32_t k = 0; k < r->o.compare.count && status == SOFTSIM_OK; ++k) {
+        status = ss_accuracy_rows_compare(&r->rows, r->o.compare.value[k], error);
+    }
+    if (status == SOFTSIM_OK) {
+        ss_yardstick_measure(&r->yardstick);
+        status = write_page(r, error);
+    }
+    if (status == SOFTSIM_OK) {
+        printf("%d rows in %s/accuracy.csv; %s/accuracy.html\n", own_count, r->o.out, r->o.out);
+    }
+    return status;
+}
+
+static softsim_status make_report(report *r, softsim_error *error)
+{
+    ss_sweep sweep[2];
+    ss_sweep_result result[2] = {{.count = 0}, {.count = 0}};
+    const ss_accuracy_plan *plan[2] = {&r->plan, &r->dynamic};
+    bool is_complete = true;
+    softsim_status status = make_folders(r, error);
+    for (int k = 0; k < 2 && status == SOFTSIM_OK; ++k) {
+        bool is_mine = true;
+        status = run_sweep(r, plan[k], &is_mine, &sweep[k], &result[k], error);
+        is_complete = is_complete && is_mine;
+    }
+    if (status == SOFTSIM_OK && is_complete) {
+        char *jobs = gather(&r->plan, &result[0], ss_accuracy_lose_job);
+        r->dynamics = gather(&r->dynamic, &result[1], lose_dynamic);
+        if (jobs == NULL || r->dynamics == NULL) {
+            free(jobs);
+            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+            status = SOFTSIM_ERROR_MEMORY;
+        } else {
+            status = ss_accuracy_rows_add(&r->rows, jobs, error);
+        }
+        status = status == SOFTSIM_OK ? write_all(r, error) : status;
+    }
+    for (int k = 0; k < 2; ++k) {
+        if (status == SOFTSIM_OK && is_complete && plan[k]->job_count > 0) {
+            ss_sweep_forget(&sweep[k], &result[k]);
+        }
+        ss_sweep_result_fini(&result[k]);
+    }
+    return status;
+}
+
+static void fini(report *r)
+{
+    for (int32_t k = 0; k < r->plan.case_count; ++k) {
+        ss_case_fini(&r->plan.c[k]);
+    }
+    free(r->plan.c);
+    free(r->plan.job);
+    free(r->dynamic.job);
+    free(r->dynamics);
+    ss_accuracy_rows_fini(&r->rows);
+    free(r);
+}
+
+static int run_report(int argc, char **argv)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    report *r = calloc(1, sizeof *r);
+    if (r == NULL) {
+        return EXIT_FAILURE;
+    }
+    const ss_args_result parsed = parse(argc, argv, &r->o, &error);
+    if (parsed == SS_ARGS_RUN) {
+        check_models(&r->o, &error);
+        check_sets(&r->o, &error);
+        ss_process_catch_stop();
+    }
+    int exit_status = parsed == SS_ARGS_DONE ? EXIT_SUCCESS : EXIT_BAD_INPUT;
+    if (parsed == SS_ARGS_RUN && error.fault_count == 0 && prepare(r, &error) == SOFTSIM_OK) {
+        exit_status = make_report(r, &error) == SOFTSIM_OK ? EXIT_SUCCESS : EXIT_FAILURE;
+    }
+    if (error.fault_count > 0) {
+        ss_args_print_error(argv[0], &error);
+    }
+    if (exit_status == EXIT_BAD_INPUT && error.status != SOFTSIM_ERROR_ARGUMENT) {
+        softsim_error advice = {.status = SOFTSIM_OK};
+        softsim_error_add(&advice, error.status,
+                          "nothing was run: mend what is named, or leave it out of --case, --mesh "
+                          "or --compare");
+        ss_args_print_error(argv[0], &advice);
+    }
+    fini(r);
+    return exit_status;
+}
+
+const ss_report_class ss_report_accuracy = {
+    .name = "accuracy",
+    .about = "error against run time of every model, on problems with trusted solutions",
+    .run = run_report};
