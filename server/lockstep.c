@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <string.h>
 
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
@@ -181,7 +182,7 @@ uint64_t ss_world_hash(ss_world *world)
     const ss_mesh *mesh = world->scene->mesh;
     const ss_real *u = world->model_class->displacement(world->model);
     const ss_real *v = world->model_class->velocity(world->model);
-    uint64_t hash = 0xcbf29ce484222325u;
+    uint64_t hash = SS_HASH_START;
     for (int32_t file = 0; file < mesh->node_count; ++file) {
         const int32_t i = world->node_of_file ? world->node_of_file[file] : file;
         double state[6];
@@ -189,10 +190,10 @@ uint64_t ss_world_hash(ss_world *world)
             state[axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
             state[3 + axis] = (double)v[4 * i + axis];
         }
-        hash = ss_world_fnv(hash, state, sizeof state);
+        hash = ss_hash_bytes(hash, state, sizeof state);
     }
     hash = world->model_class->hash(world->model, hash);
-    world->hash = ss_world_fnv(hash, &world->steps, sizeof world->steps);
+    world->hash = ss_hash_bytes(hash, &world->steps, sizeof world->steps);
     world->is_hashed = true;
     return world->hash;
 }

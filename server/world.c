@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "rt/clock.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/progress.h"
 #include "rt/thread.h"
@@ -281,47 +282,37 @@ static softsim_status build_exchange(ss_world *world)
     return SOFTSIM_OK;
 }
 
-/* FNV-1a 64 of the plan: what the scene's values made of it. */
-uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size)
-{
-    const uint8_t *byte = data;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ byte[i]) * 0x100000001b3u;
-    }
-    return hash;
-}
-
 /* What the plan is made of, whatever folder the scene lies in. */
 static uint64_t hash_plan(const ss_world *world)
 {
     const ss_scene *scene = world->scene;
     const ss_mesh *mesh = scene->mesh;
     const size_t nodes = (size_t)mesh->node_count;
-    uint64_t hash = 0xcbf29ce484222325u;
-    hash = ss_world_fnv(hash, mesh->position, nodes * sizeof *mesh->position);
+    uint64_t hash = SS_HASH_START;
+    hash = ss_hash_bytes(hash, mesh->position, nodes * sizeof *mesh->position);
     hash =
-        ss_world_fnv(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof *mesh->triangle);
-    hash = ss_world_fnv(hash, mesh->quad, (size_t)mesh->quad_count * sizeof *mesh->quad);
-    hash = ss_world_fnv(hash, scene->fixed, nodes);
-    hash = ss_world_fnv(hash, world->model_class->name, strlen(world->model_class->name));
+        ss_hash_bytes(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof *mesh->triangle);
+    hash = ss_hash_bytes(hash, mesh->quad, (size_t)mesh->quad_count * sizeof *mesh->quad);
+    hash = ss_hash_bytes(hash, scene->fixed, nodes);
+    hash = ss_hash_bytes(hash, world->model_class->name, strlen(world->model_class->name));
     for (int32_t i = 0; i < world->model_class->row_count; ++i) {
         const ss_param_value *value = &scene->param[i];
-        hash = ss_world_fnv(hash, &value->number, sizeof value->number);
+        hash = ss_hash_bytes(hash, &value->number, sizeof value->number);
         if (value->per_node) {
-            hash = ss_world_fnv(hash, value->per_node, nodes * sizeof *value->per_node);
+            hash = ss_hash_bytes(hash, value->per_node, nodes * sizeof *value->per_node);
         }
         if (value->by_element) {
-            hash = ss_world_fnv(hash, value->by_element,
-                                (size_t)ss_mesh_element_count(mesh) * sizeof *value->by_element);
+            hash = ss_hash_bytes(hash, value->by_element,
+                                 (size_t)ss_mesh_element_count(mesh) * sizeof *value->by_element);
         }
         if (value->link_count > 0) {
-            hash = ss_world_fnv(hash, value->per_link,
-                                (size_t)value->link_count * sizeof *value->per_link);
+            hash = ss_hash_bytes(hash, value->per_link,
+                                 (size_t)value->link_count * sizeof *value->per_link);
         }
-        hash = ss_world_fnv(hash, value->direction, sizeof value->direction);
+        hash = ss_hash_bytes(hash, value->direction, sizeof value->direction);
         if (value->per_element) {
-            hash = ss_world_fnv(hash, value->per_element,
-                                (size_t)ss_mesh_element_count(mesh) * sizeof *value->per_element);
+            hash = ss_hash_bytes(hash, value->per_element,
+                                 (size_t)ss_mesh_element_count(mesh) * sizeof *value->per_element);
         }
     }
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -330,12 +321,12 @@ static uint64_t hash_plan(const ss_world *world)
             const double size[6] = {(double)shape->kind,   shape->radius,
                                     shape->half_length,    shape->half_extent[0],
                                     shape->half_extent[1], shape->half_extent[2]};
-            hash = ss_world_fnv(hash, size, sizeof size);
+            hash = ss_hash_bytes(hash, size, sizeof size);
         }
     }
     const double rates[4] = {world->period, world->step_period, scene->working_force_n,
                              scene->contact_stiffness_n_per_m3};
-    return ss_world_fnv(hash, rates, sizeof rates);
+    return ss_hash_bytes(hash, rates, sizeof rates);
 }
 
 softsim_status ss_world_create(const ss_world_options *options, ss_world **out_world,

@@ -217,8 +217,6 @@ void ss_world_settle(ss_world *world);
 uint64_t ss_world_hash(ss_world *world);
 /* Ends the lockstep worker, if any; call it before ss_world_destroy. Thread: set-up only. */
 void ss_lockstep_stop(ss_world *world);
-/* FNV-1a 64, continued. Thread: any; RT-safe. */
-uint64_t ss_world_fnv(uint64_t hash, const void *data, size_t size);
 
 /* Takes a command (net thread): what concerns the loops is handed to them; what concerns the
  * caller (REFRESH, STATUS, SHUTDOWN, and SET of the publisher's values) is told by *out_record.

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "body_fixture.h"
+#include "rt/hash.h"
 
 static const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.015};
 
@@ -240,11 +241,8 @@ static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
 static uint64_t whole_hash(bench *b)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(b->body);
-    uint64_t hash = ss_body_hash(b->body, 0xcbf29ce484222325u);
-    const unsigned char *byte = (const unsigned char *)nodes->u;
-    for (size_t k = 0; k < (size_t)nodes->count * 4 * sizeof(ss_real); ++k) {
-        hash = (hash ^ byte[k]) * 0x100000001b3u;
-    }
+    uint64_t hash = ss_body_hash(b->body, SS_HASH_START);
+    hash = ss_hash_bytes(hash, nodes->u, (size_t)nodes->count * 4 * sizeof(ss_real));
     return hash;
 }
 

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "effort.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/thread.h"
 #include "touch_fixture.h"
@@ -538,11 +539,9 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
 
 static uint64_t hash_of(const setup *s)
 {
-    uint64_t hash = s->class->hash(s->model, 0xcbf29ce484222325u);
-    const unsigned char *u = (const unsigned char *)s->class->displacement(s->model);
-    for (size_t k = 0; k < (size_t)s->mesh->node_count * 4 * sizeof(ss_real); ++k) {
-        hash = (hash ^ u[k]) * 0x100000001b3u;
-    }
+    uint64_t hash = s->class->hash(s->model, SS_HASH_START);
+    hash = ss_hash_bytes(hash, s->class->displacement(s->model),
+                         (size_t)s->mesh->node_count * 4 * sizeof(ss_real));
     return hash;
 }
 

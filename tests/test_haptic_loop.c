@@ -19,9 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "effort.h"
 #include "bench/latency/felt.h"
+#include "effort.h"
 #include "haptic/haptic.h"
+#include "rt/hash.h"
 
 #define T  1e-3
 #define PI 3.14159265358979323846
@@ -422,7 +423,7 @@ static outcome *run(const setting *set)
     out->worst_server = o.worst_contact_j;
     out->limit = o.stiffness_limit;
     out->delay_p95_ms = o.loop_delay_ms[1];
-    out->hash = ss_haptic_hash(haptic, UINT64_C(14695981039346656037));
+    out->hash = ss_haptic_hash(haptic, SS_HASH_START);
     const ss_felt_options options = {.intended_contacts = set->script == TAP ? 4 : 2};
     assert_int_equal(ss_felt_judge(out->row, set->ticks, &options, &out->felt), SOFTSIM_OK);
     ss_haptic_destroy(&haptic);

@@ -9,6 +9,7 @@
 #include "effort.h"
 #include "hybrid_fixture.h"
 #include "models/common/body_state.h"
+#include "rt/hash.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
@@ -498,11 +499,9 @@ static uint64_t press_and_hash(setup *s)
     move(s, tool, 0.4, 0.1, 30);
     move(s, tool, 0.6, 0.1, 30);
     move(s, tool, 0.6, -0.6, 10);
-    uint64_t hash = s->class->hash(s->model, 14695981039346656037u);
-    const unsigned char *byte = (const unsigned char *)s->class->displacement(s->model);
-    for (size_t k = 0; k < 4 * (size_t)s->mesh->node_count * sizeof(ss_real); ++k) {
-        hash = (hash ^ byte[k]) * 1099511628211u;
-    }
+    uint64_t hash = s->class->hash(s->model, SS_HASH_START);
+    hash = ss_hash_bytes(hash, s->class->displacement(s->model),
+                         4 * (size_t)s->mesh->node_count * sizeof(ss_real));
     return hash;
 }
 

@@ -9,6 +9,7 @@
 
 #include "effort.h"
 #include "hybrid_fixture.h"
+#include "rt/hash.h"
 
 /* The forces of now are those of rows that are gathered anew, to the bit. */
 static void assert_forces_are_gathered(ss_hybrid *hybrid)
@@ -48,9 +49,10 @@ static void lead(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], int way, int 
 /* The wanted particles, a bit each. */
 static uint64_t hash_wanted(const ss_hybrid *hybrid)
 {
-    uint64_t hash = 14695981039346656037u;
+    uint64_t hash = SS_HASH_START;
     for (int32_t p = 0; p < hybrid->layer->count; ++p) {
-        hash = (hash ^ (uint64_t)(hybrid->particle[p].wanted >= 0)) * 1099511628211u;
+        const unsigned char is_wanted = hybrid->particle[p].wanted >= 0;
+        hash = ss_hash_bytes(hash, &is_wanted, 1);
     }
     return hash;
 }

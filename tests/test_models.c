@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "element_fixture.h"
+#include "rt/hash.h"
 #include "rt/thread.h"
 
 /* A small body with one load and one sphere. */
@@ -49,12 +50,10 @@ static void drive(setup *s, int count)
 
 static uint64_t hash_of(const setup *s)
 {
-    uint64_t hash = s->class->hash(s->model, 0xcbf29ce484222325u);
-    const unsigned char *u = (const unsigned char *)s->class->displacement(s->model);
-    const unsigned char *v = (const unsigned char *)s->class->velocity(s->model);
-    for (size_t k = 0; k < (size_t)s->mesh->node_count * 4 * sizeof(ss_real); ++k) {
-        hash = ((hash ^ u[k]) * 0x100000001b3u ^ v[k]) * 0x100000001b3u;
-    }
+    uint64_t hash = s->class->hash(s->model, SS_HASH_START);
+    const size_t size = (size_t)s->mesh->node_count * 4 * sizeof(ss_real);
+    hash = ss_hash_bytes(hash, s->class->displacement(s->model), size);
+    hash = ss_hash_bytes(hash, s->class->velocity(s->model), size);
     return hash;
 }
 

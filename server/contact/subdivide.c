@@ -27,6 +27,7 @@
 #include <string.h>
 
 #include "contact/surface.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 
 /* ---- half-edges ----------------------------------------------------------------------------- */
@@ -420,12 +421,11 @@ typedef struct shelf {
 
 static uint64_t hash_rows(const ss_real *row, int64_t count)
 {
-    uint64_t hash = 1469598103934665603u;
+    uint64_t hash = SS_HASH_START;
     for (int64_t i = 0; i < count; ++i) {
         uint64_t bits = 0;
         memcpy(&bits, &row[i], sizeof row[i]);
-        hash = (hash ^ bits) * 1099511628211u;
-        hash ^= hash >> 29;
+        hash = ss_hash_word(hash, bits);
     }
     return hash;
 }

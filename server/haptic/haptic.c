@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "haptic/internal.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -624,15 +625,6 @@ static void write_sums(ss_haptic *haptic)
     output->bad_inputs = haptic->bad_inputs;
 }
 
-static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size)
-{
-    const unsigned char *byte = bytes;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ byte[i]) * UINT64_C(1099511628211);
-    }
-    return hash;
-}
-
 /* What the observer must know of a force later on, and what the lockstep hash remembers of it. */
 static void remember_force(ss_haptic *haptic, int64_t tick)
 {
@@ -644,7 +636,7 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
                                   .force = {force->force[0], force->force[1], force->force[2]}};
     ss_observer_force(&haptic->observer, &record);
     ss_copy3(haptic->last_force, force->force);
-    haptic->digest = hash_bytes(haptic->digest, force->force, sizeof force->force);
+    haptic->digest = ss_hash_bytes(haptic->digest, force->force, sizeof force->force);
 }
 
 /* The pose used came nearer to the hand: the fade pressed, not the hand. */
@@ -740,10 +732,10 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const uint8_t flag[] = {haptic->has_let_go, haptic->is_pressed, haptic->is_returning,
                             law->held.is_held};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
-        hash = hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
+        hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }
-    hash = hash_bytes(hash, number, sizeof number);
-    return hash_bytes(hash, flag, sizeof flag);
+    hash = ss_hash_bytes(hash, number, sizeof number);
+    return ss_hash_bytes(hash, flag, sizeof flag);
 }
 
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
@@ -756,12 +748,12 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
                               haptic->gate.ticks,        haptic->law.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
                               (int64_t)haptic->teleports};
-    uint64_t hash = hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
-    hash = hash_bytes(hash, state, sizeof state);
-    hash = hash_bytes(hash, number, sizeof number);
+    uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
+    hash = ss_hash_bytes(hash, state, sizeof state);
+    hash = ss_hash_bytes(hash, number, sizeof number);
     for (int32_t i = 0; i < haptic->law.count; ++i) {
         const double contact[2] = {haptic->law.contact[i].value, haptic->law.contact[i].offset};
-        hash = hash_bytes(hash, contact, sizeof contact);
+        hash = ss_hash_bytes(hash, contact, sizeof contact);
     }
     return haptic->has_pose ? hash_hidden(haptic, hash) : hash;
 }

@@ -11,6 +11,7 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -51,13 +52,12 @@ static void check_positions(const ss_mesh *mesh, ss_mesh_report *report)
 
 static uint64_t hash_cell(const double cell[3])
 {
-    uint64_t hash = 0xcbf29ce484222325u;
+    uint64_t hash = SS_HASH_START;
     for (int k = 0; k < 3; ++k) {
         uint64_t bits;
         const double value = cell[k] + 0.0; /* -0 and 0 are one cell */
         memcpy(&bits, &value, sizeof bits);
-        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
+        hash = ss_hash_word(hash, bits);
     }
     return hash;
 }

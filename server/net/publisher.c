@@ -26,6 +26,7 @@
 
 #include "net/net.h"
 #include "net/wire.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "softsim_mesh_delta_t.h"
 #include "softsim_mesh_topology_t.h"
@@ -289,23 +290,13 @@ static send_result send_delta(ss_publisher *publisher, int64_t now_ns)
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-/* FNV-1a, 64 bit. */
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const uint8_t *byte = data;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ byte[i]) * 0x100000001b3u;
-    }
-    return hash;
-}
-
 /* Positive, and the same for the same mesh. */
 static int32_t topology_number(const ss_publish_mesh *mesh)
 {
-    uint64_t hash = 0xcbf29ce484222325u;
-    hash = hash_bytes(hash, mesh->rest, (size_t)mesh->node_count * sizeof mesh->rest[0]);
-    hash =
-        hash_bytes(hash, mesh->triangle, (size_t)mesh->triangle_count * sizeof mesh->triangle[0]);
+    uint64_t hash = SS_HASH_START;
+    hash = ss_hash_bytes(hash, mesh->rest, (size_t)mesh->node_count * sizeof mesh->rest[0]);
+    hash = ss_hash_bytes(hash, mesh->triangle,
+                         (size_t)mesh->triangle_count * sizeof mesh->triangle[0]);
     const int32_t number = (int32_t)((hash ^ hash >> 32) & INT32_MAX);
     return number > 0 ? number : 1;
 }

@@ -16,6 +16,7 @@
 #include "mesh/import.h"
 #include "beside.h"
 #include "obj.h"
+#include "rt/hash.h"
 #include "rt/plain.h"
 #include "rt/program.h"
 
@@ -192,12 +193,11 @@ static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
 
 static uint64_t hash_position(const double x[3])
 {
-    uint64_t hash = 0xcbf29ce484222325u;
+    uint64_t hash = SS_HASH_START;
     for (int k = 0; k < 3; ++k) {
         uint64_t bits;
         memcpy(&bits, &x[k], sizeof bits);
-        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 32;
+        hash = ss_hash_word(hash, bits);
     }
     return hash;
 }

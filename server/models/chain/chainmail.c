@@ -41,6 +41,7 @@
 #include "models/common/grasp.h"
 #include "models/common/plan.h"
 #include "models/common/turned.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 #include "rt/vec.h"

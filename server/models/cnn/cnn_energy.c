@@ -54,6 +54,7 @@
 
 #include "models/common/dispatch.h"
 #include "models/common/plan.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

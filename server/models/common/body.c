@@ -14,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 #include "rt/vec.h"

@@ -36,6 +36,7 @@
 #include <string.h>
 
 #include "models/common/tetrahedron.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 
 /* Steps between looks at an unchanged body, and at one whose law has no rule of growth. */
@@ -414,10 +415,6 @@ void ss_fem_reset(void *owner)
 uint64_t ss_fem_hash(const void *owner, uint64_t seed)
 {
     const ss_fem *fem = owner;
-    const unsigned char *byte = (const unsigned char *)fem->stability.mode;
-    const size_t size = (size_t)fem->blocks.node_count * 4 * sizeof(ss_real);
-    for (size_t k = 0; k < size; ++k) {
-        seed = (seed ^ byte[k]) * 0x100000001b3u;
-    }
-    return seed;
+    return ss_hash_bytes(seed, fem->stability.mode,
+                         (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -90,15 +91,6 @@ double ss_grasp_settle(ss_grasp *grasp, bool is_accepted)
     const double lost = (grasp->share_before - grasp->share) * grasp->square;
     grasp->count = grasp->share > 0.0 ? grasp->count : 0;
     return lost;
-}
-
-uint64_t ss_hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; ++k) {
-        hash = (hash ^ byte[k]) * 0x100000001b3u;
-    }
-    return hash;
 }
 
 uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)

@@ -56,6 +56,3 @@ void ss_contact_set_direction(const ss_contact_set *set, const double force[3], 
  * the contacts' own included), and the tool's stiffness and viscosity are shared by force. */
 void ss_contact_set_share(ss_contact_set *set, const double normal[3], double stiffness,
                           double viscosity);
-
-/* FNV-1a 64. */
-uint64_t ss_hash_bytes(uint64_t hash, const void *data, size_t size);

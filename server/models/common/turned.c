@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "models/common/grasp.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

@@ -17,6 +17,7 @@
 #include "models/common/dispatch.h"
 #include "models/common/grasp.h"
 #include "models/common/tetrahedron.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 

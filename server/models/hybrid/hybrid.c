@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "models/common/tetrahedron.h"
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 #include "rt/vec.h"
@@ -492,15 +493,6 @@ static void settle(void *owner)
     ss_turned_reset(&hybrid->turned);
 }
 
-static uint64_t fnv(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; ++k) {
-        hash = (hash ^ byte[k]) * 1099511628211u;
-    }
-    return hash;
-}
-
 static uint64_t hash_layer(const void *owner, uint64_t seed)
 {
     const ss_hybrid *hybrid = owner;
@@ -511,8 +503,8 @@ static uint64_t hash_layer(const void *owner, uint64_t seed)
         const ss_real value[5] = {(ss_real)p, particle->share, hybrid->offset[4 * (ptrdiff_t)p],
                                   hybrid->offset[4 * (ptrdiff_t)p + 1],
                                   hybrid->offset[4 * (ptrdiff_t)p + 2]};
-        seed = fnv(seed, value, sizeof value);
-        seed = fnv(seed, &hybrid->node_of[p], sizeof hybrid->node_of[p]);
+        seed = ss_hash_bytes(seed, value, sizeof value);
+        seed = ss_hash_bytes(seed, &hybrid->node_of[p], sizeof hybrid->node_of[p]);
     }
     return seed;
 }

@@ -44,6 +44,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 #include "rt/vec.h"

@@ -25,6 +25,7 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/files.h"
+#include "rt/hash.h"
 #include "world.h"
 
 enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
@@ -238,8 +239,8 @@ static uint64_t add_file(uint64_t hash, const char *folder, const char *name)
     }
     ss_case_join(folder, name, path, sizeof path);
     char *text = ss_table_read_file(path, &size, &ignored);
-    hash = ss_world_fnv(hash, &size, sizeof size);
-    hash = ss_world_fnv(hash, text, size);
+    hash = ss_hash_bytes(hash, &size, sizeof size);
+    hash = ss_hash_bytes(hash, text, size);
     free(text);
     return hash;
 }
@@ -264,18 +265,18 @@ static uint64_t digest_of(const ss_case *c, bool has_solution, const ss_arg_list
 {
     uint64_t hash = add_file(0, c->folder, "case.yaml");
     for (int32_t i = 0; i < set->count; ++i) {
-        hash = ss_world_fnv(hash, set->value[i], strlen(set->value[i]) + 1);
+        hash = ss_hash_bytes(hash, set->value[i], strlen(set->value[i]) + 1);
     }
     hash = add_file(hash, c->mesh_folder, "case.yaml");
     hash = add_meshes(add_meshes(hash, c, false, has_solution), c, true, has_solution);
     for (int32_t i = 0; i < c->level_count && has_solution; ++i) {
-        hash = ss_world_fnv(hash, &c->level[i].force, sizeof c->level[i].force);
+        hash = ss_hash_bytes(hash, &c->level[i].force, sizeof c->level[i].force);
     }
-    hash = ss_world_fnv(hash, &c->first_frequency, sizeof c->first_frequency);
+    hash = ss_hash_bytes(hash, &c->first_frequency, sizeof c->first_frequency);
     for (int32_t i = 0; i < c->step_count; ++i) {
         const ss_case_step *step = &c->step[i];
-        hash = ss_world_fnv(hash, step->time, (size_t)step->count * sizeof *step->time);
-        hash = ss_world_fnv(hash, step->u, (size_t)step->count * sizeof *step->u);
+        hash = ss_hash_bytes(hash, step->time, (size_t)step->count * sizeof *step->time);
+        hash = ss_hash_bytes(hash, step->u, (size_t)step->count * sizeof *step->u);
     }
     return hash;
 }

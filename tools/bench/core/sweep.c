@@ -32,6 +32,7 @@
 
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/hash.h"
 
 enum {
     PATH_SIZE = 4096,
@@ -84,26 +85,16 @@ typedef struct sweeper {
 /* ---- the list --------------------------------------------------------------------------------
  */
 
-static uint64_t fnv(uint64_t hash, const void *data, size_t size)
-{
-    const uint8_t *byte = data;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ byte[i]) * 0x100000001b3u;
-    }
-    return hash;
-}
-static const uint64_t fnv_start = 0xcbf29ce484222325u;
-
 /* What results depend on: the program, and what every run is. */
 static uint64_t fingerprint(const ss_sweep *sweep)
 {
     static char block[1 << 16];
     char label[SS_SWEEP_NAME_SIZE];
-    uint64_t hash = fnv(fnv_start, SOFTSIM_VERSION, sizeof SOFTSIM_VERSION);
+    uint64_t hash = ss_hash_bytes(SS_HASH_START, SOFTSIM_VERSION, sizeof SOFTSIM_VERSION);
     FILE *program = fopen("/proc/self/exe", "re");
     for (size_t got = 1; program != NULL && got > 0;) {
         got = fread(block, 1, sizeof block, program);
-        hash = fnv(hash, block, got);
+        hash = ss_hash_bytes(hash, block, got);
     }
     if (program != NULL) {
         fclose(program);
@@ -111,7 +102,7 @@ static uint64_t fingerprint(const ss_sweep *sweep)
     for (int32_t i = 0; i < sweep->count; ++i) {
         memset(label, 0, sizeof label);
         sweep->label(sweep->context, i, label);
-        hash = fnv(hash, label, strlen(label) + 1);
+        hash = ss_hash_bytes(hash, label, strlen(label) + 1);
     }
     return hash;
 }
@@ -192,7 +183,7 @@ static bool read_run(const sweeper *s, const char *line, FILE *file, int32_t *ou
     if (sscanf(line, "run %" SCNd32 " %c %zu %" SCNx64, out_index, &kind, &length, &check) != 4 ||
         *out_index < 0 || *out_index >= s->sweep->count || (kind != 'g' && kind != 'l') ||
         length >= SS_SWEEP_MAX_TEXT || fread(text, 1, length, file) != length ||
-        fgetc(file) != '\n' || fnv(fnv_start, text, length) != check) {
+        fgetc(file) != '\n' || ss_hash_bytes(SS_HASH_START, text, length) != check) {
         return false;
     }
     text[length] = '\0';
@@ -348,8 +339,9 @@ static softsim_status put_record(sweeper *s, int32_t index, bool is_lost, const 
 {
     char line[128];
     const size_t length = strlen(text);
-    const int head = snprintf(line, sizeof line, "run %" PRId32 " %c %zu %016" PRIx64 "\n", index,
-                              is_lost ? 'l' : 'g', length, fnv(fnv_start, text, length));
+    const int head =
+        snprintf(line, sizeof line, "run %" PRId32 " %c %zu %016" PRIx64 "\n", index,
+                 is_lost ? 'l' : 'g', length, ss_hash_bytes(SS_HASH_START, text, length));
     char *record = malloc((size_t)head + length + 1);
     if (record == NULL || !keep(s, index, is_lost, text)) {
         free(record);
