@@ -19,14 +19,14 @@
 #include <string.h>
 
 #include "bench/bench.h"
-#include "effort.h"
-#include "folder_fixture.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/paper.h"
-#include "bench/core/shape.h"
-#include "rt/vec.h"
-#include "bench/papers/zhong2006/zhong2006.h"
 #include "bench/papers/zhong2006/motion.h"
 #include "bench/papers/zhong2006/net.h"
+#include "bench/papers/zhong2006/zhong2006.h"
+#include "effort.h"
+#include "folder_fixture.h"
+#include "rt/vec.h"
 
 #define PI                       3.14159265358979323846
 #define assert_near(a, b, share) assert_true(fabs((a) - (b)) <= (share)*fabs(b))
@@ -493,18 +493,18 @@ static void faces_are_drawn_from_far_to_near(void **state)
     static const double u[8][3] = {{0}};
     static const int32_t face[2][4] = {{4, 5, 6, 7}, {0, 1, 2, -1}};
     static const uint32_t colour[2] = {0xff0000, 0x0000ff};
-    static const ss_shape_view view = {{0, 0, 1}, {0, 1, 0}, "above"};
-    const ss_shape shape = {.node_count = 8,
-                            .face_count = 2,
-                            .rest = rest,
-                            .u = u,
-                            .face = face,
-                            .colour = colour,
-                            .pushed = -1};
+    static const ss_surface_picture_view view = {{0, 0, 1}, {0, 1, 0}, "above"};
+    const ss_surface_picture shape = {.node_count = 8,
+                                      .face_count = 2,
+                                      .rest = rest,
+                                      .u = u,
+                                      .face = face,
+                                      .colour = colour,
+                                      .pushed = -1};
     char text[8192];
     start();
     assert_int_equal(ss_page_open(&paper.page, folder, "page", "title", &error), SOFTSIM_OK);
-    assert_int_equal(ss_shape_draw(&paper, "faces", "caption", &shape, &view, 1, &error),
+    assert_int_equal(ss_surface_picture_draw(&paper, "faces", "caption", &shape, &view, 1, &error),
                      SOFTSIM_OK);
     ss_page_abandon(&paper.page);
     read_text("faces.gp", text, sizeof text);

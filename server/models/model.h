@@ -14,6 +14,7 @@
 
 #include "contact/contact.h"
 #include "mesh/mesh.h"
+#include "models/hints.h"
 #include "rt/param.h"
 #include "rt/real.h"
 #include "softsim/types.h"
@@ -99,6 +100,7 @@ typedef struct ss_model_info {
 typedef struct ss_model_class {
     const char *name;
     const char *help;
+    const ss_model_hints *hints; /* NULL: a solid, and the reports leave it out */
     const ss_param_row *row;
     int32_t row_count;
     bool needs_volume;
@@ -132,6 +134,9 @@ typedef struct ss_model_class {
 
 /* Where a tool stands after a step that went `travelled` of the way. RT-safe. */
 void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out);
+
+/* The parameter of that name; NULL. Thread: any. */
+const ss_param_row *ss_model_find_row(const ss_model_class *model, const char *name);
 
 /* The models built into this program. Thread: any. */
 const ss_model_class *ss_model_find(const char *name);

@@ -32,6 +32,16 @@ const ss_model_class *ss_model_find(const char *name)
     return NULL;
 }
 
+const ss_param_row *ss_model_find_row(const ss_model_class *model, const char *name)
+{
+    for (int32_t i = 0; i < model->row_count; ++i) {
+        if (strcmp(model->row[i].name, name) == 0) {
+            return &model->row[i];
+        }
+    }
+    return NULL;
+}
+
 void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out)
 {
     if (travelled < 1.0) {

@@ -10,50 +10,6 @@
 
 static const double REACH = 1e4;
 
-/* The material parameters of each model, in the order in which they are told; from where one starts
- * that a scene need not give. */
-static const struct {
-    const char *model, *name;
-    bool needs_time;
-    double absent;
-} material[] = {
-    {"cnn-energy", "modulus_j", false, 0.0},
-    {"cnn-energy", "modulus_n_per_m", false, 0.0},
-    {"cnn-energy", "modulus_pa", false, 0.0},
-    {"cnn-energy", "pretension_j", false, 0.0},
-    {"cnn-energy", "enclosed_bulk_pa", false, 0.0},
-    {"cnn-energy", "rest_stiffness_n_per_m3", false, 0.0},
-    {"cnn-energy", "rest_stiffness_n_per_m4", false, 0.0},
-    {"cnn-energy", "rest_stiffness_n_per_m", false, 0.0},
-    {"cnn-energy", "damping_n_s_per_m3", true, 0.0},
-    {"cnn-energy", "damping_n_s_per_m4", true, 0.0},
-    {"cnn-energy", "damping_n_s_per_m", true, 0.0},
-    {"cnn-chainmail", "link_stiffness_n_per_m", false, 0.0},
-    {"cnn-chainmail", "alpha", false, 0.02},
-    {"cnn-chainmail", "capacitance_s", true, 0.0},
-    {"fem", "youngs_modulus_pa", false, 0.0},
-    {"fem", "lame_lambda_pa", false, 0.0},
-    {"fem", "lame_mu_pa", false, 0.0},
-    {"fem", "viscosity_phi_pa_s", true, 0.0},
-    {"fem", "viscosity_psi_pa_s", true, 0.0},
-    {"hybrid", "youngs_modulus_pa", false, 0.0},
-    {"hybrid", "lame_lambda_pa", false, 0.0},
-    {"hybrid", "lame_mu_pa", false, 0.0},
-    {"hybrid", "viscosity_phi_pa_s", true, 0.0},
-    {"hybrid", "viscosity_psi_pa_s", true, 0.0},
-    {"mass-spring", "youngs_modulus_pa", false, 0.0},
-    {"mass-spring", "lame_mu_pa", false, 0.0},
-    {"mass-spring", "mass_damping_per_s", true, 0.0},
-    {"xpbd", "youngs_modulus_pa", false, 0.0},
-    {"xpbd", "lame_lambda_pa", false, 0.0},
-    {"xpbd", "lame_mu_pa", false, 0.0},
-    {"xpbd", "mass_damping_per_s", true, 0.0},
-    {"corotational", "youngs_modulus_pa", false, 0.0},
-    {"corotational", "lame_lambda_pa", false, 0.0},
-    {"corotational", "lame_mu_pa", false, 0.0},
-    {"corotational", "viscosity_phi_pa_s", true, 0.0},
-};
-
 typedef struct chooser {
     const ss_scene *scene;
     const ss_scene_model *model;
@@ -201,10 +157,12 @@ int32_t ss_fit_choose(const char *scene_path, const char *const *set, int32_t se
     for (int32_t i = 0; i < wanted_count; ++i) {
         take_wanted(&c, wanted[i]);
     }
-    for (size_t i = 0; wanted_count == 0 && i < sizeof material / sizeof *material; ++i) {
-        if (strcmp(material[i].model, c.model->name) == 0 &&
-            (has_time || !material[i].needs_time)) {
-            take_usual(&c, material[i].name, material[i].absent);
+    const ss_model_hints *hints = ss_model_find(c.model->name)->hints;
+    for (const ss_hints_fitted *f = hints != NULL ? hints->fitted : NULL;
+         wanted_count == 0 && f != NULL && f < hints->fitted + SS_HINTS_MAX_FITTED && f->name;
+         ++f) {
+        if (has_time || !f->needs_time) {
+            take_usual(&c, f->name, f->start);
         }
     }
     if (error->fault_count == before && c.count == 0) {

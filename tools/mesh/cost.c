@@ -18,29 +18,27 @@ const char cost_material[] =
     "soft tissue: 3 kPa, Poisson's ratio 0.45; surface networks: 5 J, 11.5 kg/m2, 1725 N s/m3, 5e4 "
     "N/m3";
 
-/* For rows that have no default of their own; model NULL: of all that have the row. */
-static const struct {
-    const char *model, *name;
-    double value;
-} material[] = {
-    {"cnn-energy", "modulus_j", 5.0},
-    {"cnn-energy", "area_density_kg_m2", 11.5},
-    {"cnn-energy", "damping_n_s_per_m3", 1725.0},
-    {"cnn-energy", "rest_stiffness_n_per_m3", 5e4},
-    {NULL, "youngs_modulus_pa", 3000.0},
-    {NULL, "poisson_ratio", 0.45},
-};
+/* For rows that have no default of their own, in every model; its hints have the others. */
+static const ss_hints_value solid[] = {{"youngs_modulus_pa", 3000.0}, {"poisson_ratio", 0.45}};
 
-static ss_param_value value_of(const char *model, const ss_param_row *row)
+static void take(ss_param_value *value, const ss_param_row *row, const ss_hints_value *list,
+                 size_t count)
+{
+    for (size_t i = 0; i < count && list[i].name != NULL; ++i) {
+        if (strcmp(row->name, list[i].name) == 0 && (row->is_required || isnan(row->fallback))) {
+            value->number = list[i].value;
+            value->is_given = true;
+        }
+    }
+}
+
+static ss_param_value value_of(const ss_model_class *class, const ss_param_row *row)
 {
     ss_param_value value = {.number = row->fallback};
-    for (size_t i = 0; i < sizeof material / sizeof material[0]; ++i) {
-        const bool is_meant = material[i].model == NULL || strcmp(model, material[i].model) == 0;
-        if (is_meant && strcmp(row->name, material[i].name) == 0 &&
-            (row->is_required || isnan(row->fallback))) {
-            value.number = material[i].value;
-            value.is_given = true;
-        }
+    take(&value, row, solid, sizeof solid / sizeof *solid);
+    if (class->hints != NULL) {
+        const ss_hints_value *own = class->hints->soft_tissue;
+        take(&value, row, own, sizeof class->hints->soft_tissue / sizeof *own);
     }
     return value;
 }
@@ -54,7 +52,7 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
         return;
     }
     for (int32_t i = 0; i < class->row_count; ++i) {
-        param[i] = value_of(class->name, &class->row[i]);
+        param[i] = value_of(class, &class->row[i]);
         if (class->row[i].is_required && !param[i].is_given) {
             (void)snprintf(out->reason, sizeof out->reason, "it needs %s, which is the scene's",
                            class->row[i].name);

@@ -849,10 +849,28 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
            "is the coupling's, working force over tool radius times the dent");
 }
 
+static void write_case(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)
+{
+    (void)model;
+    fprintf(file, "  alpha: %.9g\n  beta: %.9g\n  relaxation_iterations: 20\n", setting->free[0],
+            setting->free[1]);
+}
+
+static const ss_hints_variant variant = {.name = "chainmail", .text = "", .is_plastic = true};
+static const ss_model_hints hints = {
+    .colour = "#7a7a7a",
+    .about = "geometry alone: distances are kept within bounds, forces do not exist in it",
+    .free_count = 2,
+    .free = {{"alpha", 5e-3, 0.5, 0.1}, {"beta", 0.02, 1.0, 0.2}},
+    .write = write_case,
+    .variant = &variant,
+    .variant_count = 1};
+
 extern const ss_model_class ss_model_chainmail;
 const ss_model_class ss_model_chainmail = {
     .name = "chainmail",
     .help = "the traditional ChainMail: chain elements move only where links leave their band",
+    .hints = &hints,
     .row = rows,
     .row_count = ROW_COUNT,
     .needs_volume = false,

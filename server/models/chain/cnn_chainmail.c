@@ -314,10 +314,39 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     return hash;
 }
 
+static void write_case(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)
+{
+    (void)model;
+    fprintf(file, "  alpha: %.9g\n  link_stiffness_n_per_m: %.9g\n  unloading: keep\n",
+            setting->free[0],
+            setting->scale * setting->body->youngs_modulus * setting->body->size * 0.01);
+}
+
+static const ss_hints_variant variant = {
+    .name = "cnn-chainmail",
+    .text = "",
+    .books_own_work = true,
+    .knob = {{"link_stiffness_n_per_m", SS_KNOB_STIFFNESS, 200.0, 1.0}}};
+static const ss_model_hints hints = {
+    .colour = "#5a9bd4",
+    .about = "links that resist only beyond their slack: a fast local shape, far from an elastic "
+             "body's in absolute terms, and judged here at rest although its motion is its point",
+    .has_force = true,
+    .has_scale = true,
+    .free_count = 1,
+    .free = {{"alpha", 1e-4, 0.02, 4e-3}}, /* an elastic body has no toe */
+    .write = write_case,
+    .fitted = {{"link_stiffness_n_per_m", false, 0.0},
+               {"alpha", false, 0.02},
+               {"capacitance_s", true, 0.0}},
+    .variant = &variant,
+    .variant_count = 1};
+
 extern const ss_model_class ss_model_cnn_chainmail;
 const ss_model_class ss_model_cnn_chainmail = {
     .name = "cnn-chainmail",
     .help = "a cellular neural network on the links of a chain mail, on surfaces and volumes",
+    .hints = &hints,
     .row = ss_chain_rows,
     .row_count = SS_CHAIN_ROW_COUNT,
     .needs_volume = false,

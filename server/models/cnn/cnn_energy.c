@@ -521,6 +521,7 @@ const ss_model_class ss_model_cnn_energy = {
     .name = "cnn-energy",
     .help =
         "a surface or volume deforms as a cellular neural network spreads the energy of a contact",
+    .hints = &ss_cnn_hints,
     .row = ss_cnn_rows_table,
     .row_count = SS_CNN_ROW_COUNT,
     .needs_volume = false,

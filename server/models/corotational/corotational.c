@@ -271,10 +271,22 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
+static const ss_model_hints hints = {
+    .colour = "#0072b2",
+    .about = "linear elasticity that turns with the body: right while strains are small, whatever "
+             "the rotations, and stable at any step",
+    .has_force = true,
+    .material = {"linear", "linear", "linear"},
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_lambda_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"viscosity_phi_pa_s", true, 0.0}}};
+
 extern const ss_model_class ss_model_corotational;
 const ss_model_class ss_model_corotational = {
     .name = "corotational",
     .help = "linear tetrahedra that turn with the body, stepped implicitly: for stiff scenes",
+    .hints = &hints,
     .row = ss_corot_rows,
     .row_count = SS_COROT_ROW_COUNT,
     .needs_volume = true,

@@ -185,10 +185,31 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
+static const ss_hints_variant variants[] = {
+    {.name = "fem stable-neo-hookean",
+     .text = "  material: stable-neo-hookean\n",
+     .knob = SS_HINTS_SOLID},
+    {.name = "fem stvk-guarded", .text = "  material: stvk-guarded\n", .knob = SS_HINTS_SOLID},
+};
+static const ss_model_hints hints = {
+    .colour = "#d55e00",
+    .about = "solves the stated material; what is left is the mesh, which bends and squeezes too "
+             "stiffly while it is coarse",
+    .has_force = true,
+    .material = SS_HINTS_ANY_LAW,
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_lambda_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"viscosity_phi_pa_s", true, 0.0},
+               {"viscosity_psi_pa_s", true, 0.0}},
+    .variant = variants,
+    .variant_count = sizeof variants / sizeof *variants};
+
 extern const ss_model_class ss_model_fem;
 const ss_model_class ss_model_fem = {
     .name = "fem",
     .help = "a volume of tetrahedra with Green strain and viscous stress, explicit in time",
+    .hints = &hints,
     .row = rows,
     .row_count = SS_FEM_ROW_COUNT,
     .needs_volume = true,

@@ -820,10 +820,41 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(hybrid->body, line, sink);
 }
 
+/* A thin layer outside the body's surface, so that the core has the body's nodes, all of them; it
+ * sleeps while there is no tool. */
+static void write_case(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)
+{
+    const double spacing = 0.012 * setting->body->size;
+    ss_hints_write_solid(file, model, setting);
+    fprintf(file, "  layer: {spacing_m: %.9g, thickness_m: %.9g}\n", spacing, 3.0 * spacing);
+}
+
+static const ss_hints_variant variant = {.name = "hybrid",
+                                         .text =
+                                             "  layer: {spacing_m: 0.0125, thickness_m: 0.0125}\n",
+                                         .knob = SS_HINTS_SOLID};
+static const ss_model_hints hints = {
+    .colour = "#7f3f98",
+    .about = "the finite elements of fem under a layer of particles, which sleep while no tool is "
+             "near, as here; the layer lies outside the body and makes it a little thicker, which "
+             "is in its error",
+    .note = "the layer outside makes it a thicker body than the case's",
+    .has_force = true,
+    .material = SS_HINTS_ANY_LAW,
+    .write = write_case,
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_lambda_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"viscosity_phi_pa_s", true, 0.0},
+               {"viscosity_psi_pa_s", true, 0.0}},
+    .variant = &variant,
+    .variant_count = 1};
+
 extern const ss_model_class ss_model_hybrid;
 const ss_model_class ss_model_hybrid = {
     .name = "hybrid",
     .help = "a core of tetrahedra under a layer of particles that wake where a tool is",
+    .hints = &hints,
     .row = rows,
     .row_count = SS_HYBRID_ROW_COUNT,
     .needs_volume = true,

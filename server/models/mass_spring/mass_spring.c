@@ -585,10 +585,22 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
+static const ss_model_hints hints = {
+    .colour = "#8c6d1f",
+    .about =
+        "springs along edges: one elastic constant, Poisson's ratio near 1/4 whatever is asked "
+        "for, and a stiffness that depends on how the mesh was cut: a wall of one or two "
+        "irregular elements can be half as stiff as asked",
+    .has_force = true,
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"mass_damping_per_s", true, 0.0}}};
+
 extern const ss_model_class ss_model_mass_spring;
 const ss_model_class ss_model_mass_spring = {
     .name = "mass-spring",
     .help = "the edges of a volume or surface mesh as springs between point masses",
+    .hints = &hints,
     .row = rows,
     .row_count = ROW_COUNT,
     .needs_volume = false,

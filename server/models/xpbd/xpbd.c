@@ -313,10 +313,26 @@ static void explain(const ss_model *model, void (*line)(void *sink, const char *
     ss_body_explain(model->body, line, sink);
 }
 
+static const ss_hints_variant variant = {
+    .name = "xpbd", .text = "  material: stable-neo-hookean\n", .knob = SS_HINTS_SOLID};
+static const ss_model_hints hints = {
+    .colour = "#009e73",
+    .about = "a stable neo-Hookean material by position corrections: close to it once a step has "
+             "enough of them, softer or stiffer by as much as it lacks",
+    .has_force = true,
+    .material = {"stable-neo-hookean", "stable-neo-hookean", "neo-hookean"},
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_lambda_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"mass_damping_per_s", true, 0.0}},
+    .variant = &variant,
+    .variant_count = 1};
+
 extern const ss_model_class ss_model_xpbd;
 const ss_model_class ss_model_xpbd = {
     .name = "xpbd",
     .help = "neo-Hookean tetrahedra by extended position-based dynamics in small steps",
+    .hints = &hints,
     .row = rows,
     .row_count = ROW_COUNT,
     .needs_volume = true,

@@ -161,7 +161,7 @@ static void check_sets(const options *o, softsim_error *error)
         int32_t count = 0, takers = 0;
         const ss_model_class *const *table = ss_model_table(&count);
         for (int32_t k = 0; k < count; ++k) {
-            const ss_accuracy_model *model = ss_accuracy_model_find(table[k]->name);
+            const ss_model_class *model = ss_accuracy_model_find(table[k]->name);
             takers += model != NULL && is_listed(o->model, model->name) &&
                       ss_accuracy_model_takes(model, set);
         }
@@ -355,8 +355,8 @@ static bool is_quick_mesh(const ss_case *c, const ss_case_mesh *mesh, int32_t in
 static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_error *error)
 {
     const ss_case *c = &r->plan.c[k];
-    const ss_accuracy_model *model = ss_accuracy_model_find(name);
-    const bool on_surface = model != NULL && model->on_surface;
+    const ss_model_class *model = ss_accuracy_model_find(name);
+    const bool on_surface = model != NULL && model->hints->on_surface;
     int32_t mesh_count = 0;
     const ss_case_mesh *mesh = ss_case_meshes(c, on_surface, &mesh_count);
     ss_accuracy_plan *plan = c->is_dynamic ? &r->dynamic : &r->plan;
@@ -514,10 +514,10 @@ static char *gather(const ss_accuracy_plan *plan, const ss_sweep_result *result,
 static void lose_dynamic(const ss_accuracy_plan *plan, int32_t index, const char *reason, FILE *out)
 {
     const ss_accuracy_job *job = &plan->job[index];
-    const ss_accuracy_model *model = ss_accuracy_model_find(job->model);
+    const ss_model_class *model = ss_accuracy_model_find(job->model);
     int32_t count = 0;
-    const ss_case_mesh *mesh =
-        ss_case_meshes(&plan->c[job->case_index], model != NULL && model->on_surface, &count);
+    const ss_case_mesh *mesh = ss_case_meshes(&plan->c[job->case_index],
+                                              model != NULL && model->hints->on_surface, &count);
     fprintf(out, "%s,%s,%s,,,,", plan->c[job->case_index].name, job->model, mesh[job->mesh].name);
     ss_csv_text(out, reason);
     fputc('\n', out);
@@ -712,9 +712,9 @@ static void put_places(const report *r, ss_page *page)
     const ss_model_class *const *table = ss_model_table(&count);
     ss_page_heading(page, "What each model is for");
     for (int32_t i = 0; i < count; ++i) {
-        const ss_accuracy_model *model = ss_accuracy_model_find(table[i]->name);
+        const ss_model_class *model = ss_accuracy_model_find(table[i]->name);
         if (model != NULL && is_listed(r->o.model, model->name)) {
-            ss_page_text(page, "%s: %s.", model->name, model->about);
+            ss_page_text(page, "%s: %s.", model->name, model->hints->about);
         }
     }
 }

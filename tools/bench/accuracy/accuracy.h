@@ -7,16 +7,16 @@
  * A job is a case, a material, a model and a mesh: it fits what is free on the first level, runs
  * all levels and leaves a row each. Beside the rows it leaves files in the report's folder, named
  * after it: fields/ID.csv, the field of the last level beside the reference, and scenes/ID.yaml,
- * the lines of a scene that describe the model as it was run. Jobs are runs of a sweep (core/sweep.h).
- * Thread: main.
+ * the lines of a scene that describe the model as it was run. Jobs are runs of a sweep
+ * (core/sweep.h). Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
 #include "bench/accuracy/models.h"
-#include "case/case.h"
 #include "bench/core/report.h"
+#include "case/case.h"
 #include "case/table.h"
 
 enum { SS_ACCURACY_MAX_CASES = 64, SS_ACCURACY_PATH = 1024, SS_ACCURACY_MAX_SOURCES = 16 };
@@ -35,7 +35,7 @@ typedef struct ss_accuracy_plan {
     ss_accuracy_job *job;
     int32_t job_count;
     bool is_quick;          /* of a material the first and the last level */
-    const ss_arg_list *set; /* as ss_accuracy_knobs has it */
+    const ss_arg_list *set; /* as ss_hints_setting has it */
     double longest_cpu_s;   /* of a level */
 } ss_accuracy_plan;
 

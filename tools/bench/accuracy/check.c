@@ -22,11 +22,11 @@ typedef struct need {
 
 static need need_of(const ss_accuracy_job *job)
 {
-    const ss_accuracy_model *model = ss_accuracy_model_find(job->model);
+    const ss_model_class *model = ss_accuracy_model_find(job->model);
     return (need){.case_index = job->case_index,
                   .material = job->material,
                   .mesh = job->mesh,
-                  .on_surface = model != NULL && model->on_surface};
+                  .on_surface = model != NULL && model->hints->on_surface};
 }
 
 /* Does an earlier job read the same? */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "bench/accuracy/accuracy.h"
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "rt/vec.h"
 
 enum { MAX_SHAPE_NODES = 8000, NAME_SIZE = 300 };
@@ -46,8 +46,8 @@ static void put_name(FILE *file, const char *text)
 /* The same in every picture; programs of others are black. */
 static const char *colour_of(const ss_accuracy_row *row)
 {
-    const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
-    return row->source == 0 && model != NULL ? model->colour : "black";
+    const ss_model_class *model = ss_accuracy_model_find(row->model);
+    return row->source == 0 && model != NULL ? model->hints->colour : "black";
 }
 
 static bool is_first_of_model(const drawing *d, int32_t k)
@@ -340,7 +340,7 @@ static void fill_faces(pair *p, const ss_mesh *mesh)
 }
 
 /* Up is against the load; the body's longer side lies across. */
-static void choose_view(const ss_case *c, const ss_mesh *mesh, ss_shape_view *view)
+static void choose_view(const ss_case *c, const ss_mesh *mesh, ss_surface_picture_view *view)
 {
     double low[3], high[3], up[3] = {0.0, 0.0, 1.0};
     if (c->pushed[0] != '\0') {
@@ -370,7 +370,7 @@ static void choose_view(const ss_case *c, const ss_mesh *mesh, ss_shape_view *vi
 }
 
 /* The reference stands to the right of the model. */
-static void set_apart(pair *p, const ss_shape_view *view)
+static void set_apart(pair *p, const ss_surface_picture_view *view)
 {
     double right[3], low = (double)INFINITY, high = -(double)INFINITY;
     ss_cross3(right, view->up, view->eye);
@@ -392,7 +392,7 @@ static softsim_status draw_pair(drawing *d, const char *id, const ss_accuracy_me
                                 const ss_mesh *mesh, pair *p)
 {
     char name[NAME_SIZE + 8], caption[400], label[160];
-    ss_shape_view view = {.label = label};
+    ss_surface_picture_view view = {.label = label};
     const ss_accuracy_row *last = m->first;
     for (int32_t i = 0; i < d->rows->count; ++i) {
         const ss_accuracy_row *at = &d->rows->row[i];
@@ -413,14 +413,14 @@ static softsim_status draw_pair(drawing *d, const char *id, const ss_accuracy_me
              "the largest displacement.",
              d->c->name, last->material, last->model, last->mesh, last->level, last->error_l2,
              p->worst);
-    const ss_shape shape = {.node_count = 2 * p->node_count,
-                            .face_count = 2 * mesh->triangle_count,
-                            .rest = (const double(*)[3])p->rest,
-                            .u = (const double(*)[3])p->u,
-                            .face = (const int32_t(*)[4])p->face,
-                            .colour = p->colour,
-                            .pushed = -1};
-    return ss_shape_put(d->page, name, caption, &shape, &view, 1, d->error);
+    const ss_surface_picture shape = {.node_count = 2 * p->node_count,
+                                      .face_count = 2 * mesh->triangle_count,
+                                      .rest = (const double(*)[3])p->rest,
+                                      .u = (const double(*)[3])p->u,
+                                      .face = (const int32_t(*)[4])p->face,
+                                      .colour = p->colour,
+                                      .pushed = -1};
+    return ss_surface_picture_put(d->page, name, caption, &shape, &view, 1, d->error);
 }
 
 /* The files of a mean's job. */
@@ -428,10 +428,10 @@ static const ss_accuracy_job *find_job(const drawing *d, const ss_accuracy_mean 
 {
     for (int32_t k = 0; k < d->plan->job_count; ++k) {
         const ss_accuracy_job *job = &d->plan->job[k];
-        const ss_accuracy_model *model = ss_accuracy_model_find(job->model);
+        const ss_model_class *model = ss_accuracy_model_find(job->model);
         int32_t count = 0;
-        const ss_case_mesh *mesh = ss_case_meshes(&d->plan->c[job->case_index],
-                                                  model != NULL && model->on_surface, &count);
+        const ss_case_mesh *mesh = ss_case_meshes(
+            &d->plan->c[job->case_index], model != NULL && model->hints->on_surface, &count);
         if (&d->plan->c[job->case_index] == d->c && job->material == d->material &&
             strcmp(job->model, m->first->model) == 0 &&
             strcmp(mesh[job->mesh].name, m->first->mesh) == 0) {
@@ -446,15 +446,15 @@ static softsim_status draw_shape(drawing *d, const ss_accuracy_mean *m)
 {
     char id[256];
     const ss_accuracy_job *job = find_job(d, m, id);
-    const ss_accuracy_model *model = ss_accuracy_model_find(m->first->model);
+    const ss_model_class *model = ss_accuracy_model_find(m->first->model);
     ss_case_body body = {.mesh = NULL};
     int32_t count = 0;
     softsim_status status = SOFTSIM_OK;
     if (job == NULL || model == NULL) {
         return SOFTSIM_OK;
     }
-    const ss_case_mesh *mesh = &ss_case_meshes(d->c, model->on_surface, &count)[job->mesh];
-    status = ss_case_load_body(d->c, mesh, -1, model->on_surface, &body, d->error);
+    const ss_case_mesh *mesh = &ss_case_meshes(d->c, model->hints->on_surface, &count)[job->mesh];
+    status = ss_case_load_body(d->c, mesh, -1, model->hints->on_surface, &body, d->error);
     if (status == SOFTSIM_OK) {
         const size_t n = (size_t)body.mesh->node_count, t = (size_t)body.mesh->triangle_count;
         pair p = {.rest = calloc(2 * n, sizeof *p.rest),

@@ -43,10 +43,10 @@ typedef struct work {
     const ss_accuracy_job *job;
     const ss_case *c;
     const ss_case_mesh *mesh;
-    const ss_accuracy_model *model;
+    const ss_model_class *model;
     ss_case_body body;
-    ss_accuracy_body size;
-    ss_accuracy_knobs knobs;
+    ss_hints_body size;
+    ss_hints_setting setting;
     double omega;
     char folder[SS_SCRATCH_PATH]; /* temporary */
     int32_t first;                /* level of the material */
@@ -60,9 +60,9 @@ void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[25
 {
     const ss_accuracy_job *job = &plan->job[index];
     const ss_case *c = &plan->c[job->case_index];
-    const ss_accuracy_model *model = ss_accuracy_model_find(job->model);
+    const ss_model_class *model = ss_accuracy_model_find(job->model);
     int32_t count = 0;
-    const ss_case_mesh *mesh = ss_case_meshes(c, model != NULL && model->on_surface, &count);
+    const ss_case_mesh *mesh = ss_case_meshes(c, model != NULL && model->hints->on_surface, &count);
     snprintf(out, 256, "%s_%s_%s_%s", c->name,
              job->material >= 0 ? c->material[job->material] : "dynamic", job->model,
              mesh[job->mesh].name);
@@ -73,7 +73,7 @@ void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[25
 /* The scene's lines of the model; NULL with a fault when out of memory. */
 static char *model_text(work *w)
 {
-    char *text = ss_accuracy_model_text(w->model, &w->knobs);
+    char *text = ss_accuracy_model_text(w->model, &w->setting, w->plan->set);
     if (text == NULL) {
         softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
     }
@@ -82,8 +82,8 @@ static char *model_text(work *w)
 
 static softsim_status run_level(work *w, double level, ss_static_run *out)
 {
-    w->omega = w->model->omega != NULL ? w->model->omega(&w->knobs) : w->omega;
-    w->knobs.damping = damping_share * w->omega;
+    w->omega = w->model->hints->omega != NULL ? w->model->hints->omega(&w->setting) : w->omega;
+    w->setting.damping = damping_share * w->omega;
     char *text = model_text(w);
     if (text == NULL) {
         return SOFTSIM_ERROR_MEMORY;
@@ -105,7 +105,7 @@ static softsim_status run_level(work *w, double level, ss_static_run *out)
 static softsim_status find_omega(work *w)
 {
     w->omega = still_omega;
-    if (w->model->omega != NULL) {
+    if (w->model->hints->omega != NULL) {
         return SOFTSIM_OK;
     }
     char *text = model_text(w);
@@ -136,15 +136,15 @@ static const double (*reference_of(const work *w, int32_t level))[3]
 
 static void set_free(work *w, const double *x)
 {
-    for (int32_t k = 0; k < w->model->free_count; ++k) {
-        w->knobs.free[k] = exp(x[k]);
+    for (int32_t k = 0; k < w->model->hints->free_count; ++k) {
+        w->setting.free[k] = exp(x[k]);
     }
 }
 
 /* Does the model's scale move the field, and not the force? */
 static bool is_amplitude_free(const work *w)
 {
-    return w->model->has_scale && w->body.pushed_count == 0;
+    return w->model->hints->has_scale && w->body.pushed_count == 0;
 }
 
 static double amplitude_of(const work *w, const ss_static_run *run)
@@ -195,10 +195,10 @@ static void fit_scale(work *w)
 {
     const bool is_known = is_amplitude_free(w) || !isnan(w->c->level[w->first].force);
     const int32_t most = is_amplitude_free(w) ? 3 : 1;
-    for (int32_t k = 0; k < most && w->model->has_scale && is_known && w->status == SOFTSIM_OK;
-         ++k) {
+    for (int32_t k = 0;
+         k < most && w->model->hints->has_scale && is_known && w->status == SOFTSIM_OK; ++k) {
         const double factor = missing_scale(w);
-        w->knobs.scale *= factor > 0.0 ? factor : 1.0;
+        w->setting.scale *= factor > 0.0 ? factor : 1.0;
     }
 }
 
@@ -224,18 +224,18 @@ static double search_value(unsigned n, const double *x, double *gradient, void *
 
 static softsim_status fit_shape(work *w)
 {
-    const int32_t count = w->model->free_count;
-    double low[SS_ACCURACY_MAX_FREE], high[SS_ACCURACY_MAX_FREE], start[SS_ACCURACY_MAX_FREE];
-    double x[SS_ACCURACY_MAX_FREE], error = (double)INFINITY;
+    const int32_t count = w->model->hints->free_count;
+    double low[SS_HINTS_MAX_FREE], high[SS_HINTS_MAX_FREE], start[SS_HINTS_MAX_FREE];
+    double x[SS_HINTS_MAX_FREE], error = (double)INFINITY;
     search s = {.w = w, .nlopt = nlopt_create(NLOPT_LN_NELDERMEAD, (unsigned)count)};
     if (s.nlopt == NULL) {
         softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t k = 0; k < count; ++k) {
-        low[k] = log(w->model->free[k].low);
-        high[k] = log(w->model->free[k].high);
-        x[k] = start[k] = log(w->model->free[k].start);
+        low[k] = log(w->model->hints->free[k].low);
+        high[k] = log(w->model->hints->free[k].high);
+        x[k] = start[k] = log(w->model->hints->free[k].start);
     }
     nlopt_set_lower_bounds(s.nlopt, low);
     nlopt_set_upper_bounds(s.nlopt, high);
@@ -253,7 +253,7 @@ static softsim_status fit_shape(work *w)
 static softsim_status calibrate(work *w)
 {
     w->longest_cpu_s = fit_share * w->plan->longest_cpu_s;
-    if (w->model->free_count > 0) {
+    if (w->model->hints->free_count > 0) {
         w->status = fit_shape(w);
     }
     fit_scale(w);
@@ -294,8 +294,8 @@ static softsim_status write_snippet(const work *w, int32_t index)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    char *text = ss_accuracy_model_text(w->model, &w->knobs);
-    const char *file = w->model->on_surface ? w->mesh->surface : w->mesh->volume;
+    char *text = ss_accuracy_model_text(w->model, &w->setting, w->plan->set);
+    const char *file = w->model->hints->on_surface ? w->mesh->surface : w->mesh->volume;
     fprintf(output.file, "# %s, %s%s%s\nobject: {mesh: %s, units: m}\nmodel:\n%s", w->c->name,
             w->c->material[w->job->material], w->is_calibrated ? ", calibrated on " : "",
             w->is_calibrated ? w->c->level[w->first].tag : "", file, text != NULL ? text : "");
@@ -334,7 +334,7 @@ static void add_note(char *text, size_t size, const char *format, const char *a,
 static void fill_row(const work *w, int32_t level, const ss_static_run *run, ss_accuracy_row *row)
 {
     const ss_case_level *at = &w->c->level[level];
-    const char *used = w->knobs.material;
+    const char *used = w->setting.material;
     start_row(w, level, row);
     snprintf(row->verdict, sizeof row->verdict, "%s", run->verdict);
     if (!run->is_refused) {
@@ -351,7 +351,7 @@ static void fill_row(const work *w, int32_t level, const ss_static_run *run, ss_
     row->error_l2 = norms.field;
     row->error_max = norms.peak;
     row->to_1pct_ms = run->to_1pct_ms;
-    if (w->body.pushed_count > 0 && w->model->has_force) {
+    if (w->body.pushed_count > 0 && w->model->hints->has_force) {
         row->force = ss_dot3(run->force, w->c->direction);
         row->error_force = ss_norms_force(run->force, w->c->direction, at->force);
     } else if (w->body.pushed_count > 0) {
@@ -368,8 +368,8 @@ static void fill_row(const work *w, int32_t level, const ss_static_run *run, ss_
             "; poor field: half of it or more is wrong, its size is %s times the reference's%s",
             size, "");
     }
-    if (w->model->note != NULL) {
-        add_note(row->verdict, sizeof row->verdict, "; %s%s", w->model->note, "");
+    if (w->model->hints->note != NULL) {
+        add_note(row->verdict, sizeof row->verdict, "; %s%s", w->model->hints->note, "");
     }
     if (used != NULL && strncmp(used, row->material, strlen(row->material)) != 0 &&
         !(strcmp(used, "neo-hookean") == 0 && strcmp(row->material, "nh") == 0)) {
@@ -420,17 +420,18 @@ static void begin(work *w, const ss_accuracy_plan *plan, int32_t index, softsim_
                 .longest_cpu_s = plan->longest_cpu_s,
                 .error = error};
     w->model = ss_accuracy_model_find(job->model);
-    w->mesh = &ss_case_meshes(w->c, w->model != NULL && w->model->on_surface, &count)[job->mesh];
+    w->mesh =
+        &ss_case_meshes(w->c, w->model != NULL && w->model->hints->on_surface, &count)[job->mesh];
     while (job->material >= 0 && w->first < w->c->level_count &&
            w->c->level[w->first].material != job->material) {
         ++w->first;
     }
-    w->knobs = (ss_accuracy_knobs){.body = &w->size, .scale = 1.0, .set = w->plan->set};
+    w->setting = (ss_hints_setting){.body = &w->size, .scale = 1.0};
     if (w->model != NULL) {
-        w->knobs.material = ss_accuracy_model_material(
+        w->setting.material = ss_accuracy_model_material(
             w->model, job->material >= 0 ? w->c->material[job->material] : "stvk");
-        for (int32_t k = 0; k < w->model->free_count; ++k) {
-            w->knobs.free[k] = w->model->free[k].start;
+        for (int32_t k = 0; k < w->model->hints->free_count; ++k) {
+            w->setting.free[k] = w->model->hints->free[k].start;
         }
     }
 }
@@ -443,7 +444,7 @@ void ss_accuracy_scratch_name(int64_t owner, char out[SS_ACCURACY_SCRATCH])
 static softsim_status prepare(work *w, int32_t material)
 {
     softsim_status status =
-        ss_case_load_body(w->c, w->mesh, material, w->model->on_surface, &w->body, w->error);
+        ss_case_load_body(w->c, w->mesh, material, w->model->hints->on_surface, &w->body, w->error);
     if (status == SOFTSIM_OK) {
         w->size = ss_accuracy_body_of(w->c, w->body.mesh);
         char name[SS_ACCURACY_SCRATCH];

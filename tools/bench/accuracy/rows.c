@@ -250,11 +250,12 @@ static bool is_of(const ss_accuracy_row *row, const char *case_name, const char 
 static void take_mean(const ss_accuracy_rows *rows, int32_t first, ss_accuracy_mean *out)
 {
     const ss_accuracy_row *row = &rows->row[first];
-    const ss_accuracy_model *model = ss_accuracy_model_find(row->model);
+    const ss_model_class *model = ss_accuracy_model_find(row->model);
     int32_t levels = 0;
     *out = (ss_accuracy_mean){.first = row,
                               .verdict = row->verdict,
-                              .is_other = row->source == 0 && model != NULL && model->note != NULL};
+                              .is_other =
+                                  row->source == 0 && model != NULL && model->hints->note != NULL};
     for (int pass = 0; pass < 2; ++pass) {
         for (int32_t k = first; k < rows->count; ++k) {
             const ss_accuracy_row *at = &rows->row[k];

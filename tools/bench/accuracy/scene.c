@@ -320,20 +320,20 @@ static softsim_status run_level(maker *m, int32_t mesh, int32_t level, char *tex
 }
 
 /* The model's lines, with a mass damping (0: to be measured). */
-static char *model_text(maker *m, const ss_accuracy_body *size, double damping)
+static char *model_text(maker *m, const ss_hints_body *size, double damping)
 {
-    const ss_accuracy_model *model = ss_accuracy_model_find(reference_model);
-    const ss_accuracy_knobs knobs = {.body = size,
-                                     .material =
-                                         ss_accuracy_model_material(model, m->c.material[0]),
-                                     .scale = 1.0,
-                                     .damping = damping};
-    return ss_accuracy_model_text(model, &knobs);
+    const ss_model_class *model = ss_accuracy_model_find(reference_model);
+    const ss_hints_setting setting = {.body = size,
+                                      .material =
+                                          ss_accuracy_model_material(model, m->c.material[0]),
+                                      .scale = 1.0,
+                                      .damping = damping};
+    return ss_accuracy_model_text(model, &setting, NULL);
 }
 
 static softsim_status solve(maker *m)
 {
-    const ss_accuracy_body size = ss_accuracy_body_of(&m->c, m->body[0].mesh);
+    const ss_hints_body size = ss_accuracy_body_of(&m->c, m->body[0].mesh);
     char *text = model_text(m, &size, 0.0);
     softsim_status status =
         text == NULL ? no_memory(m) : ss_static_prepare(&m->body[0], m->temporary, m->error);

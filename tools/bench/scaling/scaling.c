@@ -609,12 +609,12 @@ static softsim_status plot_blocks(const report *r, bool is_memory, ss_page *page
             is_memory ? "MB, largest, set-up included" : "ms of thread CPU for 1 ms of time");
     for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
         const char *name_of_model = ss_assay_subject_model(s);
-        const ss_accuracy_model *model = ss_accuracy_model_find(name_of_model);
+        const ss_model_class *model = ss_accuracy_model_find(name_of_model);
         const bool is_second = s > 0 && strcmp(name_of_model, ss_assay_subject_model(s - 1)) == 0;
         fprintf(file,
                 "%s$m%d using 1:2 with linespoints pt 7 ps 0.6 lw 2 dt %d lc rgb '%s' title '%s'",
-                s > 0 ? ", " : "", s, is_second ? 2 : 1, model != NULL ? model->colour : "black",
-                ss_assay_subject_name(s));
+                s > 0 ? ", " : "", s, is_second ? 2 : 1,
+                model != NULL ? model->hints->colour : "black", ss_assay_subject_name(s));
     }
     fputc('\n', file);
     return ss_page_plot(page, &script, name,

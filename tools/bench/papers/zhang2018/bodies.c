@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "bench/core/child.h"
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
 #include "rt/vec.h"
@@ -255,8 +255,9 @@ softsim_status ss_zhang_solid_draw(ss_paper *paper, const ss_zhang_solid *solid,
                                    const double (*u)[3], const char *name, const char *caption,
                                    softsim_error *error)
 {
-    static const ss_shape_view views[2] = {{{-0.3, -1.0, 0.35}, {0.0, 0.0, 1.0}, "from the front"},
-                                           {{0.9, -0.4, 0.6}, {0.0, 0.0, 1.0}, "from the right"}};
+    static const ss_surface_picture_view views[2] = {
+        {{-0.3, -1.0, 0.35}, {0.0, 0.0, 1.0}, "from the front"},
+        {{0.9, -0.4, 0.6}, {0.0, 0.0, 1.0}, "from the right"}};
     const ss_mesh *mesh = solid->mesh;
     int32_t(*face)[4] = calloc((size_t)mesh->triangle_count, sizeof *face);
     if (face == NULL) {
@@ -266,14 +267,15 @@ softsim_status ss_zhang_solid_draw(ss_paper *paper, const ss_zhang_solid *solid,
         memcpy(face[t], mesh->triangle[t], sizeof mesh->triangle[t]);
         face[t][3] = -1;
     }
-    ss_shape shape = {.node_count = mesh->node_count,
-                      .face_count = mesh->triangle_count,
-                      .rest = (const double(*)[3])mesh->position,
-                      .u = u,
-                      .face = (const int32_t(*)[4])face,
-                      .pushed = solid->pushed[0]};
+    ss_surface_picture shape = {.node_count = mesh->node_count,
+                                .face_count = mesh->triangle_count,
+                                .rest = (const double(*)[3])mesh->position,
+                                .u = u,
+                                .face = (const int32_t(*)[4])face,
+                                .pushed = solid->pushed[0]};
     ss_copy3(shape.push, solid->direction);
-    const softsim_status status = ss_shape_draw(paper, name, caption, &shape, views, 2, error);
+    const softsim_status status =
+        ss_surface_picture_draw(paper, name, caption, &shape, views, 2, error);
     free(face);
     return status;
 }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "rt/vec.h"
 
@@ -172,19 +172,19 @@ static softsim_status write_profiles(ss_zhang *zhang, const plane_field *u, cons
 
 static softsim_status draw_plane(ss_zhang *zhang, double (*u)[3], int which, softsim_error *error)
 {
-    static const ss_shape_view view = {{-0.35, -1.0, 0.55}, {0.0, 0.0, 1.0}, ""};
+    static const ss_surface_picture_view view = {{-0.35, -1.0, 0.55}, {0.0, 0.0, 1.0}, ""};
     char name[48], caption[160];
     const ss_mesh *mesh = zhang->plane.mesh;
-    const ss_shape shape = {.node_count = mesh->node_count,
-                            .face_count = mesh->quad_count,
-                            .rest = (const double(*)[3])mesh->position,
-                            .u = (const double(*)[3])u,
-                            .face = (const int32_t(*)[4])mesh->quad,
-                            .pushed = SS_PLANE_MIDDLE,
-                            .push = {0.0, 0.0, -1.0}};
+    const ss_surface_picture shape = {.node_count = mesh->node_count,
+                                      .face_count = mesh->quad_count,
+                                      .rest = (const double(*)[3])mesh->position,
+                                      .u = (const double(*)[3])u,
+                                      .face = (const int32_t(*)[4])mesh->quad,
+                                      .pushed = SS_PLANE_MIDDLE,
+                                      .push = {0.0, 0.0, -1.0}};
     snprintf(name, sizeof name, "fig4-%s", shapes[which].name);
     snprintf(caption, sizeof caption, "Fig. 4: the plane pushed 5 h: %s.", shapes[which].title);
-    return ss_shape_draw(zhang->paper, name, caption, &shape, &view, 1, error);
+    return ss_surface_picture_draw(zhang->paper, name, caption, &shape, &view, 1, error);
 }
 
 static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_field *own,

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "rt/vec.h"
 
@@ -48,24 +48,25 @@ static softsim_status run_model(ss_zhang *zhang, double *stiffness, double *out_
 
 static softsim_status draw(ss_zhang *zhang, const plane_field u, softsim_error *error)
 {
-    static const ss_shape_view view = {{-0.35, -1.0, 0.55}, {0.0, 0.0, 1.0}, ""};
+    static const ss_surface_picture_view view = {{-0.35, -1.0, 0.55}, {0.0, 0.0, 1.0}, ""};
     static uint32_t colour[(SS_PLANE_SIDE - 1) * (SS_PLANE_SIDE - 1)];
     const ss_mesh *mesh = zhang->plane.mesh;
     for (int32_t q = 0; q < mesh->quad_count; ++q) {
         const double *a = mesh->position[mesh->quad[q][0]], *b = mesh->position[mesh->quad[q][2]];
         colour[q] = a[0] + b[0] < 0.0 ? 0xd8b9a0 : 0x8fb3c9;
     }
-    const ss_shape shape = {.node_count = mesh->node_count,
-                            .face_count = mesh->quad_count,
-                            .rest = (const double(*)[3])mesh->position,
-                            .u = u,
-                            .face = (const int32_t(*)[4])mesh->quad,
-                            .colour = colour,
-                            .pushed = SS_PLANE_MIDDLE,
-                            .push = {0.0, 0.0, -1.0}};
-    return ss_shape_draw(zhang->paper, "tissue",
-                         "Two tissues: the right half (blue) eight times as stiff, pushed 5 h.",
-                         &shape, &view, 1, error);
+    const ss_surface_picture shape = {.node_count = mesh->node_count,
+                                      .face_count = mesh->quad_count,
+                                      .rest = (const double(*)[3])mesh->position,
+                                      .u = u,
+                                      .face = (const int32_t(*)[4])mesh->quad,
+                                      .colour = colour,
+                                      .pushed = SS_PLANE_MIDDLE,
+                                      .push = {0.0, 0.0, -1.0}};
+    return ss_surface_picture_draw(
+        zhang->paper, "tissue",
+        "Two tissues: the right half (blue) eight times as stiff, pushed 5 h.", &shape, &view, 1,
+        error);
 }
 
 softsim_status ss_zhang_tissue(ss_paper *paper, softsim_error *error)

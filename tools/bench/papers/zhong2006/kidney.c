@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "bench/scaling/body.h"
 #include "process.h"
@@ -196,7 +196,7 @@ static void kidney_claims(ss_paper *paper, const session *s)
 
 static softsim_status draw_phase(ss_paper *paper, const session *s, int phase, softsim_error *error)
 {
-    static const ss_shape_view views[2] = {
+    static const ss_surface_picture_view views[2] = {
         {{0.25, -1.0, 0.55}, {0.0, 0.0, 1.0}, "from the front"},
         {{0.85, 0.6, 0.7}, {0.0, 0.0, 1.0}, "from behind and one end"}};
     const struct phase *at = &phases[phase];
@@ -209,19 +209,20 @@ static softsim_status draw_phase(ss_paper *paper, const session *s, int phase, s
         memcpy(face[t], s->body.triangle[t], sizeof s->body.triangle[t]);
         face[t][3] = -1;
     }
-    ss_shape shape = {.node_count = s->body.node_count,
-                      .face_count = s->body.triangle_count,
-                      .rest = (const double(*)[3])s->body.rest,
-                      .u = (const double(*)[3])s->shape[phase],
-                      .face = (const int32_t(*)[4])face,
-                      .pushed = -1,
-                      .ball_radius = tool_radius};
+    ss_surface_picture shape = {.node_count = s->body.node_count,
+                                .face_count = s->body.triangle_count,
+                                .rest = (const double(*)[3])s->body.rest,
+                                .u = (const double(*)[3])s->shape[phase],
+                                .face = (const int32_t(*)[4])face,
+                                .pushed = -1,
+                                .ball_radius = tool_radius};
     ss_copy3(shape.ball, s->tool[phase]);
     snprintf(caption, sizeof caption,
              "Fig. 13, %s: force on the hand (%.2f, %.2f, %.2f) N. Blue: the probe's tip, drawn "
              "over the tissue; dashed: the outline at rest.",
              at->title, s->force[phase][0], s->force[phase][1], s->force[phase][2]);
-    const softsim_status status = ss_shape_draw(paper, at->name, caption, &shape, views, 2, error);
+    const softsim_status status =
+        ss_surface_picture_draw(paper, at->name, caption, &shape, views, 2, error);
     free(face);
     return status;
 }

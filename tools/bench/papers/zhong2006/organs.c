@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/real.h"
 #include "rt/vec.h"
@@ -94,7 +94,7 @@ static double least_extent(const ss_trial_body *body)
 static softsim_status draw_organ(ss_zhong *zhong, const struct organ *at, const ss_trial_body *body,
                                  const ss_trial *trial, int32_t top, softsim_error *error)
 {
-    static const ss_shape_view views[2] = {
+    static const ss_surface_picture_view views[2] = {
         {{0.1, -1.0, 0.25}, {0.0, 0.0, 1.0}, "from the side"},
         {{1.0, -0.5, 0.5}, {0.0, 0.0, 1.0}, "from the pushed end"}};
     char caption[200];
@@ -107,17 +107,17 @@ static softsim_status draw_organ(ss_zhong *zhong, const struct organ *at, const 
         memcpy(face[t], body->triangle[t], sizeof body->triangle[t]);
         face[t][3] = -1;
     }
-    const ss_shape shape = {.node_count = body->node_count,
-                            .face_count = body->triangle_count,
-                            .rest = (const double(*)[3])body->rest,
-                            .u = (const double(*)[3])trial->u,
-                            .face = (const int32_t(*)[4])face,
-                            .pushed = top,
-                            .push = {-1.0, 0.0, 0.0}};
+    const ss_surface_picture shape = {.node_count = body->node_count,
+                                      .face_count = body->triangle_count,
+                                      .rest = (const double(*)[3])body->rest,
+                                      .u = (const double(*)[3])trial->u,
+                                      .face = (const int32_t(*)[4])face,
+                                      .pushed = top,
+                                      .push = {-1.0, 0.0, 0.0}};
     snprintf(caption, sizeof caption, "%s, static under 1 N; dashed: its outline at rest.",
              at->title);
     const softsim_status status =
-        ss_shape_draw(zhong->paper, at->name, caption, &shape, views, 2, error);
+        ss_surface_picture_draw(zhong->paper, at->name, caption, &shape, views, 2, error);
     free(face);
     return status;
 }

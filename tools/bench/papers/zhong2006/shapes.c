@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/vec.h"
 
@@ -127,7 +127,7 @@ static uint32_t colour_of(material which, const int32_t face[4])
 static softsim_status draw(ss_zhong *zhong, const ss_tube *tube, const struct shape_case *at,
                            const result *r, softsim_error *error)
 {
-    static const ss_shape_view views[2] = {
+    static const ss_surface_picture_view views[2] = {
         {{1.0, 0.12, 0.0}, {0.0, 1.0, 0.0}, "from the side"},
         {{0.65, 0.55, 0.9}, {0.0, 1.0, 0.0}, "from above and one end"}};
     static int32_t face[SS_TUBE_TRIANGLES][4], ring[SS_TUBE_COLUMNS], nine[NINE];
@@ -156,24 +156,24 @@ static softsim_status draw(ss_zhong *zhong, const ss_tube *tube, const struct sh
     for (int32_t k = 0; k < NINE; ++k) {
         nine[k] = SS_TUBE_CONTACT + (k - NINE / 2) * SS_TUBE_COLUMNS;
     }
-    const ss_shape shape = {.node_count = SS_TUBE_POINTS,
-                            .face_count = count,
-                            .rest = (const double(*)[3])tube->position,
-                            .u = (const double(*)[3])r->u,
-                            .face = (const int32_t(*)[4])face,
-                            .colour = is_coloured ? colour : NULL,
-                            .ring_count = SS_TUBE_COLUMNS,
-                            .ring = ring,
-                            .mark_count = at->material == NINE_POINTS ? NINE : 0,
-                            .mark = nine,
-                            .pushed = SS_TUBE_CONTACT,
-                            .push = {0.0, -1.0, 0.0}};
+    const ss_surface_picture shape = {.node_count = SS_TUBE_POINTS,
+                                      .face_count = count,
+                                      .rest = (const double(*)[3])tube->position,
+                                      .u = (const double(*)[3])r->u,
+                                      .face = (const int32_t(*)[4])face,
+                                      .colour = is_coloured ? colour : NULL,
+                                      .ring_count = SS_TUBE_COLUMNS,
+                                      .ring = ring,
+                                      .mark_count = at->material == NINE_POINTS ? NINE : 0,
+                                      .mark = nine,
+                                      .pushed = SS_TUBE_CONTACT,
+                                      .push = {0.0, -1.0, 0.0}};
     snprintf(name, sizeof name, "%s-%s", at->name, tube->name);
     snprintf(caption, sizeof caption,
              "%s, %s: %s. Contact %.3f m deep, its ring %.3f m wide (2 at rest). Dashed: the body "
              "at rest and the contact's ring.",
              at->figure, tube->name, at->title, r->depth, r->width);
-    return ss_shape_draw(zhong->paper, name, caption, &shape, views, 2, error);
+    return ss_surface_picture_draw(zhong->paper, name, caption, &shape, views, 2, error);
 }
 
 static softsim_status write_shape(ss_zhong *zhong, const ss_tube *tube, const struct shape_case *at,

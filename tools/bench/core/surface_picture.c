@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "bench/core/shape.h"
+#include "bench/core/surface_picture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static int32_t corners(const int32_t face[4])
     return face[3] < 0 ? 3 : 4;
 }
 
-static void place(const ss_shape *s, int32_t node, bool is_moved, double out[3])
+static void place(const ss_surface_picture *s, int32_t node, bool is_moved, double out[3])
 {
     ss_copy3(out, s->rest[node]);
     if (is_moved) {
@@ -53,7 +53,7 @@ static void place(const ss_shape *s, int32_t node, bool is_moved, double out[3])
 }
 
 /* Area vector of a face. */
-static void face_normal(const ss_shape *s, int32_t f, bool is_moved, double out[3])
+static void face_normal(const ss_surface_picture *s, int32_t f, bool is_moved, double out[3])
 {
     double p[4][3], a[3], b[3];
     const int32_t count = corners(s->face[f]);
@@ -65,7 +65,7 @@ static void face_normal(const ss_shape *s, int32_t f, bool is_moved, double out[
     ss_cross3(out, a, b);
 }
 
-static void set_axes(const ss_shape_view *view, canvas *c)
+static void set_axes(const ss_surface_picture_view *view, canvas *c)
 {
     ss_copy3(c->eye, view->eye);
     ss_normalize3(c->eye);
@@ -74,7 +74,7 @@ static void set_axes(const ss_shape_view *view, canvas *c)
     ss_cross3(c->up, c->eye, c->right);
 }
 
-static void set_bounds(const ss_shape *s, canvas *c)
+static void set_bounds(const ss_surface_picture *s, canvas *c)
 {
     c->low[0] = c->low[1] = (double)INFINITY;
     c->high[0] = c->high[1] = -(double)INFINITY;
@@ -105,7 +105,7 @@ static uint32_t shade(uint32_t colour, double light)
     return out;
 }
 
-static bool put_faces(FILE *file, const ss_shape *s, const canvas *c)
+static bool put_faces(FILE *file, const ss_surface_picture *s, const canvas *c)
 {
     facet *order = calloc((size_t)s->face_count, sizeof *order);
     double lamp[3];
@@ -147,7 +147,7 @@ static bool put_faces(FILE *file, const ss_shape *s, const canvas *c)
 }
 
 /* Edges of the body at rest with one face, or with one that looks here and one that looks away. */
-static bool put_outline(FILE *file, const ss_shape *s, const canvas *c)
+static bool put_outline(FILE *file, const ss_surface_picture *s, const canvas *c)
 {
     side *sides = calloc(4 * (size_t)s->face_count, sizeof *sides);
     int32_t count = 0;
@@ -186,7 +186,7 @@ static bool put_outline(FILE *file, const ss_shape *s, const canvas *c)
 }
 
 /* The arrow of a push, and the ball. */
-static void put_marks(FILE *file, const ss_shape *s, const canvas *c, double size)
+static void put_marks(FILE *file, const ss_surface_picture *s, const canvas *c, double size)
 {
     for (int32_t k = 0; k < s->mark_count; ++k) {
         double p[3];
@@ -215,16 +215,18 @@ static void put_marks(FILE *file, const ss_shape *s, const canvas *c, double siz
     }
 }
 
-softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *caption,
-                             const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
-                             softsim_error *error)
+softsim_status ss_surface_picture_draw(ss_paper *paper, const char *name, const char *caption,
+                                       const ss_surface_picture *shape,
+                                       const ss_surface_picture_view *view, int32_t view_count,
+                                       softsim_error *error)
 {
-    return ss_shape_put(&paper->page, name, caption, shape, view, view_count, error);
+    return ss_surface_picture_put(&paper->page, name, caption, shape, view, view_count, error);
 }
 
-softsim_status ss_shape_put(ss_page *page, const char *name, const char *caption,
-                            const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
-                            softsim_error *error)
+softsim_status ss_surface_picture_put(ss_page *page, const char *name, const char *caption,
+                                      const ss_surface_picture *shape,
+                                      const ss_surface_picture_view *view, int32_t view_count,
+                                      softsim_error *error)
 {
     enum { MAX_VIEWS = 4 };
     canvas c[MAX_VIEWS];

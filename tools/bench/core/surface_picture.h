@@ -11,7 +11,7 @@
 
 #include "bench/papers/paper.h"
 
-typedef struct ss_shape {
+typedef struct ss_surface_picture {
     int32_t node_count, face_count;
     const double (*rest)[3]; /* m */
     const double (*u)[3];
@@ -24,18 +24,20 @@ typedef struct ss_shape {
     int32_t pushed;              /* node that an arrow points at, -1 none */
     double push[3];              /* the arrow's direction */
     double ball_radius, ball[3]; /* a tool; radius 0: none */
-} ss_shape;
+} ss_surface_picture;
 
-typedef struct ss_shape_view {
+typedef struct ss_surface_picture_view {
     double eye[3], up[3]; /* directions, the first towards who looks */
     const char *label;
-} ss_shape_view;
+} ss_surface_picture_view;
 
 /* Draws `name`.png into the page. */
-softsim_status ss_shape_put(ss_page *page, const char *name, const char *caption,
-                            const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
-                            softsim_error *error);
+softsim_status ss_surface_picture_put(ss_page *page, const char *name, const char *caption,
+                                      const ss_surface_picture *shape,
+                                      const ss_surface_picture_view *view, int32_t view_count,
+                                      softsim_error *error);
 /* The same into a paper's page. */
-softsim_status ss_shape_draw(ss_paper *paper, const char *name, const char *caption,
-                             const ss_shape *shape, const ss_shape_view *view, int32_t view_count,
-                             softsim_error *error);
+softsim_status ss_surface_picture_draw(ss_paper *paper, const char *name, const char *caption,
+                                       const ss_surface_picture *shape,
+                                       const ss_surface_picture_view *view, int32_t view_count,
+                                       softsim_error *error);
