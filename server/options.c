@@ -3,6 +3,24 @@
 #include "options.h"
 
 #include <stddef.h>
+#include <stdio.h>
+
+#include "models/model.h"
+
+/* What --help says of the program: its models are those that were built in. */
+static void describe(char *out, size_t size)
+{
+    int32_t count = 0;
+    const ss_model_class *const *model = ss_model_table(&count);
+    size_t used = (size_t)snprintf(out, size,
+                                   "Simulates the scene's soft object; takes probe poses and "
+                                   "publishes contact forces over LCM.\nmodel.name in a scene is "
+                                   "one of");
+    for (int32_t i = 0; i < count && used < size; ++i) {
+        used +=
+            (size_t)snprintf(out + used, size - used, "%s %s", i > 0 ? "," : "", model[i]->name);
+    }
+}
 
 ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
                                 softsim_error *error)
@@ -42,11 +60,11 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
          "what stderr tells (default info)"},
     };
     int32_t positional_count = 0;
-    const ss_args_result result = ss_args_parse(
-        argc, argv, "[options] SCENE.yaml",
-        "Simulates the scene's soft object; takes probe poses and publishes contact "
-        "forces over LCM.",
-        rows, (int32_t)(sizeof rows / sizeof *rows), &o.scene_path, 1, 1, &positional_count, error);
+    char about[1024];
+    describe(about, sizeof about);
+    const ss_args_result result = ss_args_parse(argc, argv, "[options] SCENE.yaml", about, rows,
+                                                (int32_t)(sizeof rows / sizeof *rows),
+                                                &o.scene_path, 1, 1, &positional_count, error);
     if (result == SS_ARGS_RUN && o.no_commands && o.allow_commands) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--no-commands and --allow-commands: give one of them");

@@ -16,12 +16,12 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/stability/audit.h"
+#include "bench/stability/hand.h"
 #include "bench/stability/stress_case.h"
 #include "bench/stability/stress_scene.h"
-#include "bench/stability/audit.h"
 #include "effort.h"
 #include "folder_fixture.h"
-#include "bench/stability/hand.h"
 #include "rt/vec.h"
 #include "watch.h"
 #include "world.h"

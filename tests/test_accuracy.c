@@ -23,14 +23,14 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "bench/accuracy/accuracy.h"
 #include "accuracy_fixture.h"
+#include "bench/accuracy/accuracy.h"
+#include "bench/accuracy/refine.h"
 #include "case/case.h"
+#include "case/norms.h"
+#include "case/table.h"
 #include "effort.h"
 #include "models/model.h"
-#include "case/norms.h"
-#include "bench/accuracy/refine.h"
-#include "case/table.h"
 
 /* ---- norms ------------------------------------------------------------------------------------
  */

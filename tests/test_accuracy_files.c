@@ -22,11 +22,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "bench/accuracy/accuracy.h"
 #include "accuracy_fixture.h"
+#include "bench/accuracy/accuracy.h"
+#include "case/table.h"
 #include "effort.h"
 #include "models/model.h"
-#include "case/table.h"
 
 static const char statement[] =
     "material: {youngs_modulus_pa: 1e4, poisson_ratio: 0.3}\nfixed: fixed\n"

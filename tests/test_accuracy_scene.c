@@ -22,9 +22,9 @@
 #include "accuracy_fixture.h"
 #include "bench/accuracy/scene.h"
 #include "case/case.h"
+#include "case/norms.h"
 #include "effort.h"
 #include "models/model.h"
-#include "case/norms.h"
 
 #define BEAM "name: fem, youngs_modulus_pa: 50000, poisson_ratio: 0.3, density_kg_m3: 1000"
 static const char end[] = "[1e-6, 1, 1]"; /* holds the beam's */

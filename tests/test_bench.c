@@ -22,17 +22,17 @@
 
 #include "bench/bench.h"
 #include "bench/core/child.h"
-#include "case/csv.h"
-#include "bench/papers/hybrid/fem_speed.h"
-#include "bench/latency/figures.h"
-#include "folder_fixture.h"
-#include "bench/latency/judge.h"
-#include "process.h"
 #include "bench/core/report.h"
+#include "bench/latency/figures.h"
+#include "bench/latency/judge.h"
+#include "bench/latency/session.h"
+#include "bench/papers/hybrid/fem_speed.h"
+#include "case/csv.h"
 #include "case/samples.h"
 #include "case/scratch.h"
-#include "bench/latency/session.h"
 #include "case/table.h"
+#include "folder_fixture.h"
+#include "process.h"
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
 

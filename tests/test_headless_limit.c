@@ -14,9 +14,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "bench/latency/felt.h"
 #include "device.h"
 #include "effort.h"
-#include "bench/latency/felt.h"
 #include "limit_judge.h"
 #include "press_fixture.h"
 #include "world.h"

@@ -16,9 +16,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "folder_fixture.h"
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
+#include "folder_fixture.h"
 #include "number_fixture.h"
 #include "rt/vec.h"
 

@@ -18,11 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/papers/zhang2018/zhang2018.h"
 #include "effort.h"
 #include "folder_fixture.h"
 #include "number_fixture.h"
 #include "rt/vec.h"
-#include "bench/papers/zhang2018/zhang2018.h"
 
 static softsim_error error;
 

@@ -19,12 +19,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bench/stability/stress_case.h"
+#include "bench/core/static_cnn.h"
 #include "bench/scaling/body.h"
+#include "bench/stability/stress_case.h"
+#include "case/table.h"
 #include "effort.h"
 #include "rt/vec.h"
-#include "bench/core/static_cnn.h"
-#include "case/table.h"
 
 #include "folder_fixture.h"
 

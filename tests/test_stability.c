@@ -18,13 +18,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/stability/stress_case.h"
 #include "bench/stability/audit.h"
+#include "bench/stability/specimen.h"
+#include "bench/stability/stability.h"
+#include "bench/stability/stress_case.h"
 #include "folder_fixture.h"
 #include "models/model.h"
 #include "rt/vec.h"
-#include "bench/stability/specimen.h"
-#include "bench/stability/stability.h"
 
 /* ---- the body -------------------------------------------------------------------------------- */
 

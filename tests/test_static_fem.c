@@ -16,9 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/core/static_fem.h"
 #include "number_fixture.h"
 #include "rt/vec.h"
-#include "bench/core/static_fem.h"
 
 #define REFERENCE SOURCE_DIR "/tests/reference/"
 

@@ -20,9 +20,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bench/core/sweep.h"
 #include "folder_fixture.h"
 #include "process.h"
-#include "bench/core/sweep.h"
 
 enum { RUNS = 12, CRASHES = 3, FAILS = 5, HANGS = 7 };
 

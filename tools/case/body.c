@@ -12,10 +12,10 @@
 #include <string.h>
 
 #include "case/case.h"
+#include "case/table.h"
 #include "rt/vec.h"
 #include "scene/report.h"
 #include "scene/tree.h"
-#include "case/table.h"
 
 enum { LONG_PATH = 2 * SS_CASE_PATH };
 #define PLACE_SHARE 1e-3 /* of the body's diagonal: further off a node is another one */

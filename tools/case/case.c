@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "case/table.h"
 #include "rt/vec.h"
 #include "scene/report.h"
 #include "scene/tree.h"
-#include "case/table.h"
 
 static const double longest_s = 1e3; /* of a motion: a million steps of 1 ms, all of them kept */
 

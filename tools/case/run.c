@@ -8,11 +8,11 @@
 #include <string.h>
 
 #include "case/norms.h"
+#include "case/scratch.h"
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
 #include "rt/vec.h"
-#include "case/scratch.h"
 
 enum { PATH_SIZE = 512, MAX_LOOKS = 4096, MAX_SUBSTEPS = 2000, CALM_LOOKS = 8 };
 static const double ramp_phase = 3.14159265358979; /* omega t at the ramp's end */

@@ -12,11 +12,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "case/run.h"
 #include "case/case.h"
+#include "case/run.h"
+#include "case/scratch.h"
 #include "parameters.h"
 #include "press.h"
-#include "case/scratch.h"
 #include "softsim/types.h"
 
 typedef struct ss_fit_levels {

@@ -10,7 +10,7 @@
  * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
  * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
- * pieces (ss_body_external, ss_body_contact_diagonal) themselves. scaling/body.c derives the ledger,
+ * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body.c derives the ledger,
  * body_contact.c the stiffness that a tool feels.
  *
  * Nodes: the mesh's, then any of the model's own (particles). Arrays of nodes have 4 ss_real each,
@@ -159,6 +159,13 @@ const ss_real *ss_body_model_displacement(const ss_model *model);
 const ss_real *ss_body_model_velocity(const ss_model *model);
 void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
+/* What every model of a body leaves to it. */
+#define SS_BODY_MODEL_CLASS                                                                        \
+    .contacts = ss_body_model_contacts, .reset = ss_body_model_reset,                              \
+    .reaction = ss_body_model_reaction, .hash = ss_body_model_hash
+/* And what those leave to it that have no motion of their own beside its nodes'. */
+#define SS_BODY_MODEL_MOTION                                                                       \
+    .displacement = ss_body_model_displacement, .velocity = ss_body_model_velocity
 
 /* ---- the same of the body, for models that add to it ---------------------------------------- */
 

@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What the files of the body share: its state and its parts. Private to them; models use scaling/body.h.
- * Thread: as scaling/body.h says.
+ * What the files of the body share: its state and its parts. Private to them; models use body.h.
+ * Thread: as body.h says.
  */
 #include "models/common/body.h"
 #include "models/common/grasp.h"

@@ -219,9 +219,8 @@ const ss_model_class ss_model_fem = {
     .step = step,
     .contacts = ss_body_model_contacts,
     .reset = reset,
-    .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
     .reaction = ss_body_model_reaction,
     .hash = hash_state,
+    .info = ss_body_model_info,
+    SS_BODY_MODEL_MOTION,
     .explain = explain};

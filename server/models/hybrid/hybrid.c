@@ -862,11 +862,8 @@ const ss_model_class ss_model_hybrid = {
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_MODEL_CLASS,
     .info = ss_body_model_info,
     .displacement = displacement,
     .velocity = velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
     .explain = explain};

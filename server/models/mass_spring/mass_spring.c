@@ -608,11 +608,7 @@ const ss_model_class ss_model_mass_spring = {
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_MODEL_CLASS,
     .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    SS_BODY_MODEL_MOTION,
     .explain = explain};

@@ -11,9 +11,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "bench/core/yardstick.h"
 #include "output.h"
 #include "softsim/types.h"
-#include "bench/core/yardstick.h"
 
 enum { SS_PAGE_MAX_CELLS = 16 };
 

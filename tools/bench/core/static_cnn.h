@@ -8,7 +8,8 @@
  * In: points, triangles, one material for all, cells held at zero, the weights of one source, and
  * what pushes: forces, or nodes whose place is given. Out: displacements. Shares no code with the
  * model. For bodies of any size that a sparse factor can take (a surface of 100 000 points: some
- * seconds); papers/zhong2006/net.h has the paper's readings on small ones. Thread: any, tools and tests only.
+ * seconds); papers/zhong2006/net.h has the paper's readings on small ones. Thread: any, tools and
+ * tests only.
  */
 #include <stdint.h>
 

@@ -13,8 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "case/samples.h"
 #include "bench/latency/session.h"
+#include "case/samples.h"
 
 typedef struct ss_figure {
     double p50, p99, p999, max; /* microseconds; NaN: not known */

@@ -25,8 +25,8 @@ typedef struct ss_block_run {
     char verdict[192];
 } ss_block_run;
 
-/* `subject` of stability/stress_case.h, about `points` nodes; files go to `folder` and meshes stay there for the
- * next run. A scene that is refused is a result. */
+/* `subject` of stability/stress_case.h, about `points` nodes; files go to `folder` and meshes stay
+ * there for the next run. A scene that is refused is a result. */
 softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t points,
                                 ss_block_run *out, softsim_error *error);
 

@@ -17,13 +17,13 @@
  * pretension alone; pulled out, it stretches, and the modulus acts.
  *
  * The error of a field u is max |u - u_direct| / max |u_direct| over all nodes. u_direct is the
- * equilibrium of the same body under the same load by the direct solves of core/static_cnn.h, in double,
- * network and shape alike; it shares nothing with the model but the scene and its mesh. Under the
- * sphere, which by then stands still, the same load means: the source's weights are those of the
- * touched cells, its share a is 1 (the sphere is pressed in), and the touched nodes with their
- * neighbours, on which the contact acts, stay where the model has them. So the error holds what
- * single precision, the steps, the window and what has not come to rest yet make of the field, and
- * is blind to the contact's own forces. Thread: main.
+ * equilibrium of the same body under the same load by the direct solves of core/static_cnn.h, in
+ * double, network and shape alike; it shares nothing with the model but the scene and its mesh.
+ * Under the sphere, which by then stands still, the same load means: the source's weights are those
+ * of the touched cells, its share a is 1 (the sphere is pressed in), and the touched nodes with
+ * their neighbours, on which the contact acts, stay where the model has them. So the error holds
+ * what single precision, the steps, the window and what has not come to rest yet make of the field,
+ * and is blind to the contact's own forces. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>

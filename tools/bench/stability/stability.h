@@ -8,10 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "bench/stability/stress_case.h"
-#include "softsim/types.h"
 #include "bench/core/sweep.h"
 #include "bench/core/yardstick.h"
+#include "bench/stability/stress_case.h"
+#include "softsim/types.h"
 
 enum { SS_STABILITY_MAX_MODELS = 16 };
 

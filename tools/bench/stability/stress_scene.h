@@ -9,8 +9,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "bench/stability/stress_case.h"
 #include "bench/stability/specimen.h"
+#include "bench/stability/stress_case.h"
 
 typedef enum ss_assay_drive { SS_ASSAY_LOADS, SS_ASSAY_TOOL, SS_ASSAY_PLACES } ss_assay_drive;
 

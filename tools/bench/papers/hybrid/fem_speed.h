@@ -13,8 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "softsim/types.h"
 #include "bench/core/yardstick.h"
+#include "softsim/types.h"
 
 typedef struct ss_fem_speed_case {
     int32_t elements; /* about so many */

@@ -5,8 +5,8 @@
  * The report on the hybrid model's paper: its bodies, pressed and timed through the interface of
  * models. Units are the paper's, with m, kg and s beside them. Thread: main.
  */
-#include "models/model.h"
 #include "bench/papers/paper.h"
+#include "models/model.h"
 
 /* Table 1. */
 typedef struct ss_heart_row {

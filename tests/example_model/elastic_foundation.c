@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/body.h"
+/*
+ * The elastic foundation (Winkler 1867): every node of the surface is a spring of its own,
+ *
+ *   m_i u'' + 60/s m_i u' = -k A_i u + loads + contact,   m_i = sigma A_i
+ *
+ * with A_i a third of the triangles around it: an example of how a model is added
+ * (server/models/README.md). The file says the law; all else is the body's.
+ */
+#include "models/common/plan.h"
+#include "rt/memory.h"
+
+enum { STIFFNESS, AREA_DENSITY, ROW_COUNT };
+
+static const ss_param_row rows[ROW_COUNT] = {
+    [STIFFNESS] = {.name = "stiffness_n_per_m3",
+                   .kind = SS_PARAM_NUMBER,
+                   .max = 1e12,
+                   .exclusive_min = true,
+                   .fallback = 1e6,
+                   .help = "pressure by indentation, k"},
+    [AREA_DENSITY] = {.name = "area_density_kg_m2",
+                      .kind = SS_PARAM_NUMBER,
+                      .max = 1e6,
+                      .exclusive_min = true,
+                      .fallback = 10.0,
+                      .help = "mass by area, sigma"},
+};
+
+struct ss_model {
+    ss_body *body; /* first: ss_body_model_* read it */
+    double rate2;  /* 1/s^2, k / sigma: node i hangs on rate2 m_i */
+};
+
+static void force(void *owner, const ss_real *u, const ss_real *v, ss_real *out,
+                  ss_body_energy *energy)
+{
+    const ss_model *model = owner;
+    const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
+    (void)v;
+    for (int32_t i = 0; i < 4 * nodes->count; ++i) {
+        const double pull = model->rate2 * nodes->mass[i / 4] * (double)u[i];
+        out[i] -= (ss_real)pull;
+        energy->elastic += 0.5 * pull * (double)u[i];
+    }
+}
+
+static void tangent(void *owner, const ss_real *x, ss_real *out)
+{
+    const ss_model *model = owner;
+    const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
+    for (int32_t i = 0; i < 4 * nodes->count; ++i) {
+        out[i] += (ss_real)(model->rate2 * nodes->mass[i / 4] * (double)x[i]);
+    }
+}
+
+static void diagonal(void *owner, double *out)
+{
+    const ss_model *model = owner;
+    const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
+    for (int32_t i = 0; i < nodes->count; ++i) {
+        out[i] += model->rate2 * nodes->mass[i];
+    }
+}
+
+static double stable_step(void *owner, const ss_body *body)
+{
+    const ss_model *model = owner;
+    return ss_body_step_limit(SS_BODY_SYMPLECTIC_EULER, model->rate2, 0.0,
+                              ss_body_mass_damping(body));
+}
+
+static void destroy(ss_model *model)
+{
+    if (model != NULL) {
+        ss_body_destroy(&model->body);
+        ss_memory_free(model);
+    }
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_error *error)
+{
+    const int32_t count = plan->mesh->node_count;
+    const double sigma = plan->param[AREA_DENSITY].number;
+    ss_model *model = ss_memory_get(1, sizeof *model);
+    double *area = ss_memory_get((size_t)count, 2 * sizeof *area);
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (model != NULL && area != NULL) {
+        double *mass = area + count;
+        for (int32_t i = 0; i < count; ++i) {
+            area[i] = sigma;
+        }
+        ss_body_area_masses(plan->mesh, area, mass);
+        model->rate2 = plan->param[STIFFNESS].number / sigma;
+        const ss_body_plan body = {.name = "elastic-foundation",
+                                   .plan = plan,
+                                   .node_count = count,
+                                   .mass = mass,
+                                   .mass_damping = 60.0,
+                                   .edge = ss_body_mean_edge(plan->mesh),
+                                   .step_share = 0.5,
+                                   .elastic = {model, force, tangent, diagonal, stable_step}};
+        status = ss_body_create(&body, &model->body, error);
+        status = status == SOFTSIM_OK ? ss_body_start(model->body) : status;
+    }
+    ss_memory_free(area);
+    if (status != SOFTSIM_OK) {
+        destroy(model);
+        return status;
+    }
+    *out = model;
+    return SOFTSIM_OK;
+}
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    return 2.0 + 0.02 * plan->mesh->node_count;
+}
+
+static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+{
+    const ss_printer out = {line, sink};
+    ss_say(&out, "springs: one a node, %.4g N/m by kg", model->rate2);
+    ss_body_explain(model->body, line, sink);
+}
+
+static const ss_model_hints hints = {
+    .colour = "#444444",
+    .about = "springs beside one another: the pressure under a tool, no dent around it",
+    .on_surface = true,
+    .has_force = true,
+    .fitted = {{"stiffness_n_per_m3", false, 0.0}}};
+
+extern const ss_model_class ss_model_elastic_foundation;
+const ss_model_class ss_model_elastic_foundation = {.name = "elastic-foundation",
+                                                    .help = "a spring under every node",
+                                                    .hints = &hints,
+                                                    .row = rows,
+                                                    .row_count = ROW_COUNT,
+                                                    .step_cost_us = step_cost_us,
+                                                    .create = create,
+                                                    .destroy = destroy,
+                                                    .step = ss_body_model_step,
+                                                    SS_BODY_MODEL_CLASS,
+                                                    .info = ss_body_model_info,
+                                                    SS_BODY_MODEL_MOTION,
+                                                    .explain = explain};
