@@ -4,7 +4,7 @@
 #
 # The command lines of tools/*.sh: each answers at once, before it installs or builds anything.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit 1
 bad=0
 
 # expect STATUS TEXT COMMAND...: exit status, and a text on stdout or stderr.

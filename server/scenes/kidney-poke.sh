@@ -1,4 +1,5 @@
 #!/bin/sh
+# shellcheck disable=SC2034 # its variables are for those who read it
 # SPDX-License-Identifier: BSD-3-Clause
 # SPDX-FileCopyrightText: 2026 the softsim authors
 #
