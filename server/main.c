@@ -3,12 +3,12 @@
 #include <signal.h>
 #include <stdio.h>
 
-#include "loops.h"
+#include "loops/loops.h"
 #include "options.h"
 #include "rt/plain.h"
 #include "rt/program.h"
 #include "rt/progress.h"
-#include "world.h"
+#include "world/world.h"
 
 static void print_line(void *sink, const char *text)
 {

@@ -23,8 +23,8 @@
 #include "effort.h"
 #include "folder_fixture.h"
 #include "rt/vec.h"
-#include "watch.h"
-#include "world.h"
+#include "world/watch.h"
+#include "world/world.h"
 
 #define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
 /* Of a 5 mm sphere over (5, 3) mm: where it is 5 mm deep, and above the surface. */

@@ -19,7 +19,7 @@
 #include "effort.h"
 #include "limit_judge.h"
 #include "press_fixture.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
 

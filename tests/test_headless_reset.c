@@ -18,7 +18,7 @@
 #include "effort.h"
 #include "limit_judge.h"
 #include "press_fixture.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { HELD_TICK = 1000 };
 static const double LIMIT = 8.0; /* N */

@@ -19,7 +19,7 @@
 #include "rt/hash.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
-#include "world.h"
+#include "world/world.h"
 
 static softsim_error error;
 

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
+#include "loops/pace.h"
 #include "number_fixture.h"
-#include "pace.h"
 
 enum { MS = 1000000 };
 

@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "world.h"
+#include "world/world.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"
 

@@ -36,3 +36,19 @@ void ss_clock_sleep_until(int64_t deadline_ns)
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, NULL) == EINTR) {
     }
 }
+
+int64_t ss_clock_next_period(int64_t start_ns, int64_t period_ns, int64_t *tick,
+                             int64_t *out_skipped)
+{
+    ++*tick;
+    int64_t due = start_ns + *tick * period_ns;
+    const int64_t now = ss_clock_now_ns();
+    *out_skipped = 0;
+    if (now - due >= period_ns) {
+        *out_skipped = (now - due) / period_ns;
+        *tick += *out_skipped;
+        due += *out_skipped * period_ns;
+    }
+    ss_clock_sleep_until(due);
+    return due;
+}

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "rt/vec.h"
-#include "world.h"
+#include "world/world.h"
 
 static const double longest_cpu_s = 60.0; /* of one level */
 static const double ramp_phase = 3.14159265358979;

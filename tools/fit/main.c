@@ -15,7 +15,7 @@
 #include "rt/files.h"
 #include "rt/program.h"
 #include "rt/progress.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { FARTHEST_M = 1000 }; /* places beyond are a unit error, as in pose paths */
 

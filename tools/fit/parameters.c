@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "world.h"
+#include "world/world.h"
 
 static const double REACH = 1e4;
 

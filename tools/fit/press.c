@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "rt/vec.h"
-#include "world.h"
+#include "world/world.h"
 
 enum {
     MAX_STEPS = 10000000, /* of one run */

@@ -242,7 +242,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
 /* All groups of a node are looked at in the next sub-step. */
 void ss_chain_wake(ss_model *model, int32_t node);
 
-/* ---- explain.c ---- */
+/* ---- world/explain.c ---- */
 /* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
  * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
 double ss_chain_planned_substeps(const ss_model_plan *plan);

@@ -435,7 +435,7 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 softsim_status ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
-/* ---- explain.c ------------------------------------------------------------------------ */
+/* ---- world/explain.c ------------------------------------------------------------------------ */
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan);
 void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);

@@ -26,7 +26,7 @@
 #include "rt/args.h"
 #include "rt/files.h"
 #include "rt/hash.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;

@@ -18,7 +18,7 @@
 #include "rt/progress.h"
 #include "rt/vec.h"
 #include "scene/scene.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { MAX_MESHES = 3, LEVELS = 2, MOST_NODES = 120000, QUICK_NODES = 12000, LONG_PATH = 1200 };
 static const double level_share[LEVELS] = {0.5, 1.0};

@@ -16,7 +16,7 @@
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "softsim/softsim.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { PATH_SIZE = 4352, MOST_TICKS = 200, LEAST_TICKS = 3 };
 static const double stiffness_pa = 1e4, size_m = 0.1, load_share = 0.02;
@@ -176,7 +176,8 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
         softsim_read(world, &state);
         out->nodes = state.node_count;
         out->memory_mb = 1e-6 * (double)ss_memory_in_use();
-        ss_world_explain((const ss_world *)world, take_solver, out); /* it is one: lockstep.c */
+        ss_world_explain((const ss_world *)world, take_solver,
+                         out); /* it is one: world/lockstep.c */
         play(world, out, &tick_us);
         softsim_destroy(&world);
     }

@@ -16,7 +16,7 @@
 #include "rt/clock.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { PATH_SIZE = 512, MIN_TICKS = 40 };
 static const double haptic_tick_s = 1e-3;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "rt/memory.h"
-#include "world.h"
+#include "world/world.h"
 
 /* The way back to the file's numbers, for what a user sees. The triangles of a surface come in the
  * file's order too; those of a volume, which no file has, in ours. */

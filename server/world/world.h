@@ -3,8 +3,8 @@
 #pragma once
 /*
  * The world: all state, and the pieces of work that the loops call. Nothing here owns a thread in
- * real time; loops.c gives each piece its thread. In lockstep and headless runs one thread calls
- * all of them, with an optional worker that computes the next simulation step meanwhile.
+ * real time; loops/loops.c gives each piece its thread. In lockstep and headless runs one thread
+ * calls all of them, with an optional worker that computes the next simulation step meanwhile.
  *
  * Time. A tick is one haptic period T; a simulation step is `step_ticks` = m of them, h = m T. The
  * step that starts at tick n runs to the proxies of tick n and its result reaches the haptic loop
@@ -29,7 +29,7 @@
 #include "scene/scene.h"
 #include "softsim/config.h"
 #include "softsim/softsim.h"
-#include "watch.h"
+#include "world/watch.h"
 
 /* A command on its way to a loop. */
 typedef struct ss_command_record {

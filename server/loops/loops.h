@@ -7,7 +7,7 @@
  * moves the world.
  */
 #include "options.h"
-#include "world.h"
+#include "world/world.h"
 
 /* Runs until a signal, `--duration`, the command `shutdown` or a broken network. Prints
  * `softsimd: ready` when it listens. SOFTSIM_OK, or what stopped it with the reason in `error`.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "claim.h"
+#include "loops/claim.h"
 
 #include "rt/clock.h"
 

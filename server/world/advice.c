@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "rt/printer.h"
-#include "world.h"
+#include "world/world.h"
 
 enum { ALL_AXES = 7 };
 static const double SMALLEST_BODY_M = 1e-3;

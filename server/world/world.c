@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "world.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

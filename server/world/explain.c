@@ -5,7 +5,7 @@
 
 #include "rt/memory.h"
 #include "rt/printer.h"
-#include "world.h"
+#include "world/world.h"
 
 /* What of the estimated cost of a step is there because of the tools. */
 static double contact_cost_us(const ss_world *world)

@@ -8,7 +8,7 @@
 #include "rt/memory.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
-#include "world.h"
+#include "world/world.h"
 
 /*
  * The world moved by poses alone: the daemon's lockstep and the headless API. One thread calls

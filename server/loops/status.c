@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "loops/state.h"
+/*
+ * What the server says of itself, four times a second and when asked: the report on the wire, and
+ * the opinion that the main thread tells on stderr.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "rt/clock.h"
+#include "rt/memory.h"
+
+enum { FAULT_WIRE_CLAMPED = 1 << 16, FAULT_WIRE_CAPPED = 1 << 17, FAULT_SLOW = 1 << 18 };
+static const int64_t SILENCE_NS = 5000000000; /* a status says so for as long */
+
+/* Takes what the loops last reported. */
+static void take_stats(ss_loops *loops)
+{
+    const ss_haptic_stats *haptic = ss_mailbox_take(loops->world->haptic_stats, NULL);
+    const ss_simulation_stats *simulation = ss_mailbox_take(loops->world->simulation_stats, NULL);
+    if (haptic) {
+        loops->haptic_stats = *haptic;
+    }
+    if (simulation) {
+        loops->simulation_stats = *simulation;
+    }
+}
+
+/* Why the force of a probe is not what its pose asks for; NULL when nothing is wrong. A probe that
+ * was put away is no news after a while. */
+static const char *probe_reason(const ss_loops *loops)
+{
+    static const char *const silent[SOFTSIM_MAX_PROBES] = {
+        "probe 0 went silent: its force is ramped to zero",
+        "probe 1 went silent: its force is ramped to zero",
+        "probe 2 went silent: its force is ramped to zero",
+        "probe 3 went silent: its force is ramped to zero",
+        "probe 4 went silent: its force is ramped to zero",
+        "probe 5 went silent: its force is ramped to zero",
+        "probe 6 went silent: its force is ramped to zero",
+        "probe 7 went silent: its force is ramped to zero"};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if ((loops->last_flags[p] & SOFTSIM_FORCE_STALE) != 0 &&
+            ss_clock_now_ns() - loops->silent_ns[p] < SILENCE_NS) {
+            return silent[p];
+        }
+    }
+    return NULL;
+}
+
+/* The model's verdict, or what else is wrong when the model is well. */
+static void judge(ss_loops *loops, ss_report *report)
+{
+    const ss_model_info *info = &loops->simulation_stats.info;
+    report->verdict = info->verdict;
+    report->reason = info->reason ? info->reason : "";
+    report->fault_bits = (int32_t)info->fault_bits;
+    const ss_hand_verdict *hand = &loops->haptic_stats.hand;
+    if (hand->verdict > report->verdict) {
+        report->verdict = hand->verdict;
+        report->reason = hand->reason;
+    }
+    if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
+        report->fault_bits |= FAULT_WIRE_CLAMPED;
+        report->reason =
+            *report->reason ? report->reason : "displacements beyond the wire's range are clamped";
+    }
+    if (loops->publisher && ss_publisher_is_capped(loops->publisher)) {
+        report->fault_bits |= FAULT_WIRE_CAPPED;
+        report->reason =
+            *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
+    }
+    const double pace = 1.0 - loops->simulation_stats.lag;
+    if (pace < SS_PACE_LEAST) {
+        report->fault_bits |= FAULT_SLOW;
+        if (report->verdict < SOFTSIM_VERDICT_DEGRADED) {
+            report->verdict = SOFTSIM_VERDICT_DEGRADED;
+            snprintf(loops->slow_reason, sizeof loops->slow_reason,
+                     "simulated %.0f %% of real time: lower simulation.rate_hz, choose a coarser "
+                     "mesh, or leave the machine less to do",
+                     100.0 * pace);
+            report->reason = loops->slow_reason;
+        }
+    }
+    if (loops->simulation_stats.is_paused && !*report->reason) {
+        report->reason = "paused: forces are zero until the command resume";
+    }
+    const char *reason = probe_reason(loops);
+    if (reason && !*report->reason) {
+        report->reason = reason;
+    }
+}
+
+void ss_loops_send_status(ss_loops *loops)
+{
+    ss_world *world = loops->world;
+    const ss_scene *scene = world->scene;
+    if (loops->options->lockstep) {
+        ss_world_settle(world);
+        ss_loops_measure_rate(loops);
+    }
+    take_stats(loops);
+    const ss_simulation_stats *simulation = &loops->simulation_stats;
+    const ss_haptic_stats *haptic = &loops->haptic_stats;
+    const ss_model_info *info = &simulation->info;
+    ss_gate_counts counts;
+    ss_gate_read(world->gate, &counts);
+    const int64_t utime_us = ss_clock_now_ns() / 1000;
+    ss_report report = {
+        .utime_us = utime_us,
+        .threads = world->threads,
+        .nodes = scene->mesh->node_count,
+        .active_nodes = info->active_nodes,
+        .elements = ss_mesh_element_count(scene->mesh),
+        .worst_element = info->worst_element,
+        .substeps = info->substeps,
+        .probes = __builtin_popcount(world->used_probes),
+        .plan_hash = (int64_t)world->plan_hash,
+        .step = info->step,
+        .bytes_in_use = ss_memory_in_use(),
+        .poses_received = counts.received,
+        .poses_superseded = haptic->superseded + loops->queue_refused,
+        .mesh_bytes_sent = loops->publisher ? ss_publisher_bytes(loops->publisher) : 0,
+        .wire_dropped = ss_net_dropped(loops->net),
+        .uptime_s = 1e-6 * (double)(utime_us - loops->claim.start_us),
+        .simulation_rate_hz = atomic_load_explicit(&loops->rate_hz, memory_order_relaxed),
+        .stable_step_s = info->stable_step,
+        .kinetic_j = info->kinetic,
+        .elastic_j = info->elastic,
+        .total_j = info->kinetic + info->elastic,
+        .energy_to_device_j = haptic->energy_to_device_j,
+        .energy_from_device_j = haptic->energy_from_device_j,
+        .scene = scene->path,
+        .model = world->model_class->name};
+    if (loops->options->lockstep) {
+        /* Of one state: the step computed last, whose result may still be held back. */
+        report.step = world->steps;
+        report.state_hash = (int64_t)ss_world_hash(world);
+    }
+    memcpy(report.poses_refused, counts.refused, sizeof report.poses_refused);
+    memcpy(report.probe_periods, loops->periods, sizeof report.probe_periods);
+    memcpy(report.probe_forces, loops->forces, sizeof report.probe_forces);
+    memcpy(report.probe_missed, loops->missed, sizeof report.probe_missed);
+    memcpy(report.step_us, simulation->step_us, sizeof report.step_us);
+    memcpy(report.lateness_us, haptic->lateness_us, sizeof report.lateness_us);
+    memcpy(report.worst_contact_j, haptic->worst_contact_j, sizeof report.worst_contact_j);
+    memcpy(report.loop_delay_ms, haptic->loop_delay_ms, sizeof report.loop_delay_ms);
+    memcpy(report.stiffness_limit_n_per_m, haptic->stiffness_limit,
+           sizeof report.stiffness_limit_n_per_m);
+    judge(loops, &report);
+    ss_net_send_status(loops->net, &report);
+    ss_opinion *opinion = ss_mailbox_draft(loops->opinion);
+    opinion->verdict = report.verdict;
+    snprintf(opinion->reason, sizeof opinion->reason, "%s", report.reason);
+    const ss_rival *rival = ss_net_rival(loops->net);
+    const bool has_rival = ss_rival_is_alive(rival, ss_clock_now_ns());
+    snprintf(opinion->rival, sizeof opinion->rival, "%.200s", has_rival ? rival->status.scene : "");
+    ss_mailbox_post(loops->opinion);
+}
