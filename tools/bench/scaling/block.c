@@ -177,7 +177,7 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
         out->nodes = state.node_count;
         out->memory_mb = 1e-6 * (double)ss_memory_in_use();
         ss_world_explain((const ss_world *)world, take_solver,
-                         out); /* it is one: world/lockstep.c */
+                         out); /* it is one: world/softsim.c */
         play(world, out, &tick_us);
         softsim_destroy(&world);
     }
