@@ -8,7 +8,7 @@
 #include "models/model.h"
 #include "rt/memory.h"
 
-/* ---- a body ------------------------------------------------------------------------------- */
+/* ---- a body ---- */
 
 typedef struct anchors {
     ss_body *body;

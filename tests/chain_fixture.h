@@ -15,7 +15,7 @@
         }                                                                                          \
     } while (0)
 
-/* ---- meshes ------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 /* Cubes of edge h, six tetrahedra each; node (i, j, k) is (k ny + j) nx + i, from the origin. */
 static inline ss_mesh *make_box(int nx, int ny, int nz, double h)
@@ -87,7 +87,7 @@ static inline ss_mesh *make_triangle(double far)
     return mesh;
 }
 
-/* ---- a network ---------------------------------------------------------------------------- */
+/* ---- a network ---- */
 
 /* C = 1 s, k = 1 N/m, no coarse level and no guard: the network alone. */
 static inline void setup_network(setup *s, ss_mesh *mesh, double alpha)

@@ -26,7 +26,7 @@
 
 enum { IS_DOUBLE = sizeof(ss_real) == 8, MAX_NODES = 2000, MAX_TRIANGLES = 4000 };
 
-/* ---- meshes --------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 static double positions[MAX_NODES][3];
 static int32_t triangles[MAX_TRIANGLES][3];
@@ -132,7 +132,7 @@ static inline void make_sphere(int levels, double radius)
     mesh.is_closed = true;
 }
 
-/* ---- one tool on one surface ---------------------------------------------------------------- */
+/* ---- one tool on one surface ---- */
 
 static ss_surface *surface;
 static ss_touch *touch;

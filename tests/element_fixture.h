@@ -5,7 +5,7 @@
 #include "model_fixture.h"
 #include "rt/memory.h"
 
-/* ---- grids -------------------------------------------------------------------------------- */
+/* ---- grids ---- */
 
 /* rows x columns points, point (i, j) at i * columns + j; u runs along i, w along j, which closes
  * upon itself where `is_ring`. Triangles are the halves of the quads, diagonals alternating. */
@@ -66,7 +66,7 @@ static inline void free_mesh(ss_mesh *mesh)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- tetrahedra --------------------------------------------------------------------------- */
+/* ---- tetrahedra ---- */
 
 static inline ss_mesh *make_tetrahedra(int32_t nodes, const double (*position)[3], int32_t count,
                                        const int32_t (*tetrahedron)[4])
@@ -132,7 +132,7 @@ static inline ss_mesh *make_block(int cells, double size)
     return mesh;
 }
 
-/* ---- setups ------------------------------------------------------------------------------- */
+/* ---- setups ---- */
 
 static inline void give_direction(setup *s, double x, double y, double z)
 {

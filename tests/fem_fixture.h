@@ -10,7 +10,7 @@
 #include "rt/vec.h"
 #include "setup_fixture.h"
 
-/* ---- a body ------------------------------------------------------------------------------- */
+/* ---- a body ---- */
 
 /* The model with its insides open, by open_elastic and open_up. */
 struct ss_model {
@@ -128,7 +128,7 @@ static inline int32_t squeezed(const setup *s, double share)
     return count;
 }
 
-/* ---- fields --------------------------------------------------------------------------------- */
+/* ---- fields ---- */
 
 static inline ss_real *quads(int32_t node_count)
 {

@@ -24,8 +24,7 @@ static inline void check_near(double value, double expected, double tolerance, i
 }
 #define assert_near(value, expected, tolerance) check_near(value, expected, tolerance, __LINE__)
 
-/* ---- a rig: one tick after the other against a hand-made tissue ---------------------------------
- */
+/* ---- a rig: one tick after the other against a hand-made tissue ---- */
 
 typedef struct rig {
     ss_haptic *haptic;

@@ -66,7 +66,7 @@ static inline ss_mesh *make_bar(const int n[3], double h, const double low[3], d
     return mesh;
 }
 
-/* ---- a hybrid ------------------------------------------------------------------------------- */
+/* ---- a hybrid ---- */
 
 /* Takes the mesh; lambda 5.5, mu 2.5, density 1, nothing fixed, all asleep unless set otherwise
  * before start_hybrid. */

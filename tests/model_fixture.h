@@ -10,7 +10,7 @@
 
 #define PI 3.14159265358979323846
 
-/* ---- meshes ------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 /* A mesh under construction; grows without limit checks, tests only. */
 typedef struct draft {
@@ -195,7 +195,7 @@ static inline ss_mesh *make_bodies(ss_mesh *one, int copies, double apart)
     return draft_finish(&d);
 }
 
-/* ---- a model ------------------------------------------------------------------------------ */
+/* ---- a model ---- */
 
 static inline void give_field(setup *s, const char *name, double *per_node)
 {
@@ -258,7 +258,7 @@ static inline void crumple(setup *s, double size)
     }
 }
 
-/* ---- bodies that several tests use -------------------------------------------------------- */
+/* ---- bodies that several tests use ---- */
 
 #define FAN_EDGE 0.3
 

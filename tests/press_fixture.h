@@ -9,8 +9,7 @@
 #include "folder_fixture.h"
 #include "softsim/softsim.h"
 
-/* ---- bodies ------------------------------------------------------------------------------------
- */
+/* ---- bodies ---- */
 
 typedef struct body {
     const char *name;

@@ -22,7 +22,7 @@
 #include "number_fixture.h"
 #include "scene/scene.h"
 
-/* ---- a model, a mesh, a folder --------------------------------------------------------------- */
+/* ---- a model, a mesh, a folder ---- */
 
 enum { MODULUS, RHO, CELLS, PER_AREA, SOLVER, SATURATION, DAMPING, GRAIN };
 

@@ -29,7 +29,7 @@ typedef struct setup {
     double time;
 } setup;
 
-/* ---- before ------------------------------------------------------------------------------- */
+/* ---- before ---- */
 
 static inline int row_of(const setup *s, const char *name)
 {
@@ -108,7 +108,7 @@ static inline void setup_fini(setup *s)
     ss_mesh_destroy(&s->mesh);
 }
 
-/* ---- in time ------------------------------------------------------------------------------ */
+/* ---- in time ---- */
 
 static inline void steps_with(setup *s, int count, double dt, const ss_model_tool *tool)
 {

@@ -32,7 +32,7 @@ static const double pressed_z = 0.0175, free_z = 0.035;
 static const double deep_z = 0.005;
 static const double limit_n = 8.0, body_m = 0.11, tool_m = 0.006; /* kidney.yaml, kidney.obj */
 
-/* ---- worlds -------------------------------------------------------------------------------- */
+/* ---- worlds ---- */
 
 static ss_world *make_scene(const char *scene, const char *const *set, int32_t set_count)
 {
@@ -254,7 +254,7 @@ static void energy_that_no_hand_has_stops_the_tissue(void **state)
     destroy(world);
 }
 
-/* ---- the watch ----------------------------------------------------------------------------- */
+/* ---- the watch ---- */
 
 static softsim_verdict verdict_after(double stored, double way)
 {
@@ -313,7 +313,7 @@ static softsim_force push_up(double force)
     return (softsim_force){.force = {0.0, 0.0, force}};
 }
 
-/* ---- the judge ----------------------------------------------------------------------------- */
+/* ---- the judge ---- */
 
 enum { TRACK = 4096 };
 static const ss_hand_plan plan_1khz = {.period_s = 1e-3, .lag = 2, .has_stored = true};
@@ -499,7 +499,7 @@ static void the_watch_and_the_judge_agree_on_random_tracks(void **state)
     assert_true(told_runs > 50 && quiet_runs > 50);
 }
 
-/* ---- the watch over a hand ----------------------------------------------------------------- */
+/* ---- the watch over a hand ---- */
 
 static bool is_telling(const ss_hand_watch *watch, int64_t tick)
 {
@@ -651,7 +651,7 @@ static void nobody_went_from_one_device_to_the_next(void **state)
     }
 }
 
-/* ---- every model --------------------------------------------------------------------------- */
+/* ---- every model ---- */
 
 static ss_assay_result abuse(int32_t subject, ss_assay_kind kind, double value, int32_t variant)
 {

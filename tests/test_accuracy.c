@@ -32,8 +32,7 @@
 #include "effort.h"
 #include "models/model.h"
 
-/* ---- norms ------------------------------------------------------------------------------------
- */
+/* ---- norms ---- */
 
 static void norms_have_the_values_worked_out_by_hand(void **state)
 {
@@ -64,8 +63,7 @@ static void norms_without_a_value_are_not_numbers(void **state)
     assert_true(isnan(ss_norms_force(one[0], down, (double)NAN)));
 }
 
-/* ---- tables ------------------------------------------------------------------------------------
- */
+/* ---- tables ---- */
 
 static void tables_keep_quoted_cells_and_short_rows(void **state)
 {
@@ -122,8 +120,7 @@ static void damaged_gzip_files_are_refused(void **state)
     assert_null(ss_table_read_file(in_folder("nothing"), &size, &error));
 }
 
-/* ---- cases ------------------------------------------------------------------------------------
- */
+/* ---- cases ---- */
 
 static void a_good_case_is_read_as_it_is(void **state)
 {
@@ -421,8 +418,7 @@ static void hostile_bodies_are_refused(void **state)
     }
 }
 
-/* ---- front, choice -----------------------------------------------------------------------
- */
+/* ---- front, choice ---- */
 
 static void the_front_is_what_nothing_beats(void **state)
 {
@@ -448,8 +444,7 @@ static void the_choice_is_the_most_accurate_that_fits(void **state)
     assert_null(ss_accuracy_choose(mean, 4, 5.0));
 }
 
-/* ---- a whole run ------------------------------------------------------------------------------
- */
+/* ---- a whole run ---- */
 
 /* The slab's coarsest surface, linear, pushed (sign 1) or pulled (-1), as a case of its own. */
 static void write_slab(double sign)
@@ -704,8 +699,7 @@ static void bad_commands_end_with_2(void **state)
     }
 }
 
-/* ---- setup ------------------------------------------------------------------------------------
- */
+/* ---- setup ---- */
 
 int main(void)
 {

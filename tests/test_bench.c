@@ -36,8 +36,7 @@
 
 #define assert_equal_double(a, b) assert_true(fabs((a) - (b)) <= 1e-12 * (1.0 + fabs(b)))
 
-/* ---- samples ------------------------------------------------------------------------------------
- */
+/* ---- samples ---- */
 
 static void quantiles_are_exact_samples(void **state)
 {
@@ -70,8 +69,7 @@ static void samples_beyond_the_capacity_are_counted(void **state)
     ss_samples_fini(&samples);
 }
 
-/* ---- figures ------------------------------------------------------------------------------------
- */
+/* ---- figures ---- */
 
 static void missed_periods_are_held_against_the_bare_loop(void **state)
 {
@@ -201,8 +199,7 @@ static void only_first_answers_within_the_run_count(void **state)
     assert_int_not_equal(ss_figures_read_answers(&session, &figures, &error), SOFTSIM_OK);
 }
 
-/* ---- what is read -------------------------------------------------------------------------------
- */
+/* ---- what is read ---- */
 
 static void csv_faults_have_their_line(void **state)
 {
@@ -277,8 +274,7 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
     assert_false(ss_session_read_bridge("/nowhere/p.sh", value, 64));
 }
 
-/* ---- what is written ----------------------------------------------------------------------------
- */
+/* ---- what is written ---- */
 
 static void a_page_is_escaped_and_complete_or_not_there(void **state)
 {
@@ -372,8 +368,7 @@ static void a_csv_field_is_quoted_where_it_must_be(void **state)
     assert_string_equal(text, "plain: text,\"a, \"\"b\"\"\nc\"");
 }
 
-/* ---- temporary folders --------------------------------------------------------------------------
- */
+/* ---- temporary folders ---- */
 
 static void make_inner(const char *in, const char *name, bool is_folder)
 {
@@ -466,8 +461,7 @@ static void temporary_folders_are_made_where_it_is_said_if_that_can_be(void **st
     unsetenv("TMPDIR");
 }
 
-/* ---- children -----------------------------------------------------------------------------------
- */
+/* ---- children ---- */
 
 static int run(const char *const *argv, double timeout_s)
 {

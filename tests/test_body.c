@@ -12,7 +12,7 @@
 
 #include "body_fixture.h"
 
-/* ---- motion ------------------------------------------------------------------------------- */
+/* ---- motion ---- */
 
 static void what_falls_freely_falls_exactly(void **state)
 {
@@ -164,7 +164,7 @@ static void damping_takes_what_is_booked(void **state)
     }
 }
 
-/* ---- loads and supports ------------------------------------------------------------------- */
+/* ---- loads and supports ---- */
 
 static void supports_answer_what_loads_push(void **state)
 {
@@ -310,7 +310,7 @@ static void mass_that_moves_takes_its_weight_along(void **state)
     bench_fini(&b);
 }
 
-/* ---- guards ------------------------------------------------------------------------------- */
+/* ---- guards ---- */
 
 static void a_blow_is_slowed_down_and_said(void **state)
 {

@@ -16,7 +16,7 @@
 
 static const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.015};
 
-/* ---- tools -------------------------------------------------------------------------------- */
+/* ---- tools ---- */
 
 static void tool_at(ss_model_tool *tool, double from, double to, double x)
 {
@@ -165,7 +165,7 @@ static void a_fast_tool_is_swept_and_does_not_tunnel(void **state)
     bench_fini(&b);
 }
 
-/* ---- a surface that rides on the nodes ------------------------------------------------------- */
+/* ---- a surface that rides on the nodes ---- */
 
 static void lay_half(void *owner, const ss_real *u, ss_real *skin_u)
 {
@@ -236,7 +236,7 @@ static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
     assert_near(stable[1], stable[0], 1e-5 * stable[0]);
 }
 
-/* ---- identity ----------------------------------------------------------------------------- */
+/* ---- identity ---- */
 
 static uint64_t whole_hash(bench *b)
 {

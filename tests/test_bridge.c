@@ -21,7 +21,7 @@
 #include "rt/vec.h"
 #include "show.h"
 
-/* ---- frame ---------------------------------------------------------------------------------- */
+/* ---- frame ---- */
 
 static void axes_are_signed_permutations(void **state)
 {
@@ -107,7 +107,7 @@ static void frames_are_consistent(void **state)
     }
 }
 
-/* ---- corrector ------------------------------------------------------------------------------ */
+/* ---- corrector ---- */
 
 static softsim_force make_force(int32_t pose_seq)
 {
@@ -205,7 +205,7 @@ static void force_fades_when_the_server_is_gone(void **state)
     assert_int_equal(ss_corrector_force_seq(&c, 1100000000), -1);
 }
 
-/* ---- bus ------------------------------------------------------------------------------------ */
+/* ---- bus ---- */
 
 static void bus_delays_and_keeps_order(void **state)
 {
@@ -261,7 +261,7 @@ static void bus_loses_its_share_and_is_bounded(void **state)
     ss_bus_destroy(&bus);
 }
 
-/* ---- simulated device ----------------------------------------------------------------------- */
+/* ---- simulated device ---- */
 
 /* Runs the bridge against a linear tissue of 500 N/m, two ticks late; rows of its CSV. */
 static int run_linear(bool is_correcting, double row[][14])
@@ -432,7 +432,7 @@ static void the_csv_of_a_path_is_finite(void **state)
     assert_true(rows >= 49);
 }
 
-/* ---- monitor -------------------------------------------------------------------------------- */
+/* ---- monitor ---- */
 
 static void json_is_well_formed(void **state)
 {

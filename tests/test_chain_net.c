@@ -53,7 +53,7 @@ static void shake(setup *s, double size)
     }
 }
 
-/* ---- links -------------------------------------------------------------------------------- */
+/* ---- links ---- */
 
 static void links_are_counted_once(void **state)
 {
@@ -103,7 +103,7 @@ static void alpha_is_taken_link_by_link(void **state)
     setup_fini(&s);
 }
 
-/* ---- pull --------------------------------------------------------------------------------- */
+/* ---- pull ---- */
 
 static void pull_is_that_of_the_plain_sum_over_links(void **state)
 {
@@ -215,7 +215,7 @@ static void a_wide_band_ends_at_length_zero(void **state)
     setup_fini(&s);
 }
 
-/* ---- steps -------------------------------------------------------------------------------- */
+/* ---- steps ---- */
 
 static void two_ends_approach_their_band_at_the_known_rate(void **state)
 {
@@ -306,7 +306,7 @@ static void energy_rises_beyond_the_bound_on_a_star(void **state)
     setup_fini(&s);
 }
 
-/* ---- frames ------------------------------------------------------------------------------- */
+/* ---- frames ---- */
 
 static void turn(double x[3])
 {

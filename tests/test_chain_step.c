@@ -33,7 +33,7 @@ static double held_force(const setup *s)
     return force[2];
 }
 
-/* ---- the paper's plane -------------------------------------------------------------------- */
+/* ---- the paper's plane ---- */
 
 static void held_force_fades_below_the_threshold(void **state)
 {
@@ -99,7 +99,7 @@ static void shape_is_no_pyramid(void **state)
     setup_fini(&s);
 }
 
-/* ---- the front ---------------------------------------------------------------------------- */
+/* ---- the front ---- */
 
 /* A block, driven in one point at a corner of its top, with or without the front. */
 static void setup_block(setup *s, int n, int32_t *node, double (*way)[3])
@@ -183,7 +183,7 @@ static void rest_stays_rest(void **state)
     setup_fini(&s);
 }
 
-/* ---- unloading ---------------------------------------------------------------------------- */
+/* ---- unloading ---- */
 
 /* Input work and net work of a slow loop of a patch on a block by 1.5 and back. */
 static void loop(ss_chain_unloading rule, double *out_in, double *out_net)
@@ -249,7 +249,7 @@ static void leak_brings_back_the_exact_shape(void **state)
     setup_fini(&s);
 }
 
-/* ---- loads and books ---------------------------------------------------------------------- */
+/* ---- loads and books ---- */
 
 static void load_is_carried_by_the_supports(void **state)
 {
@@ -311,7 +311,7 @@ static void stiffness_scales_forces_alone(void **state)
     assert_near(shape[1], shape[0], 1e-6);
 }
 
-/* ---- faults ------------------------------------------------------------------------------- */
+/* ---- faults ---- */
 
 static void what_cannot_be_honoured_is_refused_by_name(void **state)
 {

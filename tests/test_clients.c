@@ -33,7 +33,7 @@ static size_t read_file(const char *path, unsigned char *data, size_t capacity)
     return size;
 }
 
-/* ---- event logs ----------------------------------------------------------------------------- */
+/* ---- event logs ---- */
 
 enum { POSES = 40, RECORD = 28 + 15 + SS_WIRE_POSE_SIZE, LOG_SIZE = POSES * RECORD };
 
@@ -358,9 +358,9 @@ static void output_is_complete_or_absent(void **state)
     close(full);
 }
 
-/* ---- pose paths ----------------------------------------------------------------------------- */
+/* ---- pose paths ---- */
 
-/* ---- recordings ----------------------------------------------------------------------------- */
+/* ---- recordings ---- */
 
 /* How many whole records a log has; `out_rest`: bytes that are none. */
 static int count_records(const char *path, int64_t *out_rest)
@@ -639,7 +639,7 @@ static void what_a_bridge_writes_is_a_path(void **state)
     }
 }
 
-/* ---- poses of either ------------------------------------------------------------------------ */
+/* ---- poses of either ---- */
 
 static void csv_is_sampled_on_the_ticks(void **state)
 {

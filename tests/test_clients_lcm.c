@@ -33,7 +33,7 @@ static const double stiffness = 400.0;
 static process child;
 static process patient, asking; /* wait all the while for a server that never comes */
 
-/* ---- the stand-in --------------------------------------------------------------------------- */
+/* ---- the stand-in ---- */
 
 enum { MAX_KEPT = 20000 };
 
@@ -234,7 +234,7 @@ static void stop_server(void)
     stand_in.lcm = NULL;
 }
 
-/* ---- files ---------------------------------------------------------------------------------- */
+/* ---- files ---- */
 
 static int set_up(void **state)
 {
@@ -312,7 +312,7 @@ static void expect_status(int expected)
     }
 }
 
-/* ---- replay --------------------------------------------------------------------------------- */
+/* ---- replay ---- */
 
 static void lockstep_answers_every_pose_once(void **state)
 {
@@ -479,7 +479,7 @@ static void stopped_replay_keeps_its_files(void **state)
     assert_int_equal(access(record, F_OK), -1);
 }
 
-/* ---- what a kill leaves ---------------------------------------------------------------------- */
+/* ---- what a kill leaves ---- */
 
 /* Until a recording has something in it; it is flushed once a second. */
 static void wait_for_file(const char *path)
@@ -730,7 +730,7 @@ static void conversion_is_reproducible(void **state)
     assert_int_equal(count, 1001);
 }
 
-/* ---- bridge --------------------------------------------------------------------------------- */
+/* ---- bridge ---- */
 
 static bool close_the_loop(void)
 {
@@ -963,7 +963,7 @@ static void bridge_tells_that_it_began_inside(void **state)
     assert_null(strstr(child.err, "inside"));
 }
 
-/* ---- monitor, arguments --------------------------------------------------------------------- */
+/* ---- monitor, arguments ---- */
 
 static void monitor_believes_only_whole_messages(void **state)
 {

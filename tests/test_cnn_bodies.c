@@ -15,7 +15,7 @@
 #include "element_fixture.h"
 #include "rt/thread.h"
 
-/* ---- bodies ------------------------------------------------------------------------------- */
+/* ---- bodies ---- */
 
 enum {
     BODY_GRID,
@@ -286,7 +286,7 @@ static void the_step_bound_holds_for_all_elements(void **state)
     }
 }
 
-/* ---- a tool on a grid --------------------------------------------------------------------- */
+/* ---- a tool on a grid ---- */
 
 /* A plate of 10 cm whose border is held, a sphere of 1 cm pressed 4 mm into its middle. */
 static double press_plate(bool is_grid, double across)
@@ -349,7 +349,7 @@ static void a_tool_presses_a_grid_as_it_presses_triangles(void **state)
     }
 }
 
-/* ---- volumes ------------------------------------------------------------------------------ */
+/* ---- volumes ---- */
 
 /* A regular tetrahedron whose base is held; node 0 is its top, up along z. */
 static void setup_apex(setup *s, double length)

@@ -16,7 +16,7 @@
 #include "rt/thread.h"
 #include "touch_fixture.h"
 
-/* ---- the hexagon fan ---------------------------------------------------------------------- */
+/* ---- the hexagon fan ---- */
 
 static void setup_touched_fan(setup *s)
 {
@@ -64,7 +64,7 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
     }
 }
 
-/* ---- one potential of nodes and tool ------------------------------------------------------ */
+/* ---- one potential of nodes and tool ---- */
 
 /* The potential with the tool where it is. */
 static double tool_potential(setup *s, ss_model_tool *tool)
@@ -209,7 +209,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     setup_fini(&s);
 }
 
-/* ---- what the hand is told ---------------------------------------------------------------- */
+/* ---- what the hand is told ---- */
 
 static double force_along(const setup *s, const double normal[3])
 {
@@ -437,7 +437,7 @@ static void tools_thrown_about_leave_the_body_whole(void **state)
     throw_about(15, SS_SHAPE_CONE);
 }
 
-/* ---- columns ------------------------------------------------------------------------------ */
+/* ---- columns ---- */
 
 static void compact_columns_are_the_same_columns(void **state)
 {

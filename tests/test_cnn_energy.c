@@ -15,7 +15,7 @@
 #include "element_fixture.h"
 #include "rt/thread.h"
 
-/* ---- the hexagon fan ---------------------------------------------------------------------- */
+/* ---- the hexagon fan ---- */
 
 /* z'' = (F - gamma z' - ks z - 0.75 E z^3 / h^2) / m, integrated finely: the model's closed form.
  */
@@ -147,7 +147,7 @@ static void an_axis_that_is_fixed_alone_stays_and_the_others_move(void **state)
     setup_fini(&s);
 }
 
-/* ---- rho ---------------------------------------------------------------------------------- */
+/* ---- rho ---- */
 
 /* Largest difference of two bodies' displacements over the largest displacement. */
 static double difference(const setup *a, const setup *b)
@@ -201,7 +201,7 @@ static void doubling_rho_equals_doubling_the_saturation(void **state)
     setup_fini(&c);
 }
 
-/* ---- invariance --------------------------------------------------------------------------- */
+/* ---- invariance ---- */
 
 /* The body of `from` turned, shifted, renumbered (i -> (i * 7 + 3) mod n) and wound the other way.
  */
@@ -311,7 +311,7 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
     setup_fini(&s);
 }
 
-/* ---- one potential, one equilibrium ------------------------------------------------------- */
+/* ---- one potential, one equilibrium ---- */
 
 static void network_forces_are_the_gradient_of_the_potential(void **state)
 {
@@ -450,7 +450,7 @@ static void a_refined_body_behaves_the_same_per_area(void **state)
     assert_near(depth[1] / depth[0], 1.0, 0.1);
 }
 
-/* ---- the published cylinder, as a rectangular grid and as triangles ------------------------ */
+/* ---- the published cylinder, as a rectangular grid and as triangles ---- */
 
 static void the_cylinder_hardens_with_load(void **state)
 {

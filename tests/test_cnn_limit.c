@@ -17,7 +17,7 @@
 #include "effort.h"
 #include "model_fixture.h"
 
-/* ---- the measured limit ------------------------------------------------------------------- */
+/* ---- the measured limit ---- */
 
 typedef struct dynamics {
     setup s;
@@ -174,7 +174,7 @@ static void the_computed_step_is_never_beyond_the_measured_limit(void **state)
     }
 }
 
-/* ---- slivers and huge forces -------------------------------------------------------------- */
+/* ---- slivers and huge forces ---- */
 
 /* A cylinder with one node moved to `gap` edges from its neighbour along the ring. */
 static ss_mesh *make_sliver(double gap)

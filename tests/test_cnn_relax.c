@@ -17,7 +17,7 @@
 #include "rt/thread.h"
 #include "touch_fixture.h"
 
-/* ---- the literal network ------------------------------------------------------------------ */
+/* ---- the literal network ---- */
 
 /* Equations (1), (2) and (20) as they stand, one cell at a time: slow, and nothing to get wrong. */
 typedef struct literal {
@@ -148,7 +148,7 @@ static void the_step_is_below_the_limit_of_the_fastest_mode(void **state)
     setup_fini(&s);
 }
 
-/* ---- how far the field is ----------------------------------------------------------------- */
+/* ---- how far the field is ---- */
 
 /* Steps until the field of `cell` is within 1e-3 and 1e-6 of the settled one, by S / rho; the
  * error must fall at every step. */
@@ -257,7 +257,7 @@ static void settled_columns_are_those_of_the_direct_solve(void **state)
     setup_fini(&s);
 }
 
-/* ---- saturation --------------------------------------------------------------------------- */
+/* ---- saturation ---- */
 
 static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void **state)
 {
@@ -324,7 +324,7 @@ static void outputs_stay_within_saturation_while_the_network_spreads(void **stat
     setup_fini(&s);
 }
 
-/* ---- bodies ------------------------------------------------------------------------------- */
+/* ---- bodies ---- */
 
 static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
 {
@@ -462,7 +462,7 @@ static void a_release_gives_back_everything(void **state)
     setup_fini(&s);
 }
 
-/* ---- tools -------------------------------------------------------------------------------- */
+/* ---- tools ---- */
 
 #define PLATE_RADIUS 0.006
 
@@ -578,7 +578,7 @@ static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
     assert_true(hash[0] != hash[2]);
 }
 
-/* ---- everything at once ------------------------------------------------------------------- */
+/* ---- everything at once ---- */
 
 enum { FREE = 1, RELAXED = 2, ONE_CELL = 4, SATURATED = 8 };
 
@@ -691,7 +691,7 @@ static void free_bodies_move_by_what_pushes_them(void **state)
     }
 }
 
-/* ---- the interface ------------------------------------------------------------------------ */
+/* ---- the interface ---- */
 
 static void steps_without_relaxation_and_cells_without_area_are_refused(void **state)
 {

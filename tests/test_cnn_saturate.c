@@ -15,7 +15,7 @@
 #include "model_fixture.h"
 #include "rt/thread.h"
 
-/* ---- the complementarity problem ---------------------------------------------------------- */
+/* ---- the complementarity problem ---- */
 
 /* x := A^-1 x by elimination with pivoting; false where A is singular. */
 static bool solve_dense(int n, double a[8][8], double *x)
@@ -317,7 +317,7 @@ static void the_projection_is_a_gradient_and_the_literal_clip_is_none(void **sta
     assert_true(clip_twist > 0.1);
 }
 
-/* ---- bodies ------------------------------------------------------------------------------- */
+/* ---- bodies ---- */
 
 /* Three loads at the top of a body; the third's source has three cells. */
 typedef struct trio {
@@ -596,7 +596,7 @@ static void too_many_saturated_sources_are_refused(void **state)
     setup_fini(&s);
 }
 
-/* ---- for given currents ------------------------------------------------------------------- */
+/* ---- for given currents ---- */
 
 static void the_obstacle_is_met_exactly_where_currents_are_cut(void **state)
 {

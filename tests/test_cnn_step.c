@@ -15,7 +15,7 @@
 #include "model_fixture.h"
 #include "rt/thread.h"
 
-/* ---- time and guards ---------------------------------------------------------------------- */
+/* ---- time and guards ---- */
 
 /* |largest eigenvalue| of one RK4 step of x'' + d x' + w^2 x = 0. */
 static double amplification(double d, double w, double dt)
@@ -222,7 +222,7 @@ static void the_audit_error_falls_with_the_fourth_power_of_the_step(void **state
     assert_true(error[0] > 1e-8);
 }
 
-/* ---- pressure, gravity, volume ------------------------------------------------------------ */
+/* ---- pressure, gravity, volume ---- */
 
 static void pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body(void **state)
 {

@@ -14,7 +14,7 @@
 #include "element_fixture.h"
 #include "rt/thread.h"
 
-/* ---- helpers ------------------------------------------------------------------------------ */
+/* ---- helpers ---- */
 
 /* A network whose rho is uniform unless the fabric says otherwise; nothing is held but `held`. */
 static ss_cnn_network *network_of(const ss_cnn_fabric *fabric, const uint8_t *held)
@@ -77,7 +77,7 @@ static double moments_of(const ss_cnn_network *network, const ss_mesh *mesh, int
     return ss_norm3(sum) / scale;
 }
 
-/* ---- templates as printed ----------------------------------------------------------------- */
+/* ---- templates as printed ---- */
 
 static void the_hexagon_fan_has_the_printed_template(void **state)
 {
@@ -265,7 +265,7 @@ static void what_is_left_of_an_edge_is_the_sum_of_its_elements(void **state)
     }
 }
 
-/* ---- patch tests -------------------------------------------------------------------------- */
+/* ---- patch tests ---- */
 
 static void assert_moments(const ss_cnn_network *network, const ss_mesh *mesh, int32_t cell,
                            double xx, double yy, double zz)
@@ -379,7 +379,7 @@ static void tetrahedra_conduct_a_little_too_well(void **state)
     free_mesh(mesh);
 }
 
-/* ---- materials with a direction ----------------------------------------------------------- */
+/* ---- materials with a direction ---- */
 
 static void a_grid_conducts_by_its_sides(void **state)
 {
@@ -513,7 +513,7 @@ static void tetrahedra_conduct_by_the_angle_in_space(void **state)
     free_mesh(mesh);
 }
 
-/* ---- columns against a dense solve -------------------------------------------------------- */
+/* ---- columns against a dense solve ---- */
 
 /* Solves A x = b in place by elimination with pivots; x in b. */
 static void solve_dense(int n, double *a, double *b)

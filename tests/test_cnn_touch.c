@@ -15,7 +15,7 @@
 #include "rt/thread.h"
 #include "touch_fixture.h"
 
-/* ---- slides and loops on a plate ---------------------------------------------------------- */
+/* ---- slides and loops on a plate ---- */
 
 typedef struct slide {
     double mean, jump, ledger, end_ledger, residual;
@@ -98,7 +98,7 @@ static void closed_loops_gain_nothing_in_either_direction(void **state)
     }
 }
 
-/* ---- the contact cell alone --------------------------------------------------------------- */
+/* ---- the contact cell alone ---- */
 
 /* A plate under tension and `tools` spheres, each of which acts at its contact cell alone. */
 static void setup_one_cell(setup *s, int tools)

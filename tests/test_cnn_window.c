@@ -125,7 +125,7 @@ static int32_t far_node(const pair *p)
     return best;
 }
 
-/* ---- with and without --------------------------------------------------------------------- */
+/* ---- with and without ---- */
 
 static void the_field_and_the_ledger_are_those_of_the_whole_body(void **state)
 {
@@ -398,7 +398,7 @@ static void everything_at_once_is_that_of_the_whole_body(void **state)
     setup_fini(&s[1]);
 }
 
-/* ---- guards ------------------------------------------------------------------------------- */
+/* ---- guards ---- */
 
 static void steps_that_are_taken_back_take_the_far_field_back(void **state)
 {

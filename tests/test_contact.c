@@ -4,7 +4,7 @@
  * test_contact_shape.c. */
 #include "contact_fixture.h"
 
-/* ---- forces are gradients ------------------------------------------------------------------- */
+/* ---- forces are gradients ---- */
 
 /* Turns the pose by a small vector (world), about the tool's origin. */
 static ss_tool_pose turned(const ss_tool_pose *pose, int axis, double angle)
@@ -160,7 +160,7 @@ static void forces_of_tissue_and_tool_cancel(void **state)
     close_touch();
 }
 
-/* ---- weights -------------------------------------------------------------------------------- */
+/* ---- weights ---- */
 
 /* W = sqrt(3)/2 h^2 phi(d): one linear sample in each triangle of a hexagon, rim fixed. */
 static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
@@ -199,7 +199,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
     close_touch();
 }
 
-/* ---- what the gather may not change --------------------------------------------------------- */
+/* ---- what the gather may not change ---- */
 
 static void gather_radius_does_not_change_a_bit(void **state)
 {
@@ -384,7 +384,7 @@ static void a_fast_tool_gathers_what_it_crosses(void **state)
     close_touch();
 }
 
-/* ---- smoothness ----------------------------------------------------------------------------- */
+/* ---- smoothness ---- */
 
 /* A sphere of R = h slides over a rigid plane of triangles, 0.24 R deep: 210 samples touch. The
  * mean is the closed form kc int (R - |x|) dA over the cap, times the height over |x|. */
@@ -421,7 +421,7 @@ static void force_on_a_plane_does_not_ripple(void **state)
     close_touch();
 }
 
-/* ---- linearisation -------------------------------------------------------------------------- */
+/* ---- linearisation ---- */
 
 /* A box's face over the whole plane has one normal, so that the tangent is exact. */
 /* A sphere in a flat sheet, its middle z above it: ring by ring, with s the distance from the
@@ -504,7 +504,7 @@ static void tangent_and_diagonal_match_differences(void **state)
     close_touch();
 }
 
-/* ---- contacts ------------------------------------------------------------------------------- */
+/* ---- contacts ---- */
 
 static void a_sphere_has_one_contact_through_its_centre(void **state)
 {
@@ -636,7 +636,7 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
     close_touch();
 }
 
-/* ---- hostile input -------------------------------------------------------------------------- */
+/* ---- hostile input ---- */
 
 static void non_finite_input_touches_nothing(void **state)
 {

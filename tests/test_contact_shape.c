@@ -30,7 +30,7 @@ static ss_tool_pose random_pose_within(double size)
     return random_pose(at[0], at[1], at[2]);
 }
 
-/* ---- a box and a prism as meshes ------------------------------------------------------------ */
+/* ---- a box and a prism as meshes ---- */
 
 static void make_box(double x, double y, double z)
 {
@@ -67,7 +67,7 @@ static void make_prism(int32_t n, double radius, double half_length)
     }
 }
 
-/* ---- closed forms --------------------------------------------------------------------------- */
+/* ---- closed forms ---- */
 
 static const ss_shape sphere = {.kind = SS_SHAPE_SPHERE, .radius = 2.0};
 static const ss_shape capsule = {.kind = SS_SHAPE_CAPSULE, .radius = 1.0, .half_length = 2.0};
@@ -208,7 +208,7 @@ static void distances_are_never_not_a_number(void **state)
     }
 }
 
-/* ---- convex meshes -------------------------------------------------------------------------- */
+/* ---- convex meshes ---- */
 
 static void a_box_mesh_is_a_box(void **state)
 {
@@ -304,7 +304,7 @@ static void refuses_meshes_that_are_not_convex(void **state)
     ss_shape_fini(&hull);
 }
 
-/* ---- poses ---------------------------------------------------------------------------------- */
+/* ---- poses ---- */
 
 static void blending_stays_within_the_motion_bound(void **state)
 {
@@ -338,7 +338,7 @@ static void blending_stays_within_the_motion_bound(void **state)
     }
 }
 
-/* ---- libccd --------------------------------------------------------------------------------- */
+/* ---- libccd ---- */
 
 /* Spheres against every shape: the overlap is known from the distance of the centre. Millimetres.
  */

@@ -3,7 +3,7 @@
 /* The contact surface: subdivision rows, sample areas, what is refused. */
 #include "contact_fixture.h"
 
-/* ---- subdivision rows ----------------------------------------------------------------------- */
+/* ---- subdivision rows ---- */
 
 static void check_rows(void)
 {
@@ -173,7 +173,7 @@ static void sample_areas_sum_to_the_surface(void **state)
     close_touch();
 }
 
-/* ---- refusals ------------------------------------------------------------------------------- */
+/* ---- refusals ---- */
 
 static void expect_refusal(double radius, int parts, softsim_status status, const char *text)
 {
@@ -230,8 +230,7 @@ static void picks_parts_by_radius_over_edge(void **state)
     }
 }
 
-/* ---- where a tool that appears stands ---------------------------------------------------------
- */
+/* ---- where a tool that appears stands ---- */
 
 /* On a sphere of radius 20 mm, seen from random places inside and outside, and over its corners. */
 static void a_tool_that_appears_is_found_inside_or_outside(void **state)
@@ -280,7 +279,7 @@ static void behind_an_open_sheet_is_nowhere_near(void **state)
     ss_memory_free(at_rest);
 }
 
-/* ---- inside --------------------------------------------------------------------------------- */
+/* ---- inside ---- */
 
 static double engulfed_at(const ss_tool_pose *pose)
 {

@@ -22,7 +22,7 @@
 
 typedef double vector[3];
 
-/* ---- a body under test -------------------------------------------------------------------- */
+/* ---- a body under test ---- */
 
 static void setup_corot(setup *s, ss_mesh *mesh, double young, double poisson)
 {
@@ -64,7 +64,7 @@ static void place(setup *s, void (*to)(const double x[3], double out_u[3]))
     ss_body_renew(s->model->body);
 }
 
-/* ---- at rest ------------------------------------------------------------------------------ */
+/* ---- at rest ---- */
 
 static void rest_stays_rest(void **state)
 {
@@ -121,7 +121,7 @@ static void free_fall_is_exact(void **state)
     setup_fini(&s);
 }
 
-/* ---- where it settles --------------------------------------------------------------------- */
+/* ---- where it settles ---- */
 
 static void settle(setup *s)
 {
@@ -249,7 +249,7 @@ static void elements_differ_in_stiffness(void **state)
     setup_fini(&hard);
 }
 
-/* ---- bounded ------------------------------------------------------------------------------ */
+/* ---- bounded ---- */
 
 static void stays_bounded(double young, double poisson, double dt, double ratio, int count)
 {
@@ -378,7 +378,7 @@ static void viscosity_and_mass_damping_dissipate(void **state)
     }
 }
 
-/* ---- contact ------------------------------------------------------------------------------ */
+/* ---- contact ---- */
 
 static void setup_press(setup *s, double stiffness)
 {
@@ -476,7 +476,7 @@ static void holds_what_it_grasps(void **state)
     setup_fini(&s);
 }
 
-/* ---- what it promises --------------------------------------------------------------------- */
+/* ---- what it promises ---- */
 
 static void same_input_gives_same_bits(void **state)
 {

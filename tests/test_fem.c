@@ -19,7 +19,7 @@ static void block_setup(setup *s, const block_size *size, int kind, double ratio
     give_row(s, SS_FEM_POISSON_RATIO, ratio);
 }
 
-/* ---- kernels against the laws ---------------------------------------------------------------- */
+/* ---- kernels against the laws ---- */
 
 /* H of element e. */
 static void element_gradient(const setup *s, int32_t e, const ss_real *field, double h[9],
@@ -190,8 +190,7 @@ static void forces_and_tangents_are_slopes(void **state)
     }
 }
 
-/* ---- patch, rigid motion, offset --------------------------------------------------------------
- */
+/* ---- patch, rigid motion, offset ---- */
 
 static void affine_motion_leaves_no_force_inside(void **state)
 {
@@ -326,8 +325,7 @@ static void place_axes_and_numbers_change_nothing(void **state)
     assert_near(tip_answer(0.0, false, true), answer, BY_TYPE(1e-3, 1e-10) * fabs(answer));
 }
 
-/* ---- conservation ------------------------------------------------------------------------------
- */
+/* ---- conservation ---- */
 
 /* Over some steps: that of one step trembles with where in its oscillations the body is. */
 static double mean_energy(setup *s, int count)
@@ -384,8 +382,7 @@ static void momentum_and_energy_last(void **state)
     setup_fini(&s);
 }
 
-/* ---- loads and materials -----------------------------------------------------------------------
- */
+/* ---- loads and materials ---- */
 
 /* A bar of two moduli in a row: the same stress, strains as one to three. */
 static void elements_have_their_own_material(void **state)
@@ -469,8 +466,7 @@ static void viscosity_creeps_in_its_own_time(void **state)
     setup_fini(&s);
 }
 
-/* ---- what is refused
- * ------------------------------------------------------------------------------ */
+/* ---- what is refused ---- */
 
 static void refuses(void (*spoil)(setup *s), const char *message)
 {

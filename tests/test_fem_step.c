@@ -11,8 +11,7 @@
 #include "effort.h"
 #include "fem_fixture.h"
 
-/* ---- the stable step --------------------------------------------------------------------------
- */
+/* ---- the stable step ---- */
 
 static double quotient_of(setup *s, ss_real *x, ss_real *y)
 {
@@ -217,8 +216,7 @@ static void step_follows_the_stretch(void **state)
     }
 }
 
-/* ---- locking ----------------------------------------------------------------------------------
- */
+/* ---- locking ---- */
 
 /* Tip of a beam over that of Timoshenko's theory, by conjugate gradients on the tangent at rest. */
 static double tip_ratio(double ratio, int cure)
@@ -300,8 +298,7 @@ static void cure_keeps_a_beam_from_locking(void **state)
     assert_true(tip_ratio(0.499, AUTO) > 0.58);
 }
 
-/* ---- bad treatment ------------------------------------------------------------------------------
- */
+/* ---- bad treatment ---- */
 
 static void block_of(setup *s, int kind, double damping)
 {
@@ -463,8 +460,7 @@ static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
     setup_fini(&s);
 }
 
-/* ---- determinism, tools -------------------------------------------------------------------------
- */
+/* ---- determinism, tools ---- */
 
 static void reset_and_repeat_give_the_same_bits(void **state)
 {

@@ -36,8 +36,7 @@
 
 static softsim_error error;
 
-/* ---- least squares ---------------------------------------------------------------------------
- */
+/* ---- least squares ---- */
 
 /* F = p0 d + p1 d^3, or p0 p1 d, at ten depths. */
 typedef struct law {
@@ -142,8 +141,7 @@ static void an_answer_at_a_bound_is_told(void **state)
     assert_near(exp(s.x[0]), 1.5, 1e-3);
 }
 
-/* ---- curves -----------------------------------------------------------------------------------
- */
+/* ---- curves ---- */
 
 static void bad_curves_are_refused_with_their_line(void **state)
 {
@@ -193,8 +191,7 @@ static void columns_may_stand_in_any_order(void **state)
     ss_curve_fini(&curve);
 }
 
-/* ---- fits -------------------------------------------------------------------------------------
- */
+/* ---- fits ---- */
 
 static const char plate[] =
     "# a plate held at its rim\n"
@@ -480,8 +477,7 @@ static void two_curves_tell_two_regions(void **state)
     ss_fit_fini(&fit);
 }
 
-/* ---- the program ------------------------------------------------------------------------------
- */
+/* ---- the program ---- */
 
 /* Runs softsim-fit with the arguments; its stderr goes to err.txt. */
 static int run_program(const char *const *argument)

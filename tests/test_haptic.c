@@ -11,9 +11,7 @@
 
 #include "haptic_fixture.h"
 
-/* ---- stiffness
- * ------------------------------------------------------------------------------------
- */
+/* ---- stiffness ---- */
 
 static void largest_eigenvalue_bounds_every_direction(void **state)
 {
@@ -43,8 +41,7 @@ static void largest_eigenvalue_bounds_every_direction(void **state)
     assert_near(ss_coupling_largest(diagonal), 2.0, 1e-15);
 }
 
-/* ---- law ----------------------------------------------------------------------------------------
- */
+/* ---- law ---- */
 
 static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
 {
@@ -205,8 +202,7 @@ static void curved_patch_bends_height_and_normal(void **state)
     rig_end(&r);
 }
 
-/* ---- limits, watchdog, ramps --------------------------------------------------------------------
- */
+/* ---- limits, watchdog, ramps ---- */
 
 static void slew_is_limited_as_a_vector(void **state)
 {
@@ -596,8 +592,7 @@ static void device_that_returns_elsewhere_ramps_first(void **state)
     }
 }
 
-/* ---- grasp --------------------------------------------------------------------------------------
- */
+/* ---- grasp ---- */
 
 static void grasp_starts_without_jump_and_holds_all_ways(void **state)
 {
@@ -657,8 +652,7 @@ static void grasp_ends_when_the_model_does_not_hold(void **state)
     rig_end(&r);
 }
 
-/* ---- guards -------------------------------------------------------------------------------------
- */
+/* ---- guards ---- */
 
 static void non_finite_input_repeats_the_force(void **state)
 {

@@ -13,8 +13,7 @@
 #include "haptic_fixture.h"
 #include "limit_judge.h"
 
-/* ---- balance ---------------------------------------------------------------------------------
- */
+/* ---- balance ---- */
 
 static void random_balance(ss_balance *b)
 {
@@ -231,8 +230,7 @@ static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
     assert_near(ss_norm3(rest.p), 0.0, 0.0);
 }
 
-/* ---- a slow press into hand-made tissue ------------------------------------------------------
- */
+/* ---- a slow press into hand-made tissue ---- */
 
 enum { PRESS = 1500, OUT = 1100 };
 
@@ -423,8 +421,7 @@ static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
     }
 }
 
-/* ---- a limit that changes --------------------------------------------------------------------
- */
+/* ---- a limit that changes ---- */
 
 /* Lowered and raised while pressed: the force goes down there as the slew allows and up within .3
  * s, and no further; the proxy goes with it, without a swing. */

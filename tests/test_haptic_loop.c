@@ -27,8 +27,7 @@
 #define T  1e-3
 #define PI 3.14159265358979323846
 
-/* ---- device and hand --------------------------------------------------------------------------
- */
+/* ---- device and hand ---- */
 
 typedef struct body {
     const char *name;
@@ -144,8 +143,7 @@ static double device_step(device *d, const double f[3])
     return taken;
 }
 
-/* ---- tissue -----------------------------------------------------------------------------------
- */
+/* ---- tissue ---- */
 
 enum { MASSES = 6 };
 #define TISSUE_MASS 0.030
@@ -207,8 +205,7 @@ static double chain_tangent(const chain *c)
     return 1.0 / (1.0 / k + 1.0 / (CONTACT_RATIO * c->stiffness));
 }
 
-/* ---- the loop ---------------------------------------------------------------------------------
- */
+/* ---- the loop ---- */
 
 enum { MAX_TICKS = 6000 };
 
@@ -432,8 +429,7 @@ static outcome *run(const setting *set)
     return out;
 }
 
-/* ---- claims -----------------------------------------------------------------------------------
- */
+/* ---- claims ---- */
 
 static setting base(const body *own, script task, double tissue, double rate_hz)
 {

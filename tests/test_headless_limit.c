@@ -23,7 +23,7 @@
 
 enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
 
-/* ---- a slow press --------------------------------------------------------------------------- */
+/* ---- a slow press ---- */
 
 /* Down in .7 s, 10 mm to the side in .4 s, up again. */
 static void press(const body *b, double limit, limit_tick out[PRESS_TICKS])
@@ -107,7 +107,7 @@ static void a_slow_press_stays_at_the_limit(void **state)
     assert_true(is_good);
 }
 
-/* ---- a limit that changes ------------------------------------------------------------------- */
+/* ---- a limit that changes ---- */
 
 static void set_limit(softsim_world *world, double limit)
 {
@@ -194,8 +194,7 @@ static void a_limit_raised_out_of_reach_does_not_overshoot(void **state)
     }
 }
 
-/* ---- pause and resume ------------------------------------------------------------------------
- */
+/* ---- pause and resume ---- */
 
 static void command(softsim_world *world, const char *name)
 {
@@ -244,7 +243,7 @@ static void pauses_and_resets_do_not_step(void **state)
     assert_true(rise <= 0.05 && fall <= 0.05);
 }
 
-/* ---- a grasp -------------------------------------------------------------------------------- */
+/* ---- a grasp ---- */
 
 /* Pressed 8 mm, grasped, drawn out to 32 mm beyond what the limit reaches, held there, let go: the
  * force stays at the limit without a swing, and nothing is flung, then or when it lets go. */
@@ -283,8 +282,7 @@ static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
     }
 }
 
-/* ---- hands ----------------------------------------------------------------------------------
- */
+/* ---- hands ---- */
 
 /* Between the device's frame, z out of the tissue and x along it, and the world. */
 static void axes_of(const body *b, double axis[3][3])

@@ -26,7 +26,7 @@ static const double LIMIT = 8.0; /* N */
 /* Unless all are asked for, by an argument: fewer commands. */
 static bool is_all;
 
-/* ---- the two loops --------------------------------------------------------------------------- */
+/* ---- the two loops ---- */
 
 /* Who hears of a command first. */
 typedef enum order { LOCKSTEP, SIMULATION_FIRST, HAPTIC_FIRST, ORDERS } order;
@@ -83,7 +83,7 @@ static softsim_force turn(ss_world *world, order way, const softsim_pose *pose, 
     return out.force;
 }
 
-/* ---- judging --------------------------------------------------------------------------------- */
+/* ---- judging ---- */
 
 typedef struct judge {
     double held;       /* N, when the first command came */

@@ -20,7 +20,7 @@ static bool is_at_ends(int i, int j, int k)
     return i < 2 || i >= 4;
 }
 
-/* ---- statics -------------------------------------------------------------------------------- */
+/* ---- statics ---- */
 
 /* Force on the moved end of a bar, tetrahedra | particles | tetrahedra, stretched by 1 % with its
  * sides free, N. */
@@ -81,7 +81,7 @@ static void bar_carries_the_exact_force(void **state)
     assert_near(bar_force(0.05, 0.3) / exact, 1.0, 0.03);
 }
 
-/* ---- time ----------------------------------------------------------------------------------- */
+/* ---- time ---- */
 
 /* Energy of free motion of size `size` over `steps` leapfrog steps of `share` of dt*: the largest,
  * over the first. Plain arithmetic, beside the model's own integrator. */
@@ -165,7 +165,7 @@ static void motion_keeps_energy_and_momentum(void **state)
     assert_near(momentum, 0.0, BY_TYPE(1e-4, 1e-11));
 }
 
-/* ---- tools ---------------------------------------------------------------------------------- */
+/* ---- tools ---- */
 
 static double felt(setup *s)
 {

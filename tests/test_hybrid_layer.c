@@ -20,7 +20,7 @@ static ss_mesh *make_block(const double low[3])
 static const double gradient[3][3] = {
     {0.02, -0.03, 0.01}, {0.015, 0.04, -0.02}, {0.0, 0.03, -0.01}};
 
-/* ---- rows ----------------------------------------------------------------------------------- */
+/* ---- rows ---- */
 
 static void rows_reproduce_places(void **state)
 {
@@ -189,7 +189,7 @@ static void spacing_may_differ(void **state)
     setup_fini(&s);
 }
 
-/* ---- one volume ----------------------------------------------------------------------------- */
+/* ---- one volume ---- */
 
 /* Whatever is awake, an affine map has the energy of the whole volume, and every gradient is its
  * own: ghosts, cells and particles. */
@@ -460,7 +460,7 @@ static void paths_agree(void **state)
     setup_fini(&s);
 }
 
-/* ---- the pair curve ------------------------------------------------------------------------- */
+/* ---- the pair curve ---- */
 
 static void pair_potential_is_as_derived(void **state)
 {
@@ -492,7 +492,7 @@ static void pair_potential_is_as_derived(void **state)
     assert_near(where, SS_LAYER_TAIL, 0.01);
 }
 
-/* ---- refusals ------------------------------------------------------------------------------- */
+/* ---- refusals ---- */
 
 static bool is_everywhere(int i, int j, int k)
 {

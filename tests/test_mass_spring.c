@@ -53,7 +53,7 @@ static double mass_of(const setup *s, int32_t node)
     return mass;
 }
 
-/* ---- stiffness ---------------------------------------------------------------------------- */
+/* ---- stiffness ---- */
 
 /* Stretches the block in x by 1 %, its other sides free, until at rest; returns the modulus. */
 static double stretched_modulus(int cells)
@@ -164,7 +164,7 @@ static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
     setup_fini(&s);
 }
 
-/* ---- motion ------------------------------------------------------------------------------- */
+/* ---- motion ---- */
 
 /* Two triangles back to back would share springs; one spring alone is a thin strip's: so the pair
  * of opposite nodes of one tetrahedron is driven in its breathing mode, whose frequency is that of
@@ -288,7 +288,7 @@ static void dampers_take_energy_and_book_it(void **state)
     }
 }
 
-/* ---- the stable step ---------------------------------------------------------------------- */
+/* ---- the stable step ---- */
 
 /* The true largest frequency, by many products with the linear tangent: power iteration on the
  * springs as the test sees them. */
@@ -382,7 +382,7 @@ static void the_bound_of_a_regular_tetrahedron_is_exact(void **state)
     setup_fini(&s);
 }
 
-/* ---- guards, identity, refusals ----------------------------------------------------------- */
+/* ---- guards, identity, refusals ---- */
 
 static void a_crushed_block_comes_back_or_says_so(void **state)
 {

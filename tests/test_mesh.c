@@ -20,8 +20,7 @@
 
 static const double no_turn[3] = {0.0, 0.0, 0.0};
 
-/* ---- solids -----------------------------------------------------------------------------------
- */
+/* ---- solids ---- */
 
 /* Corner i of the unit cube has coordinates bit 0, bit 1, bit 2 of i. */
 static const double cube_corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
@@ -172,8 +171,7 @@ static void create_refuses_counts_that_make_no_mesh(void **state)
     assert_int_equal(error.fault_count, 2);
 }
 
-/* ---- planted faults ----------------------------------------------------------------------------
- */
+/* ---- planted faults ---- */
 
 static void plant_nothing(soup *s)
 {
@@ -384,8 +382,7 @@ static void checking_survives_positions_at_the_ends_of_double(void **state)
     }
 }
 
-/* ---- winding -----------------------------------------------------------------------------------
- */
+/* ---- winding ---- */
 
 static void orient_turns_what_is_wrong_and_nothing_else(void **state)
 {
@@ -438,8 +435,7 @@ static void an_open_sheet_keeps_the_sense_of_most_of_its_triangles(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- MSH ---------------------------------------------------------------------------------------
- */
+/* ---- MSH ---- */
 
 /* Tags with gaps and out of order, Windows line ends, points and lines, groups, sections of no
  * interest, no newline at the end. */

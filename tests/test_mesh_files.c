@@ -36,8 +36,7 @@ static void expect_cube(const char *path, int32_t nodes)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- formats -----------------------------------------------------------------------------------
- */
+/* ---- formats ---- */
 
 #define CUBE_V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
 
@@ -230,8 +229,7 @@ static void gltf_reads_nothing_that_is_not_beside_it(void **state)
     }
 }
 
-/* ---- hostile files -----------------------------------------------------------------------------
- */
+/* ---- hostile files ---- */
 
 static const struct {
     const char *name, *text, *says;
@@ -339,8 +337,7 @@ static void damaged_files_never_bring_the_reader_down(void **state)
     }
 }
 
-/* ---- the helper's faults -----------------------------------------------------------------------
- */
+/* ---- the helper's faults ---- */
 
 static const char *write_helper(const char *name, const char *script)
 {
@@ -454,8 +451,7 @@ static void an_answer_with_bad_contents_is_refused(void **state)
     }
 }
 
-/* ---- writing -----------------------------------------------------------------------------------
- */
+/* ---- writing ---- */
 
 static void meshes_come_back_from_disk_as_they_were(void **state)
 {
@@ -513,8 +509,7 @@ static void groups_and_tetrahedra_survive_msh(void **state)
     ss_mesh_destroy(&second);
 }
 
-/* ---- softsim-mesh ------------------------------------------------------------------------------
- */
+/* ---- softsim-mesh ---- */
 
 #define TOOL BIN_DIR "/softsim-mesh "
 

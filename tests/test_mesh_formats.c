@@ -25,8 +25,7 @@
 #include "mesh_fixture.h"
 #include "rt/memory.h"
 
-/* ---- pieces of files ---------------------------------------------------------------------------
- */
+/* ---- pieces of files ---- */
 
 /* MSH 2.2: gaps in tags, groups of every dimension, faces that only name nodes. */
 #define HEAD2  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
@@ -105,8 +104,7 @@
 #define VTU      XML FILE_BEGIN PIECE POINT_DATA XML_POINTS XML_CELLS FILE_END
 #define BODY_VTU BODY " {a < b=0 2} {a < b=1 3} -triangles 1"
 
-/* ---- the table ---------------------------------------------------------------------------------
- */
+/* ---- the table ---- */
 
 typedef enum change {
     AS_IS,
@@ -374,8 +372,7 @@ static const file_case cases[] = {
           "!no piece with connectivity"),
 };
 
-/* ---- binary files ------------------------------------------------------------------------------
- */
+/* ---- binary files ---- */
 
 typedef struct builder {
     char data[2048];
@@ -442,8 +439,7 @@ static void make_binary(const char *name, builder *b)
     b->size -= strcmp(name, "binary-cut.vtk") == 0 ? 40 : 0;
 }
 
-/* ---- loading -----------------------------------------------------------------------------------
- */
+/* ---- loading ---- */
 
 /* The file's bytes, with what its case changes. */
 static size_t make_bytes(const file_case *c, char *out, size_t room)
@@ -543,8 +539,7 @@ static void each_file_gets_what_the_table_says(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* ---- damage ------------------------------------------------------------------------------------
- */
+/* ---- damage ---- */
 
 static softsim_status parse_texts(const file_case *c, const char *data, ss_text *text,
                                   ss_text *other, ss_mesh **out)

@@ -79,8 +79,7 @@ static void u_of(const ss_mesh *mesh, int32_t q, double out[3])
     ss_sub3(out, mesh->position[mesh->quad[q][1]], mesh->position[mesh->quad[q][0]]);
 }
 
-/* ---- grids ------------------------------------------------------------------------------------
- */
+/* ---- grids ---- */
 
 static void a_plane_is_numbered_directed_and_cut_as_promised(void **state)
 {
@@ -189,8 +188,7 @@ static void impossible_grids_are_refused(void **state)
     }
 }
 
-/* ---- directions --------------------------------------------------------------------------------
- */
+/* ---- directions ---- */
 
 /* xorshift, so that every run is the same. */
 static uint32_t draw(uint32_t *state)
@@ -270,8 +268,7 @@ static void a_cube_where_directions_cannot_agree_is_accepted_and_says_so(void **
     ss_mesh_destroy(&m);
 }
 
-/* ---- cutting ------------------------------------------------------------------------------------
- */
+/* ---- cutting ---- */
 
 static void diagonals_stay_inside_and_off_flat_halves(void **state)
 {
@@ -355,8 +352,7 @@ static void areas_of_a_warped_quad_do_not_depend_on_the_diagonal(void **state)
     }
 }
 
-/* ---- faults ------------------------------------------------------------------------------------
- */
+/* ---- faults ---- */
 
 static void faults_of_quads_are_named(void **state)
 {
@@ -463,8 +459,7 @@ static void turned_quads_are_turned_back_whole(void **state)
     }
 }
 
-/* ---- files -------------------------------------------------------------------------------------
- */
+/* ---- files ---- */
 
 static void quads_come_back_from_disk_as_they_were(void **state)
 {

@@ -19,8 +19,7 @@
 
 static const double degrees = 57.295779513082320877;
 
-/* ---- shapes of elements ------------------------------------------------------------------------
- */
+/* ---- shapes of elements ---- */
 
 static const int32_t one[1][4] = {{0, 1, 2, 3}};
 
@@ -104,8 +103,7 @@ static void triangles_and_quads_are_told_by_their_least_angle(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- holes and crossings -----------------------------------------------------------------------
- */
+/* ---- holes and crossings ---- */
 
 /* Corner i of the unit cube has coordinates bit 0, bit 1, bit 2 of i. */
 static const int32_t cube_triangle[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
@@ -315,8 +313,7 @@ static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(v
     }
 }
 
-/* ---- repair ------------------------------------------------------------------------------------
- */
+/* ---- repair ---- */
 
 static void expect_good_cube(ss_mesh *mesh)
 {

@@ -58,8 +58,7 @@ static int make_block(void **state)
     return make_folder(state);
 }
 
-/* ---- by the book -------------------------------------------------------------------------------
- */
+/* ---- by the book ---- */
 
 /* `base`: the first node's number; `gap`: added to the second half's. */
 static int tag_of(int node, int base, int gap)
@@ -247,8 +246,7 @@ static void write_vtu(FILE *file)
     (void)fprintf(file, "</DataArray></CellData></Piece></UnstructuredGrid></VTKFile>\n");
 }
 
-/* ---- the same mesh -----------------------------------------------------------------------------
- */
+/* ---- the same mesh ---- */
 
 static void expect_same_groups(const ss_mesh *a, const ss_mesh *b)
 {
@@ -413,8 +411,7 @@ static void surfaces_come_back_to_the_last_bit(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- long lines --------------------------------------------------------------------------------
- */
+/* ---- long lines ---- */
 
 static void a_line_that_exceeds_the_window_is_refused(void **state)
 {

@@ -21,9 +21,7 @@
     "$EndElements\n"
 #define CORNERS "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
 
-/* ---- check: each fault, its count, first numbers and exit status
- * -----------------------------------
- */
+/* ---- check: each fault, its count, first numbers and exit status ---- */
 
 static const struct {
     const char *name, *text;
@@ -199,8 +197,7 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
     assert_non_null(strstr(out, "hybrid: it needs layer.spacing_m, which is the scene's\n"));
 }
 
-/* ---- convert ------------------------------------------------------------------------------------
- */
+/* ---- convert ---- */
 
 static void formats_and_units_are_converted(void **state)
 {
@@ -329,8 +326,7 @@ static void the_input_is_replaced_only_when_asked(void **state)
     ss_mesh_destroy(&m);
 }
 
-/* ---- tetrahedralize -----------------------------------------------------------------------------
- */
+/* ---- tetrahedralize ---- */
 
 /* With a program of that name, or none, on the path. */
 static void tetgen_that_is_missing_or_fails_is_one_error(void **state)

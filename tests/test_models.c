@@ -57,7 +57,7 @@ static uint64_t hash_of(const setup *s)
     return hash;
 }
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 static void models_are_found_by_name_and_only_built_ones(void **state)
 {
@@ -97,7 +97,7 @@ static void every_row_has_a_default_within_its_bounds_and_a_help(void **state)
     }
 }
 
-/* ---- refusals ----------------------------------------------------------------------------- */
+/* ---- refusals ---- */
 
 typedef void (*spoil)(setup *s);
 
@@ -445,7 +445,7 @@ static void short_edges_and_loose_nodes_are_refused(void **state)
     }
 }
 
-/* ---- the interface ------------------------------------------------------------------------ */
+/* ---- the interface ---- */
 
 static void join_lines(void *sink, const char *text)
 {
@@ -653,7 +653,7 @@ static void live_values_change_the_body_and_the_ledger_knows(void **state)
     setup_fini(&s);
 }
 
-/* ---- kernels ------------------------------------------------------------------------------ */
+/* ---- kernels ---- */
 
 static void all_simd_paths_agree(void **state)
 {

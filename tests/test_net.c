@@ -28,7 +28,7 @@
 
 static const double UNKNOWN = (double)NAN;
 
-/* ---- decoding ----------------------------------------------------------------------------- */
+/* ---- decoding ---- */
 
 enum { MESSAGE_SIZE = 4096 };
 
@@ -201,7 +201,7 @@ static void strings_are_bounded_and_clean(void **state)
     assert_int_equal(decode_command_of(message, size), SOFTSIM_REFUSED_MALFORMED);
 }
 
-/* ---- the wire ----------------------------------------------------------------------------- */
+/* ---- the wire ---- */
 
 typedef struct heard {
     int signal_fd; /* > 0: signalled by every pose */
@@ -557,8 +557,7 @@ static void own_commands_are_passed_over(void **state)
     ss_net_close(&net);
 }
 
-/* ---- who stays --------------------------------------------------------------------------------
- */
+/* ---- who stays ---- */
 
 enum { SECOND_NS = 1000000000 };
 

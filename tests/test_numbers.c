@@ -25,8 +25,7 @@ static softsim_error error;
 
 enum { BLOCK = 64 };
 
-/* ---- shuffled meshes ---------------------------------------------------------------------------
- */
+/* ---- shuffled meshes ---- */
 
 static uint32_t draw(uint32_t *state)
 {
@@ -160,8 +159,7 @@ static double external_nodes(const ss_mesh *m)
     return (double)count / blocks;
 }
 
-/* ---- the mesh ----------------------------------------------------------------------------------
- */
+/* ---- the mesh ---- */
 
 static void the_same_element(const int32_t *a, const int32_t *b, int size, const int32_t *file_node)
 {
@@ -258,8 +256,7 @@ static void numbers_that_are_right_already_have_no_map(void **state)
     }
 }
 
-/* ---- the scene ---------------------------------------------------------------------------------
- */
+/* ---- the scene ---- */
 
 /* `file` as MSH with the group `even` of every other node, a value rho = 1 + number / 1000 and a
  * direction (number, 1, 0). */
@@ -428,8 +425,7 @@ static void element_files_are_read_with_care(void **state)
     }
 }
 
-/* ---- the world ---------------------------------------------------------------------------------
- */
+/* ---- the world ---- */
 
 /* A scene whose every part is given by numbers, on `mesh`, whose node i is node order[i] of the
  * plain one. */
@@ -554,8 +550,7 @@ static void a_shuffled_file_gives_the_same_body_in_its_own_numbers(void **state)
     }
 }
 
-/* ---- units -------------------------------------------------------------------------------------
- */
+/* ---- units ---- */
 
 /* A 5 mm sphere presses, slides and leaves the plate of `file`, a mesh in `units`. */
 static void press(const char *file, const char *units, softsim_force out[], int32_t ticks)

@@ -44,7 +44,7 @@ static void start(void)
     snprintf(paper.bin, sizeof paper.bin, "%s", BIN_DIR);
 }
 
-/* ---- claims ------------------------------------------------------------------------------- */
+/* ---- claims ---- */
 
 static void claims_pass_within_their_bounds_only(void **state)
 {
@@ -220,7 +220,7 @@ static void sections_run_in_order_up_to_the_first_that_fails(void **state)
     assert_null(strstr(text, "Four"));
 }
 
-/* ---- the report's own network --------------------------------------------------------------- */
+/* ---- the report's own network ---- */
 
 static const double edge = 0.3;
 
@@ -383,7 +383,7 @@ static void an_indefinite_matrix_is_refused(void **state)
     assert_false(ss_zhong_cholesky(2, bad, 1, b));
 }
 
-/* ---- laws --------------------------------------------------------------------------------- */
+/* ---- laws ---- */
 
 static void hookes_law_is_the_isotropic_one_where_moduli_agree(void **state)
 {
@@ -444,7 +444,7 @@ static void the_closure_returns_and_the_work_of_the_force_cancels(void **state)
     assert_near(1.5 * current * pushed, 0.5, 1e-6);
 }
 
-/* ---- the program -------------------------------------------------------------------------- */
+/* ---- the program ---- */
 
 static void what_the_program_refuses_is_told(void **state)
 {
@@ -483,7 +483,7 @@ static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
     ss_tube_fini(&tube);
 }
 
-/* ---- pictures ----------------------------------------------------------------------------- */
+/* ---- pictures ---- */
 
 static void faces_are_drawn_from_far_to_near(void **state)
 {
@@ -522,7 +522,7 @@ static void faces_are_drawn_from_far_to_near(void **state)
     assert_true(lines >= 7);
 }
 
-/* ---- arguments ---------------------------------------------------------------------------- */
+/* ---- arguments ---- */
 
 static int run_quietly(int argc, char **argv)
 {

@@ -182,7 +182,7 @@ static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
     ss_heart_own_fini(&own);
 }
 
-/* ---- a section of the report ---------------------------------------------------------------- */
+/* ---- a section of the report ---- */
 
 static void the_pair_curve_is_the_printed_one(void **state)
 {

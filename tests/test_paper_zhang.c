@@ -26,7 +26,7 @@
 
 static softsim_error error;
 
-/* ---- measures ------------------------------------------------------------------------------- */
+/* ---- measures ---- */
 
 /* A tetrahedron with three unit edges from its first corner, and its mirror below. */
 static ss_mesh *make_pair(void)
@@ -81,7 +81,7 @@ static void roughness_is_what_neighbours_do_not_do(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- runs ----------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
 static ss_zhang_plane plane;
 
@@ -151,7 +151,7 @@ static void the_patch_goes_in_and_comes_back(void **state)
     ss_zhang_end(&run);
 }
 
-/* ---- the own network ------------------------------------------------------------------------ */
+/* ---- the own network ---- */
 
 /* Two nodes of an element whose other two lie on them: one link of length 1, k 3, C 2. */
 static void start_link(ss_zhang_own *own, bool is_one_fixed)
@@ -231,7 +231,7 @@ static void a_row_of_chainmail_follows_link_by_link(void **state)
     assert_near(at[3][0], 3.0, 0.0); /* fixed */
 }
 
-/* ---- the model beside it -------------------------------------------------------------------- */
+/* ---- the model beside it ---- */
 
 static void compare(const ss_zhang_setup *setup, const double *stiffness_of)
 {

@@ -27,8 +27,7 @@
 enum { SIZE = 100, MARK = 1 /* bytes: the size of a mark */, PORT = 7667 };
 static const char GROUP[] = "239.255.76.67";
 
-/* ---- datagrams --------------------------------------------------------------------------------
- */
+/* ---- datagrams ---- */
 
 /* LCM's head, the channel with its NUL, `size` zeros. Returns the datagram's size. */
 static int make(uint8_t *out, const char *magic, const char *channel, int size)
@@ -63,8 +62,7 @@ static void send_message(int fd, const char *channel, int size)
     send_to(fd, GROUP, datagram, make(datagram, "LC02", channel, size));
 }
 
-/* ---- a receiver that notes what it hears ------------------------------------------------------
- */
+/* ---- a receiver that notes what it hears ---- */
 
 typedef struct heard {
     int poses, others, pose_marks, other_marks, digit, name, size;
@@ -160,8 +158,7 @@ static void hear_all(ss_receiver *receiver, heard *h, int fd)
     }
 }
 
-/* ---- what the kernel lets in ------------------------------------------------------------------
- */
+/* ---- what the kernel lets in ---- */
 
 static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
 {
@@ -313,8 +310,7 @@ static void a_part_of_the_message_chooses_between_lanes(void **state)
     close_receiver(&receiver);
 }
 
-/* ---- budgets ----------------------------------------------------------------------------------
- */
+/* ---- budgets ---- */
 
 static void a_budget_fills_up_and_no_further(void **state)
 {
@@ -378,8 +374,7 @@ static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
     close_receiver(&receiver);
 }
 
-/* ---- parsing ----------------------------------------------------------------------------------
- */
+/* ---- parsing ---- */
 
 static void nothing_is_read_beyond_a_datagram(void **state)
 {

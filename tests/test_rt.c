@@ -52,7 +52,7 @@ static double random_unit(uint64_t *state)
     return (double)(random_next(state) >> 11) * 0x1p-53;
 }
 
-/* ---- mailbox ------------------------------------------------------------------------------ */
+/* ---- mailbox ---- */
 
 enum { WORDS = 96, POSTS = 200000 };
 
@@ -150,7 +150,7 @@ static void mailbox_between_two_threads_is_never_torn_and_never_goes_back(void *
     ss_mailbox_destroy(&mailbox);
 }
 
-/* ---- ring --------------------------------------------------------------------------------- */
+/* ---- ring ---- */
 
 typedef struct record {
     uint64_t number, copy[4];
@@ -243,7 +243,7 @@ static void ring_between_two_threads_loses_and_tears_nothing(void **state)
     ss_ring_destroy(&job.ring);
 }
 
-/* ---- histogram ---------------------------------------------------------------------------- */
+/* ---- histogram ---- */
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -304,7 +304,7 @@ static void histogram_takes_odd_values(void **state)
     assert_true(ss_histogram_quantile(&histogram, 1.0) == 1e12);
 }
 
-/* ---- memory, clock, threads --------------------------------------------------------------- */
+/* ---- memory, clock, threads ---- */
 
 static void memory_is_aligned_zeroed_and_counted(void **state)
 {
@@ -416,7 +416,7 @@ static void wake_is_seen_by_poll_until_drained(void **state)
     close(fd);
 }
 
-/* ---- errors ------------------------------------------------------------------------------- */
+/* ---- errors ---- */
 
 static void status_has_a_name_and_a_text(void **state)
 {
@@ -555,7 +555,7 @@ static void an_endless_first_fault_is_cut(void **state)
     assert_non_null(strstr(error.text, "\n(and 2 more faults)"));
 }
 
-/* ---- progress -------------------------------------------------------------------------------- */
+/* ---- progress ---- */
 
 /* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
 /* A terminal whose other side nobody reads: what is written to it waits for ever. */

@@ -82,7 +82,7 @@ static void every_row_has_a_time_and_names_its_solver(void **state)
     ss_table_fini(&table);
 }
 
-/* ---- fields ------------------------------------------------------------------------------- */
+/* ---- fields ---- */
 
 static void assert_exact(const char *what, const ss_body_run *run)
 {
@@ -150,7 +150,7 @@ static void a_missing_direct_solve_is_told(void **state)
     ss_body_close(&body);
 }
 
-/* ---- the direct solve --------------------------------------------------------------------- */
+/* ---- the direct solve ---- */
 
 /* A hexagon of edge h held at its corners, its centre pushed out of the plane: by symmetry
  * ks z + T0 z / h^2 + E^ z^3 / (2 h^4) = F. */

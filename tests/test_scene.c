@@ -12,7 +12,7 @@ static ss_scene *load_good(const char *text, const char *const *overrides, int c
     return scene;
 }
 
-/* ---- good scenes ----------------------------------------------------------------------------- */
+/* ---- good scenes ---- */
 
 static const char full[] =
     "softsim: 1\n"
@@ -242,7 +242,7 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
     ss_scene_destroy(&s);
 }
 
-/* ---- repair ---------------------------------------------------------------------------------- */
+/* ---- repair ---- */
 
 /* A tetrahedron's surface with a corner twice, one face twice, one face turned and a loose node. */
 static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
@@ -267,7 +267,7 @@ static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
     ss_scene_destroy(&s);
 }
 
-/* ---- grids ----------------------------------------------------------------------------------- */
+/* ---- grids ---- */
 
 #define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
 
@@ -334,7 +334,7 @@ static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
     ss_scene_destroy(&s);
 }
 
-/* ---- directions ------------------------------------------------------------------------------ */
+/* ---- directions ---- */
 
 static void a_direction_is_normalised_whatever_its_length(void **state)
 {
@@ -414,7 +414,7 @@ static void directions_by_file_are_of_quads_or_triangles_or_tetrahedra(void **st
     }
 }
 
-/* ---- the bundled scenes ---------------------------------------------------------------------- */
+/* ---- the bundled scenes ---- */
 
 /* The keys of the model that the bundled scenes use; their values are the model's own business. */
 #define KEY(key, fallback_value)                                                                   \
@@ -499,7 +499,7 @@ static void the_bundled_scenes_hold_what_they_should(void **state)
     }
 }
 
-/* ---- overrides ------------------------------------------------------------------------------- */
+/* ---- overrides ---- */
 
 static void overrides_reach_every_scalar(void **state)
 {
@@ -573,7 +573,7 @@ static void a_bad_override_names_the_option(void **state)
     }
 }
 
-/* ---- printing -------------------------------------------------------------------------------- */
+/* ---- printing ---- */
 
 static void collect(void *sink, const char *text)
 {
@@ -674,7 +674,7 @@ static void each_printed_value_has_its_meaning_beside_it(void **state)
     ss_scene_destroy(&s);
 }
 
-/* ---- live keys ------------------------------------------------------------------------------- */
+/* ---- live keys ---- */
 
 static void live_keys_are_parsed_and_the_rest_refused(void **state)
 {

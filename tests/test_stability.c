@@ -26,7 +26,7 @@
 #include "models/model.h"
 #include "rt/vec.h"
 
-/* ---- the body -------------------------------------------------------------------------------- */
+/* ---- the body ---- */
 
 static double volume_of(const ss_specimen *s, int32_t t)
 {
@@ -76,7 +76,7 @@ static void inverted_elements_are_counted(void **state)
     assert_int_equal(ss_specimen_inverted(&s, (const double(*)[3])u), SS_SPECIMEN_TETRAHEDRA);
 }
 
-/* ---- the audit ------------------------------------------------------------------------------- */
+/* ---- the audit ---- */
 
 enum { STEPS = 40, RELEASE = 20 };
 
@@ -178,7 +178,7 @@ static void a_verdict_agrees_when_it_owns_up(void **state)
     }
 }
 
-/* ---- the list -------------------------------------------------------------------------------- */
+/* ---- the list ---- */
 
 static int compare_text(const void *a, const void *b)
 {
@@ -248,7 +248,7 @@ static void what_a_run_leaves_is_read_back(void **state)
     assert_string_equal(row.acted, "crashed: Killed");
 }
 
-/* ---- runs ------------------------------------------------------------------------------------ */
+/* ---- runs ---- */
 
 static ss_assay_result run_of(int32_t subject, ss_assay_kind kind, double stiffness_pa,
                               double value, int32_t variant)

@@ -24,7 +24,7 @@
 
 typedef double vector[3];
 
-/* ---- a body under test -------------------------------------------------------------------- */
+/* ---- a body under test ---- */
 
 typedef struct body {
     ss_mesh *mesh;
@@ -100,7 +100,7 @@ static double sum_of(const body *b, const vector *x, const char *name, int axis)
     return sum;
 }
 
-/* ---- closed forms ------------------------------------------------------------------------- */
+/* ---- closed forms ---- */
 
 /* The cube on rollers, stretched along x: force and lateral stretch, at every node the same. */
 static void stretch(body *b, double lambda, double lateral, double force)
@@ -161,7 +161,7 @@ static void passes_the_patch_test(void **state)
     test_rows("a_uniaxial/mesh_125.msh", "0.45", 16);
 }
 
-/* ---- what another program reaches --------------------------------------------------------- */
+/* ---- what another program reaches ---- */
 
 /* Errors in per cent against columns ux_LEVEL of a reference: L2 by node weight, and the largest.
  */
@@ -304,7 +304,7 @@ static void inflates_the_ventricle_as_the_floor_says(void **state)
     body_fini(&b);
 }
 
-/* ---- the rest ----------------------------------------------------------------------------- */
+/* ---- the rest ---- */
 
 static void follows_the_stiffness_of_each_element(void **state)
 {

@@ -463,7 +463,7 @@ static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
     assert_true(shown != NULL && wiped > shown && strstr(wiped, "off the surface") != NULL);
 }
 
-/* ---- files that are none, and none left ------------------------------------------------------ */
+/* ---- files that are none, and none left ---- */
 
 /* A pipe without a writer would keep a program waiting for ever. */
 static void a_pipe_is_refused_as_any_input(void **state)
@@ -664,7 +664,7 @@ static void too_few_descriptors_are_named(void **state)
     }
 }
 
-/* ---- what is recorded ------------------------------------------------------------------------ */
+/* ---- what is recorded ---- */
 
 static void a_full_disk_leaves_the_rows_of_a_run(void **state)
 {

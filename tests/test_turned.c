@@ -90,7 +90,7 @@ static void one_after_the_other_is_said_without_a_gap(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-/* ---- models ------------------------------------------------------------------------------- */
+/* ---- models ---- */
 
 typedef struct kind {
     const char *model;

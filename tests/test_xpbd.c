@@ -36,7 +36,7 @@ static void hold_left(setup *s)
 
 static const ss_tissue_kind kinds[] = {SS_TISSUE_NEO_HOOKEAN, SS_TISSUE_STABLE_NEO_HOOKEAN};
 
-/* ---- statics ------------------------------------------------------------------------------ */
+/* ---- statics ---- */
 
 static void a_body_at_rest_stays_at_rest_to_the_last_bit(void **state)
 {
@@ -163,7 +163,7 @@ static void many_substeps_lead_to_the_static_solution_of_the_law(void **state)
     }
 }
 
-/* ---- guards ------------------------------------------------------------------------------- */
+/* ---- guards ---- */
 
 static void no_stiffness_is_too_much_for_a_step(void **state)
 {
@@ -234,7 +234,7 @@ static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state
     setup_fini(&s);
 }
 
-/* ---- motion ------------------------------------------------------------------------------- */
+/* ---- motion ---- */
 
 static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
 {
@@ -366,7 +366,7 @@ static void the_same_run_gives_the_same_bits(void **state)
     setup_fini(&s);
 }
 
-/* ---- packs and paths ---------------------------------------------------------------------- */
+/* ---- packs and paths ---- */
 
 typedef struct loose {
     ss_mesh *mesh;
@@ -536,7 +536,7 @@ static void one_element_takes_its_implicit_step(void **state)
     ss_xpbd_packs_fini(&packs);
 }
 
-/* ---- refusals ----------------------------------------------------------------------------- */
+/* ---- refusals ---- */
 
 static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
 {

@@ -32,7 +32,7 @@ static inline void settle(setup *s, double dt, ss_model_tool *tool, int count)
     }
 }
 
-/* ---- a plate ------------------------------------------------------------------------------ */
+/* ---- a plate ---- */
 
 #define PLATE_EDGE 0.0045 /* m: about the mean edge, and the radius of most spheres */
 

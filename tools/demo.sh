@@ -32,7 +32,7 @@ if [ -t 2 ]; then
   NINJA_STATUS="[%f of %t, %e s] " cmake --build --preset release --target "${programs[@]}" >&2
 else
   log=$(mktemp)
-  while sleep 10 </dev/null >/dev/null 2>&1; do # which nobody waits for at the end
+  while sleep 10 >/dev/null 2>&1; do # which nobody waits for at the end
     sed -n 's/^\(\[[^]]*\]\).*/demo.sh: built \1/p' "$log" | tail -1 >&2
   done &
   ticker=$!

@@ -4,7 +4,7 @@
 set -euo pipefail
 build="build-essential cmake ninja-build pkg-config liblcm-dev liblcm-bin libglib2.0-dev libccd-dev
   libassimp-dev libfyaml-dev libsuitesparse-dev libcmocka-dev libnlopt-dev zlib1g-dev iproute2 gnuplot-nox"
-test="clang clang-format libclang-rt-14-dev tetgen"
+test="clang clang-format libclang-rt-14-dev shellcheck tetgen"
 spy="liblcm-java libjchart2d-java default-jre default-jdk-headless"
 wanted=""
 for set in "${@:-build}"; do

@@ -2,7 +2,7 @@
 # The tests, all of them: sets up a fresh Debian 12, builds and runs the suite in release, with
 # address and undefined-behaviour sanitizers, with the thread sanitizer (what has threads), and in
 # double precision (what computes); checks all sources with clang's warnings; runs each fuzzer for
-# a few seconds; checks the layers.
+# a few seconds; checks layers and layout.
 #   tools/test.sh [--quick | --long]
 #     --quick: release only
 #     --long:  every test in every build at its full size, which release runs already but for the
@@ -22,7 +22,9 @@ case "${1:-}" in
   --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
   *) echo "test.sh: unknown argument '$1'; use --quick or --long" >&2; exit 2 ;;
 esac
-tools/setup.sh build ${quick:+} $([ -n "$quick" ] || echo test)
+sets=(build)
+[ -n "$quick" ] || sets+=(test)
+tools/setup.sh "${sets[@]}"
 tools/own_builds.sh
 started=$SECONDS
 jobs=$(($(nproc) + 2)) # process tests mostly wait
@@ -48,6 +50,7 @@ check_with_clang() {
 tools/check_layers
 build_and_test release all
 [ -z "$quick" ] || exit 0
+tools/check_style
 build_and_test dev all
 build_and_test tsan threads -L threads
 if [ -n "$long" ]; then build_and_test scalar all; else build_and_test scalar numbers -L numbers; fi

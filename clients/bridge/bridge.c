@@ -81,7 +81,7 @@ __attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, 
     }
 }
 
-/* ---- one tick ------------------------------------------------------------------------------- */
+/* ---- one tick ---- */
 
 /* `moved`: since the sample that is written, for the velocity of a device that knows none. */
 static void write_row(ss_bridge *bridge, const double moved[3])
@@ -184,7 +184,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     ++bridge->summary.ticks;
 }
 
-/* ---- against a server ----------------------------------------------------------------------- */
+/* ---- against a server ---- */
 
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
 {
@@ -357,7 +357,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     }
 }
 
-/* ---- against a linear tissue ---------------------------------------------------------------- */
+/* ---- against a linear tissue ---- */
 
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks)
 {

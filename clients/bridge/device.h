@@ -31,7 +31,7 @@ typedef struct ss_device {
     void (*destroy)(void *state);
 } ss_device;
 
-/* ---- sim: a simulated device in a simulated hand (sim.c) ------------------------------------ */
+/* ---- sim: a simulated device in a simulated hand (sim.c) ---- */
 
 typedef enum ss_sim_body { SS_BODY_LIGHT, SS_BODY_MEDIUM, SS_BODY_HEAVY } ss_sim_body;
 typedef enum ss_sim_grip { SS_GRIP_SOFT, SS_GRIP_MEDIUM, SS_GRIP_FIRM } ss_sim_grip;
@@ -57,7 +57,7 @@ typedef struct ss_sim_config {
 softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
                              softsim_error *error);
 
-/* ---- script: a pose path file (script.c) ---------------------------------------------------- */
+/* ---- script: a pose path file (script.c) ---- */
 
 softsim_status ss_script_create(const char *csv_path, double period_s, ss_device *out_device,
                                 softsim_error *error);

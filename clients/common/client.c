@@ -62,7 +62,7 @@ int64_t softsim_client_now_us(void)
     return ss_clock_now_ns() / 1000;
 }
 
-/* ---- receiving ------------------------------------------------------------------------------ */
+/* ---- receiving ---- */
 
 static bool is_finite_force(const softsim_force *force)
 {
@@ -151,7 +151,7 @@ static void receive_reply(void *context, const ss_packet *packet)
     softsim_reply_t_decode_cleanup(&reply);
 }
 
-/* ---- opening -------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 static const ss_lane force_lane = {.suffix = {"_FORCE_#"},
                                    .max_size = MAX_MESSAGE,
@@ -241,7 +241,7 @@ void softsim_client_close(softsim_client **client)
     }
 }
 
-/* ---- using ---------------------------------------------------------------------------------- */
+/* ---- using ---- */
 
 int64_t softsim_client_sender(const softsim_client *client)
 {

@@ -116,7 +116,7 @@ void softsim_poses_rewind(softsim_poses *poses)
     poses->probe = 0;
 }
 
-/* ---- CSV ------------------------------------------------------------------------------------ */
+/* ---- CSV ---- */
 
 static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_event *out)
 {
@@ -141,7 +141,7 @@ static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_even
     return SOFTSIM_POSES_END;
 }
 
-/* ---- log ------------------------------------------------------------------------------------ */
+/* ---- log ---- */
 
 /* Moves the time on to the event; true when the step was not taken. */
 static bool advance_time(softsim_poses *poses, int64_t utime_us)

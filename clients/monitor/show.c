@@ -8,7 +8,7 @@
 #include "rt/plain.h"
 #include "softsim/types.h"
 
-/* ---- JSON ----------------------------------------------------------------------------------- */
+/* ---- JSON ---- */
 
 static void json_text(FILE *out, const char *name, const char *text)
 {
@@ -119,7 +119,7 @@ void ss_show_json(FILE *out, const softsim_server_status_t *s)
 #undef TEXT
 }
 
-/* ---- for people ----------------------------------------------------------------------------- */
+/* ---- for people ---- */
 
 /* A figure of a message: whatever a stranger says, no longer than a column. */
 typedef struct figure {

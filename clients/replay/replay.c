@@ -43,7 +43,7 @@ static int64_t wall_clock_us(void)
     return (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
 }
 
-/* ---- answers -------------------------------------------------------------------------------- */
+/* ---- answers ---- */
 
 static void count_latency(ss_replay_statistics *statistics, int64_t latency_us)
 {
@@ -138,7 +138,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
-/* ---- sending -------------------------------------------------------------------------------- */
+/* ---- sending ---- */
 
 /* Gives the pose its number and time and sends it. */
 static void send_pose(ss_replay *replay, softsim_pose_event *event)

@@ -25,7 +25,7 @@
 extern "C" {
 #endif
 
-/* ---- event logs: reading -------------------------------------------------------------------- */
+/* ---- event logs: reading ---- */
 
 /* LCM's limit of a channel name, and its NUL. */
 #define SOFTSIM_LOG_CHANNEL_SIZE 64
@@ -67,7 +67,7 @@ bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_p
 /* The same of a contact_force_t. */
 bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out_force);
 
-/* ---- event logs: writing -------------------------------------------------------------------- */
+/* ---- event logs: writing ---- */
 
 typedef struct softsim_log_writer softsim_log_writer;
 
@@ -96,7 +96,7 @@ void softsim_log_keep(softsim_log_writer **writer, softsim_error *error);
 /* Removes the temporary file, frees and nulls; accepts NULL. */
 void softsim_log_abandon(softsim_log_writer **writer);
 
-/* ---- pose paths ----------------------------------------------------------------------------- */
+/* ---- pose paths ---- */
 
 typedef struct softsim_path softsim_path;
 
@@ -115,7 +115,7 @@ void softsim_path_range(const softsim_path *path, int32_t probe, double *out_beg
 bool softsim_path_sample(const softsim_path *path, int32_t probe, double time_s,
                          softsim_pose *out_pose);
 
-/* ---- poses of either ------------------------------------------------------------------------ */
+/* ---- poses of either ---- */
 
 typedef enum softsim_poses_result {
     SOFTSIM_POSES_END,

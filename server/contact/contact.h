@@ -28,7 +28,7 @@
 /* More contacts than this are merged with their nearest. */
 enum { SS_MAX_CONTACTS = 8 };
 
-/* ---- shapes ------------------------------------------------------------------------------- */
+/* ---- shapes ---- */
 
 typedef enum ss_shape_kind {
     SS_SHAPE_SPHERE,
@@ -89,7 +89,7 @@ bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const s
                           const ss_tool_pose *pose_b, double *out_depth, double out_direction[3],
                           int64_t *inout_failures);
 
-/* ---- the tissue's contact surface ----------------------------------------------------------- */
+/* ---- the tissue's contact surface ---- */
 
 typedef struct ss_surface ss_surface; /* immutable after create */
 
@@ -115,7 +115,7 @@ double ss_surface_mean_edge(const ss_surface *surface);
  * simulation thread per surface. */
 void ss_surface_refit(ss_surface *surface, const ss_real *u);
 
-/* ---- one tool touching the surface ----------------------------------------------------------- */
+/* ---- one tool touching the surface ---- */
 
 typedef struct ss_touch ss_touch; /* scratch of one tool */
 
@@ -181,8 +181,7 @@ void ss_contact_closest(const double p[3], const double a[3], const double b[3],
 double ss_contact_locate(const ss_mesh *mesh, const ss_real *u, const ss_shape *shape,
                          const ss_tool_pose *pose, double out_point[3], double out_normal[3]);
 
-/* ---- what the haptic loop gets ----------------------------------------------------------------
- */
+/* ---- what the haptic loop gets ---- */
 
 /* One contact of the local contact model (haptic.md section 2). */
 typedef struct ss_contact {

@@ -36,7 +36,7 @@ typedef struct tally {
     double weight, depth, r[3], rest_normal[3], curvature[6];
 } tally;
 
-/* ---- the tissue at a sample ----------------------------------------------------------------- */
+/* ---- the tissue at a sample ---- */
 
 /* Weights of the triangle's corners at a sample. */
 static void sample_row(const ss_grid *grid, int32_t code, double out[3])
@@ -122,7 +122,7 @@ static void set_curvature(const tally *sum, const double normal[3], double out[3
     }
 }
 
-/* ---- touching ------------------------------------------------------------------------------- */
+/* ---- touching ---- */
 
 /* The shares of stations in a sample at height z on the tool. */
 static void station_shares(const ss_touch *touch, double z, double out[MAX_STATIONS])
@@ -247,7 +247,7 @@ static void set_contact(const ss_touch *touch, const ss_frame *frame, const ss_t
     set_curvature(sum, out->normal, out->curvature);
 }
 
-/* ---- not touching --------------------------------------------------------------------------- */
+/* ---- not touching ---- */
 
 typedef struct nearest {
     double distance; /* of the best so far */
@@ -409,7 +409,7 @@ static void set_near(const ss_touch *touch, const ss_real *u, const ss_tool_pose
     out_set->depth = -contact->gap;
 }
 
-/* ---- engulfed ------------------------------------------------------------------------------- */
+/* ---- engulfed ---- */
 
 /* How far a tool inside the tissue has to go to the nearest place outside. */
 static double way_out(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,

@@ -35,7 +35,7 @@ struct ss_convex {
     double low[3], high[3];
 };
 
-/* ---- distance ------------------------------------------------------------------------------- */
+/* ---- distance ---- */
 
 /* Nearest point of triangle abc to x: of its inside, or of the nearest of its edges. */
 static void nearest_on_segment(const double a[3], const double b[3], const double x[3],
@@ -172,7 +172,7 @@ void ss_convex_centre(const ss_convex *convex, double out[3])
     ss_copy3(out, convex->centre);
 }
 
-/* ---- create --------------------------------------------------------------------------------- */
+/* ---- create ---- */
 
 static void convex_destroy(ss_convex *convex)
 {

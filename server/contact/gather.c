@@ -15,7 +15,7 @@
 
 #include "contact/touch.h"
 
-/* ---- sets of nodes -------------------------------------------------------------------------- */
+/* ---- sets of nodes ---- */
 
 void ss_touch_mark(ss_touch *touch, ss_mark_range *range, int32_t node)
 {
@@ -37,7 +37,7 @@ int32_t ss_touch_take_marked(ss_touch *touch, const ss_mark_range *range, int32_
     return count;
 }
 
-/* ---- gather --------------------------------------------------------------------------------- */
+/* ---- gather ---- */
 
 static double distance_to_path(const ss_sweep *s, const double x[3])
 {

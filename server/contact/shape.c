@@ -252,7 +252,7 @@ double ss_shape_gyration(const ss_shape *shape)
     return fmax(0.005, length / sqrt(12.0));
 }
 
-/* ---- poses ---------------------------------------------------------------------------------- */
+/* ---- poses ---- */
 
 void ss_tool_pose_blend(const ss_tool_pose *from, const ss_tool_pose *to, double s,
                         ss_tool_pose *out)

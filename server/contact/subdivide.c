@@ -30,7 +30,7 @@
 #include "rt/hash.h"
 #include "rt/memory.h"
 
-/* ---- half-edges ----------------------------------------------------------------------------- */
+/* ---- half-edges ---- */
 
 static int32_t next_half(int32_t half)
 {
@@ -128,7 +128,7 @@ void ss_edges_fini(ss_edges *edges)
     edges->valence = NULL;
 }
 
-/* ---- one triangle --------------------------------------------------------------------------- */
+/* ---- one triangle ---- */
 
 /* The nodes around a corner, counter-clockwise; from boundary to boundary where there is one. */
 typedef struct ring {
@@ -391,7 +391,7 @@ static void linear_points(builder *b, const ss_edges *edges, int32_t t)
     }
 }
 
-/* ---- all triangles -------------------------------------------------------------------------- */
+/* ---- all triangles ---- */
 
 /* Grows `*data` to hold `need` elements, keeping `used`. */
 static bool grow(void **data, int64_t used, int64_t need, int64_t *capacity, size_t size)

@@ -29,7 +29,7 @@ static const double least_radius_per_edge = 0.3;
  * kHz one refit in two or more steps, at 50 mm/s in thirty (1212 nodes: 11 us, else 1.2 us). */
 static const double stale_motion = 0.2;
 
-/* ---- sample grid ---------------------------------------------------------------------------- */
+/* ---- sample grid ---- */
 
 static uint8_t grid_index(int i, int j)
 {
@@ -88,7 +88,7 @@ static void set_grid(ss_grid *grid, int parts)
     set_parts(grid, parts);
 }
 
-/* ---- tree ----------------------------------------------------------------------------------- */
+/* ---- tree ---- */
 
 typedef struct sorter {
     int32_t *order;
@@ -293,7 +293,7 @@ void ss_surface_refit(ss_surface *surface, const ss_real *u)
     surface->moved = 0.0;
 }
 
-/* ---- create --------------------------------------------------------------------------------- */
+/* ---- create ---- */
 
 static softsim_status check_mesh(const ss_mesh *mesh, softsim_error *error)
 {

@@ -159,7 +159,7 @@ static inline void ss_surface_scatter(const ss_surface *surface, int32_t t,
     }
 }
 
-/* ---- subdivide.c ---------------------------------------------------------------------------- */
+/* ---- subdivide.c ---- */
 
 /* Half-edges of a triangle list: half-edge 3t + k runs from corner k to corner k + 1. */
 typedef struct ss_edges {
@@ -177,7 +177,7 @@ void ss_edges_fini(ss_edges *edges);
 softsim_status ss_subdivide(const ss_edges *edges, const int32_t *triangle, bool is_linear,
                             ss_surface *surface);
 
-/* ---- curvature.c ---------------------------------------------------------------------------- */
+/* ---- curvature.c ---- */
 
 /* Fills node_normal and node_curvature. */
 softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh);

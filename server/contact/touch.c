@@ -31,7 +31,7 @@
 #include "contact/shape.h"
 #include "rt/memory.h"
 
-/* ---- create --------------------------------------------------------------------------------- */
+/* ---- create ---- */
 
 /* How many of something of area `area` each can be within the tool at once, generously. */
 static int32_t capacity_for(double radius, double area, int64_t total)
@@ -132,7 +132,7 @@ void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3)
     touch->stiffness = stiffness_n_per_m3;
 }
 
-/* ---- source weights ------------------------------------------------------------------------- */
+/* ---- source weights ---- */
 
 /* Weights of the corners at weight sample s: corner samples 0..2 at (2/3, 1/6, 1/6), the middle. */
 static inline void weight_row(int s, ss_real out[3])
@@ -285,7 +285,7 @@ void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *fo
     push_tool(sum, moment, tool_force, tool_torque);
 }
 
-/* ---- penalty -------------------------------------------------------------------------------- */
+/* ---- penalty ---- */
 
 /* What a triangle's samples add up to. */
 typedef struct penalty_sum {
@@ -427,7 +427,7 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
     return sum.energy;
 }
 
-/* ---- linearisation -------------------------------------------------------------------------- */
+/* ---- linearisation ---- */
 
 void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3], ss_real *dforce,
                       double dtool[3])

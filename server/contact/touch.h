@@ -82,7 +82,7 @@ struct ss_touch {
     int32_t dropped_from; /* candidate from which samples were no longer kept, or the count */
 };
 
-/* ---- touch.c -------------------------------------------------------------------------------- */
+/* ---- touch.c ---- */
 
 /* A sample deeper than this share of the tool's inradius is so many times as stiff. */
 #define SS_TOUCH_HARD_FROM 0.3
@@ -100,7 +100,7 @@ static inline ss_real ss_touch_slope(const ss_touch *touch, ss_real depth)
     return depth > touch->hard_from ? SS_TOUCH_HARD : 1;
 }
 
-/* ---- gather.c ------------------------------------------------------------------------------- */
+/* ---- gather.c ---- */
 
 /* A range of words of the mark bits that may hold set bits. */
 typedef struct ss_mark_range {
@@ -118,7 +118,7 @@ static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pos
     ss_frame_set(out, &touch->shape, touch->surface->centre, pose);
 }
 
-/* ---- inside.c ------------------------------------------------------------------------------- */
+/* ---- inside.c ---- */
 
 /* Does the tool's middle lie inside a closed surface? May refit the hierarchy. */
 bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose);

@@ -82,8 +82,7 @@ struct ss_haptic {
     ss_observer observer;
 };
 
-/* ---- guards -----------------------------------------------------------------------------------
- */
+/* ---- guards ---- */
 
 static bool is_pose_finite(const softsim_pose *pose)
 {
@@ -134,8 +133,7 @@ static bool are_inputs_finite(const ss_haptic_input *input)
            is_result_finite(input->result);
 }
 
-/* ---- poses ------------------------------------------------------------------------------------
- */
+/* ---- poses ---- */
 
 /* Seconds since the last pose: the device's own clock, or ticks in lockstep. */
 static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
@@ -224,8 +222,7 @@ static beginning take_poses(ss_haptic *haptic, const ss_haptic_input *input, boo
     return begins;
 }
 
-/* ---- gate, result, grasp ----------------------------------------------------------------------
- */
+/* ---- gate, result, grasp ---- */
 
 static void place_proxy(ss_haptic *haptic)
 {
@@ -360,8 +357,7 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     }
 }
 
-/* ---- coupling, balance, limits ----------------------------------------------------------------
- */
+/* ---- coupling, balance, limits ---- */
 
 static void update_spring(ss_haptic *haptic)
 {
@@ -508,8 +504,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     return is_cut || rest.share < 1.0;
 }
 
-/* ---- output -----------------------------------------------------------------------------------
- */
+/* ---- output ---- */
 
 static int32_t age_us(const ss_haptic *haptic, int64_t tick)
 {
@@ -665,8 +660,7 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     write_sums(haptic);
 }
 
-/* ---- public -----------------------------------------------------------------------------------
- */
+/* ---- public ---- */
 
 void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
 {

@@ -35,7 +35,7 @@ enum {
     SS_ENTRY_TICKS = 500,   /* the depth fades in */
 };
 
-/* ---- law.c ---------------------------------------------------------------------------------- */
+/* ---- law.c ---- */
 
 /* One contact of the law: parameters as received, state, and what this tick made of them. */
 typedef struct ss_law_contact {
@@ -143,7 +143,7 @@ void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64
 void ss_law_torque(const ss_law *law, double out[3]);
 int32_t ss_law_active_count(const ss_law *law);
 
-/* ---- coupling.c ----------------------------------------------------------------------------- */
+/* ---- coupling.c ---- */
 
 /* Solves the balance: share spring (p - p_free) = sum F_i(p) n_i + held, share < 1 where the force
  * on the hand comes to the limit. Returns the passes used. Where a law without stiffness or the
@@ -157,7 +157,7 @@ double ss_coupling_spring(double limit, double k);
 /* x of A x = b, A symmetric positive definite. */
 void ss_coupling_solve(double a[3][3], const double b[3], double out[3]);
 
-/* ---- observer.c ----------------------------------------------------------------------------- */
+/* ---- observer.c ---- */
 
 typedef struct ss_past_force {
     int32_t seq;
@@ -199,7 +199,7 @@ void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, boo
 /* The rule K_max(tau). */
 double ss_observer_rule(const ss_haptic_config *config, double delay, bool corrects);
 
-/* ---- limit.c -------------------------------------------------------------------------------- */
+/* ---- limit.c ---- */
 
 typedef enum ss_phase {
     SS_PHASE_SILENT,   /* no device: the tool is out of the world */

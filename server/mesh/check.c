@@ -31,7 +31,7 @@ static void add_fault(ss_mesh_fault *fault, int32_t number)
     ++fault->count;
 }
 
-/* ---- nodes ---------------------------------------------------------------------------------- */
+/* ---- nodes ---- */
 
 static void check_positions(const ss_mesh *mesh, ss_mesh_report *report)
 {
@@ -153,7 +153,7 @@ static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
     return is_done;
 }
 
-/* ---- edges ---------------------------------------------------------------------------------- */
+/* ---- edges ---- */
 
 static double edge_length(const ss_mesh *mesh, const ss_mesh_tuple *edge)
 {
@@ -242,7 +242,7 @@ static void check_fans(const ss_mesh *mesh, int32_t *corner_set, int32_t *fans,
     }
 }
 
-/* ---- triangles ------------------------------------------------------------------------------ */
+/* ---- triangles ---- */
 
 static bool indices_are_good(const ss_mesh *mesh, const int32_t *node, int count)
 {
@@ -340,7 +340,7 @@ static void check_duplicates(const ss_mesh_tuples *elements, ss_mesh_fault *faul
     }
 }
 
-/* ---- tetrahedra ----------------------------------------------------------------------------- */
+/* ---- tetrahedra ---- */
 
 static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
 {
@@ -391,8 +391,7 @@ static bool check_shared_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
     return true;
 }
 
-/* ---- all of it --------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool check_parts(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mesh_report *report)
 {
@@ -490,7 +489,7 @@ softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
     return is_done ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- the verdict ---------------------------------------------------------------------------- */
+/* ---- the verdict ---- */
 
 /* Rows of ss_mesh_list_findings; texts for quads where they differ. */
 typedef struct finding_row {

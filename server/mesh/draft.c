@@ -54,8 +54,7 @@ void ss_draft_destroy(ss_draft **draft)
     *draft = NULL;
 }
 
-/* ---- nodes -------------------------------------------------------------------------------------
- */
+/* ---- nodes ---- */
 
 bool ss_draft_make_nodes(ss_draft *d, int64_t count, bool has_tags)
 {
@@ -135,8 +134,7 @@ int32_t ss_draft_find_node(const ss_draft *d, int64_t tag)
     return low < d->node_count && d->tag[low].tag == tag ? d->tag[low].index : -1;
 }
 
-/* ---- elements ----------------------------------------------------------------------------------
- */
+/* ---- elements ---- */
 
 int ss_draft_corners(ss_mesh_kind kind)
 {
@@ -228,8 +226,7 @@ bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node)
     return true;
 }
 
-/* ---- groups ------------------------------------------------------------------------------------
- */
+/* ---- groups ---- */
 
 int32_t ss_draft_find_group(ss_draft *d, int64_t key, const char *name)
 {
@@ -327,8 +324,7 @@ bool ss_draft_mark(ss_draft *d, int32_t group, int32_t node)
     return true;
 }
 
-/* ---- fields ------------------------------------------------------------------------------------
- */
+/* ---- fields ---- */
 
 bool ss_draft_make_field(ss_draft *d, ss_draft_field *field, int64_t count)
 {
@@ -425,8 +421,7 @@ const char *ss_mesh_kind_name(ss_mesh_kind kind)
     return names[kind];
 }
 
-/* ---- the mesh ----------------------------------------------------------------------------------
- */
+/* ---- the mesh ---- */
 
 /* Groups of one name are one group, at the place of the first. */
 static bool join_groups(ss_draft *d)

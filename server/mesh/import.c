@@ -46,8 +46,7 @@ typedef struct import {
     size_t text_size;
 } import;
 
-/* ---- the helper program -----------------------------------------------------------------------
- */
+/* ---- the helper program ---- */
 
 static bool find_program(const char *given, char out[PATH_MAX])
 {
@@ -122,8 +121,7 @@ static int start_program(const char *program, const char *path, pid_t *out_pid, 
     return 0;
 }
 
-/* ---- what it writes ---------------------------------------------------------------------------
- */
+/* ---- what it writes ---- */
 
 static bool grow(buffer *b)
 {
@@ -218,8 +216,7 @@ static bool run_program(import *im, const char *program, bool *out_is_complete, 
     return true;
 }
 
-/* ---- its answer -------------------------------------------------------------------------------
- */
+/* ---- its answer ---- */
 
 static softsim_status refuse(import *im, const char *what)
 {

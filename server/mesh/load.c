@@ -21,8 +21,7 @@ enum { MAX_FILE_BYTES = 1 << 30, START_BYTES = 4096 /* within which <VTKFile mus
 
 typedef softsim_status parser(ss_text *text, double metres_per_unit, ss_mesh **out_mesh);
 
-/* ---- files -------------------------------------------------------------------------------------
- */
+/* ---- files ---- */
 
 static softsim_status fail_file(const char *path, const char *why, softsim_error *error)
 {
@@ -93,8 +92,7 @@ static bool is_importable(const char *extension)
     return is_known;
 }
 
-/* ---- readers -----------------------------------------------------------------------------------
- */
+/* ---- readers ---- */
 
 /* `start`: where what the reader is to see begins. */
 static softsim_status parse_file(int fd, size_t size, int64_t start, const char *path,

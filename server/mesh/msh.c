@@ -26,8 +26,7 @@
 
 enum { MIN_RECORD = 7 }; /* bytes of the shortest line of a node or element, "1 0 0 0" */
 
-/* ---- kinds and groups --------------------------------------------------------------------------
- */
+/* ---- kinds and groups ---- */
 
 static const struct {
     ss_mesh_kind kind;
@@ -103,8 +102,7 @@ static void name_groups(ss_msh *r)
     }
 }
 
-/* ---- sections ----------------------------------------------------------------------------------
- */
+/* ---- sections ---- */
 
 bool ss_msh_expect_end(ss_msh *r, const char *end)
 {
@@ -222,8 +220,7 @@ static bool read_names(ss_msh *r)
     return ss_msh_expect_end(r, "$EndPhysicalNames");
 }
 
-/* ---- versions 1 and 2 --------------------------------------------------------------------------
- */
+/* ---- versions 1 and 2 ---- */
 
 static bool read_node(ss_msh *r, int32_t index)
 {
@@ -388,8 +385,7 @@ static bool read_elements(ss_msh *r, const char *end)
     return ss_msh_expect_end(r, end);
 }
 
-/* ---- the file ----------------------------------------------------------------------------------
- */
+/* ---- the file ---- */
 
 /* Sections of no concern to us: to their end, $End followed by the name. */
 static bool skip_section(ss_msh *r, ss_text_span name)

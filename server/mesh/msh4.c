@@ -24,8 +24,7 @@
 /* Bytes of the shortest records. */
 enum { MIN_ENTITY = 9, MIN_NODE = 7, MIN_ELEMENT = 3 };
 
-/* ---- entities ----------------------------------------------------------------------------------
- */
+/* ---- entities ---- */
 
 /* Takes one entity's line. Its groups are made and listed when `group` has room for them. */
 static bool read_entity(ss_msh *r, int32_t dimension, ss_msh_entity *out, int32_t *group)
@@ -142,8 +141,7 @@ static const ss_msh_entity *find_entity(const ss_msh *r, int64_t dimension, int6
                                : NULL;
 }
 
-/* ---- blocks ------------------------------------------------------------------------------------
- */
+/* ---- blocks ---- */
 
 /* A line of four numbers, the first and last of which count something. */
 static bool read_four(ss_msh *r, const char *what, int64_t out[4])
@@ -192,8 +190,7 @@ static bool read_block(ss_msh *r, const char *what, int64_t left, int64_t out[4]
     return true;
 }
 
-/* ---- nodes -------------------------------------------------------------------------------------
- */
+/* ---- nodes ---- */
 
 static bool read_node_tag(ss_msh *r, int32_t index)
 {
@@ -260,8 +257,7 @@ bool ss_msh4_read_nodes(ss_msh *r)
     return ss_msh_expect_end(r, "$EndNodes") && ss_draft_sort_tags(r->draft);
 }
 
-/* ---- elements ----------------------------------------------------------------------------------
- */
+/* ---- elements ---- */
 
 static bool count_kinds(ss_msh *r, const int64_t head[4])
 {

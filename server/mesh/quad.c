@@ -40,8 +40,7 @@ static void corner_vectors(const ss_mesh *mesh, const int32_t *quad, double out_
     }
 }
 
-/* ---- cutting -----------------------------------------------------------------------------------
- */
+/* ---- cutting ---- */
 
 /* Relative: of areas, of lengths. */
 static const double flat_half = 1e-6;
@@ -130,8 +129,7 @@ void ss_mesh_turn_quad(ss_mesh *mesh, int32_t q)
     cut_along(quad, 1 - diagonal, &mesh->triangle[2 * (int64_t)q]);
 }
 
-/* ---- the flood ---------------------------------------------------------------------------------
- */
+/* ---- the flood ---- */
 
 typedef struct arranger {
     ss_mesh *mesh;

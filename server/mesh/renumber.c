@@ -26,8 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the curve ---------------------------------------------------------------------------------
- */
+/* ---- the curve ---- */
 
 /* Skilling 2004: Gray code by undoing the rotations and reflections from the top bit down, then
  * the bits interleaved. */
@@ -108,8 +107,7 @@ static void place_nodes(const ss_mesh *mesh, place *out)
     qsort(out, (size_t)mesh->node_count, sizeof *out, compare_places);
 }
 
-/* ---- elements ----------------------------------------------------------------------------------
- */
+/* ---- elements ---- */
 
 /* Gives elements of `size` nodes their new numbers and sorts them by their nodes, lowest first.
  * `order` has room for `count`: where each element was. */
@@ -171,8 +169,7 @@ static void renumber_groups(ss_mesh *mesh, const int32_t *new_number)
     }
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 /* Numbers of an order, or NULL in *out where each is its own. */
 static bool keep_order(const place *order, int32_t count, int32_t **out)

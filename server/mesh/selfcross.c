@@ -26,8 +26,7 @@
 /* Boxes visited; a closed surface needs about a hundred a triangle. */
 static const int64_t most_visits = 400000000;
 
-/* ---- orientation -------------------------------------------------------------------------------
- */
+/* ---- orientation ---- */
 
 static int sign_of(double value)
 {
@@ -71,8 +70,7 @@ static int orient(const double a[3], const double b[3], const double c[3], const
     return fabs(sum) > 8.0 * DBL_EPSILON * size ? sign_of(sum) : orient_long(a, b, c, d);
 }
 
-/* ---- two triangles -----------------------------------------------------------------------------
- */
+/* ---- two triangles ---- */
 
 typedef struct corners {
     const double *x[3];
@@ -178,8 +176,7 @@ static bool cross(const ss_mesh *mesh, int32_t s, int32_t t)
     return false;
 }
 
-/* ---- the tree ----------------------------------------------------------------------------------
- */
+/* ---- the tree ---- */
 
 typedef struct box {
     double low[3], high[3];

@@ -119,8 +119,7 @@ static softsim_status finish(builder *b, ss_mesh **out, softsim_error *error)
     return status;
 }
 
-/* ---- from two surfaces ------------------------------------------------------------------------
- */
+/* ---- from two surfaces ---- */
 
 /* How far along the unit `direction` from `origin` the triangle is met; INFINITY: not (Moller and
  * Trumbore 1997). */
@@ -349,8 +348,7 @@ softsim_status ss_mesh_add_skin(const ss_mesh *core, const ss_mesh *outer, ss_me
     return status;
 }
 
-/* ---- grown ------------------------------------------------------------------------------------
- */
+/* ---- grown ---- */
 
 static void area_vector(const double (*x)[3], const int32_t *node, double out[3])
 {

@@ -78,8 +78,7 @@ static bool fault_cut(reader *r, const char *what, int64_t index, int64_t count)
     return false;
 }
 
-/* ---- points ------------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 static bool read_node(reader *r, int32_t index, const int64_t head[4])
 {
@@ -159,8 +158,7 @@ static bool read_nodes(reader *r)
     return ss_draft_sort_tags(r->draft) && (head[3] == 0 || keep_markers(r));
 }
 
-/* ---- tetrahedra --------------------------------------------------------------------------------
- */
+/* ---- tetrahedra ---- */
 
 static void set_region(reader *r, int64_t index, double region)
 {

@@ -27,8 +27,7 @@ static bool is_space(char c)
     return is_blank(c) || c == '\n';
 }
 
-/* ---- faults ------------------------------------------------------------------------------------
- */
+/* ---- faults ---- */
 
 static void add_fault(ss_text *text, softsim_status status, const char *place, const char *format,
                       va_list arguments)
@@ -71,8 +70,7 @@ bool ss_text_out_of_memory(ss_text *text)
     return false;
 }
 
-/* ---- the window --------------------------------------------------------------------------------
- */
+/* ---- the window ---- */
 
 void ss_text_init(ss_text *text, const char *memory, size_t size, const char *name,
                   softsim_error *error)
@@ -167,8 +165,7 @@ int64_t ss_text_left(const ss_text *text)
     return text->size - ss_text_here(text).offset;
 }
 
-/* ---- pieces ------------------------------------------------------------------------------------
- */
+/* ---- pieces ---- */
 
 /* Finds `stop` from `at` on, filling the window as needed; NULL when it does not come. */
 static const char *find_stop(ss_text *text, char stop)
@@ -306,8 +303,7 @@ bool ss_text_skip_bytes(ss_text *text, int64_t count)
     return true;
 }
 
-/* ---- words and numbers -------------------------------------------------------------------------
- */
+/* ---- words and numbers ---- */
 
 bool ss_span_next_word(ss_text_span *line, ss_text_span *out)
 {

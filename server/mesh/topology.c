@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- tuples ------------------------------------------------------------------------------- */
+/* ---- tuples ---- */
 
 static int compare_tuples(const void *left, const void *right)
 {
@@ -190,7 +190,7 @@ bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id)
     return node[id % 3] < node[(id % 3 + 1) % 3];
 }
 
-/* ---- parts ---------------------------------------------------------------------------------- */
+/* ---- parts ---- */
 
 void ss_mesh_union_init(int32_t *parent, int32_t count)
 {

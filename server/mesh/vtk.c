@@ -31,8 +31,7 @@ typedef struct reader {
     int64_t data_count; /* of points or cells, of the arrays that follow; -1: none yet */
 } reader;
 
-/* ---- lines -------------------------------------------------------------------------------------
- */
+/* ---- lines ---- */
 
 static bool fault_expected(reader *r, const char *what)
 {
@@ -118,8 +117,7 @@ static bool next_count(ss_text_span *line, int64_t *out)
     return ss_span_next_int32(line, out) && *out >= 0;
 }
 
-/* ---- arrays ------------------------------------------------------------------------------------
- */
+/* ---- arrays ---- */
 
 /* Goes over the `count` values that begin on the next line. */
 static bool skip_array(reader *r, ss_vtk_type type, int64_t count, const char *what,
@@ -255,8 +253,7 @@ static bool read_cell_types(reader *r, ss_text_span line)
     return skip_array(r, SS_VTK_INT32, count, "the cells' types", &r->grid->types);
 }
 
-/* ---- data of points and cells ------------------------------------------------------------------
- */
+/* ---- data of points and cells ---- */
 
 /* Goes over an array of the data and keeps it where it may name groups. */
 static bool read_data(reader *r, const char *name, ss_vtk_type type, int64_t count,
@@ -377,8 +374,7 @@ static bool read_field(reader *r, ss_text_span line)
     return true;
 }
 
-/* ---- the file ----------------------------------------------------------------------------------
- */
+/* ---- the file ---- */
 
 static bool read_dataset(reader *r, ss_text_span line)
 {

@@ -45,8 +45,7 @@ void ss_vtk_destroy(ss_vtk_grid **grid)
     *grid = NULL;
 }
 
-/* ---- arrays ------------------------------------------------------------------------------------
- */
+/* ---- arrays ---- */
 
 static int type_bytes(ss_vtk_type type)
 {
@@ -172,8 +171,7 @@ static bool ends_array(const reader *r, const char *what)
     return true;
 }
 
-/* ---- points ------------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 static bool read_points(reader *r)
 {
@@ -198,8 +196,7 @@ static bool read_points(reader *r)
     return r->text->fault_count == 0 && ends_array(r, "the points");
 }
 
-/* ---- cells -------------------------------------------------------------------------------------
- */
+/* ---- cells ---- */
 
 /* Of VTK's cell types (vtkCellType.h): corners 0 are any. */
 static const struct {
@@ -462,8 +459,7 @@ static bool go_over_cells(reader *r, bool is_counting)
     return true;
 }
 
-/* ---- fields ------------------------------------------------------------------------------------
- */
+/* ---- fields ---- */
 
 static bool mark_points(reader *r, const ss_draft_field *field)
 {
@@ -527,8 +523,7 @@ static bool read_fields(reader *r)
     return true;
 }
 
-/* ---- the mesh ----------------------------------------------------------------------------------
- */
+/* ---- the mesh ---- */
 
 static bool read_grid(reader *r)
 {

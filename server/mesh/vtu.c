@@ -44,8 +44,7 @@ typedef struct reader {
     int64_t point_count, cell_count;
 } reader;
 
-/* ---- tags --------------------------------------------------------------------------------------
- */
+/* ---- tags ---- */
 
 static bool fault_cut(reader *r)
 {
@@ -162,8 +161,7 @@ static bool get_count(const tag *t, const char *name, int64_t *out)
     return ss_span_integer((ss_text_span){text, text + strlen(text)}, out) && *out >= 0;
 }
 
-/* ---- arrays ------------------------------------------------------------------------------------
- */
+/* ---- arrays ---- */
 
 static ss_vtk_type find_type(const char *name)
 {
@@ -302,8 +300,7 @@ static bool read_array(reader *r, const tag *t)
     }
 }
 
-/* ---- the file ----------------------------------------------------------------------------------
- */
+/* ---- the file ---- */
 
 static bool begin_file(reader *r, const tag *t)
 {

@@ -94,7 +94,7 @@ static int64_t subtract(int64_t a, int64_t b)
     return difference;
 }
 
-/* ---- one pose by itself ------------------------------------------------------------------- */
+/* ---- one pose by itself ---- */
 
 static double quaternion_norm(const double q[4])
 {
@@ -130,7 +130,7 @@ static bool is_beyond(const double v[3], double limit)
     return fabs(v[0]) > limit || fabs(v[1]) > limit || fabs(v[2]) > limit;
 }
 
-/* ---- age ---------------------------------------------------------------------------------- */
+/* ---- age ---- */
 
 static void note_age(gate_probe *probe, int64_t now_ns, int64_t offset_us)
 {
@@ -177,7 +177,7 @@ static bool is_stale(gate_probe *probe, int64_t now_ns, int64_t offset_us)
     return false;
 }
 
-/* ---- one probe ---------------------------------------------------------------------------- */
+/* ---- one probe ---- */
 
 /* Judges a pose of the sender that holds the probe, or of the first one. */
 static softsim_refusal judge_holder(const ss_gate *gate, gate_probe *probe,
@@ -238,7 +238,7 @@ static softsim_refusal judge_probe(const ss_gate *gate, gate_probe *probe, const
     return SOFTSIM_ACCEPTED;
 }
 
-/* ---- the gate ----------------------------------------------------------------------------- */
+/* ---- the gate ---- */
 
 ss_gate *ss_gate_create(const ss_gate_config *config)
 {

@@ -74,7 +74,7 @@ static int64_t now_us(void)
     return ss_clock_now_ns() / 1000;
 }
 
-/* ---- out ---------------------------------------------------------------------------------- */
+/* ---- out ---- */
 
 /* Sends what was encoded into the buffer; a negative size is an encoder's refusal. */
 static bool publish(ss_net *net, const char *channel, int size)
@@ -213,7 +213,7 @@ void ss_net_send_command(ss_net *net, const char *name)
             softsim_command_t_encode(net->buffer, 0, sizeof net->buffer, &wire));
 }
 
-/* ---- in ----------------------------------------------------------------------------------- */
+/* ---- in ---- */
 
 static void receive_pose(void *context, const ss_packet *packet)
 {
@@ -319,7 +319,7 @@ bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
     return ss_receiver_wait(net->receiver, wake_fd, ss_clock_now_ns() + wait_ns) >= 0;
 }
 
-/* ---- opening ------------------------------------------------------------------------------ */
+/* ---- opening ---- */
 
 /* The generated code computes a type's hash on first use, unguarded: do it here, once. */
 static void compute_hashes(void)

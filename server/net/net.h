@@ -17,8 +17,7 @@
 #include "rt/thread.h"
 #include "softsim/types.h"
 
-/* ---- receive checks ---------------------------------------------------------------------------
- */
+/* ---- receive checks ---- */
 
 typedef struct ss_gate_config {
     uint8_t used_probes; /* bit n: probe n has a tool in the scene */
@@ -58,8 +57,7 @@ typedef struct ss_gate_counts {
 /* Thread: any. */
 void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);
 
-/* ---- what crosses between the net thread and the loops ------------------------------------------
- */
+/* ---- what crosses between the net thread and the loops ---- */
 
 /* net -> haptic, one ring per probe. */
 typedef struct ss_pose_record {
@@ -94,8 +92,7 @@ typedef struct ss_publish_mesh {
     double diagonal;          /* m; scale = diagonal / 16384 */
 } ss_publish_mesh;
 
-/* ---- the wire
- * ------------------------------------------------------------------------------------ */
+/* ---- the wire ---- */
 
 /* Decodes a raw message, trusting nothing in it: SOFTSIM_ACCEPTED, or why not (TYPE_HASH,
  * MALFORMED). What is decoded is not judged yet. RT-safe. */
@@ -198,8 +195,7 @@ typedef struct ss_report {
 } ss_report;
 bool ss_net_send_status(ss_net *net, const ss_report *report);
 
-/* ---- mesh publisher: an LCM object and a thread of its own
- * --------------------------------------- */
+/* ---- mesh publisher: an LCM object and a thread of its own ---- */
 
 typedef struct ss_publisher ss_publisher;
 typedef struct ss_publisher_config {

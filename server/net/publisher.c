@@ -96,7 +96,7 @@ struct ss_publisher {
     atomic_bool is_capped;
 };
 
-/* ---- rate --------------------------------------------------------------------------------- */
+/* ---- rate ---- */
 
 void ss_publisher_set_max_bytes(ss_publisher *publisher, double max_bytes_per_s)
 {
@@ -115,7 +115,7 @@ static void publish(ss_publisher *publisher, const char *channel, int size)
     }
 }
 
-/* ---- topology ----------------------------------------------------------------------------- */
+/* ---- topology ---- */
 
 static void fill_nodes(ss_publisher *publisher, int32_t first, int32_t count)
 {
@@ -186,7 +186,7 @@ static void open_round_when_due(ss_publisher *publisher, int64_t now_ns)
     }
 }
 
-/* ---- deltas ------------------------------------------------------------------------------- */
+/* ---- deltas ---- */
 
 /* Takes over a new state; a node that is not finite keeps its last place. */
 static void quantize(ss_publisher *publisher, const float *displacement)
@@ -288,7 +288,7 @@ static send_result send_delta(ss_publisher *publisher, int64_t now_ns)
     return SENT;
 }
 
-/* ---- opening ------------------------------------------------------------------------------ */
+/* ---- opening ---- */
 
 /* Positive, and the same for the same mesh. */
 static int32_t topology_number(const ss_publish_mesh *mesh)
@@ -373,7 +373,7 @@ fail:
     return status;
 }
 
-/* ---- sending ------------------------------------------------------------------------------ */
+/* ---- sending ---- */
 
 int64_t ss_publisher_bytes(const ss_publisher *publisher)
 {

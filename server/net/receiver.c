@@ -84,7 +84,7 @@ struct ss_receiver {
     struct sockaddr_in source[BATCH];
 };
 
-/* ---- a datagram ------------------------------------------------------------------------------ */
+/* ---- a datagram ---- */
 
 /* Which name of the lane, or -1. */
 static int32_t find_name(const ss_lane *lane, const char *prefix, const char *channel,
@@ -142,7 +142,7 @@ bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *d
     return out_packet->name >= 0 && is_meant(lane, out_packet);
 }
 
-/* ---- reading --------------------------------------------------------------------------------- */
+/* ---- reading ---- */
 
 static uint64_t number_source(const struct sockaddr_in *source)
 {
@@ -280,7 +280,7 @@ int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns
     return handled;
 }
 
-/* ---- opening --------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 /* An unbound socket has nothing in it: the filter comes first. -1 with errno. */
 static int open_socket(const ss_wire_url *url, const ss_filter *filter, int buffer)

@@ -38,7 +38,7 @@ enum {
 };
 static const double MAX_UPTIME = 1e10; /* s: its microseconds are a number of 64 bits */
 
-/* ---- opening ------------------------------------------------------------------------------ */
+/* ---- opening ---- */
 
 /* Digits alone, within limits; LCM itself reads -1 and 999999999999 as a ttl of 255. */
 static bool read_count(const char *text, int least, int most, int *out_value)
@@ -211,7 +211,7 @@ int64_t ss_wire_draw_sender(void)
     return number != 0 ? (int64_t)number : 1;
 }
 
-/* ---- decoding ----------------------------------------------------------------------------- */
+/* ---- decoding ---- */
 
 /* A bounded reader of LCM's big-endian encoding: once it has run short it stays failed. */
 typedef struct reader {

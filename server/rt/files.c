@@ -88,7 +88,7 @@ FILE *ss_files_open_stream(const char *path, int64_t *out_size, const char **out
     return stream;
 }
 
-/* ---- outputs -------------------------------------------------------------------------------- */
+/* ---- outputs ---- */
 
 int ss_files_descriptor(const char *path)
 {
@@ -124,7 +124,7 @@ const char *ss_files_why_no_output(const char *path)
                : name_kind(found.st_mode);
 }
 
-/* ---- streams that remember why -------------------------------------------------------------- */
+/* ---- streams that remember why ---- */
 
 typedef struct sink {
     int descriptor;

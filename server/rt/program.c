@@ -56,7 +56,7 @@ void ss_program_stop_signals(sigset_t *out_signals)
     }
 }
 
-/* ---- capabilities --------------------------------------------------------------------------- */
+/* ---- capabilities ---- */
 
 static bool raise_limit(__rlimit_resource_t limit, rlim_t value)
 {

@@ -14,8 +14,7 @@
 
 enum { PATH_SIZE = 256, TEXT_SIZE = 320, LONGEST_NAME = 40 };
 
-/* ---- words -------------------------------------------------------------------------------------
- */
+/* ---- words ---- */
 
 int32_t ss_scene_choice(const char *choices, const char *text)
 {
@@ -203,7 +202,7 @@ void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
     }
 }
 
-/* ---- scalars --------------------------------------------------------------------------------- */
+/* ---- scalars ---- */
 
 bool ss_scene_in_range(const ss_scene_row *row, double value)
 {
@@ -251,7 +250,7 @@ bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quo
     return true;
 }
 
-/* ---- faults ---------------------------------------------------------------------------------- */
+/* ---- faults ---- */
 
 static void fault_value(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node,
                         const char *why)
@@ -275,7 +274,7 @@ static const char *kind_text(const ss_scene_node *node)
     return node->kind == SS_SCENE_LIST ? "is a list" : "is a mapping";
 }
 
-/* ---- values ---------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 double ss_scene_get_number(const ss_scene_node *map, const char *key, double fallback)
 {
@@ -687,7 +686,7 @@ static void check_value(ss_scene_check *check, const ss_scene_row *row, ss_scene
     }
 }
 
-/* ---- mappings -------------------------------------------------------------------------------- */
+/* ---- mappings ---- */
 
 const ss_scene_row *ss_scene_find_row(ss_scene_table table, const char *name)
 {

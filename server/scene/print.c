@@ -29,8 +29,7 @@ typedef struct printer {
     const ss_scene *scene;
 } printer;
 
-/* ---- lines --------------------------------------------------------------------------------------
- */
+/* ---- lines ---- */
 
 static void begin(printer *p, int indent)
 {
@@ -130,7 +129,7 @@ static void put_flow(printer *p, const ss_scene_node *node)
     fputc(is_map ? '}' : ']', p->stream);
 }
 
-/* ---- rows ------------------------------------------------------------------------------------ */
+/* ---- rows ---- */
 
 static void put_value(FILE *stream, const ss_scene_row *row, double value)
 {
@@ -358,7 +357,7 @@ void ss_scene_print_given(const ss_scene *scene, const char *key,
     close_printer(&p);
 }
 
-/* ---- while running --------------------------------------------------------------------------- */
+/* ---- while running ---- */
 
 /* The row of a dotted path below `table`; NULL with a fault. */
 static const ss_scene_row *find_path(ss_scene_table table, const char *path, softsim_error *error)

@@ -17,7 +17,7 @@ enum {
     MAX_CELLS = 4
 };
 
-/* ---- data files ------------------------------------------------------------------------------ */
+/* ---- data files ---- */
 
 bool ss_scene_join_path(const char *folder, const char *path, char *out, size_t size)
 {
@@ -186,7 +186,7 @@ static bool take_header(data_file *file, const char *expected)
     return true;
 }
 
-/* ---- regions --------------------------------------------------------------------------------- */
+/* ---- regions ---- */
 
 static void select_listed(ss_scene_space *space, ss_scene_node *list)
 {
@@ -342,7 +342,7 @@ int32_t ss_scene_select(ss_scene_space *space, ss_scene_node *map)
     return count;
 }
 
-/* ---- the nodes of a grid --------------------------------------------------------------------- */
+/* ---- the nodes of a grid ---- */
 
 bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double metres, int32_t count,
                           double (*out_position)[3])
@@ -382,7 +382,7 @@ bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double met
     return is_good;
 }
 
-/* ---- values per node ------------------------------------------------------------------------- */
+/* ---- values per node ---- */
 
 /* A fault for nodes or elements (`what`) without a value, if there are any. */
 static bool has_all(ss_scene_space *space, ss_scene_node *node, const char *what, int32_t count,

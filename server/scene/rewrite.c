@@ -60,8 +60,7 @@ static bool splice(rewriter *r, size_t offset, size_t length, const char *with)
     return true;
 }
 
-/* ---- one assignment ---------------------------------------------------------------------------
- */
+/* ---- one assignment ---- */
 
 /* A value as an assignment gives it: lists and mappings as they are, else one scalar. */
 static void put_value(FILE *stream, const char *value)
@@ -174,8 +173,7 @@ static bool assign(rewriter *r, const char *assignment)
     return is_good;
 }
 
-/* ---- files ------------------------------------------------------------------------------------
- */
+/* ---- files ---- */
 
 /* Makes the names of files absolute, the last first so that what is before keeps its place. `like`
  * is the same value of the loaded scene, whose tables know which texts are names of files. */
@@ -256,8 +254,7 @@ char *ss_scene_rewrite(const ss_scene *scene, const char *const *assignments, in
     return r.text;
 }
 
-/* ---- outputs ---------------------------------------------------------------------------------
- */
+/* ---- outputs ---- */
 
 /* The file that a text names, and the one that is read with it. */
 static bool check_file(const char *folder, const char *text, const ss_named_file *output,
@@ -287,8 +284,7 @@ bool ss_scene_check_outputs(const ss_scene *scene, const ss_named_file *output,
                          error);
 }
 
-/* ---- reading ----------------------------------------------------------------------------------
- */
+/* ---- reading ---- */
 
 bool ss_scene_find_number(const ss_scene *scene, const ss_scene_model *model, const char *path,
                           double *out_value)

@@ -56,8 +56,7 @@ static int32_t entry_count(const ss_scene_node *list)
                : 0;
 }
 
-/* ---- meshes and tools --------------------------------------------------------------------------
- */
+/* ---- meshes and tools ---- */
 
 /* The file's path, when it can be opened; else a fault with the place in the scene. */
 static bool find_file(loader *l, ss_scene_node *node, char *out, size_t size)
@@ -320,7 +319,7 @@ static bool take_mesh(loader *l)
     return true;
 }
 
-/* ---- fixed nodes, parameters ----------------------------------------------------------------- */
+/* ---- fixed nodes, parameters ---- */
 
 static uint8_t axes_of(const ss_scene_node *item)
 {
@@ -417,7 +416,7 @@ static void take_parameters(loader *l, bool has_mesh)
     }
 }
 
-/* ---- loads and prescribed displacements ------------------------------------------------------ */
+/* ---- loads and prescribed displacements ---- */
 
 /* The numbers of the nodes in the mask, increasing; NULL when there is no room for them. */
 static int32_t *list_nodes(loader *l, const uint8_t *mask, uint8_t value, int32_t count)
@@ -646,7 +645,7 @@ static void take_prescribed(loader *l)
     free(u);
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 void ss_scene_destroy(ss_scene **scene_pointer)
 {

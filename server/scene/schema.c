@@ -23,8 +23,7 @@
 #define UNITS "mm|cm|m|in|um|dm"
 const double ss_scene_unit_metres[] = {1e-3, 1e-2, 1, 0.0254, 1e-6, 0.1};
 
-/* ---- regions: sets of nodes -------------------------------------------------------------------
- */
+/* ---- regions: sets of nodes ---- */
 
 static const ss_scene_row plane_row[] = {
     {.name = "point_m",
@@ -107,8 +106,7 @@ const ss_scene_table ss_scene_directions = TABLE(directions_row);
 
 static const ss_scene_row fixed_row[] = {REGION_ROWS('R'), AXES_ROW};
 
-/* ---- object -------------------------------------------------------------------------------------
- */
+/* ---- object ---- */
 
 static const ss_scene_row transform_row[] = {
     {.name = "scale",
@@ -208,8 +206,7 @@ static const ss_scene_row object_row[] = {
      .help = "nodes that do not move"},
 };
 
-/* ---- contact ------------------------------------------------------------------------------------
- */
+/* ---- contact ---- */
 
 #define RADIUS_ROW                                                                                 \
     {                                                                                              \
@@ -281,8 +278,7 @@ static const ss_scene_row contact_row[] = {
      FIELD(contact_stiffness_n_per_m3)},
 };
 
-/* ---- simulation, haptic, publish ----------------------------------------------------------------
- */
+/* ---- simulation, haptic, publish ---- */
 
 static const ss_scene_row simulation_row[] = {
     {.name = "rate_hz",
@@ -384,7 +380,7 @@ static const ss_scene_row publish_row[] = {
      LIVE(SS_LIVE_MAX_BYTES)},
 };
 
-/* ---- loads and prescribed displacements ------------------------------------------------------ */
+/* ---- loads and prescribed displacements ---- */
 
 #define TIME_ROW(key, text)                                                                        \
     {                                                                                              \
@@ -428,7 +424,7 @@ static const ss_scene_row prescribed_row[] = {
     TIME_ROW("ramp_s", "from nothing to full in this time"),
 };
 
-/* ---- the file -------------------------------------------------------------------------------- */
+/* ---- the file ---- */
 
 static const ss_scene_row root_row[] = {
     {.name = "softsim",

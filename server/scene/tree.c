@@ -17,7 +17,7 @@
 
 #include "rt/plain.h"
 
-/* ---- memory ---------------------------------------------------------------------------------- */
+/* ---- memory ---- */
 
 enum { BLOCK_SIZE = 1 << 16 };
 
@@ -89,8 +89,7 @@ void ss_scene_tree_fini(ss_scene_tree *tree)
     *tree = (ss_scene_tree){0};
 }
 
-/* ---- reading a node ----------------------------------------------------------------------------
- */
+/* ---- reading a node ---- */
 
 ss_scene_node *ss_scene_node_find(const ss_scene_node *map, const char *key)
 {
@@ -189,8 +188,7 @@ void ss_scene_key_fault(ss_scene_report *report, ss_scene_node *node, const char
                         node->key_length > 0 ? key : ss_scene_node_place(node), "%s", text);
 }
 
-/* ---- parsing ------------------------------------------------------------------------------------
- */
+/* ---- parsing ---- */
 
 /* One parse: of the file, or of the value of an override. */
 typedef struct builder {
@@ -486,7 +484,7 @@ bool ss_scene_tree_parse(ss_scene_tree *tree, ss_scene_report *report, const cha
     return tree->root != NULL;
 }
 
-/* ---- overrides ------------------------------------------------------------------------------- */
+/* ---- overrides ---- */
 
 /* The next component of a path ("tools", "0" of "tools.0" and of "tools[0]"); false at a
  * malformed one. */

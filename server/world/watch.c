@@ -15,7 +15,7 @@ static const double most_guarded = 0.1;                   /* J: beyond, degraded
 static const double release_time = 0.02;                  /* s: no hand taps as fast */
 static const double tell_time = 1.0;                      /* s */
 
-/* ---- tissue ------------------------------------------------------------------------------- */
+/* ---- tissue ---- */
 
 void ss_energy_watch_step(ss_energy_watch *watch, const ss_model_info *info, double way, double dt)
 {
@@ -62,7 +62,7 @@ void ss_energy_watch_reset(ss_energy_watch *watch)
     *watch = (ss_energy_watch){.limit = watch->limit, .size = watch->size};
 }
 
-/* ---- hand --------------------------------------------------------------------------------- */
+/* ---- hand ---- */
 
 /* The hand moves against the forces that it was given; returns the most that the contact has handed
  * out. */

@@ -41,8 +41,7 @@ static const double SLOWEST_STEP = 0.2;   /* s: two of them, and a result is too
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
 
-/* ---- set-up ------------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 int32_t ss_world_scene_models(const ss_scene_model **out_models)
 {
@@ -419,8 +418,7 @@ void ss_world_destroy(ss_world **world_pointer)
     *world_pointer = NULL;
 }
 
-/* ---- haptic thread
- * --------------------------------------------------------------------------------- */
+/* ---- haptic thread ---- */
 
 static void run_haptic_command(ss_world *world, const ss_command_record *command)
 {
@@ -547,8 +545,7 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
     ss_mailbox_post(world->haptic_stats);
 }
 
-/* ---- simulation thread
- * ------------------------------------------------------------------------------ */
+/* ---- simulation thread ---- */
 
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
@@ -807,8 +804,7 @@ void ss_world_step_post(ss_world *world)
     ss_mailbox_post(world->simulation_stats);
 }
 
-/* ---- commands
- * -------------------------------------------------------------------------------------------- */
+/* ---- commands ---- */
 
 /* What the hand feels may be lowered by a command, not raised: the name of such a key, and the
  * scene's value. NULL of the others. */

@@ -55,7 +55,7 @@ static int64_t now_ns(void)
     return t.tv_sec * 1000000000LL + t.tv_nsec;
 }
 
-/* ---- pieces ---------------------------------------------------------------------------------- */
+/* ---- pieces ---- */
 
 static void put(packet *p, const void *bytes, size_t size)
 {
@@ -101,7 +101,7 @@ static void start_fragment(packet *p, uint32_t size, uint32_t offset, uint32_t a
     put_number(p, count, 2);
 }
 
-/* ---- kinds ----------------------------------------------------------------------------------- */
+/* ---- kinds ---- */
 
 static softsim_probe_pose_t good_pose(int64_t sender, int32_t seq)
 {
@@ -426,7 +426,7 @@ static const struct kind {
 /* The last one, which ends all others, is not mixed with them. */
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds, MIXED_COUNT = KIND_COUNT - 1 };
 
-/* ---- sending --------------------------------------------------------------------------------- */
+/* ---- sending ---- */
 
 /* Every force tells its holder's number. False after LISTEN_S without one. */
 static bool hear_holder(void)

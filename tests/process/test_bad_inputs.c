@@ -38,8 +38,7 @@ static void check(process *p, const char *what, const char *const *argv, const c
     }
 }
 
-/* ---- scenes and meshes
- * ------------------------------------------------------------------------------ */
+/* ---- scenes and meshes ---- */
 
 typedef struct scene_case {
     const char *what, *mesh_name, *mesh, *body, *word;
@@ -148,8 +147,7 @@ static void scenes_and_meshes_are_refused(void **state)
     }
 }
 
-/* ---- scenes that are valid, and doubtful
- * --------------------------------------------------------------------------------------- */
+/* ---- scenes that are valid, and doubtful ---- */
 
 static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
 {
@@ -187,8 +185,7 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
     }
 }
 
-/* ---- the bundled scenes
- * --------------------------------------------------------------------------------------- */
+/* ---- the bundled scenes ---- */
 
 static void what_a_bundled_scene_prints_loads_again(void **state)
 {
@@ -219,8 +216,7 @@ static void what_a_bundled_scene_prints_loads_again(void **state)
     globfree(&scene);
 }
 
-/* ---- arguments
- * ----------------------------------------------------------------------------------------- */
+/* ---- arguments ---- */
 
 static void arguments_are_refused(void **state)
 {
@@ -296,8 +292,7 @@ static void arguments_are_refused(void **state)
     }
 }
 
-/* ---- pose files
- * ------------------------------------------------------------------------------------------- */
+/* ---- pose files ---- */
 
 static void poses_are_refused(void **state)
 {
@@ -323,8 +318,7 @@ static void poses_are_refused(void **state)
     }
 }
 
-/* ---- damaged logs: read up to the damage, reported
- * -------------------------------------------------------- */
+/* ---- damaged logs: read up to the damage, reported ---- */
 
 static unsigned char *read_whole(const char *path, size_t *out_size)
 {
@@ -407,9 +401,7 @@ static void damaged_logs_are_read_up_to_the_damage(void **state)
     free(log);
 }
 
-/* ---- names
- * -----------------------------------------------------------------------------------------------
- */
+/* ---- names ---- */
 
 /* Control characters, of one byte and of two, and a line of another's making. */
 #define HOSTILE                                                                                    \

@@ -18,8 +18,7 @@
 #include "../effort.h"
 #include "daemon_fixture.h"
 
-/* ---- a replay's CSV
- * ------------------------------------------------------------------------------- */
+/* ---- a replay's CSV ---- */
 
 typedef struct row {
     long pose_seq;
@@ -112,8 +111,7 @@ static void feels_the_kidney(void **state)
     assert_in_range(row_count, 1, forces);
 }
 
-/* ---- lockstep
- * ----------------------------------------------------------------------------------------- */
+/* ---- lockstep ---- */
 
 static void last_line(const char *text, char *out, size_t size)
 {
@@ -177,8 +175,7 @@ static void replays_bit_for_bit(void **state)
     }
 }
 
-/* ---- silence and death
- * ----------------------------------------------------------------------------------------- */
+/* ---- silence and death ---- */
 
 /* Not while it is let in, nor let go. */
 static bool is_pressed(const watch *w)

@@ -81,8 +81,7 @@ static void a_server_starts_under_the_self_tests_of_others(void **state)
     assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
 }
 
-/* ---- a server under flood
- * ----------------------------------------------------------------------- */
+/* ---- a server under flood ---- */
 
 /* By a client of ours: LCM's own receiver would not live through this. */
 typedef struct listener {

@@ -171,7 +171,7 @@ static void a_budget_that_would_bind_changes_nothing(void **state)
     assert_string_equal(got, wanted);
 }
 
-/* ---- a client of our own -------------------------------------------------------------------- */
+/* ---- a client of our own ---- */
 
 static softsim_contact_force_t force;
 static int forces, statuses;

@@ -71,8 +71,7 @@ static void obeys_commands(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* ---- the topology ------------------------------------------------------------------------------
- */
+/* ---- the topology ---- */
 
 enum { GRID_ROWS = 15, GRID_COLUMNS = 24, GRID_NODES = GRID_ROWS * GRID_COLUMNS };
 
@@ -175,8 +174,7 @@ static void monitor_sends_commands(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* ---- what the server says of itself
- * ------------------------------------------------------------------------------------------ */
+/* ---- what the server says of itself ---- */
 
 static bool says_slow(const watch *w)
 {
@@ -225,8 +223,7 @@ static void monitor_prints_one_status(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* ---- packets
- * ------------------------------------------------------------------------------------------- */
+/* ---- packets ---- */
 
 /* A fragment whose offset and size wrap in 32 bits, as LCM adds them. */
 static void send_wrapping_fragment(int fd)

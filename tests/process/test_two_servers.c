@@ -114,7 +114,7 @@ static void statuses_of_nobody_hold_up_no_start(void **state)
     assert_int_equal(process_finish(&other), 0);
 }
 
-/* ---- clients that hear two ------------------------------------------------------------------ */
+/* ---- clients that hear two ---- */
 
 /* Two that stay: the first takes no commands, the second was started to take over. */
 static void start_two(const char *scene)
@@ -185,7 +185,7 @@ static void a_bridge_lets_go_where_two_servers_answer(void **state)
     stop_two();
 }
 
-/* ---- one follows another under a bridge ------------------------------------------------------ */
+/* ---- one follows another under a bridge ---- */
 
 static void write_block(const char *name, const char *modulus_pa)
 {

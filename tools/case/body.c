@@ -80,7 +80,7 @@ static bool sort_numbers(loader *l, const char *path)
     return true;
 }
 
-/* ---- volumes ------------------------------------------------------------------------------ */
+/* ---- volumes ---- */
 
 static const char *next_line(const char *at)
 {
@@ -144,7 +144,7 @@ static bool load_volume(loader *l)
     return is_good;
 }
 
-/* ---- surfaces ----------------------------------------------------------------------------- */
+/* ---- surfaces ---- */
 
 typedef struct surface_file {
     double (*position)[3];
@@ -300,7 +300,7 @@ static bool load_surface(loader *l)
     return is_good;
 }
 
-/* ---- sets --------------------------------------------------------------------------------- */
+/* ---- sets ---- */
 
 typedef struct set_reader {
     loader *l;
@@ -418,7 +418,7 @@ static void read_sets(loader *l, bool on_surface)
     free(text);
 }
 
-/* ---- the reference ------------------------------------------------------------------------ */
+/* ---- the reference ---- */
 
 /* Errors are fractions of the reference: it must have a size. */
 static bool has_measure(loader *l, const ss_table *table, int32_t level)

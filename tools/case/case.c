@@ -24,7 +24,7 @@ typedef struct reader {
     ss_case *out;
 } reader;
 
-/* ---- values ------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 static bool get_number(reader *r, ss_scene_node *node, double min, double max, double *out)
 {
@@ -110,7 +110,7 @@ static void take_text(reader *r, ss_scene_node *map, const char *key, char *out,
     }
 }
 
-/* ---- material and loads ------------------------------------------------------------------- */
+/* ---- material and loads ---- */
 
 static void read_material(reader *r, ss_scene_node *root)
 {
@@ -236,7 +236,7 @@ static void read_levels(reader *r, ss_scene_node *root)
     }
 }
 
-/* ---- meshes ------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 static void read_references(reader *r, ss_scene_node *map, ss_case_mesh *mesh)
 {
@@ -288,7 +288,7 @@ static int32_t read_meshes(reader *r, ss_scene_node *map, ss_case_mesh *mesh)
     return count;
 }
 
-/* ---- dynamic cases ------------------------------------------------------------------------ */
+/* ---- dynamic cases ---- */
 
 static void read_curve(ss_case *c, const char *name, ss_case_step *step, softsim_error *error)
 {
@@ -399,7 +399,7 @@ static void read_dynamic(reader *r, ss_scene_node *root, dynamic_files *files)
     }
 }
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 /* A push whose table lacks a level is half a reference. */
 static void check_forces(const ss_case *c, const char *path, softsim_error *error)
@@ -455,7 +455,7 @@ static void read_forces(ss_case *c, const char *name, softsim_error *error)
     ss_table_fini(&table);
 }
 
-/* ---- the whole ---------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 typedef struct other_files {
     char forces[SS_CASE_PATH], mesh_case[SS_CASE_PATH];

@@ -25,7 +25,7 @@ static const double pilot_phase = 14.0;
 static const double slowest_omega = 1.0; /* 1/s: what is slower is not waited for */
 static const double least_phase = 3.0;   /* omega t after the ramp before anything is settled */
 
-/* ---- files and scene ---------------------------------------------------------------------- */
+/* ---- files and scene ---- */
 
 static softsim_status write_nodes(const char *folder, const char *name, int32_t count,
                                   const int32_t *node, softsim_error *error)
@@ -191,7 +191,7 @@ static double tick(softsim_world *world)
     return 1e-3 * (double)(ss_clock_thread_cpu_ns() - start);
 }
 
-/* ---- settling ----------------------------------------------------------------------------- */
+/* ---- settling ---- */
 
 /* Fields kept to tell afterwards when the last one was near. */
 typedef struct look {
@@ -423,7 +423,7 @@ void ss_static_run_fini(ss_static_run *run)
     run->u = NULL;
 }
 
-/* ---- the pilot ---------------------------------------------------------------------------- */
+/* ---- the pilot ---- */
 
 /* Sums over looks, the time in units of looks: of u (= the integral s of u at the end), of s, of k
  * s by node; of |u|^2 and |s|^2, weighted. */
@@ -530,7 +530,7 @@ softsim_status ss_static_measure(const ss_static_plan *plan, double *out_omega,
     return status;
 }
 
-/* ---- free swing --------------------------------------------------------------------------- */
+/* ---- free swing ---- */
 
 softsim_status ss_static_swing(const ss_static_plan *plan, const double gravity[3], int32_t node,
                                int32_t count, double (*out_u)[3], int32_t *out_count,

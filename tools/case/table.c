@@ -69,7 +69,7 @@ char *ss_table_read_file(const char *path, size_t *out_size, softsim_error *erro
     return text;
 }
 
-/* ---- tables ------------------------------------------------------------------------------- */
+/* ---- tables ---- */
 
 /* The cell at *cursor, ended by a NUL; *cursor goes to the next, or becomes NULL at the line's
  * end. */

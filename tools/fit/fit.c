@@ -21,8 +21,7 @@ typedef struct trial {
     double best;
 } trial;
 
-/* ---- evaluation -------------------------------------------------------------------------------
- */
+/* ---- evaluation ---- */
 
 /* Presses every curve with the parameters at `value`. */
 static softsim_status measure(ss_fit *fit, const double *value, softsim_error *error)
@@ -107,8 +106,7 @@ static bool evaluate(void *context, const double *x, bool is_rough, double *out)
     return true;
 }
 
-/* ---- the fit ----------------------------------------------------------------------------------
- */
+/* ---- the fit ---- */
 
 static softsim_status check_start(ss_fit *fit, softsim_error *error)
 {
@@ -196,8 +194,7 @@ void ss_fit_fini(ss_fit *fit)
     }
 }
 
-/* ---- in words ---------------------------------------------------------------------------------
- */
+/* ---- in words ---- */
 
 static void tell_parameter(const ss_fit *fit, const ss_printer *t, int32_t i)
 {

@@ -13,8 +13,7 @@
 static const double longest_cpu_s = 60.0; /* of one level */
 static const double ramp_phase = 3.14159265358979;
 
-/* ---- the scene's model ------------------------------------------------------------------------
- */
+/* ---- the scene's model ---- */
 
 static softsim_status no_memory(softsim_error *error)
 {
@@ -89,8 +88,7 @@ static char *with_values(const ss_fit_levels *levels, int32_t count,
     return text;
 }
 
-/* ---- the case ---------------------------------------------------------------------------------
- */
+/* ---- the case ---- */
 
 static const ss_case_mesh *choose_mesh(const ss_fit_levels *levels, const char *name,
                                        bool on_surface, softsim_error *error)
@@ -186,8 +184,7 @@ void ss_fit_levels_close(ss_fit_levels *levels)
     free(levels->residual);
 }
 
-/* ---- measuring --------------------------------------------------------------------------------
- */
+/* ---- measuring ---- */
 
 /* The residuals of one level, from its run; returns the square of the field's relative error. */
 static double fill_level(ss_fit_levels *levels, int32_t k, const ss_static_run *run,

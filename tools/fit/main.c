@@ -239,8 +239,7 @@ static softsim_status plan(const fit_options *o, ss_fit *fit, ss_fit_levels *lev
     return error->fault_count > 0 ? SOFTSIM_ERROR_ARGUMENT : SOFTSIM_OK;
 }
 
-/* ---- output -----------------------------------------------------------------------------------
- */
+/* ---- output ---- */
 
 static void to_stderr(void *sink, const char *text)
 {

@@ -22,8 +22,7 @@ static const double THICKNESS = 0.9; /* of the body behind the point may be pres
 static const double PATCH_EDGES = 2.0;
 static const double CENTRAL = 1.01; /* metres from the middle against metres from supports */
 
-/* ---- the world --------------------------------------------------------------------------------
- */
+/* ---- the world ---- */
 
 static ss_world *open_world(const ss_press_scene *scene, const char *patch, softsim_error *error)
 {
@@ -42,8 +41,7 @@ static ss_world *open_world(const ss_press_scene *scene, const char *patch, soft
     return world;
 }
 
-/* ---- where ------------------------------------------------------------------------------------
- */
+/* ---- where ---- */
 
 /* The middle of the box around the nodes. */
 static void find_middle(const ss_mesh *mesh, double out[3])
@@ -154,8 +152,7 @@ static double mean_edge(const ss_mesh *mesh)
     return sum / (3.0 * mesh->triangle_count);
 }
 
-/* ---- how far off -------------------------------------------------------------------------------
- */
+/* ---- how far off ---- */
 
 /* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
  * another body, would else press somewhere and fit to it. A mean edge of freedom. */
@@ -202,8 +199,7 @@ static softsim_status check_place(const ss_world *world, const double at[3], int
     return SOFTSIM_ERROR_ARGUMENT;
 }
 
-/* ---- tool -------------------------------------------------------------------------------------
- */
+/* ---- tool ---- */
 
 static void place_tool(const ss_press *press, double depth, ss_tool_pose *out)
 {
@@ -268,8 +264,7 @@ static bool approach(ss_world *world, ss_press *press)
     return false;
 }
 
-/* ---- patch ------------------------------------------------------------------------------------
- */
+/* ---- patch ---- */
 
 /* The free surface nodes near the point as a prescribed set, in the file's numbers. */
 static bool plan_patch(const ss_world *world, const double *area, ss_press *press)
@@ -296,8 +291,7 @@ static bool plan_patch(const ss_world *world, const double *area, ss_press *pres
     return fclose(stream) == 0;
 }
 
-/* ---- plan -------------------------------------------------------------------------------------
- */
+/* ---- plan ---- */
 
 static softsim_status refuse(softsim_error *error, const ss_press_scene *scene, const char *what)
 {
@@ -404,8 +398,7 @@ void ss_press_fini(ss_press *press)
     press->patch = NULL;
 }
 
-/* ---- a run ------------------------------------------------------------------------------------
- */
+/* ---- a run ---- */
 
 /* The force along the normal, after a step. */
 static double read_force(const ss_world *world, const ss_press *press)

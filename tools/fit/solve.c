@@ -59,8 +59,7 @@ static double evaluate(work *w, const double *x, bool is_rough, double *out)
     return isfinite(sum) ? fmin(sum, FAILED) : FAILED;
 }
 
-/* ---- search -----------------------------------------------------------------------------------
- */
+/* ---- search ---- */
 
 static double rough_misfit(unsigned n, const double *x, double *gradient, void *context)
 {
@@ -91,8 +90,7 @@ static bool search(work *w)
     return result > 0 || result == NLOPT_ROUNDOFF_LIMITED;
 }
 
-/* ---- Gauss-Newton -----------------------------------------------------------------------------
- */
+/* ---- Gauss-Newton ---- */
 
 /* Columns of J by differences of h: one-sided away from the nearer bound, or two-sided within the
  * bounds. A column without a residual is 0. */
@@ -251,8 +249,7 @@ static bool descend(work *w, double *inout_cost)
     return false;
 }
 
-/* ---- what the data tell -----------------------------------------------------------------------
- */
+/* ---- what the data tell ---- */
 
 static void judge_directions(work *w)
 {

@@ -9,7 +9,7 @@
 
 #include "rt/files.h"
 
-/* ---- one open file -------------------------------------------------------------------------- */
+/* ---- one open file ---- */
 
 static FILE *stream_of(const struct aiFile *file)
 {
@@ -54,7 +54,7 @@ static void flush_nothing(struct aiFile *file)
     (void)file;
 }
 
-/* ---- which may be opened -------------------------------------------------------------------- */
+/* ---- which may be opened ---- */
 
 static FILE *refuse(beside_files *files, const char *path, const char *why)
 {

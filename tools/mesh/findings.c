@@ -9,8 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- what is found ------------------------------------------------------------------------------
- */
+/* ---- what is found ---- */
 
 static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, const char *what,
                     const char *where, const char *remedy, bool is_harmless)
@@ -96,8 +95,7 @@ bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool i
     return true;
 }
 
-/* ---- text -------------------------------------------------------------------------------------
- */
+/* ---- text ---- */
 
 static void print_histogram(const findings *f)
 {
@@ -222,8 +220,7 @@ void findings_print(const findings *f)
                        : "");
 }
 
-/* ---- JSON --------------------------------------------------------------------------------------
- */
+/* ---- JSON ---- */
 
 static void print_string(const char *text)
 {

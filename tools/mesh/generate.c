@@ -61,8 +61,7 @@ typedef struct request {
     bool has_tetrahedra;
 } request;
 
-/* ---- grids -------------------------------------------------------------------------------------
- */
+/* ---- grids ---- */
 
 static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *error)
 {
@@ -84,8 +83,7 @@ static softsim_status make_grid(const request *q, ss_mesh **out, softsim_error *
     return status;
 }
 
-/* ---- bodies ------------------------------------------------------------------------------------
- */
+/* ---- bodies ---- */
 
 static volume_plan plan_volume(const request *q)
 {
@@ -156,8 +154,7 @@ static softsim_status make_body(const request *q, ss_mesh **out, softsim_error *
     return SOFTSIM_OK;
 }
 
-/* ---- the command --------------------------------------------------------------------------------
- */
+/* ---- the command ---- */
 
 static void need(bool is_given, bool is_used, const char *option, const char *shape,
                  softsim_error *error)

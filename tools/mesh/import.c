@@ -69,8 +69,7 @@ static void set_limits(void)
     (void)setrlimit(RLIMIT_RTPRIO, &none); /* a daemon of root's has raised it */
 }
 
-/* ---- reading ----------------------------------------------------------------------------------
- */
+/* ---- reading ---- */
 
 static bool is_obj(const char *path)
 {
@@ -188,8 +187,7 @@ static bool add_mesh(surface *s, const struct aiMesh *mesh, const obj_text *obj)
     return true;
 }
 
-/* ---- joining ----------------------------------------------------------------------------------
- */
+/* ---- joining ---- */
 
 static uint64_t hash_position(const double x[3])
 {
@@ -248,8 +246,7 @@ static bool join_nodes(surface *s)
     return true;
 }
 
-/* ---- writing ----------------------------------------------------------------------------------
- */
+/* ---- writing ---- */
 
 static bool write_surface(const surface *s, FILE *out)
 {

@@ -122,8 +122,7 @@ double solid_badness(const double a[3], const double b[3], const double c[3], co
     return worst;
 }
 
-/* ---- smoothing ---------------------------------------------------------------------------------
- */
+/* ---- smoothing ---- */
 
 typedef struct star_table {
     int32_t *start; /* node_count + 1 */
@@ -277,8 +276,7 @@ bool solid_smooth(solid *s, double edge, int sweeps, void (*project)(const void 
     return true;
 }
 
-/* ---- coarsening --------------------------------------------------------------------------------
- */
+/* ---- coarsening ---- */
 
 static const double collapse_limit = 0.92718; /* cos 22 degrees */
 

@@ -35,8 +35,7 @@ typedef struct net {
     int32_t *stack;                        /* of triangles whose edges to test */
 } net;
 
-/* ---- 1. even directions ------------------------------------------------------------------------
- */
+/* ---- 1. even directions ---- */
 
 typedef struct area_map {
     double row[AREA_ROWS + 1];                  /* cumulative, 0..1 */
@@ -129,8 +128,7 @@ static void spread_directions(net *t, const area_map *map)
     }
 }
 
-/* ---- 2. triangulation --------------------------------------------------------------------------
- */
+/* ---- 2. triangulation ---- */
 
 static double determinant(const double a[3], const double b[3], const double c[3])
 {
@@ -304,8 +302,7 @@ static void triangulate(net *t)
     }
 }
 
-/* ---- 3. relaxation -----------------------------------------------------------------------------
- */
+/* ---- 3. relaxation ---- */
 
 /* Do three or fewer triangles meet at corner c of triangle p? Flipping there would fold. */
 static bool is_lonely(const net *t, int32_t p, int corner)
@@ -433,8 +430,7 @@ static bool relax(net *t, const organ *o)
     return true;
 }
 
-/* ---- 4. numbering ------------------------------------------------------------------------------
- */
+/* ---- 4. numbering ---- */
 
 typedef struct place_on_curve {
     uint64_t key;
@@ -505,8 +501,7 @@ static bool number_nodes(const net *t, spread *s)
     return is_done;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool net_init(net *t, int32_t count)
 {

@@ -121,8 +121,7 @@ static bool is_long(place p, place q)
     return ((p.c[0] ^ q.c[0]) & 1) == 0;
 }
 
-/* ---- memory ------------------------------------------------------------------------------------
- */
+/* ---- memory ---- */
 
 static void lattice_fini(lattice *l)
 {
@@ -178,8 +177,7 @@ static void each_point(lattice *l, void (*visit)(lattice *l, place p))
     }
 }
 
-/* ---- 2. signs and cuts -------------------------------------------------------------------------
- */
+/* ---- 2. signs and cuts ---- */
 
 static void set_sign(lattice *l, place p)
 {
@@ -244,8 +242,7 @@ static void set_cuts(lattice *l, place p)
     }
 }
 
-/* ---- 3. warping --------------------------------------------------------------------------------
- */
+/* ---- 3. warping ---- */
 
 static void warp(lattice *l, place p)
 {
@@ -277,8 +274,7 @@ static void warp(lattice *l, place p)
     }
 }
 
-/* ---- 4. tetrahedra -----------------------------------------------------------------------------
- */
+/* ---- 4. tetrahedra ---- */
 
 static int32_t node_of(lattice *l, place p)
 {

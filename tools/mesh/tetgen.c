@@ -45,8 +45,7 @@ static softsim_status fail_system(const job *j, const char *what)
     return SOFTSIM_ERROR_SYSTEM;
 }
 
-/* ---- the surface -------------------------------------------------------------------------------
- */
+/* ---- the surface ---- */
 
 /* A part of the surface that encloses a negative volume is a cavity's: writes a point just inside
  * each of them. part: the lowest node of each node's part. */
@@ -139,8 +138,7 @@ static softsim_status write_surface(const job *j)
     return is_good ? SOFTSIM_OK : fail_system(j, "cannot write its input");
 }
 
-/* ---- the program --------------------------------------------------------------------------------
- */
+/* ---- the program ---- */
 
 /* Waits at most `timeout_s`; false when the time was up and it was killed. */
 static bool wait_for(pid_t pid, double timeout_s, int *out_status)

@@ -53,8 +53,7 @@ static double clamp(double value, double low, double high)
     return fmin(fmax(value, low), high);
 }
 
-/* ---- level sets --------------------------------------------------------------------------------
- */
+/* ---- level sets ---- */
 
 static double level_of(const void *body, const double x[3])
 {
@@ -110,8 +109,7 @@ static bool make_organ(maker *m, double h)
     return is_good && solid_smooth(&m->solid, h, 24, project, &m->organ);
 }
 
-/* ---- rings -------------------------------------------------------------------------------------
- */
+/* ---- rings ---- */
 
 /* Semi-axes of layer t of a shell, 0 inside to 1 outside. */
 static void shell_axes(const volume_plan *plan, double t, double out[3])
@@ -228,8 +226,7 @@ static void place_shell(const void *body, int32_t ring, int32_t layer, double an
     }
 }
 
-/* ---- boxes -------------------------------------------------------------------------------------
- */
+/* ---- boxes ---- */
 
 /* A cube's corners by bits x, y, z; the last of the five is the regular one. Odd cubes are
  * mirrored. */
@@ -398,8 +395,7 @@ static softsim_status create_box_surface(const maker *m, ss_mesh **out, softsim_
     return status;
 }
 
-/* ---- groups ------------------------------------------------------------------------------------
- */
+/* ---- groups ---- */
 
 typedef bool (*group_test)(const maker *m, const double x[3], int32_t node);
 
@@ -539,8 +535,7 @@ bool volume_add_groups(const volume_plan *plan, ss_mesh *mesh)
     return add_groups(&m, mesh);
 }
 
-/* ---- all shapes --------------------------------------------------------------------------------
- */
+/* ---- all shapes ---- */
 
 /* Sets everything that hangs on h; returns how many nodes there will be. */
 static double plan_nodes(maker *m, double h)
@@ -645,8 +640,7 @@ softsim_status volume_create(const volume_plan *plan, ss_mesh **out, softsim_err
     return status;
 }
 
-/* ---- the surface alone --------------------------------------------------------------------------
- */
+/* ---- the surface alone ---- */
 
 ss_mesh *volume_take_surface(const ss_mesh *volume)
 {

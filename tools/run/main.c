@@ -193,8 +193,7 @@ static softsim_status open_poses(run *r, softsim_error *error)
     return status;
 }
 
-/* ---- output -----------------------------------------------------------------------------------
- */
+/* ---- output ---- */
 
 static const ss_scene *scene_of(const run *r)
 {
@@ -325,8 +324,7 @@ static softsim_status open_outputs(run *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run
- * -------------------------------------------------------------------------------------- */
+/* ---- the run ---- */
 
 /* The poses of the coming tick: one of the log, or the CSV's at that time. -1 when the poses end.
  * Notes about damage go to stderr. */

@@ -132,7 +132,7 @@ struct ss_model {
     const char *reason;
 };
 
-/* ---- the band ----------------------------------------------------------------------------- */
+/* ---- the band ---- */
 
 /* Where the link at `position` wants `node`, given where its sponsor is; returns by how far it
  * is out of its band, m. */
@@ -199,7 +199,7 @@ static bool is_violation(const ss_model *model, double violation)
     return violation > (sizeof(ss_real) == sizeof(float) ? 1e-6 : 1e-13) * model->net->mean_length;
 }
 
-/* ---- order -------------------------------------------------------------------------------- */
+/* ---- order ---- */
 
 static void propagate_in_turn(ss_model *model)
 {
@@ -338,7 +338,7 @@ static void relax(ss_model *model)
     }
 }
 
-/* ---- sponsors ----------------------------------------------------------------------------- */
+/* ---- sponsors ---- */
 
 static void move_driven(ss_model *model, double time)
 {
@@ -556,7 +556,7 @@ static void step(ss_model *model, double time, double dt,
     ++model->step;
 }
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static softsim_status check(const ss_model_plan *plan, softsim_error *error)
 {
@@ -675,7 +675,7 @@ static softsim_status build(ss_model *model, softsim_error *error)
     return status;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static void destroy(ss_model *model)
 {

@@ -43,7 +43,7 @@ SS_KERNEL_PATHS(ss_chain_kernels)
 /* Cells of the coarse level of a volume; fewer on meshes with less than eight elements each. */
 enum { COARSE_CELLS = 64, COARSE_ELEMENTS = 8, COARSE_LEAST = 4 };
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static bool create_set(ss_chain_set *set, int32_t count)
 {
@@ -113,7 +113,7 @@ static softsim_status create_levels(ss_model *model)
     return status;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static void reset(ss_model *model)
 {

@@ -107,7 +107,7 @@ int64_t ss_chain_coarse_bytes(const ss_chain_coarse *coarse)
                       2 * (int64_t)coarse->row * coarse->row * (int64_t)sizeof(ss_real));
 }
 
-/* ---- hats --------------------------------------------------------------------------------- */
+/* ---- hats ---- */
 
 static double distance(const ss_mesh *mesh, int32_t a, int32_t b)
 {
@@ -378,7 +378,7 @@ static softsim_status build_hats(ss_chain_coarse *coarse, const ss_mesh *mesh, c
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- Phi'LPhi and its inverse ------------------------------------------------------------- */
+/* ---- Phi'LPhi and its inverse ---- */
 
 /* The row of Phi of an element: its weights and the cells (times 4) they are of. */
 static const double *row_of(const ss_chain_coarse *coarse, int32_t node, const int32_t **out_cell,
@@ -491,7 +491,7 @@ static void invert(ss_chain_coarse *coarse)
     }
 }
 
-/* ---- eigenvalues -------------------------------------------------------------------------- */
+/* ---- eigenvalues ---- */
 
 /* out = L x over the elements that move, L with weights w/2 and the leak. */
 static void apply_laplacian(const ss_model *model, const ss_real *x, ss_real *out)
@@ -586,7 +586,7 @@ double ss_chain_coarse_rate(ss_model *model)
     return rate;
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
 {
@@ -719,7 +719,7 @@ void ss_chain_coarse_reset(ss_model *model)
     restore(coarse);
 }
 
-/* ---- a sub-step --------------------------------------------------------------------------- */
+/* ---- a sub-step ---- */
 
 static void change_element(ss_model *model, int32_t node, double sign)
 {
@@ -795,7 +795,7 @@ void ss_chain_coarse_move(ss_model *model, double h, bool is_first)
     spread(model, model->pull, h / model->capacitance, model->u);
 }
 
-/* ---- aggregated cells --------------------------------------------------------------------- */
+/* ---- aggregated cells ---- */
 
 bool ss_chain_is_aggregated(const ss_model *model)
 {

@@ -41,7 +41,7 @@
 /* s: viscosity over stiffness. */
 #define MAX_VISCOUS_TIME 0.01
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 /* Of the nodes that lie on the surface, m^2; negative without memory. */
 static double mean_area(const ss_mesh *mesh)
@@ -157,7 +157,7 @@ void ss_chain_tools_fini(ss_model *model)
     }
 }
 
-/* ---- where tools are ---------------------------------------------------------------------- */
+/* ---- where tools are ---- */
 
 static void let_go(ss_chain_tool *tool)
 {
@@ -267,7 +267,7 @@ int32_t ss_chain_tools_substeps(ss_model *model)
     return (int32_t)fmin(steps, (double)model->plan.max_substeps);
 }
 
-/* ---- a sub-step --------------------------------------------------------------------------- */
+/* ---- a sub-step ---- */
 
 /* Depth that a tool has pressed its cells in by: the weighted mean of what they moved. */
 static double depth_of(const ss_model *model, const int32_t *node, int32_t count)
@@ -390,7 +390,7 @@ void ss_chain_tools_apply(ss_model *model, double h)
     }
 }
 
-/* ---- what the hand is told ---------------------------------------------------------------- */
+/* ---- what the hand is told ---- */
 
 void ss_chain_tools_sample(ss_model *model)
 {

@@ -78,7 +78,7 @@ double ss_chain_step_cost_us(const ss_model_plan *plan)
            COST_TETRAHEDRON * mesh->tetrahedron_count;
 }
 
-/* ---- lines -------------------------------------------------------------------------------- */
+/* ---- lines ---- */
 
 static void explain_net(const ss_model *model, const ss_printer *out)
 {

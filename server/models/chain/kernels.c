@@ -22,7 +22,7 @@
 /* Pairs of nodes, or groups, summed in ss_real before a sum goes over to double. */
 enum { BLOCK = 32 };
 
-/* ---- links -------------------------------------------------------------------------------- */
+/* ---- links ---- */
 
 /* Eight links as they lie now. */
 typedef struct band {
@@ -151,7 +151,7 @@ static double measure(const ss_chain_net *net, ss_real ratio, const ss_real *u)
     return 0.5 * energy;
 }
 
-/* ---- the front ---------------------------------------------------------------------------- */
+/* ---- the front ---- */
 
 /* The lowest number of the set, taken out; -1 when it is empty. *from is where to look on. */
 SS_INLINE int32_t take_next(ss_chain_set *set, int32_t *from)
@@ -249,7 +249,7 @@ static void move_front(const ss_chain_net *net, ss_chain_front *front, ss_chain_
     motion->largest = most_of(largest) + sum_of(doubt);
 }
 
-/* ---- nodes -------------------------------------------------------------------------------- */
+/* ---- nodes ---- */
 
 static void move(int32_t count, ss_chain_motion *motion)
 {
@@ -270,7 +270,7 @@ static void move(int32_t count, ss_chain_motion *motion)
     motion->largest = most_of(ss_pair_fold(largest)) + ss_pair_sum(doubt);
 }
 
-/* ---- the coarse level --------------------------------------------------------------------- */
+/* ---- the coarse level ---- */
 
 /* Sums of a block: of a quad, and of it times x, y, z. In two parts, so that no sum waits for the
  * one before. */
@@ -369,7 +369,7 @@ static void spread(const ss_chain_hats *hats, const ss_real *mask, const ss_real
     }
 }
 
-/* ---- tetrahedra --------------------------------------------------------------------------- */
+/* ---- tetrahedra ---- */
 
 static int32_t collapse(const ss_chain_tets *tets, const ss_real *place, int32_t *out_list)
 {
@@ -407,7 +407,7 @@ static int32_t collapse(const ss_chain_tets *tets, const ss_real *place, int32_t
     return count;
 }
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_chain_kernels_avx2

@@ -17,7 +17,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static softsim_status create_load(ss_model *model, int32_t which, uint8_t *mark,
                                   softsim_error *error)
@@ -113,7 +113,7 @@ void ss_chain_loads_fini(ss_model *model)
     ss_memory_free(model->fixed);
 }
 
-/* ---- loads -------------------------------------------------------------------------------- */
+/* ---- loads ---- */
 
 /* Forces into currents on the loaded nodes. */
 static void build(ss_model *model)
@@ -179,7 +179,7 @@ double ss_chain_loads_work(const ss_model *model, double sign)
     return sign * 2.0 * model->k * work;
 }
 
-/* ---- driven cells ------------------------------------------------------------------------- */
+/* ---- driven cells ---- */
 
 void ss_chain_driven_update(ss_model *model, double time)
 {

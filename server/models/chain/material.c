@@ -107,7 +107,7 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
                                .help = "cells of the coarse level that spreads a poke at once; 0: "
                                        "none; absent: 64 for volumes"}};
 
-/* ---- links -------------------------------------------------------------------------------- */
+/* ---- links ---- */
 
 static double value_at(const ss_param_value *value, int32_t node)
 {
@@ -204,7 +204,7 @@ static void set_links(ss_model *model)
     }
 }
 
-/* ---- time --------------------------------------------------------------------------------- */
+/* ---- time ---- */
 
 /* max over links of s_a/C_a + s_b/C_b, with C in seconds or, without, 1. */
 static double link_rate(const ss_model *model)
@@ -280,7 +280,7 @@ static double size_of(const ss_mesh *mesh)
     return 2.0 * most;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------- */
+/* ---- all of it ---- */
 
 static softsim_status check(const ss_model *model, softsim_error *error)
 {

@@ -12,7 +12,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- links -------------------------------------------------------------------------------- */
+/* ---- links ---- */
 
 /* Corners of an element's edges. */
 static const int8_t tetrahedron_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -113,7 +113,7 @@ static softsim_status find_links(ss_chain_net *net, const ss_mesh *mesh)
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- groups ------------------------------------------------------------------------------- */
+/* ---- groups ---- */
 
 static void put_link(ss_chain_net *net, const ss_mesh *mesh, int32_t link, int32_t position)
 {
@@ -210,7 +210,7 @@ static softsim_status group_links(ss_chain_net *net, const ss_mesh *mesh)
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 softsim_status ss_chain_net_create(const ss_mesh *mesh, const char *name, ss_chain_net **out_net,
                                    softsim_error *error)

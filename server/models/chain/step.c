@@ -77,7 +77,7 @@ static void fault(ss_model *model)
     ss_chain_tell(model, SOFTSIM_VERDICT_FAULT, "not finite: back at rest, waiting for reset");
 }
 
-/* ---- alpha -------------------------------------------------------------------------------- */
+/* ---- alpha ---- */
 
 /* The share of alpha that one drive leaves. */
 static double share_of(const ss_model *model, ss_chain_drive *drive)
@@ -134,7 +134,7 @@ static bool follow_unloading(ss_model *model, double h)
     return true;
 }
 
-/* ---- saturation --------------------------------------------------------------------------- */
+/* ---- saturation ---- */
 
 /* Q = sat(u) */
 static void saturate(ss_model *model)
@@ -165,7 +165,7 @@ static void draw_back(ss_model *model)
     }
 }
 
-/* ---- a sub-step --------------------------------------------------------------------------- */
+/* ---- a sub-step ---- */
 
 static void wake_all(ss_model *model)
 {
@@ -432,7 +432,7 @@ static void judge_turned(ss_model *model)
     }
 }
 
-/* ---- the outer step ----------------------------------------------------------------------- */
+/* ---- the outer step ---- */
 
 /* Sub-steps that driven cells ask for: a quarter of a link each. */
 static double driven_substeps(ss_model *model)

@@ -59,7 +59,7 @@ enum { LOOK_EVERY = 4 };
 #define SAME_RATE 1e-6
 enum { ACTIVE = 0, BESIDE = 1, NEXT = 2, FAR = 3 };
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 /* Are gamma/m and ks/m the same for all nodes, and ks not 0? */
 static bool find_rates(const ss_model *model, double *out_damping_rate, double *out_rate2)
@@ -326,7 +326,7 @@ void ss_cnn_window_destroy(ss_cnn_window **window)
     *window = NULL;
 }
 
-/* ---- parts -------------------------------------------------------------------------------- */
+/* ---- parts ---- */
 
 /* The blocks of ranks low to high, consecutive ones as one span. */
 static void set_part(const ss_model *model, int low, int high, ss_cnn_part *part)
@@ -433,7 +433,7 @@ void ss_cnn_window_reset(ss_model *model)
     model->part = &window->active;
 }
 
-/* ---- the far field in a step -------------------------------------------------------------- */
+/* ---- the far field in a step ---- */
 
 /* sum over the still nodes of u.f_m, with u from the modes' `y`. */
 static double far_product(const ss_cnn_window *window, const double *y, int32_t m)
@@ -543,7 +543,7 @@ void ss_cnn_window_fill(const ss_model *model)
     }
 }
 
-/* ---- which blocks ------------------------------------------------------------------------- */
+/* ---- which blocks ---- */
 
 /* Forces that the far field does not have, into model->product: loads, and -c1 L u. */
 static void find_drives(ss_model *model, const ss_cnn_part *part)

@@ -276,7 +276,7 @@ struct ss_model {
     const char *reason;
 };
 
-/* ---- material.c: parameters to values a node, and everything refused about them ------- */
+/* ---- material.c: parameters to values a node, and everything refused about them ---- */
 
 /* Thread: set-up only. */
 softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
@@ -289,8 +289,7 @@ ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_mat
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
                                  bool *out_is_held, softsim_error *error);
 
-/* ---- enclosed.c: what the bodies enclose ---------------------------------------------------
- */
+/* ---- enclosed.c: what the bodies enclose ---- */
 
 /* Finds the bodies, their volumes and the pressure's share of the step bound; nothing without B.
  * Thread: set-up only. */
@@ -306,7 +305,7 @@ void ss_cnn_enclosed_evaluate(ss_model *model, const ss_real *u, double far_chan
 double ss_cnn_enclosed_tangent(const ss_model *model, const ss_real *x, ss_real *out);
 double ss_cnn_enclosed_energy(const ss_model *model);
 
-/* ---- source.c: where energy enters the network ---------------------------------------- */
+/* ---- source.c: where energy enters the network ---- */
 
 /* Allocates one source; free bodies need b_turned. Thread: set-up only. */
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source);
@@ -345,7 +344,7 @@ double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
 
-/* ---- saturate.c: several sources at the output K -------------------------------------- */
+/* ---- saturate.c: several sources at the output K ---- */
 
 /* Solves z >= 0, w = q + M z >= 0, z.w = 0 for a symmetric positive semidefinite M of n x n (at
  * most SS_CNN_LCP_MAX) whose entries are of order 1. Exact to rounding; false where there is no
@@ -366,7 +365,7 @@ void ss_cnn_saturate(ss_model *model);
 softsim_status ss_cnn_obstacle(ss_cnn_network *network, int32_t count, const int32_t *node,
                                const double *current, double saturation, double *out_potential);
 
-/* ---- step.c: time --------------------------------------------------------------------- */
+/* ---- step.c: time ---- */
 
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -376,7 +375,7 @@ double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
 /* model->stiff and model->bound from the last evaluation. */
 void ss_cnn_set_bound(ss_model *model);
 
-/* ---- active_set.c: parts of a large body that need no step of their own -------------------- */
+/* ---- active_set.c: parts of a large body that need no step of their own ---- */
 
 /* Fills model->whole and, where the plan allows it, model->window; model->part is either of them
  * afterwards. Thread: set-up only. */
@@ -402,13 +401,13 @@ bool ss_cnn_window_look(ss_model *model);
 /* u and v of every node. */
 void ss_cnn_window_fill(const ss_model *model);
 
-/* ---- fit.c: free bodies -------------------------------------------------------------- */
+/* ---- fit.c: free bodies ---- */
 
 /* P - P* of the displacements `u`: themselves in a held body, else the best rigid fit is taken
  * out (rotation and centroid are kept in the model). */
 const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u);
 
-/* ---- load.c: what acts without a tool ------------------------------------------------- */
+/* ---- load.c: what acts without a tool ---- */
 
 /* Sources and lists of loads and prescribed sets. Thread: set-up only. */
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error);
@@ -429,13 +428,13 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
 /* Force of the support on the body, see model.h. */
 void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 
-/* ---- contact.c: what the hand is told ------------------------------------------------- */
+/* ---- contact.c: what the hand is told ---- */
 
 /* Fills tool->rest_felt: what a node of usual spread shows at rest. Thread: set-up only. */
 softsim_status ss_cnn_set_rest_felt(ss_model *model);
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
 
-/* ---- world/explain.c ------------------------------------------------------------------------ */
+/* ---- world/explain.c ---- */
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan);
 void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);

@@ -60,7 +60,7 @@
 
 SS_KERNEL_PATHS(ss_cnn_kernels)
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static bool get_quads(const ss_model *model, ss_real **out)
 {
@@ -240,7 +240,7 @@ static softsim_status create_relaxation(ss_model *model, softsim_error *error)
     return status;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static void reset(ss_model *model)
 {

@@ -36,7 +36,7 @@ enum { ITERATIONS = 2, FIRST_ITERATIONS = 12, REST_ITERATIONS = 300 };
 /* s: viscosity over stiffness. */
 #define MAX_VISCOUS_TIME 0.01
 
-/* ---- the static tangent ------------------------------------------------------------------- */
+/* ---- the static tangent ---- */
 
 /* out = H x; returns x.out. */
 static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
@@ -129,7 +129,7 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
     }
 }
 
-/* ---- in contact --------------------------------------------------------------------------- */
+/* ---- in contact ---- */
 
 /* c into model->push; returns k_cc. */
 static double push_along(ss_model *model, const ss_cnn_tool *tool, const double normal[3])
@@ -201,7 +201,7 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     tool->was_touching = is_touching;
 }
 
-/* ---- at rest ------------------------------------------------------------------------------ */
+/* ---- at rest ---- */
 
 /* The cell whose Qhat is the median's nearest: neither at the rim nor a special place. */
 static int32_t usual_cell(const ss_cnn_network *network)

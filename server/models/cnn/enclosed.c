@@ -28,7 +28,7 @@ static int32_t body_of(const ss_model *model, int32_t node)
     return model->body ? model->body[node] : 0;
 }
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static softsim_status find_bodies(ss_model *model)
 {
@@ -121,7 +121,7 @@ void ss_cnn_enclosed_fini(ss_model *model)
     ss_memory_free(model->body);
 }
 
-/* ---- in a step ---------------------------------------------------------------------------- */
+/* ---- in a step ---- */
 
 const ss_real *ss_cnn_enclosed_normal(const ss_model *model)
 {

@@ -112,7 +112,7 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
            COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
 }
 
-/* ---- lines -------------------------------------------------------------------------------- */
+/* ---- lines ---- */
 
 static double megabytes(double bytes)
 {

@@ -22,7 +22,7 @@
 /* Columns solved in one pass over the factor. */
 enum { WIDTH = SS_CNN_SOLVE_WIDTH };
 
-/* ---- solving ------------------------------------------------------------------------------ */
+/* ---- solving ---- */
 
 /* x := A^-1 x for WIDTH right-hand sides side by side. */
 static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH])
@@ -416,7 +416,7 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
     return status;
 }
 
-/* ---- reading columns while running -------------------------------------------------------- */
+/* ---- reading columns while running ---- */
 
 /* The slot of `node`'s column: as it is, or rebuilt from ghat in the slot used longest ago. */
 static int32_t ready_slot(ss_cnn_network *network, int32_t node)

@@ -25,7 +25,7 @@ static int32_t least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* ---- sparse ------------------------------------------------------------------------------- */
+/* ---- sparse ---- */
 
 /* One row: r_i = b_i + sum_j kap_ij (u_i - u_j). */
 SS_INLINE ss_quad product_row(int32_t degree, const int32_t *neighbour, const ss_real *kap,
@@ -134,7 +134,7 @@ static void scatter(const ss_cnn_rows *rows, const ss_cnn_part *part, const ss_r
     }
 }
 
-/* ---- edges -------------------------------------------------------------------------------- */
+/* ---- edges ---- */
 
 static void strain(const ss_cnn_edges *edges, const ss_real *u, ss_real *out_strain,
                    ss_real *out_stretch)
@@ -205,7 +205,7 @@ static void combine(int32_t padded_count, int32_t count, const ss_real *const *c
     }
 }
 
-/* ---- nodes -------------------------------------------------------------------------------- */
+/* ---- nodes ---- */
 
 /* The nodes of a part, BLOCK at a time: start with {.part}. */
 typedef struct block_range {
@@ -571,7 +571,7 @@ static void watch(int32_t node, int32_t node_end, double rate2, const ss_real *u
     out->drive = together > out->drive ? together : out->drive;
 }
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_cnn_kernels_avx2

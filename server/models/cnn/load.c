@@ -25,7 +25,7 @@
 /* rho on an edge over rho at the loaded cell: the contact softens above, and fails far above. */
 #define RHO_RATIO_MAX 10.0
 
-/* ---- sources ------------------------------------------------------------------------------ */
+/* ---- sources ---- */
 
 /* Cells and weights of one source while it is built. */
 typedef struct patch {
@@ -269,7 +269,7 @@ void ss_cnn_loads_fini(ss_model *model)
     ss_memory_free(model->loaded);
 }
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 static void add_node_force(ss_real *force, int32_t node, const double f[3])
 {
@@ -337,7 +337,7 @@ double ss_cnn_loads_work(const ss_model *model)
     return work;
 }
 
-/* ---- driven nodes ------------------------------------------------------------------------- */
+/* ---- driven nodes ---- */
 
 void ss_cnn_driven_update(ss_model *model, double time)
 {
@@ -395,7 +395,7 @@ double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real
     return power * h * share;
 }
 
-/* ---- reactions ---------------------------------------------------------------------------- */
+/* ---- reactions ---- */
 
 /* Forces of the network on held cells, whose rows the stages leave out: c1 r - c2 b, summed. */
 static void add_held_network(const ss_model *model, double out_force[3])

@@ -17,7 +17,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 #define ABSENT ((double)NAN)
 
@@ -183,7 +183,7 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                                          "their own; 0: all nodes do"},
 };
 
-/* ---- values a node ------------------------------------------------------------------------ */
+/* ---- values a node ---- */
 
 static double value_at(const ss_param_value *value, int32_t node)
 {
@@ -360,7 +360,7 @@ static ss_cnn_element read_domain(const ss_model_plan *plan, softsim_error *erro
                                                           : SS_CNN_TRIANGLE;
 }
 
-/* ---- directions --------------------------------------------------------------------------- */
+/* ---- directions ---- */
 
 static void check_directions(const ss_model_plan *plan, const ss_cnn_material *material,
                              softsim_error *error)
@@ -436,7 +436,7 @@ ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_mat
         .per_element = has_direction ? (const double(*)[3])value->per_element : NULL};
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 /* Values a node, with `size` of every cell. */
 static void fill_fields(const ss_model_plan *plan, ss_cnn_material *material, const double *size,
@@ -499,7 +499,7 @@ void ss_cnn_material_fini(ss_cnn_material *material)
     *material = (ss_cnn_material){0};
 }
 
-/* ---- the plan ----------------------------------------------------------------------------- */
+/* ---- the plan ---- */
 
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
                                  bool *out_is_held, softsim_error *error)

@@ -28,7 +28,7 @@
 #include <amd.h>
 #include <ldl.h>
 
-/* ---- factor ------------------------------------------------------------------------------- */
+/* ---- factor ---- */
 
 static int32_t root(int32_t *parent, int32_t i)
 {
@@ -227,7 +227,7 @@ done:
     return status;
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 /* Sizes of the cells, and of a volume's surface the areas; on surfaces they are the same. */
 static softsim_status build_sizes(ss_cnn_network *network, const ss_cnn_fabric *fabric)

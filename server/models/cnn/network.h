@@ -144,7 +144,7 @@ int64_t ss_cnn_network_bytes(const ss_cnn_network *network);
 /* Bytes of the columns that solve_all would make. */
 int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network);
 
-/* ---- parts of ss_cnn_network_create; set-up only ------------------------------------------ */
+/* ---- parts of ss_cnn_network_create; set-up only ---- */
 
 /* templates.c: how many elements there are and what one of them adds; sizes S_i or V_i of all
  * nodes, -1 where a node has no element; edges with c_ij, rho_ij and their rest vectors; are all

@@ -47,7 +47,7 @@ enum { WIDTH = SS_CNN_RELAX_WIDTH };
 /* Of 1 / max_i sum_j A_ij. */
 #define STEP_SHARE 0.9
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 /* A_ij = rho_i w_ij / S_i into `share`, by rows of the free cells. */
 static softsim_status build_templates(ss_cnn_relax *relax, const uint8_t *held)
@@ -219,7 +219,7 @@ void ss_cnn_relax_reset(ss_cnn_relax *relax)
     }
 }
 
-/* ---- which cells are in use --------------------------------------------------------------- */
+/* ---- which cells are in use ---- */
 
 void ss_cnn_relax_look(ss_cnn_relax *relax)
 {
@@ -255,7 +255,7 @@ void ss_cnn_relax_columns(ss_cnn_relax *relax, int32_t count, const int32_t *nod
     }
 }
 
-/* ---- time --------------------------------------------------------------------------------- */
+/* ---- time ---- */
 
 /* out := (1 + step A) state, for WIDTH states side by side. */
 static void spread(const ss_cnn_relax *relax, const double (*restrict state)[WIDTH],
@@ -360,7 +360,7 @@ bool ss_cnn_relax_advance(ss_cnn_relax *relax)
     return is_any;
 }
 
-/* ---- reading ------------------------------------------------------------------------------ */
+/* ---- reading ---- */
 
 double ss_cnn_relax_potential(const ss_cnn_relax *relax, int32_t slot, int32_t node)
 {

@@ -53,7 +53,7 @@ enum { MAX_SOURCES = SS_CNN_MAX_SATURATED };
 /* Conditions taken up in one solve; a problem takes about as many as it has sources. */
 enum { MAX_ROUNDS = 256 };
 
-/* ---- the complementarity problem ---------------------------------------------------------- */
+/* ---- the complementarity problem ---- */
 
 /* x := M_AA^-1 x over the `count` conditions in `active`, by Cholesky's factor. */
 static void solve_active(int32_t n, const double *matrix, int32_t count, const int32_t *active,
@@ -253,7 +253,7 @@ bool ss_cnn_project(int32_t count, const double *metric, const double *potential
     return is_solved && over < BLIND_OVER && highest <= 1.0 + EXCESS;
 }
 
-/* ---- sources of the model ----------------------------------------------------------------- */
+/* ---- sources of the model ---- */
 
 /* Mean potential at the cells of every source for source `l` of 1 J. */
 static softsim_status set_potentials(ss_model *model, int32_t l, double *scale, double *field)
@@ -336,7 +336,7 @@ void ss_cnn_saturate(ss_model *model)
     }
 }
 
-/* ---- for given currents ------------------------------------------------------------------- */
+/* ---- for given currents ---- */
 
 softsim_status ss_cnn_obstacle(ss_cnn_network *network, int32_t count, const int32_t *node,
                                const double *current, double saturation, double *out_potential)

@@ -53,7 +53,7 @@
 /* Of a load's modulus: energies below are rounding. */
 #define ROUNDING_SHARE 1e-6
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
 {
@@ -142,7 +142,7 @@ void ss_cnn_source_moduli(ss_model *model)
     }
 }
 
-/* ---- evaluation --------------------------------------------------------------------------- */
+/* ---- evaluation ---- */
 
 void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, double stretch,
                                bool is_free)
@@ -233,7 +233,7 @@ ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index)
     return source->is_on ? source : NULL;
 }
 
-/* ---- tools -------------------------------------------------------------------------------- */
+/* ---- tools ---- */
 
 /* Strain of the edges, once for all tools; a free body's in the frame it was made in. */
 static void ready_strain(ss_model *model)

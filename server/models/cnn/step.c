@@ -53,7 +53,7 @@ enum { MAX_REJECTED = 40 };
 /* Diagonals of the body: a displacement beyond is cut off. */
 #define MAX_DISPLACEMENT 100.0
 
-/* ---- the stable step ---------------------------------------------------------------------- */
+/* ---- the stable step ---- */
 
 /* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
  * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
@@ -147,7 +147,7 @@ void ss_cnn_set_bound(ss_model *model)
                         frozen_limit(model));
 }
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 /* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
 static void pose_at(const ss_cnn_tool *tool, double path, ss_tool_pose *out)
@@ -269,7 +269,7 @@ static void evaluate(ss_model *model, ss_real *u, double path)
     }
 }
 
-/* ---- between sub-steps -------------------------------------------------------------------- */
+/* ---- between sub-steps ---- */
 
 /* Finds what the tools may reach between two places on their paths. */
 static int32_t gather(ss_model *model, double path, double next)
@@ -360,7 +360,7 @@ static void prepare(ss_model *model, double path)
     model->has_totals = false;
 }
 
-/* ---- one sub-step ------------------------------------------------------------------------- */
+/* ---- one sub-step ---- */
 
 /* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
 static double tool_work(const ss_model *model, double fraction, double share)
@@ -551,7 +551,7 @@ static void clamp_displacements(ss_model *model)
     }
 }
 
-/* ---- the outer step ----------------------------------------------------------------------- */
+/* ---- the outer step ---- */
 
 /* Taking over where the tools go; what changed with a jump is prepared again. */
 static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])

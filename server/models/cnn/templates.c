@@ -52,7 +52,7 @@
  * nothing. */
 #define UPRIGHT 1e-6
 
-/* ---- one element -------------------------------------------------------------------------- */
+/* ---- one element ---- */
 
 typedef struct element_kind {
     int corners, sides;
@@ -141,7 +141,7 @@ static void share_tetrahedron(const double *const p[4], ss_cnn_share *share)
     }
 }
 
-/* ---- the material direction --------------------------------------------------------------- */
+/* ---- the material direction ---- */
 
 /* |cosine| of the direction against the mean of two sides that run the same way. */
 static double nearness(const double d[3], const double *const p[4], int a, int b, int e, int f)
@@ -243,7 +243,7 @@ void ss_cnn_cell_sizes(const ss_cnn_fabric *fabric, double *out_size)
     }
 }
 
-/* ---- edges -------------------------------------------------------------------------------- */
+/* ---- edges ---- */
 
 /* A side of an element, its nodes ascending. */
 typedef struct element_side {

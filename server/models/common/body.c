@@ -19,7 +19,7 @@
 #include "rt/printer.h"
 #include "rt/vec.h"
 
-/* ---- masses and lengths --------------------------------------------------------------------- */
+/* ---- masses and lengths ---- */
 
 static double tet_volume(const ss_mesh *mesh, const int32_t c[4])
 {
@@ -100,7 +100,7 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
     return fmin((damping > 0.0 ? RK4_LEAST : RK4_UNDAMPED) / omega, RK4_REAL / damping);
 }
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static bool get_quads(const ss_body *body, ss_real **out)
 {
@@ -314,7 +314,7 @@ const ss_body_nodes *ss_body_read_nodes(const ss_body *body)
     return &body->nodes;
 }
 
-/* ---- what it says of itself ----------------------------------------------------------------- */
+/* ---- what it says of itself ---- */
 
 void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, const char *reason)
 {
@@ -407,7 +407,7 @@ void ss_body_reset(ss_body *body)
     body->contact_rate2 = 0.0;
 }
 
-/* ---- explanation ---------------------------------------------------------------------------- */
+/* ---- explanation ---- */
 
 static void explain_tool(const ss_body *body, int index, const ss_printer *out)
 {
@@ -472,7 +472,7 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
     }
 }
 
-/* ---- the class of a model that begins with its body ------------------------------------------ */
+/* ---- the class of a model that begins with its body ---- */
 
 static ss_body *body_of(ss_model *model)
 {

@@ -128,7 +128,7 @@ void ss_body_destroy(ss_body **body);
 ss_body_nodes *ss_body_get_nodes(ss_body *body);
 const ss_body_nodes *ss_body_read_nodes(const ss_body *body);
 
-/* ---- masses (set-up) ------------------------------------------------------------------------ */
+/* ---- masses (set-up) ---- */
 
 /* density x a quarter of the tetrahedra's rest volumes; density: a value a node, element value is
  * the mean of its corners' (`per_element` false), or one an element. out: mesh->node_count. */
@@ -147,8 +147,8 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
 /* Mass of one node from now on, with its momentum as it is told: for models that move mass. */
 void ss_body_set_mass(ss_body *body, int32_t node, double mass);
 
-/* ---- the class of a model --------------------------------------------------------------------
- * Functions of ss_model_class for any model whose struct begins with its `ss_body *`. */
+/* ---- the class of a model ---- */
+/* Functions of ss_model_class for any model whose struct begins with its `ss_body *`. */
 
 void ss_body_model_step(ss_model *model, double time, double dt,
                         const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -167,7 +167,7 @@ uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
 #define SS_BODY_MODEL_MOTION                                                                       \
     .displacement = ss_body_model_displacement, .velocity = ss_body_model_velocity
 
-/* ---- the same of the body, for models that add to it ---------------------------------------- */
+/* ---- the same of the body, for models that add to it ---- */
 
 void ss_body_step(ss_body *body, double time, double dt,
                   const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -179,7 +179,7 @@ void ss_body_reset(ss_body *body);
 /* Lines about masses, tools, contact stiffness, what is left out. Thread: set-up only. */
 void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *text), void *sink);
 
-/* ---- what a model says about itself --------------------------------------------------------- */
+/* ---- what a model says about itself ---- */
 
 /* Something acted: raises the verdict of the present step to at least `verdict` and sets its reason
  * (static text) and fault bits. */
@@ -190,7 +190,7 @@ void ss_body_set_active_nodes(ss_body *body, int32_t count);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */
 void ss_body_renew(ss_body *body);
 
-/* ---- pieces for models with `advance` ------------------------------------------------------- */
+/* ---- pieces for models with `advance` ---- */
 
 /* force := loads + contact + grasps at displacements u (4 ss_real a node) with the tools at `path`
  * (0..1) of their way through the outer step. Keeps the active contact samples for the two below.

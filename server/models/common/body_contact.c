@@ -32,7 +32,7 @@
 #define MIN_CONTACT_SHARE 0.5
 #define MAX_CONTACT_SHARE 3.0
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 /* Mass per area of the nodes that may move, over all of them. */
 static double mean_sigma(const ss_body *body)
@@ -170,7 +170,7 @@ void ss_body_tools_reset(ss_body *body)
     }
 }
 
-/* ---- on the way --------------------------------------------------------------------------- */
+/* ---- on the way ---- */
 
 /* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
 static void pose_at(const ss_body_tool *tool, double path, ss_tool_pose *out)
@@ -354,7 +354,7 @@ double ss_body_tool_work(const ss_body *body)
     return work;
 }
 
-/* ---- stiffness ---------------------------------------------------------------------------- */
+/* ---- stiffness ---- */
 
 /* The contact's and the grasp's rows of one tool onto skin_stiff; then to `diagonal`, clearing. */
 static void add_tool_diagonal(ss_body *body, ss_body_tool *tool, double *diagonal)
@@ -507,7 +507,7 @@ double ss_body_path_start(const ss_body *body)
     return body->path;
 }
 
-/* ---- what the hand is told ---------------------------------------------------------------- */
+/* ---- what the hand is told ---- */
 
 void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
 {

@@ -129,7 +129,7 @@ static void solve_some(ss_body *body, ss_real *y, int iterations, bool is_presse
     }
 }
 
-/* ---- in contact --------------------------------------------------------------------------- */
+/* ---- in contact ---- */
 
 /* The forces on the contact surface's nodes go into solver.push and are cleared. */
 static void carry_push(ss_body *body, int32_t count, const int32_t *node)
@@ -215,7 +215,7 @@ void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3])
     tool->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
 }
 
-/* ---- at rest ------------------------------------------------------------------------------ */
+/* ---- at rest ---- */
 
 /* The node of the contact surface whose area is nearest the mean: neither at the rim nor a special
  * place. */

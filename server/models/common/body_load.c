@@ -15,7 +15,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static void take_driven_mobility(ss_body *body, const ss_prescribed *set)
 {
@@ -91,7 +91,7 @@ void ss_body_loads_fini(ss_body *body)
     ss_memory_free(body->loaded);
 }
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 static void add_gravity(ss_body *body, int32_t node)
 {
@@ -191,7 +191,7 @@ void ss_body_set_mass(ss_body *body, int32_t node, double mass)
     }
 }
 
-/* ---- work --------------------------------------------------------------------------------- */
+/* ---- work ---- */
 
 static double work_at(const ss_body *body, int32_t node)
 {
@@ -230,7 +230,7 @@ double ss_body_loads_lag_work(const ss_body *body)
     return power * lag / (1.0 + lag * body->own.mass_damping);
 }
 
-/* ---- supports ----------------------------------------------------------------------------- */
+/* ---- supports ---- */
 
 double ss_body_driven_kinetic(const ss_body *body)
 {

@@ -125,7 +125,7 @@ static inline const ss_real *ss_body_skin_u(const ss_body *body, const ss_real *
     return body->has_skin ? body->skin_u : u;
 }
 
-/* ---- body_kernels.c: passes over all nodes -------------------------------------------------- */
+/* ---- body_kernels.c: passes over all nodes ---- */
 
 enum { SS_BODY_BLOCK = 64 }; /* nodes that are summed up together */
 
@@ -168,7 +168,7 @@ void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double da
 /* Largest |u|^2 of a node (NaN-free input). */
 double ss_body_largest(int32_t count, const ss_real *u);
 
-/* ---- body_load.c: loads, driven sets, supports ---------------------------------------------- */
+/* ---- body_load.c: loads, driven sets, supports ---- */
 
 softsim_status ss_body_loads_create(ss_body *body, softsim_error *error);
 void ss_body_loads_fini(ss_body *body);
@@ -186,7 +186,7 @@ double ss_body_driven_kinetic(const ss_body *body);
 /* The power of the supports of driven axes, W, at the last evaluation. */
 double ss_body_driven_power(const ss_body *body);
 
-/* ---- body_contact.c: tools ------------------------------------------------------------------ */
+/* ---- body_contact.c: tools ---- */
 
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error);
 /* kc of all tools, for the planned step. Thread: set-up only. */
@@ -210,7 +210,7 @@ double ss_body_contact_rate2(ss_body *body);
 /* Fills tool->rest_felt. Thread: set-up only. */
 softsim_status ss_body_set_rest_felt(ss_body *body);
 
-/* ---- body_felt.c: how stiff a tool feels it -------------------------------------------------- */
+/* ---- body_felt.c: how stiff a tool feels it ---- */
 
 /* Improves tool->felt and tool->viscosity for a push along `normal`. */
 void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3]);

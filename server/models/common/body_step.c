@@ -52,7 +52,7 @@
 #define EULER_LIMIT 2.0
 #define RK4_LIMIT   2.8284271247461903
 
-/* ---- evaluation --------------------------------------------------------------------------- */
+/* ---- evaluation ---- */
 
 /* Kinetic energy, and what the method's own energy has less, half m b^2 (dv/dt)^2. Where nodes are
  * slowed down, forces say nothing of the next velocity. */
@@ -118,7 +118,7 @@ static double ledger_sum(const ss_body *body)
     return body->kinetic - body->shadow + body->elastic - body->work + body->dissipated;
 }
 
-/* ---- integrators -------------------------------------------------------------------------- */
+/* ---- integrators ---- */
 
 static void tell_slow(ss_body *body, const ss_body_speed *speed)
 {
@@ -210,7 +210,7 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     return isfinite(speed.square);
 }
 
-/* ---- guards ------------------------------------------------------------------------------- */
+/* ---- guards ---- */
 
 /* The ledger goes back with the positions; the motion that is stopped is lost. */
 static void fault(ss_body *body, const char *reason)
@@ -301,7 +301,7 @@ static void judge_slowed(ss_body *body, double gain, double dt)
     }
 }
 
-/* ---- the outer step ----------------------------------------------------------------------- */
+/* ---- the outer step ---- */
 
 /* Where the outer step stands. */
 typedef struct progress {

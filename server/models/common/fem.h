@@ -15,7 +15,7 @@
 #include "models/common/fem_kernels.h"
 #include "models/model.h"
 
-/* ---- material ------------------------------------------------------------------------------- */
+/* ---- material ---- */
 
 enum {
     SS_FEM_MATERIAL,
@@ -136,7 +136,7 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
                                       ss_fem_material *out_material, softsim_error *error);
 void ss_fem_material_fini(ss_fem_material *material);
 
-/* ---- the elastic body ------------------------------------------------------------------------ */
+/* ---- the elastic body ---- */
 
 /* Dilatation resisted by nodes: fem_average.c. */
 typedef struct ss_fem_average {
@@ -208,8 +208,7 @@ void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double
 void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
                     void (*line)(void *sink, const char *text), void *sink);
 
-/* ---- parts, for the files of this module ------------------------------------------------------
- */
+/* ---- parts, for the files of this module ---- */
 
 bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, int32_t padded);
 /* R of every node, N/m: the stiffness of the averaged part is at most that diagonal. */

@@ -71,7 +71,7 @@ void ss_fem_average_fini(ss_fem_average *average)
     *average = (ss_fem_average){0};
 }
 
-/* ---- bound -------------------------------------------------------------------------------- */
+/* ---- bound ---- */
 
 /* The elements around each node: element[first[a]] to element[first[a + 1] - 1]. */
 typedef struct fans {
@@ -160,7 +160,7 @@ bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *set
     return is_good;
 }
 
-/* ---- pressures ---------------------------------------------------------------------------- */
+/* ---- pressures ---- */
 
 /* p_a = lambda_a / V_a times the sum of V_e q_e. */
 static void scale(const ss_fem *fem, ss_real *field)

@@ -12,7 +12,7 @@
 
 SS_KERNEL_PATHS(ss_fem_kernels)
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 void ss_fem_destroy(ss_fem **fem)
 {
@@ -66,7 +66,7 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
     return SOFTSIM_OK;
 }
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
                   ss_body_energy *out)
@@ -109,7 +109,7 @@ void ss_fem_diagonal(void *owner, double *diagonal)
     }
 }
 
-/* ---- what it says ------------------------------------------------------------------------- */
+/* ---- what it says ---- */
 
 void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops)
 {

@@ -40,7 +40,7 @@ SS_INLINE ss_wide all(double s)
     return ss_wide_all((ss_real)s);
 }
 
-/* ---- matrices ----------------------------------------------------------------------------- */
+/* ---- matrices ---- */
 
 /* Gradient of a nodal field. */
 SS_INLINE tensor gradient(const element *e, const ss_real *field)
@@ -285,7 +285,7 @@ SS_INLINE ss_wide above_guard(const tensor *h)
     return j - all(SS_TISSUE_GUARD);
 }
 
-/* ---- neo-hookean's factor ------------------------------------------------------------------ */
+/* ---- neo-hookean's factor ---- */
 
 /* a^(-1/3) for normal a > 0: a guess from the exponent, good to 4 %, then Newton. */
 SS_INLINE ss_wide inverse_cube_root(ss_wide a)
@@ -341,7 +341,7 @@ SS_INLINE ss_wide log_one_plus(ss_wide a)
     return ss_wide_load(lane);
 }
 
-/* ---- stress -------------------------------------------------------------------------------- */
+/* ---- stress ---- */
 
 /* Of the laws of J: energy V W into *energy if wanted; d = 2E. */
 SS_INLINE tensor volume_stress(ss_tissue_kind kind, const element *e, const symmetric *d,

@@ -25,7 +25,7 @@
 /* Blocks summed in ss_real before a sum goes over to double. */
 enum { RUN = 32 };
 
-/* ---- sweeps -------------------------------------------------------------------------------- */
+/* ---- sweeps ---- */
 
 /* The mean of the corners' pressures. */
 SS_INLINE ss_wide corner_mean(const element *e, const ss_real *pressure)
@@ -119,7 +119,7 @@ static void force(ss_fem_pass *pass)
     }
 }
 
-/* ---- tangents ------------------------------------------------------------------------------ */
+/* ---- tangents ---- */
 
 /* a dF + da F + b dC + db C */
 SS_INLINE void add_volume_tangent(tensor *p, const element *e, const tensor *x, const dilatation *v,
@@ -212,7 +212,7 @@ static void tangent(ss_fem_pass *pass)
     }
 }
 
-/* ---- dilatation ---------------------------------------------------------------------------- */
+/* ---- dilatation ---- */
 
 SS_INLINE ss_wide trace_of_tensor(const tensor *h)
 {
@@ -265,7 +265,7 @@ static void dilate(ss_fem_pass *pass)
     }
 }
 
-/* ---- growth -------------------------------------------------------------------------------- */
+/* ---- growth ---- */
 
 /*
  * For nodal motions x of an element, dE(x) = sym(F^T dF) is the small strain of y_a = F^T x_a, so
@@ -309,7 +309,7 @@ static void growth(const ss_fem_pass *pass, ss_real *out_growth, ss_real *out_ra
     }
 }
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_fem_kernels_avx2

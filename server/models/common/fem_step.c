@@ -56,7 +56,7 @@ enum { MAX_TURNS = 400 };
 /* From here on elements may be turning over: a side of length 0 has |2E| = 1. */
 #define TURNING_STRAIN 0.9
 
-/* ---- the assembled bound ------------------------------------------------------------------ */
+/* ---- the assembled bound ---- */
 
 /* Rows xx yy zz, then yz zx xy times sqrt 2, of the strain of a node that moves by e_i, with
  * gradient g. */
@@ -197,7 +197,7 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
     return true;
 }
 
-/* ---- power iteration ------------------------------------------------------------------------ */
+/* ---- power iteration ---- */
 
 static double dot(const ss_fem *fem, const ss_real *x, const ss_real *y)
 {
@@ -267,7 +267,7 @@ static void settle(ss_fem *fem)
     memcpy(s->rest_mode, s->mode, (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padded)
 {
@@ -317,7 +317,7 @@ double ss_fem_rest_step(const ss_fem *fem)
     return ss_fem_step_limit(fem, fem->stability.rest_rate2);
 }
 
-/* ---- while running -------------------------------------------------------------------------- */
+/* ---- while running ---- */
 
 /* Every element: the bound, and which are squeezed or turned over. */
 static double look_at_elements(ss_fem *fem)

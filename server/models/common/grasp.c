@@ -12,7 +12,7 @@
 /* Time in which a released grasp lets go, s. */
 #define RELEASE_TIME 0.02
 
-/* ---- grasp -------------------------------------------------------------------------------- */
+/* ---- grasp ---- */
 
 bool ss_grasp_init(ss_grasp *grasp, int32_t capacity)
 {
@@ -106,7 +106,7 @@ uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)
     return hash;
 }
 
-/* ---- tools -------------------------------------------------------------------------------- */
+/* ---- tools ---- */
 
 void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_turn[3])
 {

@@ -78,7 +78,7 @@ double ss_plan_load_factor(const ss_load *load, double time)
     return time < load->to ? ss_plan_ramp(load->from, load->ramp, time) : 0.0;
 }
 
-/* ---- driven sets -------------------------------------------------------------------------- */
+/* ---- driven sets ---- */
 
 bool ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan)
 {
@@ -138,7 +138,7 @@ double ss_driven_set_place(const ss_driven_set *driven, double path, double frac
     return work;
 }
 
-/* ---- what is refused ---------------------------------------------------------------------- */
+/* ---- what is refused ---- */
 
 typedef struct checker {
     const ss_model_plan *plan;
@@ -363,7 +363,7 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
     return is_sound ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
 }
 
-/* ---- contact ------------------------------------------------------------------------------ */
+/* ---- contact ---- */
 
 double ss_plan_smallest_tool(const ss_model_plan *plan)
 {
@@ -415,7 +415,7 @@ void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_pr
     }
 }
 
-/* ---- pressure ----------------------------------------------------------------------------- */
+/* ---- pressure ---- */
 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, int32_t **out_triangle, int32_t *out_count,

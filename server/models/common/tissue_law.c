@@ -42,7 +42,7 @@ void ss_tissue_lame(double youngs_modulus, double poisson_ratio, double *out_lam
     *out_mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
 }
 
-/* ---- matrices ----------------------------------------------------------------------------- */
+/* ---- matrices ---- */
 
 static double trace(const double a[9])
 {
@@ -173,7 +173,7 @@ double ss_tissue_volume_change(const double h[9])
     return volume_of(h).j;
 }
 
-/* ---- laws --------------------------------------------------------------------------------- */
+/* ---- laws ---- */
 
 /* g(J) - 1 and its derivatives: J^(-2/3), or the parabola below the floor. */
 static void isochoric_factor(double j, double *out_g1, double *out_slope, double *out_bend)
@@ -295,7 +295,7 @@ double ss_tissue_dissipation(const ss_tissue_law *law, const double h[9], const 
     return law->phi * trace(e) * trace(e) + 2.0 * law->psi * contract(e, e);
 }
 
-/* ---- tangents ----------------------------------------------------------------------------- */
+/* ---- tangents ---- */
 
 /* d(s a F) etc. of the laws of J: out = a dF + da F + b dC + db C. */
 static void add_volume_tangent(double out[9], const double h[9], const double dh[9],

@@ -28,7 +28,7 @@
 
 #define SS_INLINE static inline __attribute__((always_inline))
 
-/* ---- quads -------------------------------------------------------------------------------- */
+/* ---- quads ---- */
 
 #if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
 
@@ -309,7 +309,7 @@ SS_INLINE double ss_quad_sum(ss_quad a)
     return ((double)lane[0] + (double)lane[1]) + ((double)lane[2] + (double)lane[3]);
 }
 
-/* ---- pairs --------------------------------------------------------------------------------- */
+/* ---- pairs ---- */
 
 /* Two nodes side by side: one register where the processor has 256 bits and a node is four floats,
  * else two quads. */
@@ -566,7 +566,7 @@ SS_INLINE ss_quad ss_pair_fold(ss_pair a)
 
 #endif
 
-/* ---- wide --------------------------------------------------------------------------------- */
+/* ---- wide ---- */
 
 #if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
 #define SS_WIDE_LANES 8

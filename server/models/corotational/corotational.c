@@ -32,7 +32,7 @@ SS_KERNEL_PATHS(ss_corot_kernels)
 /* Above, linear tetrahedra are far too stiff: a bent beam of nu = 0.45 by a half. */
 #define POISSON_WARNING 0.4
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static void destroy(ss_model *model)
 {
@@ -222,7 +222,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static double step_cost_us(const ss_model_plan *plan)
 {

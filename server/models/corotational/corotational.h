@@ -79,15 +79,14 @@ struct ss_model {
     double left; /* residual over what was enough */
 };
 
-/* ---- material.c ----------------------------------------------------------------------- */
+/* ---- material.c ---- */
 
 /* Values of every element, and everything refused about them. Thread: set-up only. */
 softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_material *out_material,
                                         softsim_error *error);
 void ss_corot_material_fini(ss_corot_material *material);
 
-/* ---- solve.c: what the body asks of the law; `owner` is the model -----------------------
- */
+/* ---- solve.c: what the body asks of the law; `owner` is the model ---- */
 
 void ss_corot_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
                     ss_body_energy *out);

@@ -64,7 +64,7 @@ typedef struct quaternion {
     ss_wide m[4];
 } quaternion;
 
-/* ---- the rotation ------------------------------------------------------------------------- */
+/* ---- the rotation ---- */
 
 /* The largest root of x^4 - 2 x^2 - 8 d x + c, with three real ones below it; at a double root only
  * to the square root of rounding. */
@@ -312,7 +312,7 @@ SS_INLINE ss_wide volume_ratio(const symmetric *e)
     return ss_wide_fma(e->m[4], third, ss_wide_fma(e->m[5], second, x * first));
 }
 
-/* ---- elements ----------------------------------------------------------------------------- */
+/* ---- elements ---- */
 
 /* Gradients at `shape` turned by I + turn. */
 SS_INLINE void turn_gradients(const tensor *turn, const ss_real *shape, ss_real *turned)
@@ -414,7 +414,7 @@ static void multiply(const ss_fem_blocks *blocks, const ss_real *turned, const s
     }
 }
 
-/* ---- vectors ------------------------------------------------------------------------------ */
+/* ---- vectors ---- */
 
 static double dot(int32_t count, const ss_real *x, const ss_real *y)
 {
@@ -467,7 +467,7 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
     return total;
 }
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 #ifdef SS_WIDE_AVX2
 #define PATH      ss_corot_kernels_avx2

@@ -52,7 +52,7 @@
 #define MAX_LEFT 10.0
 enum { MAX_HALVINGS = 2 };
 
-/* ---- the law ------------------------------------------------------------------------------ */
+/* ---- the law ---- */
 
 static size_t bytes_of(const ss_model *model)
 {
@@ -108,7 +108,7 @@ void ss_corot_tangent(void *owner, const ss_real *x, ss_real *out)
     model->kernels->multiply(&model->blocks, model->turned, model->blocks.modulus, 1.0, x, out);
 }
 
-/* ---- one system --------------------------------------------------------------------------- */
+/* ---- one system ---- */
 
 /* A sub-step on its way. */
 typedef struct task {
@@ -279,7 +279,7 @@ static void take(const task *t, double share)
     }
 }
 
-/* ---- the sub-step ------------------------------------------------------------------------- */
+/* ---- the sub-step ---- */
 
 static double enough_of(const task *t, double first)
 {

@@ -31,7 +31,7 @@ static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
 /* Of the stable step that sub-steps take. */
 #define STEP_SHARE 0.5
 
-/* ---- cost ----------------------------------------------------------------------------------- */
+/* ---- cost ---- */
 
 /* Microseconds a sub-step of an element with its share of a node, elastic, viscous, cured, and of
  * an outer step by itself; measured on ellipsoids of 5k to 100k elements with one tool. */
@@ -78,7 +78,7 @@ static double step_cost_us(const ss_model_plan *plan)
     return cost;
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 static void destroy(ss_model *model)
 {
@@ -152,7 +152,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])

@@ -53,8 +53,7 @@ bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out)
     return true;
 }
 
-/* ---- which cells -----------------------------------------------------------------------------
- */
+/* ---- which cells ---- */
 
 typedef struct builder {
     ss_hybrid *hybrid;

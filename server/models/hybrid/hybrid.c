@@ -86,8 +86,7 @@ static const ss_param_row rows[SS_HYBRID_ROW_COUNT] = {
                               .fallback = 600,
                               .help = "the nearest ones wake where there are more"}};
 
-/* ---- cost -----------------------------------------------------------------------------------
- */
+/* ---- cost ---- */
 
 /* Microseconds a sub-step of an element, of a particle awake with its tied neighbours, and of an
  * outer step with its tool. */
@@ -122,8 +121,7 @@ static double step_cost_us(const ss_model_plan *plan)
     return cost;
 }
 
-/* ---- set-up ---------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 static softsim_status refuse(softsim_error *error, const char *text)
 {
@@ -673,8 +671,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
-/* ---- the class ------------------------------------------------------------------------------
- */
+/* ---- the class ---- */
 
 static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
@@ -714,8 +711,7 @@ static const ss_real *velocity(const ss_model *model)
     return hybrid->shown_v;
 }
 
-/* ---- words ----------------------------------------------------------------------------------
- */
+/* ---- words ---- */
 
 enum { PRESSES = 64 }; /* places that are looked at, evenly over the skin */
 

@@ -152,8 +152,7 @@ typedef struct ss_hybrid {
     int32_t age;
 } ss_hybrid;
 
-/* ---- volume.c ---------------------------------------------------------------------------
- */
+/* ---- volume.c ---- */
 
 /* Forces, tangent and preconditioner of core and layer, as ss_body_elastic asks for them. */
 void ss_hybrid_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
@@ -175,8 +174,7 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
 /* Displacement (or velocity) of a tied particle. */
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3]);
 
-/* ---- cells.c ---------------------------------------------------------------------------
- */
+/* ---- cells.c ---- */
 
 /* Cells and their blocks; false when out of memory. Thread: set-up only. */
 bool ss_hybrid_create_cells(ss_hybrid *hybrid);
@@ -184,8 +182,7 @@ void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
 /* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
 bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
 
-/* ---- near.c ----------------------------------------------------------------------------
- */
+/* ---- near.c ---- */
 
 /* Room for the near particles; false when out of memory. Thread: set-up only. */
 bool ss_hybrid_create_near(ss_hybrid *hybrid);
@@ -195,8 +192,7 @@ void ss_hybrid_move_near(ss_hybrid *hybrid, int32_t p);
 /* Brings near_rows up to date. */
 void ss_hybrid_gather_near(ss_hybrid *hybrid);
 
-/* ---- wake.c ----------------------------------------------------------------------------
- */
+/* ---- wake.c ---- */
 
 /* No node of the body is a particle's. */
 void ss_hybrid_idle_all(ss_hybrid *hybrid);
@@ -209,8 +205,7 @@ bool ss_hybrid_wake(ss_hybrid *hybrid);
 /* Wakes the up to max_awake particles nearest to skin node s, for measuring. */
 void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s);
 
-/* ---- skin.c ----------------------------------------------------------------------------
- */
+/* ---- skin.c ---- */
 
 /* Before every outer step: which of the skin is near the tools. */
 void ss_hybrid_list_skin(ss_hybrid *hybrid);
@@ -229,8 +224,7 @@ void ss_hybrid_tell_skin(ss_hybrid *hybrid, int32_t p, int change);
 /* Rows follow their particles by `step` of the way; false when all were there already. */
 bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 
-/* ---- bound.c ---------------------------------------------------------------------------
- */
+/* ---- bound.c ---- */
 
 /* omega^2 of the stiffest motion at the present state, from above, 1/s^2. */
 double ss_hybrid_settle_rate(ss_hybrid *hybrid);

@@ -36,8 +36,7 @@
 /* More take minutes to set up; a layer of a hundredth of them is what a hand feels in time. */
 enum { MAX_PARTICLES = 1 << 20 };
 
-/* ---- small systems ---------------------------------------------------------------------------
- */
+/* ---- small systems ---- */
 
 /* a := Cholesky factor of the symmetric n x n matrix (n <= 4); false where a pivot falls below
  * `least` times what it was. */
@@ -115,8 +114,7 @@ bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], c
     return reach < limit;
 }
 
-/* ---- the set-up's own state ------------------------------------------------------------------
- */
+/* ---- the set-up's own state ---- */
 
 typedef struct builder {
     const ss_layer_plan *plan;
@@ -185,8 +183,7 @@ static bool sort_nodes(builder *b)
                                          (const double(*)[3])b->core_x, 2.0 * b->plan->spacing);
 }
 
-/* ---- particles -------------------------------------------------------------------------------
- */
+/* ---- particles ---- */
 
 static double reach_of(double d_i, double d_j)
 {
@@ -428,8 +425,7 @@ static bool join_neighbours(builder *b)
     return is_good;
 }
 
-/* ---- ties ------------------------------------------------------------------------------------
- */
+/* ---- ties ---- */
 
 /* Barycentric coordinates in (or beyond) tetrahedron e; returns the least. */
 static double barycentric(const ss_mesh *mesh, int32_t e, const double x[3], double out[4])
@@ -549,8 +545,7 @@ static bool tie_all(builder *b)
     return true;
 }
 
-/* ---- skin ------------------------------------------------------------------------------------
- */
+/* ---- skin ---- */
 
 enum { SKIN_MOST = 4 * SS_LAYER_SKIN };
 
@@ -606,8 +601,7 @@ static softsim_status fit_all_skin(builder *b, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- volumes ---------------------------------------------------------------------------------
- */
+/* ---- volumes ---- */
 
 static double tetrahedron_volume(const ss_mesh *mesh, int32_t e)
 {
@@ -675,8 +669,7 @@ static softsim_status share_volume(builder *b, softsim_error *error)
     return status;
 }
 
-/* ---- the whole -------------------------------------------------------------------------------
- */
+/* ---- the whole ---- */
 
 static softsim_status build(builder *b, softsim_error *error)
 {

@@ -71,8 +71,7 @@ softsim_status ss_layer_create(const ss_layer_plan *plan, ss_layer **out_layer,
                                softsim_error *error);
 void ss_layer_destroy(ss_layer **layer);
 
-/* ---- inside the layer's set-up ---------------------------------------------------------------
- */
+/* ---- inside the layer's set-up ---- */
 
 /* A place of the lattice. */
 typedef struct ss_layer_site {

@@ -188,8 +188,7 @@ static void strain(const ss_layer_pass *pass)
     }
 }
 
-/* ---- cohesion --------------------------------------------------------------------------------
- */
+/* ---- cohesion ---- */
 
 /* g/s of eight pairs from their q. */
 static inline ss_pair cohesion(ss_pair q)
@@ -230,9 +229,8 @@ static inline ss_pair well(ss_pair q)
     return ss_pair_fma(ss_pair_fma(ss_pair_all(bend / 2), below, ss_pair_all(slope)), below, sum);
 }
 
-/* ---- forces of the points --------------------------------------------------------------------
- *
- * A point's pairs go in eights. A register has the fourths of them, first and fifth, second and
+/* ---- forces of the points ---- */
+/* A point's pairs go in eights. A register has the fourths of them, first and fifth, second and
  * sixth, and so on: turned round, one component of all eight, in their order.
  */
 
@@ -419,8 +417,7 @@ static double push(const ss_layer_pass *pass, bool is_cohesive, bool wants_energ
                           : push_points(pass, true, false);
 }
 
-/* ---- cells ----------------------------------------------------------------------------------
- */
+/* ---- cells ---- */
 
 static void strain_cells(const ss_layer_cells *cells, const ss_real *u, const ss_real *v)
 {

@@ -53,8 +53,7 @@ static double centre(const lattice *l, int k, int32_t i)
     return l->low[k] + (i + 0.5) * l->spacing;
 }
 
-/* ---- tetrahedra ------------------------------------------------------------------------------
- */
+/* ---- tetrahedra ---- */
 
 static void claim(lattice *l, int32_t e)
 {
@@ -99,8 +98,7 @@ static void claim(lattice *l, int32_t e)
     }
 }
 
-/* ---- the surface -----------------------------------------------------------------------------
- */
+/* ---- the surface ---- */
 
 static void pierce(lattice *l, int32_t t)
 {
@@ -159,8 +157,7 @@ static void wind(lattice *l)
     }
 }
 
-/* ---- one level -------------------------------------------------------------------------------
- */
+/* ---- one level ---- */
 
 static bool add_site(ss_layer_sites *sites, const ss_layer_site *site)
 {

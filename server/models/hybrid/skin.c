@@ -23,8 +23,7 @@
 
 enum { TURNS = 8 };
 
-/* ---- rows -----------------------------------------------------------------------------------
- */
+/* ---- rows ---- */
 
 static ss_quad sum_row(int32_t count, const int32_t *node, const ss_real *weight, const ss_real *u)
 {
@@ -241,9 +240,8 @@ void ss_hybrid_carry_diagonal(void *owner, int32_t count, const int32_t *node, c
     }
 }
 
-/* ---- the contact's stiffness against the masses -----------------------------------------------
- *
- * With D = diag(skin) and A = |S| M^-1 |S|^T D, not negative, the largest eigenvalue of M^-1 S^T D
+/* ---- the contact's stiffness against the masses ---- */
+/* With D = diag(skin) and A = |S| M^-1 |S|^T D, not negative, the largest eigenvalue of M^-1 S^T D
  * S is at most that of A, and that at most max_s (A x)_s / x_s for any x > 0 (Collatz). x = 1 gives
  * row sums; x = A 1 less, for the price of another turn. By columns, max_i 1/m_i sum_s |S_si| k_s
  * sum_j |S_sj|, it was 1.5 to 1.8 times as much: a row's squares say less than its largest weight.
@@ -328,8 +326,7 @@ double ss_hybrid_carry_rate2(void *owner, int32_t count, const int32_t *node, co
     return largest;
 }
 
-/* ---- following the particles ----------------------------------------------------------------
- */
+/* ---- following the particles ---- */
 
 /* Adds to entry `node` of a row. */
 static void add_entry(ss_hybrid *hybrid, ss_hybrid_ride *ride, int32_t node, ss_real weight)

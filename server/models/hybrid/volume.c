@@ -33,8 +33,7 @@
 #include "models/common/dispatch.h"
 #include "models/common/wide.h"
 
-/* ---- lanes ----------------------------------------------------------------------------------
- */
+/* ---- lanes ---- */
 
 typedef struct lane_values {
     double lambda, mu, kappa, phi, psi, volume; /* all times the volume but itself */
@@ -140,8 +139,7 @@ void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share)
     write_point(hybrid, particle->point);
 }
 
-/* ---- points ---------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 static void need(ss_hybrid *hybrid, int32_t p)
 {
@@ -204,8 +202,7 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
     }
 }
 
-/* ---- forces ---------------------------------------------------------------------------------
- */
+/* ---- forces ---- */
 
 static ss_layer_pass pass_of(ss_hybrid *hybrid, const ss_real *u, const ss_real *v, ss_real *force)
 {
@@ -427,8 +424,7 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
     }
 }
 
-/* ---- ties ------------------------------------------------------------------------------------
- */
+/* ---- ties ---- */
 
 void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double out[3])
 {
@@ -441,8 +437,7 @@ void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double
     }
 }
 
-/* ---- the path, and the pair curve ------------------------------------------------------------
- */
+/* ---- the path, and the pair curve ---- */
 
 SS_KERNEL_PATHS(ss_layer_kernels)
 

@@ -45,8 +45,7 @@
 enum { EVERY = 4 };
 enum { BINS = 64, PATIENCE = 16 };
 
-/* ---- mass and momentum -----------------------------------------------------------------------
- */
+/* ---- mass and momentum ---- */
 
 static double particle_mass(const ss_hybrid *hybrid, int32_t p)
 {
@@ -158,8 +157,7 @@ static void drift(ss_hybrid *hybrid)
     }
 }
 
-/* ---- wanted ---------------------------------------------------------------------------------
- */
+/* ---- wanted ---- */
 
 static bool is_up(const ss_hybrid *hybrid, int32_t p)
 {
@@ -233,8 +231,7 @@ static void let_go(ss_hybrid *hybrid, int32_t p)
     ss_hybrid_tell_skin(hybrid, p, -1);
 }
 
-/* ---- shares ---------------------------------------------------------------------------------
- */
+/* ---- shares ---- */
 
 /* Moves p's share by at most `step`; true when it was not there yet. */
 static bool move_share(ss_hybrid *hybrid, int32_t p, double step)
@@ -287,8 +284,7 @@ static bool fade(ss_hybrid *hybrid, double step)
     return has_changed;
 }
 
-/* ---- where the tools are ---------------------------------------------------------------------
- */
+/* ---- where the tools are ---- */
 
 /* Displacement of the skin under the tool: the mean over the nodes in reach, the nearest counting
  * most, so that it moves smoothly. False where none is in reach. */
@@ -494,8 +490,7 @@ bool ss_hybrid_wake(ss_hybrid *hybrid)
     return has_changed;
 }
 
-/* ---- all at once ----------------------------------------------------------------------------
- */
+/* ---- all at once ---- */
 
 static void settle_now(ss_hybrid *hybrid)
 {

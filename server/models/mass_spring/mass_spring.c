@@ -49,7 +49,7 @@
 #include "rt/printer.h"
 #include "rt/vec.h"
 
-/* ---- parameters --------------------------------------------------------------------------- */
+/* ---- parameters ---- */
 
 enum {
     ROW_YOUNGS_MODULUS,
@@ -131,7 +131,7 @@ struct ss_model {
     double stiffness_min, stiffness_max;
 };
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 /* An edge as it lies now. */
 typedef struct stretched {
@@ -226,7 +226,7 @@ static void diagonal(void *owner, double *out)
     }
 }
 
-/* ---- the stable step ---------------------------------------------------------------------- */
+/* ---- the stable step ---- */
 
 /* From above: mean + sqrt(2/3) |deviator|. */
 static double largest_eigenvalue(const double a[6])
@@ -286,7 +286,7 @@ static double stable_step(void *owner, const ss_body *body)
     return model->seen_step;
 }
 
-/* ---- the watch ---------------------------------------------------------------------------- */
+/* ---- the watch ---- */
 
 /* Of a model of nodes: a corner names the tetrahedron. */
 static void judge_turned(ss_model *model)
@@ -313,7 +313,7 @@ static uint64_t hash_state(const void *owner, uint64_t seed)
                           ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step));
 }
 
-/* ---- set-up ------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 static double value_at(const ss_model_plan *plan, int row, int32_t node)
 {
@@ -549,7 +549,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static double step_cost_us(const ss_model_plan *plan)
 {

@@ -37,7 +37,7 @@
  * Rejected too: St. Venant-Kirchhoff strain as a constraint (six rows, and no cure when crushed).
  */
 
-/* ---- small matrices ----------------------------------------------------------------------- */
+/* ---- small matrices ---- */
 
 /* (I + s S)^-1, symmetric: xx yy zz yz xz xy. */
 SS_INLINE symmetric damped_inverse(const ss_real *spread, ss_wide s)
@@ -90,7 +90,7 @@ SS_INLINE ss_wide contraction(const tensor *a, const tensor *b)
     return sum;
 }
 
-/* ---- tetrahedra --------------------------------------------------------------------------- */
+/* ---- tetrahedra ---- */
 
 /* c and l, and the bulk modulus b of the law's b (J - 1)^2 / 2, times V. */
 typedef struct stiffness {
@@ -240,7 +240,7 @@ static void constrain(ss_xpbd_pass *pass)
     }
 }
 
-/* ---- nodes -------------------------------------------------------------------------------- */
+/* ---- nodes ---- */
 
 static void predict(int32_t padded_count, double h, double keep, const ss_real *mobility,
                     const ss_real *force, const ss_real *v, ss_real *step)

@@ -168,6 +168,6 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
     return is_good;
 }
 
-/* ---- the path ------------------------------------------------------------------------------ */
+/* ---- the path ---- */
 
 SS_KERNEL_PATHS(ss_xpbd_kernels)

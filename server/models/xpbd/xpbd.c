@@ -86,7 +86,7 @@ struct ss_model {
     ss_turned turned;
 };
 
-/* ---- steps -------------------------------------------------------------------------------- */
+/* ---- steps ---- */
 
 static double stable_step(void *owner, const ss_body *body)
 {
@@ -169,7 +169,7 @@ static void step(ss_model *model, double time, double dt,
     }
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 static void destroy(ss_model *model)
 {
@@ -272,7 +272,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
     return SOFTSIM_OK;
 }
 
-/* ---- the class ---------------------------------------------------------------------------- */
+/* ---- the class ---- */
 
 static double step_cost_us(const ss_model_plan *plan)
 {

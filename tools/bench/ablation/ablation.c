@@ -89,8 +89,7 @@ typedef struct figures {
     char note[200];
 } figures;
 
-/* ---- a pair ----------------------------------------------------------------------------------
- */
+/* ---- a pair ---- */
 
 typedef struct report {
     const char *out;
@@ -280,8 +279,7 @@ static softsim_status run(const void *context, int32_t index, FILE *out, softsim
     return status;
 }
 
-/* ---- files -----------------------------------------------------------------------------------
- */
+/* ---- files ---- */
 
 static void read_figures(const ss_sweep_run *from, figures *out)
 {
@@ -426,8 +424,7 @@ static void print_rows(const report *r, const ss_sweep_result *result)
     }
 }
 
-/* ---- the report ------------------------------------------------------------------------------
- */
+/* ---- the report ---- */
 
 static softsim_status measure(report *r, softsim_error *error)
 {

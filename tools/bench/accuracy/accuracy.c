@@ -51,7 +51,7 @@ typedef struct report {
     ss_accuracy_worth worth; /* of a scene's reference */
 } report;
 
-/* ---- options ------------------------------------------------------------------------------ */
+/* ---- options ---- */
 
 /* The report may be no file that the command names. */
 static void check_outputs(const options *o, softsim_error *error)
@@ -175,7 +175,7 @@ static void check_sets(const options *o, softsim_error *error)
     }
 }
 
-/* ---- cases -------------------------------------------------------------------------------- */
+/* ---- cases ---- */
 
 static int by_name(const void *a, const void *b)
 {
@@ -320,7 +320,7 @@ static softsim_status load_cases(report *r, softsim_error *error)
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
 
-/* ---- jobs --------------------------------------------------------------------------------- */
+/* ---- jobs ---- */
 
 static softsim_status add_job(ss_accuracy_plan *plan, ss_accuracy_job job, softsim_error *error)
 {
@@ -546,7 +546,7 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
     return status;
 }
 
-/* ---- the page ----------------------------------------------------------------------------- */
+/* ---- the page ---- */
 
 static softsim_status write_dynamics(report *r, softsim_error *error)
 {
@@ -767,7 +767,7 @@ static softsim_status write_page(report *r, softsim_error *error)
     return status;
 }
 
-/* ---- all ---------------------------------------------------------------------------------- */
+/* ---- all ---- */
 
 static softsim_status make_folders(const report *r, softsim_error *error)
 {

@@ -58,7 +58,7 @@ softsim_status ss_accuracy_check_bodies(const ss_accuracy_plan *plan,
 void ss_accuracy_lose_job(const ss_accuracy_plan *plan, int32_t index, const char *reason,
                           FILE *out);
 
-/* ---- rows --------------------------------------------------------------------------------- */
+/* ---- rows ---- */
 
 typedef struct ss_accuracy_row {
     char case_name[64], material[32], model[64], mesh[32], level[32], calibrated[8], verdict[400];
@@ -125,7 +125,7 @@ const ss_accuracy_mean *ss_accuracy_choose(const ss_accuracy_mean *mean, int32_t
 /* Which of `count` points (time, error) no other beats in both; NaN never are. */
 void ss_accuracy_pareto(int32_t count, const double *time, const double *error, bool *out_front);
 
-/* ---- pictures ----------------------------------------------------------------------------- */
+/* ---- pictures ---- */
 
 /* Error against time, forces, and with `has_shapes` the last level's shapes beside the reference,
  * of one case and material. */

@@ -78,7 +78,7 @@ softsim_status ss_accuracy_check_bodies(const ss_accuracy_plan *plan,
     return error->fault_count > faults ? error->status : SOFTSIM_OK;
 }
 
-/* ---- rows of other programs --------------------------------------------------------------- */
+/* ---- rows of other programs ---- */
 
 enum { MAX_BAD_ROWS = 10 }; /* then the file is something else */
 

@@ -23,7 +23,7 @@ typedef struct drawing {
     softsim_error *error;
 } drawing;
 
-/* ---- error against time ------------------------------------------------------------------- */
+/* ---- error against time ---- */
 
 static double step_time(const ss_accuracy_mean *m)
 {
@@ -170,7 +170,7 @@ static softsim_status draw_times(drawing *d, const char *kind, const char *label
     return ss_page_plot(d->page, &script, name, text, d->error);
 }
 
-/* ---- force against depth ------------------------------------------------------------------ */
+/* ---- force against depth ---- */
 
 /* The finest mesh on which the model has a force at every level, else any. */
 static const ss_accuracy_mean *finest(const drawing *d, const char *model)
@@ -254,7 +254,7 @@ static softsim_status draw_forces(drawing *d)
     return ss_page_plot(d->page, &script, name, text, d->error);
 }
 
-/* ---- shapes ------------------------------------------------------------------------------- */
+/* ---- shapes ---- */
 
 typedef struct pair {
     double (*rest)[3], (*u)[3]; /* the model's body, then the reference's */
@@ -495,7 +495,7 @@ static softsim_status draw_shapes(drawing *d)
     return status;
 }
 
-/* ---- all ---------------------------------------------------------------------------------- */
+/* ---- all ---- */
 
 static softsim_status draw_material(drawing *d, bool has_shapes)
 {

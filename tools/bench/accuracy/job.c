@@ -68,7 +68,7 @@ void ss_accuracy_job_id(const ss_accuracy_plan *plan, int32_t index, char out[25
              mesh[job->mesh].name);
 }
 
-/* ---- runs --------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
 /* The scene's lines of the model; NULL with a fault when out of memory. */
 static char *model_text(work *w)
@@ -132,7 +132,7 @@ static const double (*reference_of(const work *w, int32_t level))[3]
     return (const double(*)[3])w->body.reference[level];
 }
 
-/* ---- calibration -------------------------------------------------------------------------- */
+/* ---- calibration ---- */
 
 static void set_free(work *w, const double *x)
 {
@@ -261,7 +261,7 @@ static softsim_status calibrate(work *w)
     return w->status;
 }
 
-/* ---- what a job leaves -------------------------------------------------------------------- */
+/* ---- what a job leaves ---- */
 
 static softsim_status write_field(const work *w, int32_t index, int32_t level,
                                   const ss_static_run *run)
@@ -408,7 +408,7 @@ static softsim_status run_levels(work *w, int32_t index, FILE *out)
     return status == SOFTSIM_OK ? write_snippet(w, index) : status;
 }
 
-/* ---- the job ------------------------------------------------------------------------------ */
+/* ---- the job ---- */
 
 static void begin(work *w, const ss_accuracy_plan *plan, int32_t index, softsim_error *error)
 {
@@ -492,7 +492,7 @@ void ss_accuracy_lose_job(const ss_accuracy_plan *plan, int32_t index, const cha
     }
 }
 
-/* ---- dynamics ----------------------------------------------------------------------------- */
+/* ---- dynamics ---- */
 
 /* The node nearest the probe. */
 static int32_t probe_node(const work *w)

@@ -13,7 +13,7 @@ const char ss_accuracy_head[] =
     "us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,verdict";
 static const char own_head[] = ",value,force_n";
 
-/* ---- writing ------------------------------------------------------------------------------ */
+/* ---- writing ---- */
 
 void ss_accuracy_put(FILE *file, double value)
 {
@@ -64,7 +64,7 @@ softsim_status ss_accuracy_rows_write(const ss_accuracy_rows *rows, const char *
     return ss_output_commit(&output, error);
 }
 
-/* ---- reading ------------------------------------------------------------------------------ */
+/* ---- reading ---- */
 
 /* Cells may be empty: NaN. */
 static double number(const ss_table *table, int32_t row, int32_t column, softsim_error *error)
@@ -223,7 +223,7 @@ void ss_accuracy_rows_fini(ss_accuracy_rows *rows)
     *rows = (ss_accuracy_rows){.row = NULL};
 }
 
-/* ---- means, choice, front ----------------------------------------------------------------- */
+/* ---- means, choice, front ---- */
 
 static bool is_same(const ss_accuracy_row *a, const ss_accuracy_row *b)
 {

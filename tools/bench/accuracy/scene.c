@@ -57,7 +57,7 @@ static softsim_status no_memory(maker *m)
     return SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- the scene as a case ------------------------------------------------------------------ */
+/* ---- the scene as a case ---- */
 
 /* NaN: the model has no such row, or it is not given. */
 static double parameter(const maker *m, const char *name)
@@ -266,7 +266,7 @@ static void tell_taken(const maker *m)
     fprintf(stderr, "%s: %s\n", m->path, m->worth->taken);
 }
 
-/* ---- the reference ------------------------------------------------------------------------ */
+/* ---- the reference ---- */
 
 static softsim_status refine_bodies(maker *m, int32_t most)
 {
@@ -411,7 +411,7 @@ static void judge(maker *m)
     }
 }
 
-/* ---- files -------------------------------------------------------------------------------- */
+/* ---- files ---- */
 
 static softsim_status open_file(const maker *m, const char *name, int32_t mesh, const char *end,
                                 ss_output *output)
@@ -604,7 +604,7 @@ void ss_accuracy_scene_outline(ss_case *out)
     }
 }
 
-/* ---- the whole ---------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_quick,
                                  ss_accuracy_worth *out, softsim_error *error)

@@ -22,7 +22,7 @@
 
 typedef double vector[3];
 
-/* ---- pattern ------------------------------------------------------------------------------ */
+/* ---- pattern ---- */
 
 static int compare(const void *a, const void *b)
 {
@@ -143,7 +143,7 @@ int32_t ss_block_matrix_find(const ss_block_matrix *matrix, int32_t row, int32_t
     return -1;
 }
 
-/* ---- products ----------------------------------------------------------------------------- */
+/* ---- products ---- */
 
 static void add_block(const double block[9], const double x[3], double s, double y[3])
 {
@@ -170,7 +170,7 @@ void ss_block_matrix_multiply(const ss_block_matrix *matrix, const double (*x)[3
     }
 }
 
-/* ---- solution ----------------------------------------------------------------------------- */
+/* ---- solution ---- */
 
 static bool is_held(uint8_t bits, int axis)
 {

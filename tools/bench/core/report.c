@@ -70,8 +70,7 @@ softsim_status ss_report_make_folder(const char *folder, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- HTML --------------------------------------------------------------------------------------
- */
+/* ---- HTML ---- */
 
 static void put_escaped(FILE *file, const char *text)
 {
@@ -227,8 +226,7 @@ void ss_row_add_number(ss_row *row, double value)
     }
 }
 
-/* ---- pictures ----------------------------------------------------------------------------------
- */
+/* ---- pictures ---- */
 
 static softsim_status open_script(ss_output *script, const char *folder, const char *name,
                                   const char *terminal, const char *type, const char *style,
@@ -371,8 +369,7 @@ void ss_page_abandon(ss_page *page)
     ss_output_abandon(&page->output);
 }
 
-/* ---- CSV ---------------------------------------------------------------------------------------
- */
+/* ---- CSV ---- */
 
 softsim_status ss_report_csv_open(ss_output *csv, const char *folder, const char *name,
                                   const char *head, softsim_error *error)

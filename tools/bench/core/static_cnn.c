@@ -41,7 +41,7 @@ enum { MAX_STEPS = 60 };
 
 typedef double vector[3];
 
-/* ---- matrices of a graph -------------------------------------------------------------------- */
+/* ---- matrices of a graph ---- */
 
 /* diag(d) + Laplacian(w) of the nodes that are free, and rows of the identity for the others, so
  * that one pattern and one order serve every choice of them. */
@@ -199,7 +199,7 @@ static bool solve(matrix *m, const double *b, double *x)
     return find_rest(m, b, x) <= SOLVE_TOLERANCE;
 }
 
-/* ---- the body ------------------------------------------------------------------------------- */
+/* ---- the body ---- */
 
 /* A triangle's part of one side. */
 typedef struct side {
@@ -388,7 +388,7 @@ static softsim_status build(state *s, softsim_error *error)
     return status == SOFTSIM_OK ? spread(s, error) : status;
 }
 
-/* ---- Newton's method ------------------------------------------------------------------------ */
+/* ---- Newton's method ---- */
 
 /* r, F - dPi/du and A's weights at u; returns eps. */
 static double evaluate(state *s, const vector *u)

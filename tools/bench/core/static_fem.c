@@ -55,7 +55,7 @@ typedef struct state {
     double energy, factor;
 } state;
 
-/* ---- forces ------------------------------------------------------------------------------- */
+/* ---- forces ---- */
 
 /* H, row by row. */
 static void gradient_of(const element *e, const int32_t node[4], const vector *u, double h[9])
@@ -145,7 +145,7 @@ static double internal_norm(const state *s)
     return sqrt(sum);
 }
 
-/* ---- tangent ------------------------------------------------------------------------------ */
+/* ---- tangent ---- */
 
 /* c[3 k + l][3 i + j] = dP_ij / dH_kl */
 static void tangent_of(const ss_tissue_law *law, const double h[9], double c[9][9])
@@ -225,7 +225,7 @@ static void assemble(state *s, const vector *u)
     ss_block_matrix_prepare(s->matrix, s->problem->held);
 }
 
-/* ---- Newton ------------------------------------------------------------------------------- */
+/* ---- Newton ---- */
 
 static double prescribed(const ss_static_problem *problem, int32_t i, int k)
 {
@@ -326,7 +326,7 @@ static softsim_status climb(state *s, vector *u, vector *base, vector *good,
     return SOFTSIM_OK;
 }
 
-/* ---- life --------------------------------------------------------------------------------- */
+/* ---- life ---- */
 
 static softsim_status check(const ss_static_problem *problem, softsim_error *error)
 {

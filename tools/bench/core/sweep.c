@@ -82,8 +82,7 @@ typedef struct sweeper {
     bool is_shown, is_terminal; /* else a line every ten seconds */
 } sweeper;
 
-/* ---- the list --------------------------------------------------------------------------------
- */
+/* ---- the list ---- */
 
 /* What results depend on: the program, and what every run is. */
 static uint64_t fingerprint(const ss_sweep *sweep)
@@ -118,8 +117,7 @@ static int32_t environment_number(const char *name, int32_t min, int32_t max, in
                : fallback;
 }
 
-/* ---- parts -----------------------------------------------------------------------------------
- */
+/* ---- parts ---- */
 
 static bool is_part_name(const ss_sweep *sweep, const char *name)
 {
@@ -357,8 +355,7 @@ static softsim_status put_record(sweeper *s, int32_t index, bool is_lost, const 
     return is_written ? SOFTSIM_OK : cannot_write(s, error);
 }
 
-/* ---- runs ------------------------------------------------------------------------------------
- */
+/* ---- runs ---- */
 
 /* In the run's own process: a letter, then its text or why there is none. */
 _Noreturn static void do_run(const sweeper *s, int32_t index, int fd, pid_t parent)
@@ -612,8 +609,7 @@ static softsim_status wait_for_others(sweeper *s, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- the whole -------------------------------------------------------------------------------
- */
+/* ---- the whole ---- */
 
 static bool allocate(sweeper *s)
 {

@@ -51,8 +51,7 @@ struct ss_bare {
     int64_t echo_sent;
 };
 
-/* ---- the loop ----------------------------------------------------------------------------------
- */
+/* ---- the loop ---- */
 
 /* The next period that is not over; counts the ones that are. */
 static int64_t next_due(int64_t due_ns, int64_t *out_skipped)
@@ -80,8 +79,7 @@ static void *loop_body(void *argument)
     return NULL;
 }
 
-/* ---- the echo ----------------------------------------------------------------------------------
- */
+/* ---- the echo ---- */
 
 static void handle_sent(void *context, const ss_packet *packet)
 {
@@ -178,8 +176,7 @@ static void *send_body(void *argument)
     return NULL;
 }
 
-/* ---- main thread -------------------------------------------------------------------------------
- */
+/* ---- main thread ---- */
 
 static void end_threads(ss_bare *bare)
 {

@@ -27,8 +27,7 @@ bool ss_figures_is_missed_good(int64_t periods, int64_t missed, int64_t bare_per
     return (double)missed <= (2.0 * bare_share + 0.001) * (double)periods;
 }
 
-/* ---- windows
- * ------------------------------------------------------------------------------------- */
+/* ---- windows ---- */
 
 /* Statuses, newest first, that end disjoint windows within the run; the last one of the run when
  * the run is shorter than a window. */
@@ -106,8 +105,7 @@ static bool compute_lateness(const ss_session *s, int32_t last, ss_figures *out)
     return true;
 }
 
-/* ---- counters
- * -------------------------------------------------------------------------------------- */
+/* ---- counters ---- */
 
 static void check_statuses(const ss_session *s, ss_figures *out)
 {
@@ -173,8 +171,7 @@ bool ss_figures_compute(const ss_session *s, ss_figures *out)
     return true;
 }
 
-/* ---- answers
- * --------------------------------------------------------------------------------------- */
+/* ---- answers ---- */
 
 softsim_status ss_figures_read_answers(const ss_session *s, ss_figures *figures,
                                        softsim_error *error)

@@ -40,8 +40,7 @@ typedef struct report {
     ss_yardstick yardstick;
 } report;
 
-/* ---- options
- * --------------------------------------------------------------------------------------- */
+/* ---- options ---- */
 
 /* Options of one of the two uses do nothing in the other. */
 static void check_log_options(const options *o, softsim_error *error)
@@ -179,8 +178,7 @@ static const char *find_bridge(const options *o, char *store, int32_t size, soft
     return NULL;
 }
 
-/* ---- figures
- * -------------------------------------------------------------------------------------- */
+/* ---- figures ---- */
 
 enum { QUANTITIES = 5 };
 typedef struct quantity {
@@ -255,8 +253,7 @@ static softsim_status write_csv(const report *r, softsim_error *error)
     return ss_output_commit(&output, error);
 }
 
-/* ---- the terminal
- * ----------------------------------------------------------------------------------- */
+/* ---- the terminal ---- */
 
 static const char *fifo_note(const report *r)
 {
@@ -307,8 +304,7 @@ static void print_figures(const report *r)
     }
 }
 
-/* ---- the page
- * -------------------------------------------------------------------------------------- */
+/* ---- the page ---- */
 
 /* A data block of `value share`: what share of the samples is at least as large. */
 static void put_tail(FILE *file, const char *name, ss_samples *samples)
@@ -507,8 +503,7 @@ static softsim_status write_page(const report *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run
- * ---------------------------------------------------------------------------------------- */
+/* ---- the run ---- */
 
 static softsim_status run(options *o, const char *bridge, int64_t repeat, bool *out_is_good,
                           softsim_error *error)

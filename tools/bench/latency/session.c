@@ -34,8 +34,7 @@ typedef struct chain {
     char out_path[CHILDREN][PATH_SIZE], err_path[CHILDREN][PATH_SIZE];
 } chain;
 
-/* ---- statuses ----------------------------------------------------------------------------------
- */
+/* ---- statuses ---- */
 
 static void take_status(void *context, const struct _softsim_server_status_t *from,
                         int64_t receive_ns)
@@ -72,8 +71,7 @@ static int32_t probes_served(const ss_session *session)
     return served;
 }
 
-/* ---- programs ----------------------------------------------------------------------------------
- */
+/* ---- programs ---- */
 
 /* The last line of a log, without its end. */
 static void read_last_line(const char *path, char *out, size_t size)
@@ -323,8 +321,7 @@ void ss_session_fini(ss_session *session)
     *session = (ss_session){0};
 }
 
-/* ---- arguments for the bridge
- * -------------------------------------------------------------------- */
+/* ---- arguments for the bridge ---- */
 
 int32_t ss_session_split(char *text, const char **out_word, int32_t capacity)
 {

@@ -11,7 +11,7 @@
 static const char *const result_names[] = {"pass", "fail", "differs"};
 static const char *const source_names[] = {"paper", "closed form", "independent"};
 
-/* ---- adding ------------------------------------------------------------------------------- */
+/* ---- adding ---- */
 
 /* The next claim with its text; the last slot is used again and again when all are taken, so that
  * a count at the limit shows itself. */
@@ -125,7 +125,7 @@ int32_t ss_paper_count(const ss_paper *paper, ss_claim_result result)
     return count;
 }
 
-/* ---- files and the page ------------------------------------------------------------------- */
+/* ---- files and the page ---- */
 
 softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const char *name,
                                  const char *head, softsim_error *error)

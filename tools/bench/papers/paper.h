@@ -23,7 +23,7 @@
 #include "softsim/softsim.h"
 #include "softsim/types.h"
 
-/* ---- claims ------------------------------------------------------------------------------- */
+/* ---- claims ---- */
 
 typedef enum ss_claim_result { SS_CLAIM_PASS, SS_CLAIM_FAIL, SS_CLAIM_DIFFERS } ss_claim_result;
 
@@ -94,7 +94,7 @@ void ss_paper_miss(ss_paper *paper, const char *why, const char *what, ...)
 int32_t ss_paper_count(const ss_paper *paper, ss_claim_result result);
 softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error);
 
-/* ---- the page ----------------------------------------------------------------------------- */
+/* ---- the page ---- */
 
 /* A table of the claims added since the last one. */
 void ss_paper_show_claims(ss_paper *paper);
@@ -116,7 +116,7 @@ void ss_paper_write_missing(ss_paper *paper);
  * search that was made. */
 void ss_paper_write_verdict(ss_paper *paper);
 
-/* ---- runs of scenes ----------------------------------------------------------------------- */
+/* ---- runs of scenes ---- */
 
 /* A body as the program sees it. */
 typedef struct ss_trial_body {
@@ -166,7 +166,7 @@ softsim_status ss_trial_generate(const ss_paper *paper, const char *name, const 
 softsim_status ss_trial_generate_solid(const ss_paper *paper, const char *name, const char *shape,
                                        int32_t points, const char *size_mm, softsim_error *error);
 
-/* ---- papers ------------------------------------------------------------------------------- */
+/* ---- papers ---- */
 
 /* Zhong, Shirinzadeh, Alici, Smith 2006. Fills the page; claims tell the rest. */
 softsim_status ss_paper_zhong(ss_paper *paper, softsim_error *error);

@@ -24,7 +24,7 @@ static softsim_status no_memory(softsim_error *error)
     return SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- worlds ------------------------------------------------------------------------------- */
+/* ---- worlds ---- */
 
 /* The first fault without the temporary file's name. */
 static void keep_reason(char out[256], const softsim_error *refusal)
@@ -111,7 +111,7 @@ softsim_status ss_trial_run(ss_trial *trial, int32_t ticks, softsim_error *error
     return SOFTSIM_OK;
 }
 
-/* ---- bodies ------------------------------------------------------------------------------- */
+/* ---- bodies ---- */
 
 softsim_status ss_trial_look(const ss_paper *paper, const char *object, ss_trial_body *out_body,
                              char out_reason[256], softsim_error *error)

@@ -110,8 +110,7 @@ static softsim_status write_scene(const char *path, const char *mesh, int32_t su
     return SOFTSIM_OK;
 }
 
-/* ---- the run ---------------------------------------------------------------------------------
- */
+/* ---- the run ---- */
 
 static void refuse(const softsim_error *refusal, ss_block_run *out)
 {

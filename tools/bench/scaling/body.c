@@ -53,8 +53,7 @@ static const char model_text[] = "  area_density_kg_m2: 11.5\n"
                                  "simulation: {rate_hz: 1000}\n"
                                  "publish: {mesh_rate_hz: 0}\n";
 
-/* ---- files
- * --------------------------------------------------------------------------------------- */
+/* ---- files ---- */
 
 static void file_name(const ss_body *body, const char *name, char out[PATH_SIZE])
 {
@@ -237,8 +236,7 @@ softsim_status ss_body_make(ss_body *body, int32_t points, softsim_error *error)
     return SOFTSIM_ERROR_SYSTEM;
 }
 
-/* ---- runs
- * --------------------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
 typedef struct runner {
     softsim_world *world;
@@ -431,8 +429,7 @@ static softsim_status play_path(runner *r, const ss_body *body, const softsim_pa
     return SOFTSIM_OK;
 }
 
-/* ---- against a direct solve -------------------------------------------------------------------
- */
+/* ---- against a direct solve ---- */
 
 /* What a direct solve is told of a deed, a value a node. */
 typedef struct twin {

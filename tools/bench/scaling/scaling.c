@@ -87,8 +87,7 @@ typedef struct report {
     int32_t row_count;
 } report;
 
-/* ---- options
- * ------------------------------------------------------------------------------------------ */
+/* ---- options ---- */
 
 static int compare_sizes(const void *a, const void *b)
 {
@@ -161,8 +160,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-/* ---- measuring
- * ---------------------------------------------------------------------------------------- */
+/* ---- measuring ---- */
 
 static double paper_ms(int32_t points)
 {
@@ -281,8 +279,7 @@ static softsim_status measure(report *r, softsim_error *error)
     return status;
 }
 
-/* ---- blocks
- * ------------------------------------------------------------------------------------------- */
+/* ---- blocks ---- */
 
 /* Run `index`: subject by subject within a size, so that a mesh is made once. */
 static int32_t block_subject(const void *context, int32_t index)
@@ -375,8 +372,7 @@ static softsim_status measure_blocks(report *r, softsim_error *error)
     return status;
 }
 
-/* ---- files
- * --------------------------------------------------------------------------------------------- */
+/* ---- files ---- */
 
 static void put_number(FILE *file, double value)
 {
@@ -781,8 +777,7 @@ static softsim_status write_page(const report *r, softsim_error *error)
     return status;
 }
 
-/* ---- the run
- * --------------------------------------------------------------------------------------------- */
+/* ---- the run ---- */
 
 static int run_report(int argc, char **argv)
 {

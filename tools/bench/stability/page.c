@@ -37,8 +37,7 @@ static fate fate_of(const ss_stability_row *row)
                                                       : GUARDED;
 }
 
-/* ---- CSV -------------------------------------------------------------------------------------
- */
+/* ---- CSV ---- */
 
 static const char csv_head[] =
     "model,sweep,stiffness_pa,value,variant,outcome,verdict,acted,found,agrees,limit_s,step_s,"
@@ -70,8 +69,7 @@ static softsim_status write_csv(const ss_stability *list, const ss_sweep_result 
     return ss_output_commit(&output, error);
 }
 
-/* ---- maps ------------------------------------------------------------------------------------
- */
+/* ---- maps ---- */
 
 /* Where a kind has one value and several variants, those are the columns. */
 typedef struct map {
@@ -209,8 +207,7 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
     return ss_page_plot(page, &script, name, ss_assay_kind_name(kind), error);
 }
 
-/* ---- tables ----------------------------------------------------------------------------------
- */
+/* ---- tables ---- */
 
 static void count_fates(const ss_stability *list, const ss_sweep_result *result, int32_t subject,
                         int32_t out_count[FATES])
@@ -339,8 +336,7 @@ static void put_failures(const ss_stability *list, const ss_sweep_result *result
     ss_page_table_end(page);
 }
 
-/* ---- the page --------------------------------------------------------------------------------
- */
+/* ---- the page ---- */
 
 static void put_words(const ss_stability *list, ss_page *page)
 {

@@ -25,8 +25,7 @@
 enum { EXIT_BAD_INPUT = 2, MAX_AXIS = 12, MAX_VARIANTS = 12, QUICK_STRIDE = 3, TEXT_SIZE = 4096 };
 static const double run_timeout_s = 120.0;
 
-/* ---- the list --------------------------------------------------------------------------------
- */
+/* ---- the list ---- */
 
 /* One kind: all stiffnesses x values x variants. */
 typedef struct axes {
@@ -166,8 +165,7 @@ void ss_stability_label(const void *context, int32_t index, char out[SS_SWEEP_NA
              ss_assay_kind_name(trial->kind), trial->stiffness_pa, trial->value, trial->variant);
 }
 
-/* ---- one run: a line for us, what acted, a line of the CSV ------------------------------------
- */
+/* ---- one run: a line for us, what acted, a line of the CSV ---- */
 
 static void put_number(FILE *file, double value)
 {
@@ -234,8 +232,7 @@ void ss_stability_read(const ss_sweep_result *result, int32_t index, ss_stabilit
     }
 }
 
-/* ---- the report ------------------------------------------------------------------------------
- */
+/* ---- the report ---- */
 
 typedef struct options {
     const char *out, *models;

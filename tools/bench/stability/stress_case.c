@@ -67,8 +67,7 @@ const char *ss_assay_outcome_name(ss_assay_outcome outcome)
     return name[outcome];
 }
 
-/* ---- files -----------------------------------------------------------------------------------
- */
+/* ---- files ---- */
 
 typedef struct assay_folder {
     char path[PATH_SIZE - 32];
@@ -120,8 +119,7 @@ static void keep_reason(const assay_folder *folder, const char *text, char *out,
     out[used] = '\0';
 }
 
-/* ---- a run -----------------------------------------------------------------------------------
- */
+/* ---- a run ---- */
 
 typedef struct runner {
     const ss_assay *trial;

@@ -20,8 +20,7 @@ static const double reach_sizes = 17.0, reach_linear = 20.0;
 /* s: the tool presses, and stays where it jumped; the haptic loop's own times. */
 static const double tool_wait_s = 0.15, jump_wait_s = 0.05, tool_tau_s = 0.01;
 
-/* ---- parts of the scene ----------------------------------------------------------------------
- */
+/* ---- parts of the scene ---- */
 
 __attribute__((format(printf, 2, 3))) static void add_text(ss_assay_plan *plan, const char *format,
                                                            ...)
@@ -106,8 +105,7 @@ static void use_tool(ss_assay_plan *plan)
              newtons, plan->max_jump_m, SS_ASSAY_MAX_FORCE);
 }
 
-/* ---- tangled ---------------------------------------------------------------------------------
- */
+/* ---- tangled ---- */
 
 /* Uniform in -1 .. 1; splitmix64 of Steele, Lea, Flood 2014. */
 static double next_random(uint64_t *state)
@@ -150,8 +148,7 @@ static void tangle(ss_assay_plan *plan)
         is_places ? 4.0 * size : reach_linear * SS_SPECIMEN_NODES * trial->value * edge;
 }
 
-/* ---- what contradicts itself -----------------------------------------------------------------
- */
+/* ---- what contradicts itself ---- */
 
 static void contradict(ss_assay_plan *plan)
 {
@@ -223,8 +220,7 @@ static void write_fixed(const ss_assay_plan *plan, FILE *file)
     fputs("]}]\n", file);
 }
 
-/* ---- the tool's path -------------------------------------------------------------------------
- */
+/* ---- the tool's path ---- */
 
 void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z)
 {
@@ -285,8 +281,7 @@ void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, int32_t tick,
     ss_assay_abuse(plan, time_s, tick, out_position, out_orientation);
 }
 
-/* ---- the plan --------------------------------------------------------------------------------
- */
+/* ---- the plan ---- */
 
 static void plan_kind(ss_assay_plan *plan)
 {

@@ -22,7 +22,7 @@ const ss_heart_row ss_heart_table[SS_HEART_ROWS] = {
     {"HM2", 0.04, 1.6e-3, 1.0e-4, 7.5e-3},
 };
 
-/* ---- meshes ------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 enum { MAX_ARGUMENTS = 24 };
 
@@ -157,7 +157,7 @@ ss_mesh *ss_heart_layered_ellipsoids(const ss_paper *paper, softsim_error *error
     return add_skin(inside, ss_heart_generate(paper, outer, error), error);
 }
 
-/* ---- models ------------------------------------------------------------------------------- */
+/* ---- models ---- */
 
 void ss_heart_set(ss_heart_body *body, const char *name, double value)
 {

@@ -22,7 +22,7 @@
 
 static const double half_axis[3] = {0.05, 0.035, 0.025};
 
-/* ---- the lattice -------------------------------------------------------------------------- */
+/* ---- the lattice ---- */
 
 typedef struct lattice {
     int cells[3];    /* around the ellipsoid */
@@ -226,7 +226,7 @@ static softsim_status make_mesh(const ss_fem_speed_case *what, ss_mesh **out_mes
     return status;
 }
 
-/* ---- measuring ---------------------------------------------------------------------------- */
+/* ---- measuring ---- */
 
 /* The lowest fifth, along the shortest axis. */
 static uint8_t *make_fixed(const ss_mesh *mesh)

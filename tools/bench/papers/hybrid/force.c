@@ -22,7 +22,7 @@ static const double depths[DEPTHS] = {0.02, 0.05, 0.10, 0.15};
 /* Contact as stiff for every body, so that depths compare: N/m^3. It sinks in by about 0.001. */
 #define CONTACT 2000.0
 
-/* ---- indentation ---------------------------------------------------------------------------- */
+/* ---- indentation ---- */
 
 typedef struct press {
     char name[64];
@@ -383,7 +383,7 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
     return plot_indentation(paper, count, all, own, error);
 }
 
-/* ---- a thin wall ---------------------------------------------------------------------------- */
+/* ---- a thin wall ---- */
 
 #define WALL_X 0.64089 /* of the outer wall at z = -0.2 */
 
@@ -495,7 +495,7 @@ static softsim_status write_wall(ss_paper *paper, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- a slide -------------------------------------------------------------------------------- */
+/* ---- a slide ---- */
 
 /* Around the wall at depth 0.05, the force at every stop. */
 enum { STOPS = 24, STEPS_A_STOP = 20 };

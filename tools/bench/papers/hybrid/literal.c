@@ -103,7 +103,7 @@ softsim_status ss_heart_pair_curve(ss_paper *paper, softsim_error *error)
     return status;
 }
 
-/* ---- a cube of places ----------------------------------------------------------------------- */
+/* ---- a cube of places ---- */
 
 enum { SIDE = 7, PLACES = SIDE * SIDE * SIDE };
 
@@ -173,7 +173,7 @@ static double gradient_error(void)
     return worst;
 }
 
-/* ---- (8) over spacings ---------------------------------------------------------------------- */
+/* ---- (8) over spacings ---- */
 
 enum { CUBE = 5, CUBE_PLACES = CUBE * CUBE * CUBE, SPACINGS = 9, CUTS = 3, DAMPINGS = 2 };
 static const double cut_of[CUTS] = {1.2, 1.6, 2.05}; /* spacings: 6, 18, 32 neighbours */
@@ -274,7 +274,7 @@ static softsim_status search_cohesion(ss_paper *paper, softsim_error *error)
     return ss_paper_csv_close(paper, &csv, "cohesion", error);
 }
 
-/* ---- (7), (11), (13) in the layer ----------------------------------------------------------- */
+/* ---- (7), (11), (13) in the layer ---- */
 
 /* Largest |sum T X - X| of the particles' ties, and of the skin's rows, in spacings. */
 static void row_errors(const ss_layer *layer, const ss_mesh *mesh, double *out_tie,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- set-up --------------------------------------------------------------------------------- */
+/* ---- set-up ---- */
 
 /* Volume and gradients by Cramer's rule. */
 static double shape_slopes(const double *const p[4], double out[4][3])
@@ -98,7 +98,7 @@ void ss_heart_own_fini(ss_heart_own *own)
     *own = (ss_heart_own){.mesh = NULL};
 }
 
-/* ---- equations (1) to (6) ------------------------------------------------------------------- */
+/* ---- equations (1) to (6) ---- */
 
 /* F - 1 and dF/dt of an element. */
 static void gradients(const double slope[4][3], const double (*u)[3], const double (*v)[3],

@@ -90,8 +90,7 @@ static double deepest(const ss_heart_body *body)
     return most;
 }
 
-/* ---- HM2 led, beside the report's own elements ------------------------------------------------
- */
+/* ---- HM2 led, beside the report's own elements ---- */
 
 enum { LEAD_STEPS = 400, HOLD_STEPS = 800 };
 static const double lead_m = 0.06, lead_reach = 0.2;

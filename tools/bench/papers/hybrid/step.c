@@ -56,7 +56,7 @@ static void ball_at(int row, double depth, double out[3])
     ss_madd3(out, point, depth - 0.2, inward);
 }
 
-/* ---- eq. 14 --------------------------------------------------------------------------------- */
+/* ---- eq. 14 ---- */
 
 /* The least distance of joined nodes. */
 static double shortest_edge(const ss_mesh *mesh)
@@ -262,7 +262,7 @@ static softsim_status write_bounds(ss_paper *paper, softsim_error *error)
     return SOFTSIM_OK;
 }
 
-/* ---- Table 1 -------------------------------------------------------------------------------- */
+/* ---- Table 1 ---- */
 
 /* The largest displacement of a node; NaN where one is not finite. */
 static double largest(const ss_heart_body *body)
@@ -407,7 +407,7 @@ softsim_status ss_heart_steps(ss_paper *paper, softsim_error *error)
     return status == SOFTSIM_OK ? write_bounds(paper, error) : status;
 }
 
-/* ---- frames a second ------------------------------------------------------------------------ */
+/* ---- frames a second ---- */
 
 static softsim_status time_row(ss_paper *paper, ss_output *csv, int which, int32_t active,
                                softsim_error *error)

@@ -21,7 +21,7 @@ static softsim_status no_memory(softsim_error *error)
     return SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- the plane ------------------------------------------------------------------------------ */
+/* ---- the plane ---- */
 
 softsim_status ss_zhang_plane_init(ss_zhang_plane *plane, softsim_error *error)
 {
@@ -61,7 +61,7 @@ softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rul
     return ss_zhang_own_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
 }
 
-/* ---- solids --------------------------------------------------------------------------------- */
+/* ---- solids ---- */
 
 static softsim_status generate(const ss_paper *paper, const char *shape, int32_t points,
                                const char *mesh, softsim_error *error)

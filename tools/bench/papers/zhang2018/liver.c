@@ -246,7 +246,7 @@ static double mail_us(const shape_run *row)
     return row->us * MAIL_STEPS;
 }
 
-/* ---- the two pokes -------------------------------------------------------------------------- */
+/* ---- the two pokes ---- */
 
 static const struct poke {
     const char *name, *title;
@@ -502,7 +502,7 @@ static void claim_better(ss_paper *paper, const shape_run *row)
     }
 }
 
-/* ---- against any ChainMail ------------------------------------------------------------------ */
+/* ---- against any ChainMail ---- */
 
 enum { MAILS = 6, NETS = 4 };
 static const double mail_alpha[MAILS] = {0.02, 0.05, 0.1, 0.15, 0.2, 0.3};
@@ -573,7 +573,7 @@ static softsim_status search_better(ss_zhang *zhang, const ss_zhang_solid *liver
     return SOFTSIM_OK;
 }
 
-/* ---- what the coarse level costs, and where it helps ---------------------------------------- */
+/* ---- what the coarse level costs, and where it helps ---- */
 
 /* Batches of steps of both in turn; the least of each, since what else a machine does to its caches
  * only adds. */

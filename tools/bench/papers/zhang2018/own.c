@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- links ---------------------------------------------------------------------------------- */
+/* ---- links ---- */
 
 /* Each edge once: lists of higher neighbours by lower node. */
 static bool find_links(ss_zhang_own *own, const ss_zhang_own_plan *plan)
@@ -130,7 +130,7 @@ void ss_zhang_own_fini(ss_zhang_own *own)
     *own = (ss_zhang_own){.node_count = 0};
 }
 
-/* ---- equations ------------------------------------------------------------------------------ */
+/* ---- equations ---- */
 
 /* (12), (13): dP at the places `at`. */
 static void find_flow(ss_zhang_own *own, const double (*at)[3])
@@ -208,7 +208,7 @@ void ss_zhang_own_hold(ss_zhang_own *own, double time, double h)
     }
 }
 
-/* ---- equilibrium ---------------------------------------------------------------------------- */
+/* ---- equilibrium ---- */
 
 bool ss_zhang_own_settle(ss_zhang_own *own, double least)
 {
@@ -251,7 +251,7 @@ bool ss_zhang_own_settle(ss_zhang_own *own, double least)
     return is_settled;
 }
 
-/* ---- traditional ChainMail ------------------------------------------------------------------ */
+/* ---- traditional ChainMail ---- */
 
 void ss_zhang_own_row(int32_t count, double alpha, double depth, int32_t steps, double (*out_at)[2])
 {

@@ -42,7 +42,7 @@ static ss_zhang_setup network_setup(ss_zhang *zhang)
     return setup;
 }
 
-/* ---- Fig. 4: shapes ------------------------------------------------------------------------- */
+/* ---- Fig. 4: shapes ---- */
 
 enum { NETWORK, FAST, SETTLED, BOX, RADIAL, SHAPE_COUNT };
 static const struct {
@@ -257,7 +257,7 @@ softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
     return write_profiles(zhang, (const plane_field *)u, is_there, error);
 }
 
-/* ---- Fig. 5a: force and displacement -------------------------------------------------------- */
+/* ---- Fig. 5a: force and displacement ---- */
 
 enum { SPEED_COUNT = 3, STATIC_COUNT = 8, MAX_ROWS = 2048 };
 static const double speeds[SPEED_COUNT] = {1.0, 0.25, 0.01}; /* h/C */
@@ -450,7 +450,7 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
     return write_forces(zhang, curve, error);
 }
 
-/* ---- Fig. 5c: relaxation -------------------------------------------------------------------- */
+/* ---- Fig. 5c: relaxation ---- */
 
 enum { MARK_COUNT = 4, RELAX_ROWS = 400 };
 static const double mark_s[MARK_COUNT] = {10.0, 100.0, 1000.0, 20000.0};

@@ -19,7 +19,7 @@ static softsim_status no_memory(softsim_error *error)
     return SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- a model -------------------------------------------------------------------------------- */
+/* ---- a model ---- */
 
 /* Index of `word` in "a|b|c"; -1. */
 static int32_t choice(const char *choices, const char *word)
@@ -153,7 +153,7 @@ void ss_zhang_end(ss_zhang_run *run)
     *run = (ss_zhang_run){.model = NULL};
 }
 
-/* ---- steps ---------------------------------------------------------------------------------- */
+/* ---- steps ---- */
 
 void ss_zhang_step(ss_zhang_run *run, double depth)
 {
@@ -226,7 +226,7 @@ void ss_zhang_read(const ss_zhang_run *run, double (*out_u)[3])
     }
 }
 
-/* ---- measures ------------------------------------------------------------------------------- */
+/* ---- measures ---- */
 
 double ss_zhang_distance(int32_t count, const double (*u)[3], const double (*v)[3], const double *w)
 {

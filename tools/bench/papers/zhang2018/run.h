@@ -64,7 +64,7 @@ double ss_zhang_energy(const ss_zhang_run *run);
 void ss_zhang_read(const ss_zhang_run *run, double (*out_u)[3]);
 void ss_zhang_end(ss_zhang_run *run);
 
-/* ---- measures ------------------------------------------------------------------------------- */
+/* ---- measures ---- */
 
 /* sqrt(sum w |u - v|^2 / sum w |v|^2); w NULL: all alike. */
 double ss_zhang_distance(int32_t count, const double (*u)[3], const double (*v)[3],

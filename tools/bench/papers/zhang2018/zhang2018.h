@@ -40,7 +40,7 @@ typedef struct ss_zhang {
     bool has_network; /* cnn-chainmail is built in */
 } ss_zhang;
 
-/* ---- bodies.c ------------------------------------------------------------------------- */
+/* ---- bodies.c ---- */
 
 softsim_status ss_zhang_plane_init(ss_zhang_plane *plane, softsim_error *error);
 void ss_zhang_plane_fini(ss_zhang_plane *plane);
@@ -71,7 +71,7 @@ softsim_status ss_zhang_solid_draw(ss_paper *paper, const ss_zhang_solid *solid,
                                    const double (*u)[3], const char *name, const char *caption,
                                    softsim_error *error);
 
-/* ---- sections ------------------------------------------------------------------------------- */
+/* ---- sections ---- */
 
 softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error);     /* Fig. 4 */
 softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error);     /* Fig. 5a */

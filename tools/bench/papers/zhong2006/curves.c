@@ -160,7 +160,7 @@ static softsim_status record_own(const ss_tube *tube, double gamma, double (*for
     return SOFTSIM_OK;
 }
 
-/* ---- Fig. 4: creep ------------------------------------------------------------------------ */
+/* ---- Fig. 4: creep ---- */
 
 static const double creep_gamma[MAX_CURVES] = {3, 4, 5, 6, 7, 8, 9, 10};
 static const double creep_step_s = 0.1;
@@ -280,7 +280,7 @@ softsim_status ss_zhong_creep(ss_paper *paper, softsim_error *error)
     return on_tubes(paper->shared, creep_on, error);
 }
 
-/* ---- Fig. 5: hysteresis ------------------------------------------------------------------- */
+/* ---- Fig. 5: hysteresis ---- */
 
 static const double loop_gamma[2] = {2, 9};
 static const double loop_step_s = 0.05, loop_s = 40.0, loop_n = 0.5;
@@ -473,7 +473,7 @@ softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error)
     return on_tubes(paper->shared, loop_on, error);
 }
 
-/* ---- Fig. 6: load and deformation --------------------------------------------------------- */
+/* ---- Fig. 6: load and deformation ---- */
 
 static const double ramp_gamma[MAX_CURVES] = {1, 2, 4, 5, 6, 7, 9, 10};
 static const double ramp_step_s = 0.05, ramp_s = 10.0;

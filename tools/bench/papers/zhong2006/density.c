@@ -104,7 +104,7 @@ static int count_shapes(const table *t, double c, double f, double *out_depth)
     return count;
 }
 
-/* ---- runs ----------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
 static const struct run {
     double force, ks, c; /* N, N/m, Pa */
@@ -159,7 +159,7 @@ static softsim_status run_all(ss_paper *paper, const ss_zhong_net *net, const ss
     return status;
 }
 
-/* ---- loops ---------------------------------------------------------------------------------- */
+/* ---- loops ---- */
 
 /* Work of a hand that leads a hexagon's centre round a rectangle from 0 along the plane to x, out
  * to z, back and in; and of its way out. */
@@ -246,7 +246,7 @@ static void claim_loops(ss_paper *paper)
                     "damping change nothing of it; an orthotropic C was measured");
 }
 
-/* ---- the section ---------------------------------------------------------------------------- */
+/* ---- the section ---- */
 
 static softsim_status write_map(ss_paper *paper, const table *t, double *out_one,
                                 softsim_error *error)

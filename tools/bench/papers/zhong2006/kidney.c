@@ -15,7 +15,7 @@
 #include "process.h"
 #include "rt/vec.h"
 
-/* ---- Figs. 12, 13: the probe --------------------------------------------------------------- */
+/* ---- Figs. 12, 13: the probe ---- */
 
 static const double tool_radius = 0.005;
 static const double touch_z = 0.0273; /* m: the tool just touches the upper face over (0, 6 mm) */
@@ -337,7 +337,7 @@ softsim_status ss_zhong_kidney(ss_paper *paper, softsim_error *error)
     return status;
 }
 
-/* ---- Table 1 ------------------------------------------------------------------------------ */
+/* ---- Table 1 ---- */
 
 static const struct rate {
     int32_t points;

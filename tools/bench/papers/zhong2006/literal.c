@@ -154,7 +154,7 @@ static softsim_status try_reading(ss_paper *paper, const ss_zhong_net *net, cons
     return SOFTSIM_OK;
 }
 
-/* ---- F.U/A on the hexagon ----------------------------------------------------------------- */
+/* ---- F.U/A on the hexagon ---- */
 
 /* Static depth of the hexagon's centre over its edge under a force, with I = F.U/A. */
 static double hexagon_share(double force, double ks, bool is_length_current)
@@ -227,7 +227,7 @@ static void hexagon_by_hand(ss_paper *paper, double ks)
                   force);
 }
 
-/* ---- the section -------------------------------------------------------------------------- */
+/* ---- the section ---- */
 
 static softsim_status plot_readings(ss_zhong *zhong, softsim_error *error)
 {

@@ -11,7 +11,7 @@
 
 #include "rt/vec.h"
 
-/* ---- memory ------------------------------------------------------------------------------- */
+/* ---- memory ---- */
 
 static ss_zhong_net *make(int32_t node_count, int32_t edge_capacity, const double (*position)[3])
 {
@@ -62,7 +62,7 @@ void ss_zhong_net_destroy(ss_zhong_net **net)
     *net = NULL;
 }
 
-/* ---- templates ---------------------------------------------------------------------------- */
+/* ---- templates ---- */
 
 static double distance(const ss_zhong_net *net, int32_t i, int32_t j)
 {
@@ -194,7 +194,7 @@ ss_zhong_net *ss_zhong_net_tetrahedra(int32_t node_count, const double (*positio
     return net;
 }
 
-/* ---- the potential ------------------------------------------------------------------------ */
+/* ---- the potential ---- */
 
 bool ss_zhong_cholesky(int32_t n, double *a, int32_t columns, double *b)
 {
@@ -289,7 +289,7 @@ bool ss_zhong_net_solve(ss_zhong_net *net)
     return is_good;
 }
 
-/* ---- forces and shapes -------------------------------------------------------------------- */
+/* ---- forces and shapes ---- */
 
 void ss_zhong_net_pull(const ss_zhong_net *net, const double (*x)[3], double (*out)[3])
 {

@@ -17,7 +17,7 @@
 static const double organ_step_s = 0.05, organ_load_s = 200.0, organ_left_s = 450.0;
 static const double fixed_share = 0.06; /* of the points, those with the least x */
 
-/* ---- closed organs ------------------------------------------------------------------------ */
+/* ---- closed organs ---- */
 
 static const struct organ {
     const char *name, *title, *shape, *size_mm;
@@ -232,7 +232,7 @@ softsim_status ss_zhong_organs(ss_paper *paper, softsim_error *error)
     return status;
 }
 
-/* ---- invariants --------------------------------------------------------------------------- */
+/* ---- invariants ---- */
 
 static const bool is_single = sizeof(ss_real) == sizeof(float);
 static const int32_t free_points = 322;

@@ -95,7 +95,7 @@ static double field_error(const circuit *c, double scale)
     return sqrt(difference / whole);
 }
 
-/* ---- the program's own relaxation ---------------------------------------------------------- */
+/* ---- the program's own relaxation ---- */
 
 typedef struct watched {
     double early, late; /* m, at 10 s and in the end */
@@ -136,7 +136,7 @@ static softsim_status watch(ss_zhong *zhong, const ss_tube *tube, int32_t steps,
     return status;
 }
 
-/* ---- settling ----------------------------------------------------------------------------- */
+/* ---- settling ---- */
 
 enum { MAX_STEPS = 200000 };
 
@@ -276,7 +276,7 @@ static softsim_status plot_settling(ss_zhong *zhong, softsim_error *error)
         error);
 }
 
-/* ---- relaxation beside equilibrium, in the program ------------------------------------------ */
+/* ---- relaxation beside equilibrium, in the program ---- */
 
 static softsim_status relax_on(ss_zhong *zhong, const ss_tube *tube, softsim_error *error)
 {

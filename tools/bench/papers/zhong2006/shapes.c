@@ -37,7 +37,7 @@ typedef struct result {
     double u[SS_TUBE_POINTS][3];
 } result;
 
-/* ---- set-ups ------------------------------------------------------------------------------ */
+/* ---- set-ups ---- */
 
 static bool is_far(int32_t point)
 {
@@ -105,7 +105,7 @@ static softsim_status match_depth(ss_zhong *zhong, const ss_tube *tube, ss_tube_
     return status;
 }
 
-/* ---- pictures ----------------------------------------------------------------------------- */
+/* ---- pictures ---- */
 
 /* Between the colours of a face's corners. */
 static uint32_t colour_of(material which, const int32_t face[4])
@@ -194,7 +194,7 @@ static softsim_status write_shape(ss_zhong *zhong, const ss_tube *tube, const st
     return ss_paper_csv_close(zhong->paper, &csv, name, error);
 }
 
-/* ---- claims ------------------------------------------------------------------------------- */
+/* ---- claims ---- */
 
 static double largest_far(const result *r)
 {
@@ -353,7 +353,7 @@ static softsim_status run_case(ss_zhong *zhong, const ss_tube *tube, const struc
     return status == SOFTSIM_OK ? write_shape(zhong, tube, at, r, error) : status;
 }
 
-/* ---- two more lines about the isotropic cylinder ------------------------------------------- */
+/* ---- two more lines about the isotropic cylinder ---- */
 
 static softsim_status one_way_claim(ss_zhong *zhong, softsim_error *error)
 {

@@ -17,7 +17,7 @@
 
 static const double close_by = 1e-3; /* of two codes for one equation, one of them single */
 
-/* ---- the cylinder ------------------------------------------------------------------------- */
+/* ---- the cylinder ---- */
 
 typedef struct template_case {
     const char *figure[2], *what; /* of the grid, of triangles */
@@ -95,7 +95,7 @@ static softsim_status compare_more(ss_zhong *zhong, softsim_error *error)
     return status;
 }
 
-/* ---- the hexagon -------------------------------------------------------------------------- */
+/* ---- the hexagon ---- */
 
 static const double edge_m = 0.3, modulus = 7.0, ks = 0.3;
 

@@ -10,7 +10,7 @@
 #define PI 3.14159265358979323846
 static const double static_s = 250.0, static_step_s = 0.05; /* 25 relaxation times of ks/gamma */
 
-/* ---- the body ----------------------------------------------------------------------------- */
+/* ---- the body ---- */
 
 static void make_points(ss_tube *tube, bool is_one_way)
 {
@@ -112,7 +112,7 @@ void ss_tube_fini(ss_tube *tube)
     ss_trial_body_fini(&tube->body);
 }
 
-/* ---- scenes ------------------------------------------------------------------------------- */
+/* ---- scenes ---- */
 
 typedef struct text {
     char at[2048];
@@ -254,7 +254,7 @@ softsim_status ss_tube_static(ss_paper *paper, const ss_tube *tube, const ss_tub
     return status;
 }
 
-/* ---- the report's own network ------------------------------------------------------------- */
+/* ---- the report's own network ---- */
 
 ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across)
 {

@@ -66,7 +66,7 @@ typedef struct ss_zhong {
     ss_tube tube[2]; /* rectangular grid, triangles */
 } ss_zhong;
 
-/* ---- tube.c ------------------------------------------------------------------------- */
+/* ---- tube.c ---- */
 
 /* Points, and the program's body where it can make one. `is_one_way`: all diagonals alike. */
 softsim_status ss_tube_init(const ss_paper *paper, bool is_grid, bool is_one_way, ss_tube *out_tube,
@@ -92,7 +92,7 @@ ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across)
 double ss_tube_net_static(ss_zhong_net *net, double force, const double *stiffness,
                           double *out_width);
 
-/* ---- literal.c ---------------------------------------------------------------------- */
+/* ---- literal.c ---- */
 
 typedef struct ss_zhong_outcome {
     double loaded;   /* m: depth at the end of the load */
@@ -107,7 +107,7 @@ softsim_status ss_zhong_load_and_leave(const ss_zhong_net *net, const ss_tube *t
                                        double left_s, FILE *csv, ss_zhong_outcome *out,
                                        softsim_error *error);
 
-/* ---- sections ----------------------------------------------------------------------------- */
+/* ---- sections ---- */
 
 softsim_status ss_zhong_creep(ss_paper *paper, softsim_error *error);       /* Fig. 4 */
 softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error);  /* Fig. 5 */
