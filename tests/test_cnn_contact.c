@@ -352,7 +352,9 @@ static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
     assert_true(s.model->tool[0].force[2] > 0.0);
     settle(&s, 1e-3, tool, 200);
     assert_true(s.model->tool[0].force[2] > 0.05);
-    assert_true(info_of(&s).fault_bits == 0);
+    /* At 7 m/s the guard may take a slight gain out, where samples get into the stiff part. */
+    assert_true((info_of(&s).fault_bits & ~(uint32_t)SS_MODEL_FAULT_ENERGY) == 0);
+    assert_true(info_of(&s).verdict == SOFTSIM_VERDICT_GOOD);
     setup_fini(&s);
 }
 

@@ -6,8 +6,7 @@
  *
  *   m_i u'' + 60/s m_i u' = -k A_i u + loads + contact,   m_i = sigma A_i
  *
- * with A_i a third of the triangles around it: an example of how a model is added
- * (server/models/README.md). The file says the law; all else is the body's.
+ * with A_i a third of the triangles around it. How a model is added: server/models/README.md.
  */
 #include "models/common/plan.h"
 #include "rt/memory.h"
@@ -101,6 +100,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_
                                    .mass_damping = 60.0,
                                    .edge = ss_body_mean_edge(plan->mesh),
                                    .step_share = 0.5,
+                                   .is_grounded = true,
                                    .elastic = {model, force, tangent, diagonal, stable_step}};
         status = ss_body_create(&body, &model->body, error);
         status = status == SOFTSIM_OK ? ss_body_start(model->body) : status;

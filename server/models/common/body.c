@@ -223,6 +223,7 @@ static softsim_status build(ss_body *body, softsim_error *error)
                            body->has_skin ? "that ride on others: take them out"
                                           : "that belong to no element: take them out",
                            &body->is_held, error);
+    body->is_held = body->is_held || body->own.is_grounded;
     ss_memory_free(size);
     if (status != SOFTSIM_OK || weighed != SOFTSIM_OK) {
         return status != SOFTSIM_OK ? status : weighed;

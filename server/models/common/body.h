@@ -100,6 +100,7 @@ typedef struct ss_body_plan {
     double step_share;         /* of the stable step that sub-steps take, e.g. 0.5 */
     double contact_share;      /* the same of the contact's part of it; 0: step_share */
     ss_body_integrator integrator; /* of models without `advance` */
+    bool is_grounded; /* its own law holds the body where it is: it needs no supports */
     ss_body_elastic elastic;
     ss_body_skin skin;
     /* Prescribed sets and loads act on mesh nodes with a mass; name them otherwise. */

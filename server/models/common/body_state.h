@@ -57,7 +57,7 @@ struct ss_body {
     ss_surface *surface;
     const ss_mesh *skin; /* what the contact acts on: the mesh, or the model's own surface */
     bool has_skin;       /* the model's own */
-    bool is_held;        /* supports stop every rigid motion */
+    bool is_held;        /* supports, or its own law, stop every rigid motion */
     bool has_gravity;
     bool has_visible_loads; /* load_force is not all 0 */
     bool is_explicit;       /* the integrator is the body's */
