@@ -276,6 +276,33 @@ static void a_set_says_what_it_will_do(void **state)
     ss_world_destroy(&world);
 }
 
+/* A hand that is not moved out to the surface, so that its tool is never given to the model, is
+ * told as soon as any entry would be over. */
+static void a_tool_that_finds_no_place_is_told(void **state)
+{
+    (void)state;
+    ss_world *world = create(SCENES "kidney.yaml", false);
+    ss_model_info info;
+    int32_t told = -1;
+    for (int32_t k = 0; k < 800; ++k) {
+        ss_proxy_target *target = ss_mailbox_draft(world->probe[0].target);
+        *target = (ss_proxy_target){.tick = k,
+                                    .is_present = true,
+                                    .proxy = {0.0, 0.006, 0.012},
+                                    .orientation = {1.0, 0.0, 0.0, 0.0}};
+        ss_mailbox_post(world->probe[0].target);
+        ss_world_step_begin(world);
+        ss_world_step_compute(world);
+        ss_world_step_post(world);
+        ss_world_info(world, &info);
+        told = told < 0 && info.verdict != SOFTSIM_VERDICT_GOOD ? k : told;
+    }
+    assert_in_range(told, 700, 799);
+    assert_int_equal(info.verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(info.reason, "finds no place"));
+    ss_world_destroy(&world);
+}
+
 /* A full ring refuses a command for both loops: they count resets, each for itself. */
 static void a_command_reaches_both_loops_or_none(void **state)
 {
@@ -347,6 +374,7 @@ int main(void)
         cmocka_unit_test(a_command_reaches_both_loops_or_none),
         cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
         cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
+        cmocka_unit_test(a_tool_that_finds_no_place_is_told),
         cmocka_unit_test(a_state_is_hashed_once),
         cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
     };

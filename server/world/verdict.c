@@ -8,6 +8,7 @@
 
 static const double SINK_SHARE = 0.3;    /* of a tool's least half-width */
 static const double THROUGH_SHARE = 0.9; /* of the same: the far side's samples turn the force */
+static const double LONGEST_WAIT = 0.75; /* s; a tool that was found inside is let in within 0.5 */
 
 void ss_world_plan_watch(ss_world *world)
 {
@@ -30,8 +31,13 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         const ss_contact_set *set = &probe->computed.set;
         const double depth = probe->is_used ? set->depth : 0.0;
         const double size = ss_shape_inradius(&world->scene->tool[p].shape);
-        if (probe->is_used && ss_contact_is_engulfed(set) &&
-            info->verdict < SOFTSIM_VERDICT_FAULT) {
+        if (info->verdict < SOFTSIM_VERDICT_FAULT &&
+            (double)probe->waited * world->step_period > LONGEST_WAIT) {
+            info->verdict = SOFTSIM_VERDICT_DEGRADED;
+            info->reason = "a tool that was found inside the tissue finds no place in it, and what "
+                           "is felt is not the tissue: take it out";
+        } else if (probe->is_used && ss_contact_is_engulfed(set) &&
+                   info->verdict < SOFTSIM_VERDICT_FAULT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason = "a tool is inside the tissue and nothing holds it off: take it out; "
                            "then press slower, refine the mesh there, lower haptic.max_force_n, or "

@@ -650,6 +650,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     ss_set3(velocity, 0.0, 0.0, 0.0);
     if (!target->is_present || target->starts != world->simulation_starts) {
         probe->was_present = tool.is_present = false;
+        probe->waited = 0;
         return tool;
     }
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
@@ -661,6 +662,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     tool.from = is_swept ? probe->last : tool.to;
     if (!is_swept && !may_place(world, probe, p, &tool.to)) {
         probe->is_waiting = true;
+        ++probe->waited;
         probe->was_present = false;
         tool.is_present = false;
         return tool;
@@ -669,6 +671,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
         ss_sub3(velocity, tool.to.position, tool.from.position);
         ss_scale3(velocity, velocity, 1.0 / world->step_period);
     }
+    probe->waited = 0;
     probe->was_present = true;
     probe->last_teleports = target->teleports;
     return tool;

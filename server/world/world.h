@@ -83,6 +83,7 @@ typedef struct ss_world_probe {
     ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
     bool is_waiting; /* found inside the tissue, not yet placed */
+    int64_t waited;  /* steps on end */
     uint32_t last_teleports;
     ss_proxy_target stepped_to; /* target of the step under way */
     ss_local_model computed;    /* result of that step, until it is due */
