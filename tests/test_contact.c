@@ -282,7 +282,7 @@ static void kept_gathers_do_not_change_a_bit(void **state)
             memcpy(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
             pressed += energy;
 
-            other->is_fitted = false;
+            other->fit = 0;
             ss_surface_refit(other, u);
             ss_touch_gather(fresh, u, &(ss_tool_pose){{NAN}, {0.0}}, &next); /* forgets */
             ss_touch_gather(fresh, u, &next, &next);

@@ -284,6 +284,7 @@ static void behind_an_open_sheet_is_nowhere_near(void **state)
 static double engulfed_at(const ss_tool_pose *pose)
 {
     ss_contact_set set;
+    ss_surface_refit(surface, u);
     ss_touch_gather(touch, u, pose, pose);
     ss_touch_penalty(touch, u, pose, force, tool_force, tool_torque);
     ss_touch_contacts(touch, u, pose, 0.005, &set);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* Contact keeps a tool out of the tissue. Where it is too soft for that, a tool gets in through the
- * surface, which holds it off no longer: whoever looks at the verdict, the depth or the flags is
- * told so for as long as it is in. */
+/* Contact keeps a tool out of the tissue, whichever of the two moves. Where it is too soft for
+ * that, a tool gets in through the surface, which holds it off no longer: whoever looks at the
+ * verdict, the depth or the flags is told so for as long as it is in. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -191,11 +191,115 @@ static void a_tool_stays_outside(void **state)
     }
 }
 
+/* ---- tissue that comes to the tool ---- */
+
+/* A free block of 40 x 40 x 20 mm that falls upwards, or that its driven lower part lifts. */
+typedef struct fall {
+    const char *name, *model, *drive;
+} fall;
+
+#define GRAVITY "gravity_m_s2: [0, 0, 2]\n"
+#define DRIVEN                                                                                     \
+    "prescribed: [{box_m: [[-1, -1, -1], [1, 1, 0.0134]], displacement_m: [0, 0, 0.027], "         \
+    "ramp_s: 0.25}]\n"
+#define LIGHT                                                                                      \
+    "  youngs_modulus_pa: 10000\n  poisson_ratio: 0.3\n  density_kg_m3: 1060\n"                    \
+    "  mass_damping_per_s: 3\n"
+
+static const fall falls[] = {
+    {"fem", "  name: fem\n" LIGHT, GRAVITY},
+    {"corotational", "  name: corotational\n" LIGHT, GRAVITY},
+    {"xpbd", "  name: xpbd\n" LIGHT, GRAVITY},
+    {"mass-spring",
+     "  name: mass-spring\n  youngs_modulus_pa: 10000\n  density_kg_m3: 1060\n"
+     "  mass_damping_per_s: 3\n",
+     GRAVITY},
+    {"hybrid", "  name: hybrid\n" LIGHT "  layer: {spacing_m: 0.005, thickness_m: -0.006}\n",
+     GRAVITY},
+    {"cnn-energy",
+     "  name: cnn-energy\n  modulus_j: 5\n  area_density_kg_m2: 11.5\n"
+     "  damping_n_s_per_m3: 35\n  rest_stiffness_n_per_m3: 100\n",
+     GRAVITY},
+    {"cnn-chainmail", "  name: cnn-chainmail\n", DRIVEN},
+    {"chainmail", "  name: chainmail\n", DRIVEN},
+};
+
+static softsim_world *make_fall(const fall *one, const char *contact)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   "softsim: 1\n"
+                   "object: {mesh: block.msh, units: mm}\n"
+                   "model:\n%s"
+                   "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s%s",
+                   one->model, contact, one->drive);
+    const softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    softsim_world *world = softsim_create(write_text("scene.yaml", text), &config, &error);
+    if (world == NULL) {
+        fail_msg("%s: %s", one->name, error.text);
+    }
+    return world;
+}
+
+typedef struct meeting {
+    double impulse; /* N s, upwards */
+    int inside;     /* ticks that the tool's middle had been in the tissue for 20 ms */
+    int unsaid;     /* of them, told something else */
+} meeting;
+
+/* The tool's middle stays 30 mm above the block, but for a sway of `sway` (m) to and fro. */
+static meeting meet(const fall *one, const char *contact, double sway)
+{
+    static const int cells[3] = {6, 6, 3};
+    static const double size[3] = {40.0, 40.0, 20.0};
+    meeting out = {0};
+    write_box_mesh(cells, size);
+    softsim_world *world = make_fall(one, contact);
+    int inside = 0;
+    for (int n = 0; n < 300; ++n) {
+        const double x[3] = {0.001 + sway * sin(0.05 * n), 0.002, 0.05};
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        out.impulse += 1e-3 * force.force[2];
+        inside = count_inside(world, force.proxy) == 7 ? inside + 1 : 0;
+        out.inside += inside > 20;
+        out.unsaid += inside > 20 && !is_told(world, &force);
+    }
+    softsim_destroy(&world);
+    return out;
+}
+
+/* As much as by a tool that sways further than a gather spares, and so looks anew. */
+static void tissue_that_comes_to_a_still_tool_is_felt(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof falls / sizeof *falls; ++k) {
+        const meeting moving = meet(&falls[k], "", 0.0025), still = meet(&falls[k], "", 0.0);
+        print_message("%s: %.3g N s on a moving tool, %.3g N s on a still one\n", falls[k].name,
+                      moving.impulse, still.impulse);
+        assert_true(moving.impulse > 0.002);
+        assert_true(fabs(still.impulse - moving.impulse) < 0.2 * moving.impulse);
+        assert_int_equal(moving.unsaid + still.unsaid, 0);
+    }
+}
+
+static void a_still_tool_that_tissue_swallows_is_told(void **state)
+{
+    (void)state;
+    const meeting still = meet(&falls[0], "  stiffness_n_per_m3: 1.0e+5\n", 0.0);
+    print_message("inside for %d ticks, told wrongly in %d\n", still.inside, still.unsaid);
+    assert_true(still.inside > 0);
+    assert_int_equal(still.unsaid, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tool_inside_the_tissue_is_told),
         cmocka_unit_test(a_tool_stays_outside),
+        cmocka_unit_test(tissue_that_comes_to_a_still_tool_is_felt),
+        cmocka_unit_test(a_still_tool_that_tissue_swallows_is_told),
     };
     return cmocka_run_group_tests_name("inside", tests, make_folder, remove_folder);
 }

@@ -110,9 +110,10 @@ int64_t ss_surface_sample_count(const ss_surface *surface);
 double ss_surface_mean_edge(const ss_surface *surface);
 
 /* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node); keeps it, and
- * widens the queries, while no node has moved much since the last refit. Once a step, by
- * the simulation thread; RT-safe. The hierarchy belongs to the surface but is scratch: one
- * simulation thread per surface. */
+ * widens the queries, while no node has moved much since the last refit: one pass over the nodes.
+ * Where a tool is present, for the displacements that a step begins with, and for those that
+ * ss_touch_contacts looks at (the same, a step later); by the simulation thread; RT-safe. The
+ * hierarchy belongs to the surface but is scratch: one simulation thread per surface. */
 void ss_surface_refit(ss_surface *surface, const ss_real *u);
 
 /* ---- one tool touching the surface ---- */
@@ -124,16 +125,17 @@ typedef struct ss_touch_options {
     double stiffness; /* N/m^3, kc */
 } ss_touch_options;
 
-softsim_status ss_touch_create(ss_surface *surface, const ss_shape *shape,
+softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
                                const ss_touch_options *options, ss_touch **out_touch);
 void ss_touch_destroy(ss_touch **touch);
 void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
 
 /* Finds the triangles that the tool may reach on its way from `from` to `to` (swept; the path of
- * ss_tool_pose_blend). Call once a step after ss_surface_refit; an earlier gather that still
- * covers the path is kept. Complete for poses on the path while no node has moved further than
- * delta (for ss_touch_weigh: delta/4) since this call. Nothing is gathered for a pose that is not
- * finite. Returns their number. RT-safe. */
+ * ss_tool_pose_blend). Call once a step after ss_surface_refit, which tells it whether
+ * tissue came near that was out of reach; an earlier gather that still covers the path is kept.
+ * Complete for poses on the path while no node has moved further than delta (for ss_touch_weigh:
+ * delta/4) since this call. Nothing is gathered for a pose that is not finite. Returns their
+ * number. RT-safe. */
 int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
                         const ss_tool_pose *to);
 /* Will a gather on that path keep the earlier one? Then the hierarchy need not be refitted for it.
@@ -214,7 +216,7 @@ typedef struct ss_contact_set {
  * tools; their forces sum to the penalty's. Force and torque of the set are the penalty's too (the
  * model adds its own). When nothing touches, the nearest patch within `near` (m) with its gap, or
  * no contact and depth = -near. Stiffness and viscosity are left 0 for the model to fill.
- * Refits the hierarchy for a tool that may be engulfed. RT-safe. */
+ * Call after ss_surface_refit to `u`. RT-safe. */
 void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
                        double near, ss_contact_set *out_set);
 

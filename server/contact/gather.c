@@ -187,11 +187,19 @@ static void forget(ss_touch *touch)
     touch->reach_count = 0;
 }
 
+/* Nodes that were out of reach are not looked at: between two looks at the same fit none has moved
+ * further than the sum of what the looks found. */
+static bool is_near_gathered(const ss_touch *touch)
+{
+    const ss_surface *surface = touch->surface;
+    return touch->fit == surface->fit && touch->fit_moved + surface->moved <= 0.5 * touch->slack;
+}
+
 bool ss_touch_is_gathered(const ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
                           const ss_tool_pose *to)
 {
     return touch->is_gathered && is_covered(touch, from) && is_covered(touch, to) &&
-           (double)ss_touch_moved(touch, u) <= 0.5 * touch->slack;
+           is_near_gathered(touch) && (double)ss_touch_moved(touch, u) <= 0.5 * touch->slack;
 }
 
 int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
@@ -214,6 +222,8 @@ int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *f
         touch->half_motion = 0.5 * ss_tool_motion_bound(&touch->shape, from, to);
         gather_tree(touch, u);
         touch->is_gathered = true;
+        touch->fit = touch->surface->fit;
+        touch->fit_moved = touch->surface->moved;
     }
     touch->dropped_from = touch->candidate_count;
     return touch->candidate_count;

@@ -10,8 +10,8 @@
  * to both of its facets, corners and degenerate facets included. Two triangles know the points on
  * their common side from different rows, though, and rounding opens a crack of 1e-9 m there: a
  * second ray must agree, and both are aslant, since meshes and tools like to lie along axes.
- * Cost: the leaves of the tree that a ray meets, some 2 us, and the check whether the boxes still
- * hold. Rejected: the nearest point's side (ss_contact_locate), which looks at all triangles.
+ * Cost: the leaves of the tree that a ray meets, some 2 us. Rejected: the nearest point's side
+ * (ss_contact_locate), which looks at all triangles.
  */
 #include <math.h>
 
@@ -139,12 +139,12 @@ static bool is_far(const ss_surface *surface, const ss_wide *x)
         is_out = is_out || (double)(*x)[k] > (double)surface->box[0].high[k] + width ||
                  (double)(*x)[k] < (double)surface->box[0].low[k] - width;
     }
-    return surface->is_fitted && is_out;
+    return is_out;
 }
 
 bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose)
 {
-    ss_surface *surface = touch->surface;
+    const ss_surface *surface = touch->surface;
     double middle[3] = {0.0, 0.0, 0.0};
     if (touch->shape.kind == SS_SHAPE_CONVEX) {
         ss_convex_centre(touch->shape.convex, middle);
@@ -154,10 +154,9 @@ bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool
     for (int k = 0; k < 3; ++k) {
         at[k] = (ss_real)(pose->position[k] + middle[k] - surface->centre[k]);
     }
-    if (!surface->is_closed || is_far(surface, &at)) {
+    if (!surface->is_closed || surface->fit == 0 || is_far(surface, &at)) {
         return false;
     }
-    ss_surface_refit(surface, u);
     const double width = surface->moved + touch->margin;
     for (int k = 0; k < 2; ++k) {
         const beam ray = {

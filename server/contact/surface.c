@@ -25,9 +25,10 @@
 /* Below this R/h a tool slips between the samples' supports, whatever their number. */
 static const double least_radius_per_edge = 0.3;
 
-/* Boxes are kept, and queries widened, until a node has moved so many mean edges: at 1 m/s and 2
- * kHz one refit in two or more steps, at 50 mm/s in thirty (1212 nodes: 11 us, else 1.2 us). */
-static const double stale_motion = 0.2;
+/* Boxes are kept, and queries widened, until a node has moved so many mean edges: half of half a
+ * touch's slack (a quarter of its reach, a mean edge or more), so that a gather lasts as long as
+ * the boxes do. At 50 mm/s and 2 kHz one fit in ten steps (1212 nodes: 11 us, else 1.2 us). */
+static const double stale_motion = 0.0625;
 
 /* ---- sample grid ---- */
 
@@ -281,7 +282,7 @@ static void fit_boxes(ss_surface *surface, const ss_real *u)
 
 void ss_surface_refit(ss_surface *surface, const ss_real *u)
 {
-    if (surface->is_fitted) {
+    if (surface->fit > 0) {
         surface->moved = moved_since_fit(surface, u);
         if (surface->moved <= stale_motion * surface->mean_edge) {
             return;
@@ -289,7 +290,7 @@ void ss_surface_refit(ss_surface *surface, const ss_real *u)
     }
     fit_boxes(surface, u);
     memcpy(surface->fitted_u, u, 4 * sizeof(ss_real) * (size_t)surface->node_count);
-    surface->is_fitted = true;
+    surface->fit++;
     surface->moved = 0.0;
 }
 

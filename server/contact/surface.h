@@ -92,8 +92,8 @@ struct ss_surface {
     /* scratch of ss_surface_refit */
     ss_box *box;
     ss_real *fitted_u; /* the displacement that the boxes were fitted to, 4 a node */
-    bool is_fitted;
-    double moved; /* m, no node has moved further since then */
+    int64_t fit;       /* how often they were; 0: not yet */
+    double moved;      /* m, no node had moved further since then at the last refit */
 };
 
 static inline int32_t ss_leaf_first_triangle(const ss_surface *surface, int32_t leaf)

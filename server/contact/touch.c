@@ -74,7 +74,7 @@ static bool allocate(ss_touch *touch)
            touch->sample != NULL && touch->group != NULL;
 }
 
-softsim_status ss_touch_create(ss_surface *surface, const ss_shape *shape,
+softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
                                const ss_touch_options *options, ss_touch **out_touch)
 {
     *out_touch = NULL;

@@ -42,7 +42,7 @@ typedef struct ss_sweep {
 } ss_sweep;
 
 struct ss_touch {
-    ss_surface *surface;
+    const ss_surface *surface;
     ss_shape shape;
     double delta, stiffness;
     ss_real hard_from; /* m */
@@ -58,6 +58,8 @@ struct ss_touch {
     ss_tool_pose middle; /* the tool halfway; no point of it is further than half_motion */
     double half_motion;
     bool is_gathered;
+    int64_t fit;      /* of the hierarchy that the gather was made with, */
+    double fit_moved; /* m, and how far nodes had moved since that fit */
     ss_candidate *candidate;
     int32_t candidate_count;
     int32_t *reach;   /* increasing */
@@ -120,7 +122,7 @@ static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pos
 
 /* ---- inside.c ---- */
 
-/* Does the tool's middle lie inside a closed surface? May refit the hierarchy. */
+/* Does the tool's middle lie inside a closed surface, fitted to `u`? */
 bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose);
 
 /* Is the ball about the candidate's triangle further than `distance` from the tool? */

@@ -125,6 +125,7 @@ struct ss_model {
     uint8_t *bound; /* axes of a node that are fixed or driven: bits 0 to 2 */
     uint8_t *held;  /* by tools, in this step: a bit each */
     int64_t step;
+    int64_t fitted_step; /* that the surface was last refitted before; -1 never */
     int32_t moved_count;
     ss_turned turned;
     int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
@@ -500,6 +501,19 @@ static int32_t count_parts(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX
     return (int32_t)fmin(parts, model->plan.max_substeps);
 }
 
+/* The surface at the end of the step before step number `step`, once, where a tool is present. */
+static void refit(ss_model *model, int64_t step)
+{
+    bool is_any = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_any = is_any || model->tool[k].is_present;
+    }
+    if (is_any && model->fitted_step != step) {
+        ss_surface_refit(model->surface, model->u);
+        model->fitted_step = step;
+    }
+}
+
 static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
@@ -512,9 +526,7 @@ static void step(ss_model *model, double time, double dt,
     const int32_t parts = count_parts(model, tool);
     model->moved_count = 0;
     memset(model->held, 0, (size_t)model->node_count);
-    if (model->surface) {
-        ss_surface_refit(model->surface, model->u);
-    }
+    refit(model, model->step);
     for (int32_t p = 1; p <= parts; ++p) {
         move_driven(model, time + dt * p / parts);
         move_tools(model, tool, (double)p / parts);
@@ -528,6 +540,7 @@ static void step(ss_model *model, double time, double dt,
     for (int32_t n = 0; n < model->iterations; ++n) {
         relax(model);
     }
+    refit(model, model->step + 1);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* for contacts() */
         mail_tool *own = &model->tool[k];
         double force[3] = {0.0}, torque[3] = {0.0};
@@ -709,6 +722,7 @@ static void reset(ss_model *model)
         model->tool[k].held_count = 0;
     }
     model->step = 0;
+    model->fitted_step = -1;
     model->moved_count = 0;
     ss_turned_reset(&model->turned);
     model->worst = -1;

@@ -517,6 +517,7 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
         return;
     }
     ss_chain_tool *tool = &model->tool[probe];
+    ss_surface_refit(model->surface, model->u);
     ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);

@@ -182,6 +182,7 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
         return;
     }
     ss_cnn_tool *tool = &model->tool[probe];
+    ss_surface_refit(model->surface, model->u);
     ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);

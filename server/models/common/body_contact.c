@@ -153,6 +153,7 @@ void ss_body_tools_fini(ss_body *body)
 
 void ss_body_tools_reset(ss_body *body)
 {
+    body->fitted_step = -1;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_body_tool *tool = &body->tool[k];
         tool->is_present = tool->was_touching = false;
@@ -182,7 +183,17 @@ static void pose_at(const ss_body_tool *tool, double path, ss_tool_pose *out)
     }
 }
 
-/* Finds what the tools may reach from `path` on; returns the number of triangles. */
+/* The contact surface at the displacements that a step begins or ends with. Once for both: the end
+ * of one is the beginning of the next. */
+static void refit(ss_body *body, const ss_real *u)
+{
+    ss_surface_refit(body->surface, u);
+    body->fitted_step = body->step;
+}
+
+/* Finds what the tools may reach from `path` on; returns the number of triangles. Tissue that was
+ * out of reach may come near a tool at rest: each step looks at all nodes, its sub-steps at those
+ * in reach, for the gather's margin is more than the others move in a step. */
 static int32_t gather(ss_body *body, const ss_real *u, double path)
 {
     int32_t count = 0;
@@ -194,8 +205,9 @@ static int32_t gather(ss_body *body, const ss_real *u, double path)
         }
         ss_tool_pose from;
         pose_at(tool, path, &from);
-        if (!is_refitted && !ss_touch_is_gathered(tool->touch, u, &from, &tool->to)) {
-            ss_surface_refit(body->surface, u);
+        if (!is_refitted && (body->fitted_step != body->step ||
+                             !ss_touch_is_gathered(tool->touch, u, &from, &tool->to))) {
+            refit(body, u);
             is_refitted = true;
         }
         count += ss_touch_gather(tool->touch, u, &from, &tool->to);
@@ -517,7 +529,11 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
         return;
     }
     ss_body_tool *tool = &body->tool[probe];
-    ss_touch_contacts(tool->touch, lay_skin(body, body->nodes.u), &tool->pose, near, out);
+    const ss_real *u = lay_skin(body, body->nodes.u);
+    if (body->fitted_step != body->step) {
+        refit(body, u);
+    }
+    ss_touch_contacts(tool->touch, u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);
     ss_copy3(out->torque, tool->torque);

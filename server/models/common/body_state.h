@@ -77,6 +77,7 @@ struct ss_body {
     ss_real *load_force, *old_load; /* N; loads and gravity, and those of the step before */
     /* state beside nodes.u and nodes.v */
     int64_t step;
+    int64_t fitted_step; /* that the contact surface was last refitted before; -1 never */
     double work, dissipated, load_work;
     bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
     double taken;               /* J, by the limit of speeds in this outer step */
