@@ -22,8 +22,9 @@
  * out: cutting and tearing. Links are the mesh's edges and stay.
  *
  * There is no force in it: energies, reactions and the model's force on tools are 0. A tool moves
- * the cells it touches out of itself, by the mean depth of their surface samples, f_i/D_i with a
- * contact of stiffness 1 (contact.c has the symbols), grasped ones along with it.
+ * the cells it touches out of itself, by f_i/D_i with a contact of stiffness 1 (contact.c has the
+ * symbols): the mean depth of their surface samples, in two passes where one is deeper than 0.3 of
+ * the tool's inradius. Grasped ones go along with it.
  *
  * The hand feels a spring alone, k = working force / tool radius, between the tool and the surface
  * as it was when the tool came to touch it:
@@ -369,7 +370,7 @@ static uint8_t bit_of(const ss_model *model, const mail_tool *tool)
     return (uint8_t)(1u << (tool - model->tool));
 }
 
-/* One pass: cells whose samples are inside the tool go out by their mean depth. */
+/* One pass: cells whose samples are inside the tool go out by f_i/D_i. */
 static int32_t push_out(ss_model *model, const mail_tool *tool)
 {
     double force[3] = {0.0}, torque[3] = {0.0};

@@ -6,8 +6,10 @@
  *
  * The paper moves one contact point by the input displacement. A tool touches a surface: its
  * samples x_q = sum_i B_qi P_i inside the tool are to be put back on its skin. Cell i is asked to
- * move by f_i/D_i, the mean of its samples' depths (f_i = sum_q A_q kc B_qi (-d_q)+ n_q, D_i =
- * sum_q A_q kc B_qi), and is held there as firmly as D_i is beside its links:
+ * move by f_i/D_i, with f_i = sum_q A_q kc B_qi c(d_q) n_q and D_i = sum_q A_q kc B_qi c'(d_q)
+ * (contact/touch.c has c), and is held there as firmly as D_i is beside its links. That is the mean
+ * of its samples' depths where none is deeper than 0.3 r, r the tool's inradius; c is so much
+ * harder beyond that one which is comes up to 0.27 r and all the way in the next sub-step:
  *
  *   u_i += tau_i (dP_i + f_i/(2 k) - u_i/R_rest),  1/tau_i = C_i/h + D_i/(2 k)
  *

@@ -8,10 +8,11 @@
  * stiffness in series with the body. With c the force on the nodes and k_cc that on the tool for
  * a unit motion of the tool along n, and H the body's static tangent
  *
- *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N' + kc sum_q A_q B_q n_q n_q' B_q' +
- * k
+ *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N'
+ *        + kc sum_q A_q c'(d_q) B_q n_q n_q' B_q' + k
  *
- * (weights held, L_k the Laplacian of kap_k; k: grasp springs), any motion y of the nodes gives
+ * (weights held, L_k the Laplacian of kap_k; c as contact/touch.c has it; k: grasp springs), any
+ * motion y of the nodes gives
  *
  *   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c
  *

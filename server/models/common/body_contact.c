@@ -5,12 +5,17 @@
  * Tools against a body: penalty on the samples of a smooth surface (contact.h), grasps, and how
  * stiff the contact may be.
  *
- * A sample that is d deep pushes with A kc d, kc in N/m^3: the same on every mesh. It is as stiff
- * as the planned sub-step h allows, kc <= share sigma / h^2 with sigma the mean mass per area
- * of the surface's nodes, and no stiffer than a penetration of a tenth of the radius at the
- * working force, F_w / (0.03 R^3). With omega_c^2 = max_i k_i / m_i of the samples that touch
- * now, and omega_e the law's, omega^2 <= omega_e^2 + omega_c^2 bounds every mode (largest
- * eigenvalues of sums), so that sub-steps shorten by what the contact takes and no more.
+ * A sample that is d deep pushes with A kc c(d), kc in N/m^3: the same on every mesh; c(d) is d,
+ * ten times as steep beyond 0.3 of the tool's inradius (contact/touch.c). kc is as stiff as the
+ * planned sub-step h allows, kc <= share sigma / h^2 with sigma the mean mass per area of the
+ * surface's nodes, and no stiffer than a penetration of a tenth of the radius at the working force,
+ * F_w / (0.03 R^3). With omega_c^2 = max_i k_i / m_i of the samples that touch now, k_i = kc sum_q
+ * A_q c'(d_q) B_qi, and omega_e the law's, omega^2 <= omega_e^2 + omega_c^2 bounds every mode
+ * (largest eigenvalues of sums), so that sub-steps shorten by what the contact takes and no more.
+ * The planned step and the cost hold for c' = 1, a contact at its working depth. One that is deeper
+ * takes up to sqrt 10 times the sub-steps, and takes them: none is longer than the bound with c'
+ * at its beginning. What max_substeps leaves undone is told as slower than real time. A sample that
+ * goes over to c' = 10 within a sub-step is met by the next; the ledger of energy judges both.
  * The contact's surface is the mesh's, or one of the model's own that rides on the nodes: x_s =
  * S x; forces return by S^T, omega_c^2 is what the model says of M^-1 S^T k S.
  * Rejected: contact as constraints (a force that ripples as samples come and go, and no energy to
