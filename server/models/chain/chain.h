@@ -121,6 +121,7 @@ struct ss_model {
     double ratio;     /* of alpha: 1, less while unloading */
     bool has_touched; /* something has driven it since rest */
     int64_t step;
+    int64_t fitted_step;    /* that the contact surface was last refitted before; -1 never */
     double work, load_work; /* J; of it by loads and supports */
     ss_chain_front front;
     bool is_all_awake; /* the front is not known: everything is looked at */

@@ -161,6 +161,15 @@ void ss_chain_tools_fini(ss_model *model)
 
 /* ---- where tools are ---- */
 
+/* The surface at the displacements that a step begins or ends with, once for both. */
+static void refit(ss_model *model)
+{
+    if (model->fitted_step != model->step) {
+        ss_surface_refit(model->surface, model->u);
+        model->fitted_step = model->step;
+    }
+}
+
 static void let_go(ss_chain_tool *tool)
 {
     tool->grasp.count = 0;
@@ -185,6 +194,7 @@ void ss_chain_tools_reset(ss_model *model)
 {
     const size_t n = (size_t)model->padded; /* a fault leaves scratch as it was */
     forget_touched(model);
+    model->fitted_step = -1;
     memset(model->contact, 0, 4 * n * sizeof *model->contact);
     memset(model->push, 0, 4 * n * sizeof *model->push);
     memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
@@ -223,7 +233,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
         const bool is_moved =
             is_present && memcmp(&tool[k].from, &own->pose, sizeof own->pose) != 0;
         if (is_present && !is_any) {
-            ss_surface_refit(model->surface, model->u);
+            refit(model);
             is_any = true;
         }
         const double before = ss_chain_tool_energy(own);
@@ -519,7 +529,7 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
         return;
     }
     ss_chain_tool *tool = &model->tool[probe];
-    ss_surface_refit(model->surface, model->u);
+    refit(model);
     ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);
