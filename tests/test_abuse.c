@@ -525,7 +525,9 @@ static void a_hand_that_is_driven_is_told_for_a_second(void **state)
             ss_hand_watch_tick(&watch, &now);
         }
         assert_int_equal(is_telling(&watch, k), is_lockstep);
-        const ss_hand_tick nothing = {.tick = k, .period = 1e-3, .is_lockstep = is_lockstep != 0};
+        const softsim_force no_force = {.seq = 0};
+        const ss_hand_tick nothing = {
+            .tick = k, .period = 1e-3, .sent = &no_force, .is_lockstep = is_lockstep != 0};
         ss_hand_watch_tick(&watch, &nothing);
         assert_int_equal(is_telling(&watch, k + 900), is_lockstep);
         assert_false(is_telling(&watch, k + 1000));
@@ -596,8 +598,44 @@ static void the_verdict_follows_the_energy_of_a_contact(void **state)
     assert_int_equal(ss_hand_watch_verdict(&watch, 2001).verdict, SOFTSIM_VERDICT_GUARDED);
 }
 
+/* A spring of 1000 N/m is let in by 16 mm under a still hand, 128 mJ, and let go of within 0.1 s;
+ * 5 ms later a touch of 1 mJ. With a clock the client names its forces 5 ms late. */
+static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
+{
+    (void)state;
+    for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
+        ss_hand_watch watch = {.has_pose = false};
+        double given[400] = {0.0}, before = 0.0, sent = 0.0;
+        for (int k = 1; k < 400; ++k) {
+            const double depth = k <= 200 ? 0.016 * fmin(1.0, (200 - k) / 100.0) : 0.0;
+            const double let_in = 0.016 * fmin(1.0, k / 100.0);
+            const double force = k == 206 ? 1.0 : 1000.0 * fmin(depth, let_in);
+            const softsim_pose pose = at_depth(k <= 206 ? depth : -0.001, 5);
+            const softsim_force answer = push_up(force);
+            given[k] = given[k - 1] * (given[k - 1] < 0.0 && force + sent == 0.0 ? 0.0 : 1.0) -
+                       sent * (pose.position[2] - before);
+            const ss_hand_tick now = {.tick = k,
+                                      .period = 1e-3,
+                                      .pose = &pose,
+                                      .sent = &answer,
+                                      .contact_j = is_lockstep || k <= 5 ? 0.0 : given[k - 5],
+                                      .let_in_j = k <= 100 ? 0.16e-3 * 0.5 * (force + sent) : 0.0,
+                                      .is_lockstep = is_lockstep != 0};
+            ss_hand_watch_tick(&watch, &now);
+            const ss_hand_verdict told = ss_hand_watch_verdict(&watch, k + 1);
+            before = pose.position[2];
+            sent = force;
+            assert_null(strstr(told.reason, "shakes"));
+            assert_true(told.verdict <= SOFTSIM_VERDICT_GUARDED);
+            assert_true(k < 150 || told.verdict == SOFTSIM_VERDICT_GUARDED);
+        }
+        assert_true(watch.let_in == 0.0);
+    }
+}
+
 /* A tool that stands deep in the kidney from the start is let in, and draws out slowly: what it is
- * handed nobody put in, and nobody shook. What shakes after that is told as such. */
+ * handed nobody put in, and nobody shook. A shake that hands out more than was let in is told as
+ * such. */
 static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **state)
 {
     (void)state;
@@ -611,9 +649,14 @@ static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **sta
         softsim_read((softsim_world *)world, &s);
         assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GOOD);
         for (; k <= 1800; ++k) {
-            const double z = is_shaking ? deep_z + 0.003 * (k % 2)
+            const double z = is_shaking ? deep_z + 0.01 * (k % 2)
                                         : deep_z + (free_z - deep_z) * (k - 800) / 1000.0;
-            tick(world, k, 0.005, 0.003, z);
+            softsim_force f = tick(world, k, 0.005, 0.003, z);
+            ss_hand_watch *w = &world->probe[0].hand;
+            if (is_shaking && (k < 830 || k % 50 == 0))
+                fprintf(stderr, "%d F %g e %g %g s %g %g let %g %.20s\n", k, f.force[2],
+                        w->energy[0], w->energy[1], w->spell[0], w->spell[1], w->let_in,
+                        world->hand.reason);
         }
         if (is_shaking) {
             assert_true(world->hand.verdict > SOFTSIM_VERDICT_GOOD);
@@ -622,6 +665,40 @@ static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **sta
             assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GUARDED);
             assert_non_null(strstr(world->worst_hand.reason, "found inside the tissue"));
         }
+        destroy(world);
+    }
+}
+
+static bool is_said(const ss_world *world, const char *words)
+{
+    return world->hand.verdict > SOFTSIM_VERDICT_GOOD && strstr(world->hand.reason, words) != NULL;
+}
+
+/* Still, then out at 30 mm/s until a second after the last force: it is the entry's energy to the
+ * end. A softer tissue lets in less than what is degraded, a stiffer one more. */
+static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state)
+{
+    (void)state;
+    static const char *const stiffer[] = {
+        "model.pretension_j=4", "model.rest_stiffness_n_per_m3=2e5",
+        "haptic.coupling.damping_n_s_per_m=8", "haptic.max_force_n=20"};
+    for (int is_stiff = 0; is_stiff < 2; ++is_stiff) {
+        ss_world *world = make_scene(KIDNEY, stiffer, is_stiff ? 4 : 0);
+        int32_t touched = 0, told = 0;
+        double handed_out = 0.0, before = deep_z;
+        softsim_force force = {.seq = 0};
+        for (int32_t k = 1; k <= touched + 1000; ++k) {
+            const double z = deep_z + 0.03 * 1e-3 * fmax(0.0, k - 800);
+            handed_out += force.force[2] * (z - before);
+            before = z;
+            force = tick(world, k, 0.005, 0.003, z);
+            touched = ss_norm3(force.force) > 0.0 || k < 800 ? k : touched;
+            told += is_said(world, "found inside the tissue");
+            assert_false(is_said(world, "shakes"));
+        }
+        assert_true(handed_out > (is_stiff ? 0.12 : 0.01));
+        assert_true(told >= 1000);
+        assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GUARDED);
         destroy(world);
     }
 }
@@ -761,7 +838,9 @@ int main(void)
         cmocka_unit_test(the_watch_and_the_judge_agree_on_random_tracks),
         cmocka_unit_test(a_hand_that_is_driven_is_told_for_a_second),
         cmocka_unit_test(the_verdict_follows_the_energy_of_a_contact),
+        cmocka_unit_test(what_was_let_in_counts_for_as_long_as_what_it_became),
         cmocka_unit_test(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes),
+        cmocka_unit_test(a_calm_release_of_what_was_let_in_is_not_called_shaking),
         cmocka_unit_test(nobody_went_from_one_device_to_the_next),
         cmocka_unit_test(what_hands_out_energy_is_not_called_good),
         cmocka_unit_test(a_slow_press_hands_out_nothing),

@@ -641,8 +641,7 @@ static void book_entry(ss_haptic *haptic, const double x[3], const double sent[3
     ss_sub3(shift, x, held_pose(haptic)->position);
     ss_sub3(change, shift, haptic->shift);
     ss_add3(mean, haptic->last_force, sent);
-    const bool is_felt = ss_norm3(haptic->last_force) + ss_norm3(sent) > 0.0;
-    haptic->output.let_in_j = is_felt ? haptic->output.let_in_j - 0.5 * ss_dot3(mean, change) : 0.0;
+    haptic->output.let_in_j = -0.5 * ss_dot3(mean, change);
     ss_copy3(haptic->shift, shift);
 }
 
@@ -654,6 +653,7 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     }
     haptic->output.force.flags |= SOFTSIM_FORCE_PREDICTED;
     haptic->output.target.tick = tick;
+    haptic->output.let_in_j = 0.0;
     if (haptic->has_pose) {
         remember_force(haptic, tick);
     }

@@ -55,8 +55,8 @@ typedef struct ss_haptic_output {
     ss_proxy_target target;
     double worst_contact_j; /* least energy balance of a contact since start */
     double contact_j;       /* of the contact that is; 0 without one */
-    /* What no hand put into it: a tool found inside the tissue was let in while it may have stood
-     * still. 0 without a force. */
+    /* What no hand put into it in this tick: a tool found inside the tissue is let in while it may
+     * stand still. */
     double let_in_j;
     double energy_to_device_j, energy_from_device_j;
     double stiffness_limit;  /* N/m */

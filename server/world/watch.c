@@ -64,18 +64,23 @@ void ss_energy_watch_reset(ss_energy_watch *watch)
 
 /* ---- hand ---- */
 
+/* The last force is less than 20 ms ago, or an answer of it may still be in effect. */
+static bool is_spell_on(const ss_hand_watch *watch, const ss_hand_tick *now)
+{
+    const int64_t released = now->tick - watch->touched;
+    return released <= SS_HAND_WATCH_DELAYS ||
+           ((double)released - 0.5) * now->period < release_time;
+}
+
 /* The hand moves against the forces that it was given; returns the most that the contact has handed
  * out. */
-static double move_hand(ss_hand_watch *watch, const ss_hand_tick *now)
+static double move_hand(ss_hand_watch *watch, const ss_hand_tick *now, bool is_spell)
 {
     double way[3] = {0.0}, turn[3] = {0.0}, most = 0.0;
     if (watch->has_pose) {
         ss_sub3(way, now->pose->position, watch->position);
         ss_turn_between(watch->orientation, now->pose->orientation, turn);
     }
-    const int64_t released = now->tick - watch->touched;
-    const bool is_spell =
-        released <= SS_HAND_WATCH_DELAYS || ((double)released - 0.5) * now->period < release_time;
     for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
         const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
         const double given = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
@@ -95,9 +100,6 @@ static void take_answer(ss_hand_watch *watch, const ss_hand_tick *now)
     memmove(watch->torque[1], watch->torque[0], sizeof watch->torque[0]);
     ss_copy3(watch->force[0], now->sent->force);
     ss_copy3(watch->torque[0], now->sent->torque);
-    if (ss_norm3(now->sent->force) + ss_norm3(now->sent->torque) > 0.0) {
-        watch->touched = now->tick;
-    }
 }
 
 /* Of what a contact has handed out, some of which may have been let in. */
@@ -127,15 +129,21 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
         *watch = (ss_hand_watch){
             .sender_epoch = now->sender_epoch, .told = watch->told, .until = watch->until};
     }
+    const bool is_spell = is_spell_on(watch, now);
+    const bool is_counted = is_spell || now->contact_j != 0.0;
+    watch->let_in = (is_counted ? watch->let_in : 0.0) + now->let_in_j;
     if (now->pose && now->is_lockstep) {
-        handed_out = move_hand(watch, now);
+        handed_out = move_hand(watch, now, is_spell);
         take_answer(watch, now);
+    }
+    if (ss_norm3(now->sent->force) + ss_norm3(now->sent->torque) > 0.0) {
+        watch->touched = now->tick;
     }
     /* Without a name the observer guesses which force was in effect. */
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
     handed_out = is_named ? fmax(handed_out, -now->contact_j) : handed_out;
-    const ss_hand_verdict found = judge_hand(handed_out, now->let_in_j);
+    const ss_hand_verdict found = judge_hand(handed_out, watch->let_in);
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
         watch->told = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);

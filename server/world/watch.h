@@ -22,7 +22,9 @@
  * has one answer, in lockstep and headless; with a clock between them what counts is the haptic
  * loop's observer, for clients that name the force in effect. More than 10 mJ is a guarded verdict
  * until a second after it, more than 100 mJ a degraded one. What was let in with a tool that was
- * found inside the tissue is taken off; where that alone is handed back, guarded for that reason.
+ * found inside the tissue is taken off, for as long as energy is added up that it may be part of:
+ * until 20 ms after the last force, and with a clock until the client has named that one. Where
+ * that alone is handed back, guarded for that reason.
  * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
  *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
@@ -68,6 +70,7 @@ typedef struct ss_hand_watch {
     double force[SS_HAND_WATCH_DELAYS][3], torque[SS_HAND_WATCH_DELAYS][3]; /* newest first */
     double energy[SS_HAND_WATCH_DELAYS]; /* J, since the contact's first force */
     double spell[SS_HAND_WATCH_DELAYS];  /* J, since the first after 20 ms without */
+    double let_in;                       /* J, over the spell, or as long as contact_j is not 0 */
     int64_t touched;                     /* tick of the last force */
     ss_hand_verdict told;
     int64_t until; /* tick: it holds before it */
@@ -80,7 +83,7 @@ typedef struct ss_hand_tick {
     uint32_t sender_epoch;     /* of that pose */
     const softsim_force *sent; /* the answer of this tick */
     double contact_j;          /* of the present contact, of the haptic loop's observer */
-    double let_in_j;           /* to it, by the haptic loop */
+    double let_in_j;           /* by the haptic loop, in this tick */
     bool is_lockstep;
 } ss_hand_tick;
 
