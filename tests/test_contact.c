@@ -423,7 +423,6 @@ static void force_on_a_plane_does_not_ripple(void **state)
 
 /* ---- linearisation ---- */
 
-/* A box's face over the whole plane has one normal, so that the tangent is exact. */
 /* A sphere in a flat sheet, its middle z above it: ring by ring, with s the distance from the
  * middle, 2 pi kc z int_z^R c(R - s) ds, and c ten times as steep beyond 0.3 R. */
 static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **state)
@@ -447,6 +446,7 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
     close_touch();
 }
 
+/* A box's face over the whole plane has one normal, so that the tangent is exact. */
 static void tangent_and_diagonal_match_differences(void **state)
 {
     (void)state;

@@ -447,7 +447,10 @@ static void a_ramp_from_nothing_gives_nothing(void **state)
     assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
     r.is_paused = true;
     for (int i = 0; i < 25; ++i) {
+        rig_result(&r, 300.0, 4e-3, 1);
+        r.result.set.engulfed = 4e-3;
         assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
+        assert_false(r.out.force.flags & SOFTSIM_FORCE_CONTACT);
     }
     rig_end(&r);
 }

@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "rt/clock.h"
+#include "rt/files.h"
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
 #include "rt/memory.h"
@@ -513,7 +514,7 @@ static void nothing_that_is_shown_drives_a_terminal(void **state)
     }
     /* Text that was put together in lines keeps them. */
     static softsim_error error;
-    softsim_error_add(&error, SOFTSIM_ERROR_FILE, "%s", "s.yaml:1: bad\nmesh: \x9b\n      ^");
+    softsim_error_append(&error, SOFTSIM_ERROR_FILE, "s.yaml:1: bad\nmesh: \x9b\n      ^");
     assert_string_equal(error.text, "s.yaml:1: bad\nmesh: ?\n      ^");
 }
 
@@ -555,9 +556,29 @@ static void an_endless_first_fault_is_cut(void **state)
     assert_non_null(strstr(error.text, "\n(and 2 more faults)"));
 }
 
+/* ---- files ---- */
+
+/* Digits alone name an open file: what else strtol would take is the name of another. */
+static void only_digits_name_a_descriptor(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *path;
+        int number;
+    } cases[] = {{"/dev/stdout", 1},       {"/dev/stderr", 2},
+                 {"/dev/fd/7", 7},         {"/proc/self/fd/12", 12},
+                 {"/dev/fd/", -1},         {"/dev/fd/+1", -1},
+                 {"/dev/fd/-1", -1},       {"/dev/fd/ 1", -1},
+                 {"/dev/fd/1x", -1},       {"/dev/fd/1/", -1},
+                 {"/proc/self/fd/+2", -1}, {"/dev/fd/99999", -1},
+                 {"dev/fd/1", -1},         {"", -1}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        assert_int_equal(ss_files_descriptor(cases[k].path), cases[k].number);
+    }
+}
+
 /* ---- progress ---- */
 
-/* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
 /* A terminal whose other side nobody reads: what is written to it waits for ever. */
 static void a_stalled_reader_holds_up_no_work(void **state)
 {
@@ -593,6 +614,7 @@ static void a_stalled_reader_holds_up_no_work(void **state)
     close(keyboard);
 }
 
+/* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
 static void progress_is_shown_and_wiped(void **state)
 {
     (void)state;
@@ -652,6 +674,7 @@ int main(void)
         cmocka_unit_test(status_has_a_name_and_a_text),
         cmocka_unit_test(verdicts_and_refusals_have_names),
         cmocka_unit_test(progress_is_shown_and_wiped),
+        cmocka_unit_test(only_digits_name_a_descriptor),
         cmocka_unit_test(a_stalled_reader_holds_up_no_work),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),

@@ -148,10 +148,12 @@ const char *softsim_status_text(softsim_status status);
 const char *softsim_verdict_name(softsim_verdict verdict);
 const char *softsim_refusal_name(softsim_refusal refusal);
 
-/* Appends one fault line (printf form) to `error` and sets its status when it had none. NULL is
- * accepted and does nothing. Thread: set-up only. */
+/* Appends one fault line (printf form) to `error` and sets its status when it had none. What is
+ * filled in stays on that line. NULL is accepted and does nothing. Thread: set-up only. */
 void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* The same with a text that was put together before, such as another error's: its lines stay. */
+void softsim_error_append(softsim_error *error, softsim_status status, const char *text);
 
 #ifdef __cplusplus
 }

@@ -32,7 +32,6 @@
 #define RISE_SPEED_MIN    0.005 /* m/s */
 #define NEGLIGIBLE        1e-9  /* m */
 #define NEGLIGIBLE_FORCE  1e-9  /* N */
-#define FORCE_MIN         1e-6  /* N: least limit */
 #define SPRING_RATE       5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
 #define ENTRY_SPRING_RATE 50.0  /* 1/s: downwards while the depth fades in */
 #define PREDICT_TIME_MAX  0.025 /* s */
@@ -569,7 +568,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_utime_us = haptic->pose.utime_us;
     force->contact_count = is_in_contact ? active : 0;
     force->model_age_us = age_us(haptic, input->tick);
-    const bool is_engulfed = haptic->engulfed > 0.0 && ss_admission_gain(&haptic->gate) > 0.0;
+    const bool is_engulfed = haptic->engulfed > 0.0 && gain_of(haptic) > 0.0;
     /* Offsets of contacts that have just ended decay within milliseconds: still contact. */
     const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
@@ -667,7 +666,6 @@ void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
     ss_haptic_config *own = &haptic->config;
     *own = *config;
     own->period = config->period > 1e-5 && config->period < 1.0 ? config->period : 1e-3;
-    own->max_force = config->max_force >= FORCE_MIN ? config->max_force : FORCE_MIN;
     own->max_slew = config->max_slew >= 0.0 ? config->max_slew : 0.0;
     own->stiffness = config->stiffness >= 1.0 ? config->stiffness : 1.0;
     own->damping = config->damping >= 0.0 ? config->damping : 0.0;

@@ -4,9 +4,8 @@
 
 #include <stdio.h>
 
-#include "rt/program.h"
-
 #include "rt/plain.h"
+#include "rt/program.h"
 
 static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
 

@@ -89,7 +89,7 @@ static bool copy_groups(const ss_mesh *from, ss_mesh *to)
 
 static softsim_status refuse(softsim_error *error, const char *text)
 {
-    softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s", text);
+    softsim_error_append(error, SOFTSIM_ERROR_MESH, text);
     return SOFTSIM_ERROR_MESH;
 }
 

@@ -92,15 +92,19 @@ FILE *ss_files_open_stream(const char *path, int64_t *out_size, const char **out
 
 int ss_files_descriptor(const char *path)
 {
-    int number = -1, used = 0;
+    static const char *const folder[] = {"/dev/fd/", "/proc/self/fd/"};
     if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0) {
         return strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO;
     }
-    return (sscanf(path, "/dev/fd/%4d%n", &number, &used) == 1 ||
-            sscanf(path, "/proc/self/fd/%4d%n", &number, &used) == 1) &&
-                   path[used] == '\0'
-               ? number
-               : -1;
+    for (size_t k = 0; k < sizeof folder / sizeof *folder; ++k) {
+        const size_t length = strlen(folder[k]);
+        const char *number = path + length;
+        if (strncmp(path, folder[k], length) == 0) {
+            const size_t digits = strspn(number, "0123456789");
+            return digits >= 1 && digits <= 4 && number[digits] == '\0' ? atoi(number) : -1;
+        }
+    }
+    return -1;
 }
 
 /* /dev/null and /dev/full: written to without waiting, and nothing comes of it. */
@@ -137,8 +141,8 @@ static ssize_t write_sink(void *cookie, const char *data, size_t size)
     size_t done = 0;
     while (done < size && *to->reason == 0) {
         const ssize_t count = write(to->descriptor, data + done, size - done);
-        if (count < 0 && errno != EINTR) {
-            *to->reason = errno;
+        if (count == 0 || (count < 0 && errno != EINTR)) {
+            *to->reason = count == 0 ? EIO : errno;
         }
         done += count > 0 ? (size_t)count : 0;
     }

@@ -74,12 +74,10 @@ static int faults_not_shown(const char *text, size_t *out_start)
     return count;
 }
 
-/* Line ends that are filled in are a stranger's; those of a text that was put together before, and
- * is all that is given, are ours. */
-static void clean(char *text, bool has_lines)
+static void clean_lines(char *text)
 {
     for (char *line = text; line != NULL;) {
-        char *end = has_lines ? strchr(line, '\n') : NULL;
+        char *end = strchr(line, '\n');
         if (end != NULL) {
             *end = '\0';
         }
@@ -91,7 +89,7 @@ static void clean(char *text, bool has_lines)
     }
 }
 
-void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
+void softsim_error_append(softsim_error *error, softsim_status status, const char *text)
 {
     if (error == NULL) {
         return;
@@ -109,12 +107,9 @@ void softsim_error_add(softsim_error *error, softsim_status status, const char *
         char *line = error->text + used + (used > 0);
         const size_t space = sizeof error->text - MORE_SIZE;
         const size_t room = space > used + 1 ? space - used - 1 : 0;
-        va_list arguments;
-        va_start(arguments, format);
-        const int length = room > 0 ? vsnprintf(line, room, format, arguments) : -1;
-        va_end(arguments);
+        const int length = room > 0 ? snprintf(line, room, "%s", text) : -1;
         if (used == 0 || (length >= 0 && (size_t)length < room)) {
-            clean(line, strcmp(format, "%s") == 0);
+            clean_lines(line);
             if (used > 0) {
                 error->text[used] = '\n';
             }
@@ -123,4 +118,16 @@ void softsim_error_add(softsim_error *error, softsim_status status, const char *
     }
     snprintf(error->text + more_start, sizeof error->text - more_start, "\n" MORE_FORMAT,
              hidden + 1);
+}
+
+/* Line ends that are filled in are a stranger's. */
+void softsim_error_add(softsim_error *error, softsim_status status, const char *format, ...)
+{
+    char text[SOFTSIM_ERROR_TEXT_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    ss_plain_clean(text);
+    softsim_error_append(error, status, text);
 }

@@ -201,7 +201,7 @@ void ss_scene_report_flush(ss_scene_report *report, softsim_error *error)
         report->fault[j] = moving;
     }
     for (int32_t i = 0; i < report->count; i++) {
-        softsim_error_add(error, report->fault[i].status, "%s", report->fault[i].text);
+        softsim_error_append(error, report->fault[i].status, report->fault[i].text);
         free(report->fault[i].text);
     }
     for (int32_t i = 0; i < report->dropped; i++) {

@@ -724,7 +724,7 @@ static void add_lines(softsim_error *error, softsim_error *from)
         if (end != NULL) {
             *end = '\0';
         }
-        softsim_error_add(error, from->status, "%s", line);
+        softsim_error_append(error, from->status, line);
         line = end != NULL ? end + 1 : NULL;
     }
 }
@@ -817,7 +817,7 @@ softsim_status ss_scene_load(const char *path, const char *const *overrides, int
     softsim_error local = {0};
     char *text = ss_scene_read_file(path, &size, &local);
     if (text == NULL) {
-        softsim_error_add(error, local.status, "%s", local.text);
+        softsim_error_append(error, local.status, local.text);
         return local.status;
     }
     const softsim_status status =

@@ -919,8 +919,8 @@ int32_t ss_world_command(ss_world *world, const char *name, const char *argument
     if (kind == SS_COMMAND_REFRESH || kind == SS_COMMAND_STATUS || kind == SS_COMMAND_SHUTDOWN) {
         return 0;
     }
-    /* All who are concerned take it, or none. The loops count resets, each
-     * for itself. Without tools there is no haptic loop. */
+    /* All who are concerned take it, or none. The loops count resets, each for itself. Without
+     * tools there is no haptic loop. */
     const bool is_felt = world->used_probes != 0;
     if (!ss_ring_has_room(world->simulation_commands) ||
         (is_felt && !ss_ring_has_room(world->haptic_commands))) {

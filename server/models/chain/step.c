@@ -420,7 +420,7 @@ static void keep_volumes(ss_model *model)
 static void judge_turned(ss_model *model)
 {
     if (model->guard && model->guarded == 0) {
-        ss_turned_reset(&model->turned);
+        ss_turned_pass(&model->turned);
         return;
     }
     const int32_t t = ss_turned_look(&model->turned, model->u);

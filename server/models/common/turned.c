@@ -48,6 +48,14 @@ void ss_turned_reset(ss_turned *turned)
     turned->found = -1;
 }
 
+void ss_turned_pass(ss_turned *turned)
+{
+    const int32_t count = turned->mesh->tetrahedron_count;
+    turned->at = count > 0 ? (turned->at + turned->share) % count : 0;
+    turned->clean = 0;
+    turned->found = -1;
+}
+
 int32_t ss_turned_look(ss_turned *turned, const ss_real *u)
 {
     const ss_mesh *mesh = turned->mesh;

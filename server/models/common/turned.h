@@ -35,5 +35,7 @@ void ss_turned_reset(ss_turned *turned);
 /* One step's share at displacements `u` (4 a node of the mesh); a tetrahedron to name, or -1.
  * RT-safe. */
 int32_t ss_turned_look(ss_turned *turned, const ss_real *u);
+/* Instead of a look, in a step of which something else tells that none is inside out. RT-safe. */
+void ss_turned_pass(ss_turned *turned);
 /* Of what the steps so far do not tell by their number. */
 uint64_t ss_turned_hash(const ss_turned *turned, uint64_t seed);

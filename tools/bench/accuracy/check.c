@@ -47,7 +47,7 @@ static bool is_known(const ss_accuracy_plan *plan, int32_t index)
 static void take_faults(const softsim_error *own, softsim_error *error)
 {
     if (own->fault_count > 0 && strstr(error->text, own->text) == NULL) {
-        softsim_error_add(error, own->status, "%s", own->text);
+        softsim_error_append(error, own->status, own->text);
     }
 }
 

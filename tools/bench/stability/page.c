@@ -372,11 +372,13 @@ static void put_words(const ss_stability *list, ss_page *page)
                  "Abuse of a tool in a press of 5 mm: noise on every position; in and out, up to "
                  "half the rate of the loop; through the body and back (0, and with jumps of up to "
                  "10 m accepted, 1), from side to side (2); a box that spins upright (0) or end "
-                 "over end (1); pause and resume in turn. The hand is judged from poses and forces "
-                 "alone: with an answer that acts at once or from the next pose on, whichever is "
-                 "worse, no contact may hand out more than 10 mJ, and no part of one 10 mJ more "
-                 "than was stored at its beginning, and be called good; more than 100 mJ beyond "
-                 "what a tool found inside was let in with may not be called guarded either; no "
+                 "over end (1); pause and resume in turn. The hand is judged from poses and "
+                 "forces, and from what the program says it stored, where its proxy was and when "
+                 "it let a tool in (flag 8): with an answer that acts at once or from the next "
+                 "pose on, whichever is worse, no contact may hand out more than 10 mJ, and no "
+                 "part of one 10 mJ more than was stored at its beginning, and be called good; "
+                 "more than 100 mJ beyond what a tool found inside was let in with may not be "
+                 "called guarded either; no "
                  "force may pass the limit of %g N and no depth the body's size.",
                  SS_ASSAY_MAX_FORCE);
 }
