@@ -370,7 +370,8 @@ static void lockstep_answers_every_pose_once(void **state)
 }
 
 /* A machine that holds one of the two back for long loses messages on their way: so many as it
- * says, and no more. */
+ * says, and no more. Only where the last pose is answered is none still on its way: else it is
+ * played again. */
 static void paced_replay_keeps_the_answers(void **state)
 {
     (void)state;
@@ -378,18 +379,22 @@ static void paced_replay_keeps_the_answers(void **state)
     const char *csv = in_folder("a.csv");
     const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
     make_log(log, 400, 1);
-    stand_in.sends_rubbish = true;
-    const long before = count_dropped();
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    await_poses(400, before);
-    stop_server();
-    const int count = read_csv(csv);
-    assert_in_range(count, 1, stand_in.fresh);
-    if (rows[count - 1].pose_seq == 400) { /* else it has not waited for the rest */
-        assert_true(400 - count <= count_dropped() - before);
+    int count = 0, last = 0;
+    for (int attempt = 0; attempt < 10 && last != 400; ++attempt) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.sends_rubbish = true;
+        const long before = count_dropped();
+        start_server();
+        process_start(&child, argv, NULL);
+        expect_status(0);
+        await_poses(400, before);
+        stop_server();
+        count = read_csv(csv);
+        assert_in_range(count, 1, stand_in.fresh);
+        last = rows[count - 1].pose_seq;
+        assert_true(last < 400 || 400 - count <= count_dropped() - before);
     }
+    assert_int_equal(last, 400); /* else it has never waited for the rest */
     double peak = 0.0;
     for (int i = 0, k = 0; i < count; ++i, ++k) {
         while (k < stand_in.fresh && stand_in.kept[k].seq != rows[i].pose_seq) {
