@@ -91,6 +91,7 @@ typedef struct watch {
     int32_t old_seq;     /* seq of the last force before the last new pose was answered */
     int32_t fresh_seq;   /* seq of the first force that answered it */
     int32_t fresh_flags; /* of the forces since, but for those that say stale */
+    double fresh_force;  /* N, of the last that was not stale */
     int32_t felt_seq;    /* seq of the last force that was not zero */
     int32_t zero_seq;    /* seq of the first zero force after them */
     char reason[256], reply[256];
@@ -109,6 +110,7 @@ static inline void on_force(const lcm_recv_buf_t *buffer, const char *channel,
     }
     if ((message->flags & SOFTSIM_FORCE_STALE) == 0) {
         w->fresh_flags |= message->flags;
+        w->fresh_force = magnitude(message->force);
     }
     if (magnitude(message->force) > 0.0) {
         w->felt_seq = message->seq;

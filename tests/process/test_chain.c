@@ -98,7 +98,8 @@ static void feels_the_kidney(void **state)
         row_count += rows_of_play;
     }
     assert_int_equal(stop_daemon(), 0);
-    /* Each tick was a force or is counted as missed, and none was told twice. */
+    /* Each tick was a force or is counted as missed, though a late one was sent; none is told
+     * twice. */
     long periods = 0, forces = 0, missed = 0;
     const char *said = strstr(daemon_process.err, " haptic periods: ");
     assert_non_null(said);
@@ -108,7 +109,7 @@ static void feels_the_kidney(void **state)
     assert_int_equal(
         sscanf(said, "%ld haptic periods: %ld forces, %ld missed", &periods, &forces, &missed), 3);
     assert_int_equal(forces + missed, periods);
-    assert_in_range(row_count, 1, forces);
+    assert_in_range(row_count, 1, periods);
 }
 
 /* ---- lockstep ---- */
@@ -244,8 +245,9 @@ static void press_and_fall_silent(watch *w, int signal)
     w->statuses = 0;
     watch_until(w, says_more, "a status");
     const int64_t skipped = w->status.probe_missed[0] - missed;
-    const bool was_in =
-        w->felt_seq >= w->fresh_seq && (w->fresh_flags & SOFTSIM_FORCE_RAMPING) == 0;
+    /* A hand may have stopped as it bounced off: what fades by itself needs no ramp. */
+    const bool was_in = w->felt_seq >= w->fresh_seq && w->fresh_force > 0.01 &&
+                        (w->fresh_flags & SOFTSIM_FORCE_RAMPING) == 0;
     if (w->felt_seq - w->fresh_seq > 69 || (was_in && w->zero_seq - w->old_seq + skipped < 70)) {
         fail_msg("the pose of force %d (%d before, flags %d) was felt up to force %d, zero from "
                  "%d, %d ticks missed",
