@@ -95,8 +95,8 @@ int main(int argc, char **argv)
         ss_world_explain(world, print_line, stdout);
     }
     if (options.print_config) {
-        const ss_scene_model *models = NULL;
-        ss_world_scene_models(&models);
+        ss_scene_model models[SS_MAX_MODELS];
+        ss_world_scene_models(models);
         ss_scene_print(world->scene, &models[world->scene->model_index], print_line, stdout);
     }
     if (!options.check && !options.explain && !options.print_config) {

@@ -185,7 +185,7 @@ softsim_status ss_world_plan_numbers(ss_world *world);
  * anyone means; one line each, with the key. Thread: set-up only. */
 void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink);
 /* Descriptors of the models built in, for scene/. Returns their number. */
-int32_t ss_world_scene_models(const ss_scene_model **out_models);
+int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS]);
 
 /* One haptic tick of every used probe. `due_ns` and `lateness_us` describe the period in real
  * time (0 in lockstep). Thread: haptic; RT-safe. */

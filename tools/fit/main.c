@@ -153,8 +153,8 @@ static bool read_place(const fit_options *o, int32_t c, double out[3], softsim_e
 /* Nor may an output be a file that the scene names. */
 static void check_scene_files(const fit_options *o, softsim_error *error)
 {
-    const ss_scene_model *models = NULL;
-    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene_model models[SS_MAX_MODELS];
+    const int32_t model_count = ss_world_scene_models(models);
     ss_scene *scene = NULL;
     ss_named_file out[OUTPUT_COUNT];
     list_outputs(o, out);
@@ -272,8 +272,8 @@ static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *err
                  fit->value[i]);
         set[count++] = assignment[i];
     }
-    const ss_scene_model *models = NULL;
-    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene_model models[SS_MAX_MODELS];
+    const int32_t model_count = ss_world_scene_models(models);
     ss_scene *scene = NULL, *again = NULL;
     char folder[4096], *whole = NULL;
     size_t size = 0;

@@ -145,8 +145,8 @@ int32_t ss_fit_choose(const char *scene_path, const char *const *set, int32_t se
                       const char *const *wanted, int32_t wanted_count, bool has_time,
                       ss_fit_parameter out[SS_FIT_MAX_PARAMETERS], softsim_error *error)
 {
-    const ss_scene_model *models = NULL;
-    const int32_t model_count = ss_world_scene_models(&models);
+    ss_scene_model models[SS_MAX_MODELS];
+    const int32_t model_count = ss_world_scene_models(models);
     ss_scene *scene = NULL;
     if (ss_scene_load(scene_path, set, set_count, models, model_count, NULL, &scene, error) !=
         SOFTSIM_OK) {

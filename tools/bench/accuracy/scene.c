@@ -219,8 +219,8 @@ static softsim_status take_body(maker *m)
 
 static softsim_status read_scene(maker *m)
 {
-    const ss_scene_model *models = NULL;
-    const int32_t count = ss_world_scene_models(&models);
+    ss_scene_model models[SS_MAX_MODELS];
+    const int32_t count = ss_world_scene_models(models);
     softsim_status status =
         ss_scene_load(m->path, NULL, 0, models, count, NULL, &m->scene, m->error);
     if (status != SOFTSIM_OK) {

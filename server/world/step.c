@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include <math.h>
+#include <string.h>
+
+#include "rt/clock.h"
+#include "rt/vec.h"
+#include "world/plan.h"
+#include "world/world.h"
+
+/*
+ * One step of the simulation: takes the proxies' targets, sweeps the tools to where the proxies
+ * are predicted, steps the model, reads what each tool touches, posts it.
+ *
+ * One lag for all: the proxy is predicted (1 + 1/2) h ahead. A step that is late is a degraded
+ * period, counted, not a longer prediction.
+ */
+
+static const double LAG_PERIODS = 1.0;
+static const double NEAR_M = 0.005;       /* contacts are published before touching from here on */
+static const double MAX_TOOL_SPEED = 3.0; /* m/s */
+static const double MAX_TOOL_TURN = 50.0; /* rad/s */
+static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
+static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
+
+static void run_simulation_command(ss_world *world, const ss_command_record *command)
+{
+    switch (command->kind) {
+    case SS_COMMAND_PAUSE:
+        world->simulation_paused = true;
+        break;
+    case SS_COMMAND_RESUME:
+        world->simulation_paused = false;
+        ++world->simulation_starts;
+        break;
+    case SS_COMMAND_RESET:
+        world->is_hashed = false;
+        ++world->simulation_starts;
+        world->model_class->reset(world->model);
+        ss_energy_watch_reset(&world->energy);
+        break;
+    case SS_COMMAND_SET:
+        if (command->key == SS_LIVE_MODEL_ROW) {
+            world->is_hashed = false;
+            world->model_class->set(world->model, command->row, command->value);
+            ss_energy_watch_skip(&world->energy);
+        } else if (command->key == SS_LIVE_MESH_RATE) {
+            world->snapshot_every = ss_world_snapshot_interval(command->value, world->step_period);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+void ss_world_step_begin(ss_world *world)
+{
+    /* Targets first: one from after a command is then never stepped to from before it, since
+     * ss_world_command hands a command to this loop before it hands it to the haptic one. */
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_world_probe *probe = &world->probe[p];
+        const ss_proxy_target *target =
+            probe->is_used ? ss_mailbox_take(probe->target, NULL) : NULL;
+        probe->stepped_to = target ? *target : (ss_proxy_target){0};
+    }
+    ss_command_record command;
+    while (ss_ring_pop(world->simulation_commands, &command)) {
+        run_simulation_command(world, &command);
+    }
+}
+
+/* A tool that has just come and stands inside the tissue is not given to the model yet: its
+ * result says where the surface is, with no force, and the haptic loop moves the proxy out there
+ * and lets it in by fading. True when the tool may be placed. */
+static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const ss_tool_pose *pose)
+{
+    const ss_shape *shape = &world->scene->tool[p].shape;
+    ss_contact_set *set = &probe->computed.set;
+    double point[3], normal[3];
+    const double depth =
+        ss_contact_locate(world->scene->mesh, world->model_class->displacement(world->model), shape,
+                          pose, point, normal);
+    if (depth <= PLACE_SHARE * ss_shape_bounding_radius(shape)) {
+        return true;
+    }
+    *set = (ss_contact_set){.count = 1};
+    ss_contact *contact = &set->contact[0];
+    contact->stiffness = contact->tangential = PLACE_STIFFNESS;
+    ss_copy3(contact->point, point);
+    ss_copy3(contact->normal, normal);
+    ss_copy3(set->point, point);
+    ss_copy3(set->normal, normal);
+    ss_madd3(probe->computed.proxy, pose->position, depth,
+             normal); /* where the tool just touches */
+    return false;
+}
+
+/* No hand moves or turns a tool faster: what jumps in a period is caught up with, not flung. */
+static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_to)
+{
+    double way[3], turn[3];
+    ss_sub3(way, inout_to->position, last->position);
+    ss_turn_between(last->orientation, inout_to->orientation, turn);
+    const double length = ss_norm3(way), reach = MAX_TOOL_SPEED * period;
+    const double angle = ss_norm3(turn), most = MAX_TOOL_TURN * period;
+    if (length > reach) {
+        ss_madd3(inout_to->position, last->position, reach / length, way);
+    }
+    if (angle > most) {
+        ss_tool_pose turned;
+        ss_tool_pose_blend(last, inout_to, most / angle, &turned);
+        memcpy(inout_to->orientation, turned.orientation, sizeof turned.orientation);
+    }
+}
+
+/* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
+ * placed there when it has just come. After a reset or resume it is out of the model until the
+ * haptic loop, which ramps its force down first, has placed it anew: a body at rest is never
+ * struck by a tool that stood deep in what it was, nor by one that moved under pause. */
+static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
+{
+    ss_world_probe *probe = &world->probe[p];
+    const ss_proxy_target *target = &probe->stepped_to;
+    probe->is_waiting = false;
+    ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
+    ss_set3(velocity, 0.0, 0.0, 0.0);
+    if (!target->is_present || target->starts != world->simulation_starts) {
+        probe->was_present = tool.is_present = false;
+        probe->waited = 0;
+        return tool;
+    }
+    ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
+    memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
+    const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
+    if (is_swept) {
+        follow(&probe->last, world->step_period, &tool.to);
+    }
+    tool.from = is_swept ? probe->last : tool.to;
+    if (!is_swept && !may_place(world, probe, p, &tool.to)) {
+        probe->is_waiting = true;
+        ++probe->waited;
+        probe->was_present = false;
+        tool.is_present = false;
+        return tool;
+    }
+    if (is_swept) {
+        ss_sub3(velocity, tool.to.position, tool.from.position);
+        ss_scale3(velocity, velocity, 1.0 / world->step_period);
+    }
+    probe->waited = 0;
+    probe->was_present = true;
+    probe->last_teleports = target->teleports;
+    return tool;
+}
+
+/* A step that was slower than time, or none under pause, took the tool a share of its way: it
+ * stands there, the next step goes on from there, and the haptic loop is told of that place. */
+static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_model_tool *tool,
+                  double velocity[3])
+{
+    if (travelled < 1.0) {
+        ss_model_reached(tool, travelled, &probe->last);
+        tool->to = probe->last;
+        ss_sub3(velocity, tool->to.position, tool->from.position);
+        ss_scale3(velocity, velocity, 1.0 / world->step_period);
+    }
+    probe->last = tool->to;
+}
+
+static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
+                          const double velocity[3], bool is_fault)
+{
+    ss_world_probe *probe = &world->probe[p];
+    ss_local_model *out = &probe->computed;
+    out->tick = probe->stepped_to.tick;
+    out->step = world->steps;
+    out->period = world->step_period;
+    out->pose_seq = probe->stepped_to.pose_seq;
+    out->starts = world->simulation_starts;
+    out->is_fault = is_fault;
+    memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
+    ss_set3(out->velocity, 0.0, 0.0, 0.0);
+    if (probe->is_waiting) {
+        return; /* may_place() filled in the rest */
+    }
+    out->set = (ss_contact_set){0};
+    if (!tool->is_present) {
+        return;
+    }
+    ss_copy3(out->proxy, tool->to.position);
+    memcpy(out->orientation, tool->to.orientation, sizeof out->orientation);
+    ss_copy3(out->velocity, velocity);
+    const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
+    world->model_class->contacts(world->model, p, near, &out->set);
+}
+
+void ss_world_step_compute(ss_world *world)
+{
+    const int64_t cpu_start = ss_clock_thread_cpu_ns();
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    double velocity[SOFTSIM_MAX_PROBES][3] = {{0}};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            tool[p] = plan_tool(world, p, velocity[p]);
+        }
+    }
+    ss_model_info info;
+    const bool is_still =
+        world->simulation_paused || world->energy.verdict == SOFTSIM_VERDICT_FAULT;
+    if (!is_still) {
+        world->model_class->step(world->model, (double)world->steps * world->step_period,
+                                 world->step_period, tool);
+        ++world->steps;
+        world->is_hashed = false;
+    }
+    world->model_class->info(world->model, &info);
+    world->substeps += is_still ? 0 : info.substeps;
+    const double travelled = is_still ? 0.0 : info.travelled;
+    double way = 0.0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (tool[p].is_present) {
+            reach(world, &world->probe[p], travelled, &tool[p], velocity[p]);
+            way += ss_tool_motion_bound(&world->scene->tool[p].shape, &tool[p].from, &tool[p].to);
+        }
+    }
+    if (!is_still) {
+        ss_energy_watch_step(&world->energy, &info, way, world->step_period);
+    }
+    ss_energy_watch_judge(&world->energy, &info);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            read_contacts(world, p, &tool[p], velocity[p], info.verdict == SOFTSIM_VERDICT_FAULT);
+        }
+    }
+    ss_world_judge_sinking(world, &info);
+    if (info.verdict > world->worst_verdict) {
+        world->worst_verdict = info.verdict;
+        world->worst_reason = info.reason;
+    }
+    const int64_t now = ss_clock_now_ns();
+    ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
+}
+
+static void post_surface(ss_world *world)
+{
+    ss_surface_snapshot *snapshot = ss_mailbox_draft(world->surface);
+    const ss_real *u = world->model_class->displacement(world->model);
+    const int32_t node_count = world->scene->mesh->node_count;
+    snapshot->step = world->steps;
+    for (int32_t i = 0; i < node_count; ++i) {
+        for (int32_t axis = 0; axis < 3; ++axis) {
+            snapshot->displacement[3 * i + axis] = (float)u[4 * i + axis];
+        }
+    }
+    ss_mailbox_post(world->surface);
+}
+
+void ss_world_step_post(ss_world *world)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_world_probe *probe = &world->probe[p];
+        if (probe->is_used) {
+            *(ss_local_model *)ss_mailbox_draft(probe->result) = probe->computed;
+            ss_mailbox_post(probe->result);
+        }
+    }
+    if (world->surface && world->steps % world->snapshot_every == 0) {
+        post_surface(world);
+    }
+    ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);
+    ss_world_info(world, &stats->info);
+    stats->is_paused = world->simulation_paused;
+    stats->info.step = world->steps;
+    const int64_t quarter = (int64_t)ceil(0.25 / world->step_period);
+    if (world->steps % quarter == 0) {
+        static const double quantile[3] = {0.5, 0.99, 1.0};
+        for (int i = 0; i < 3; ++i) {
+            world->step_quantiles[i] = ss_histogram_quantile(world->step_time, quantile[i]);
+        }
+    }
+    memcpy(stats->step_us, world->step_quantiles, sizeof stats->step_us);
+    stats->lag = world->lag;
+    ss_mailbox_post(world->simulation_stats);
+}
