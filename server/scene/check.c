@@ -4,7 +4,6 @@
  * A tree against the tables: unknown and repeated keys, missing ones, types, ranges. Every fault
  * is reported and the walk goes on; what depends on the mesh is judged later, in scene.c.
  */
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,243 +11,7 @@
 
 #include "scene/schema.h"
 
-enum { PATH_SIZE = 256, TEXT_SIZE = 320, LONGEST_NAME = 40 };
-
-/* ---- words ---- */
-
-int32_t ss_scene_choice(const char *choices, const char *text)
-{
-    const size_t length = strlen(text);
-    int32_t index = 0;
-    for (const char *at = choices; length > 0; index++) {
-        const size_t word = strcspn(at, "|");
-        if (word == length && memcmp(at, text, length) == 0) {
-            return index;
-        }
-        if (at[word] == '\0') {
-            break;
-        }
-        at += word + 1;
-    }
-    return -1;
-}
-
-void ss_scene_choice_name(const char *choices, int32_t index, char *out, size_t size)
-{
-    const char *at = choices;
-    for (; index > 0 && strchr(at, '|') != NULL; index--) {
-        at = strchr(at, '|') + 1;
-    }
-    snprintf(out, size, "%.*s", (int)strcspn(at, "|"), at);
-}
-
-/* Edits (insert, remove, change a letter) from a to b, neither longer than LONGEST_NAME. */
-static int distance(const char *a, const char *b)
-{
-    const size_t n = strlen(a);
-    const size_t m = strlen(b);
-    int row[LONGEST_NAME + 1];
-    for (size_t j = 0; j <= m; j++) {
-        row[j] = (int)j;
-    }
-    for (size_t i = 1; i <= n; i++) {
-        int diagonal = row[0];
-        row[0] = (int)i;
-        for (size_t j = 1; j <= m; j++) {
-            const int change =
-                diagonal + (tolower((unsigned char)a[i - 1]) != tolower((unsigned char)b[j - 1]));
-            diagonal = row[j];
-            const int shift = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
-            row[j] = change < shift ? change : shift;
-        }
-    }
-    return row[m];
-}
-
-const char *ss_scene_nearest(const char *name, const char *(*name_at)(const void *list, int32_t i),
-                             const void *list, int32_t count)
-{
-    const size_t length = strlen(name);
-    const char *best = NULL;
-    int best_distance = length < 6 ? 2 : 1 + (int)length / 3;
-    for (int32_t i = 0; i < count; i++) {
-        const char *other = name_at(list, i);
-        const size_t longer = length > strlen(other) ? length : strlen(other);
-        int d = longer > LONGEST_NAME ? 99 : distance(name, other);
-        /* A name with its unit forgotten, or with one too many. */
-        const size_t common = strlen(other) < length ? strlen(other) : length;
-        if (common >= 3 && d > 1 && strncmp(name, other, common) == 0) {
-            d = 1;
-        }
-        if (d < best_distance) {
-            best = other;
-            best_distance = d;
-        }
-    }
-    return best;
-}
-
-static const char *row_name(const void *list, int32_t i)
-{
-    return ((const ss_scene_row *)list)[i].name;
-}
-
-static const char *model_name(const void *list, int32_t i)
-{
-    return ((const ss_scene_model *)list)[i].name;
-}
-
-/* "a, b or c" */
-static void join(const char *(*name_at)(const void *list, int32_t i), const void *list,
-                 int32_t count, char *out, size_t size)
-{
-    size_t used = 0;
-    out[0] = '\0';
-    for (int32_t i = 0; i < count && used < size; i++) {
-        const int written =
-            snprintf(out + used, size - used, "%s%s", i > 0 ? ", " : "", name_at(list, i));
-        used += written > 0 ? (size_t)written : 0;
-    }
-}
-
-static void describe_range(const ss_scene_row *row, char *out, size_t size)
-{
-    char low[48] = "";
-    char high[48] = "";
-    if (isfinite(row->min)) {
-        const char *word = row->exclusive_min   ? "above"
-                           : isfinite(row->max) ? "from"
-                                                : "of at least";
-        snprintf(low, sizeof low, " %s %.10g", word, row->min);
-    }
-    if (isfinite(row->max)) {
-        const char *word = low[0] == '\0'       ? "of at most"
-                           : row->exclusive_min ? "and at most"
-                                                : "to";
-        snprintf(high, sizeof high, " %s %.10g", word, row->max);
-    }
-    if (row->min == row->max && !row->exclusive_min) {
-        snprintf(low, sizeof low, " %.10g", row->min);
-        high[0] = '\0';
-    }
-    snprintf(out, size, "%s%s%s%s%s", low, high, row->unit != NULL ? " (" : "",
-             row->unit != NULL ? row->unit : "", row->unit != NULL ? ")" : "");
-}
-
-void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
-{
-    char range[128];
-    describe_range(row, range, sizeof range);
-    switch (row->kind) {
-    case SS_SCENE_NUMBER:
-        snprintf(out, size, "a number%s", range);
-        break;
-    case SS_SCENE_INTEGER:
-        snprintf(out, size, "a whole number%s", range);
-        break;
-    case SS_SCENE_RATE:
-        snprintf(out, size, "auto, or a number%s", range);
-        break;
-    case SS_SCENE_BOOL:
-        snprintf(out, size, "true or false");
-        break;
-    case SS_SCENE_CHOICE: {
-        snprintf(out, size, "one of %s", row->choices);
-        for (char *bar = strchr(out, '|'); bar != NULL; bar = strchr(bar, '|')) {
-            *bar = ' ';
-        }
-        break;
-    }
-    case SS_SCENE_TEXT:
-        snprintf(out, size, "a name: %s", row->help);
-        break;
-    case SS_SCENE_FILE:
-        snprintf(out, size, "the name of a file: %s", row->help);
-        break;
-    case SS_SCENE_VECTOR:
-        snprintf(out, size, "[x, y, z], each a number%s", range);
-        break;
-    case SS_SCENE_BOX:
-        snprintf(out, size, "[[x, y, z], [x, y, z]], lower corner first, each a number%s", range);
-        break;
-    case SS_SCENE_AXES:
-        snprintf(out, size, "axes of the world, such as xyz, xy or z");
-        break;
-    case SS_SCENE_NODES:
-        snprintf(out, size, "[0, 1, 2], or the name of a file with one number a line");
-        break;
-    case SS_SCENE_FIELD:
-        snprintf(out, size, "a number%s, {file: NAME.csv}, or a list of {where: ..., value: ...}",
-                 range);
-        break;
-    case SS_SCENE_DIRECTION:
-        snprintf(out, size, "[x, y, z] of any length but 0, or {file: NAME.csv}");
-        break;
-    case SS_SCENE_KEYS: {
-        char names[160];
-        join(row_name, row->child.row, row->child.count, names, sizeof names);
-        snprintf(out, size, "a mapping with keys of: %s", names);
-        break;
-    }
-    case SS_SCENE_MODEL:
-        snprintf(out, size, "a mapping with the key name and the model's parameters");
-        break;
-    case SS_SCENE_ENTRIES: {
-        char names[160];
-        join(row_name, row->child.row, row->child.count, names, sizeof names);
-        snprintf(out, size, "a list of mappings with keys of: %s", names);
-        break;
-    }
-    }
-}
-
-/* ---- scalars ---- */
-
-bool ss_scene_in_range(const ss_scene_row *row, double value)
-{
-    return value <= row->max && (row->exclusive_min ? value > row->min : value >= row->min);
-}
-
-bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quoted,
-                          double *out_value, char *why, size_t why_size)
-{
-    double value = 0;
-    if (text[0] == '\0' && !is_quoted) {
-        snprintf(why, why_size, "has no value");
-        return false;
-    }
-    if (row->kind == SS_SCENE_BOOL || row->kind == SS_SCENE_CHOICE) {
-        const char *words = row->kind == SS_SCENE_BOOL ? "false|true" : row->choices;
-        const int32_t index = ss_scene_choice(words, text);
-        snprintf(why, why_size, "is '%.40s'", text);
-        *out_value = index;
-        return index >= 0;
-    }
-    if (row->kind == SS_SCENE_RATE && strcmp(text, "auto") == 0) {
-        *out_value = 0;
-        return true;
-    }
-    const ss_scene_number kind = ss_scene_parse_number(text, &value);
-    if (kind == SS_SCENE_NOT_FINITE) {
-        snprintf(why, why_size, "is '%.40s', which is not finite", text);
-        return false;
-    }
-    if (kind == SS_SCENE_NOT_NUMBER || is_quoted) {
-        snprintf(why, why_size, "is '%.40s', which is %s", text,
-                 is_quoted ? "a text in quotes" : "not a number");
-        return false;
-    }
-    if (row->kind == SS_SCENE_INTEGER && value != floor(value)) {
-        snprintf(why, why_size, "is %.40s, which is not a whole number", text);
-        return false;
-    }
-    if (!ss_scene_in_range(row, value)) {
-        snprintf(why, why_size, "is %.40s, out of range", text);
-        return false;
-    }
-    *out_value = value;
-    return true;
-}
+enum { PATH_SIZE = 256, TEXT_SIZE = 320 };
 
 /* ---- faults ---- */
 
@@ -523,7 +286,7 @@ static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene
         return;
     }
     char names[TEXT_SIZE];
-    join(model_name, check->models, check->model_count, names, sizeof names);
+    ss_scene_join(ss_scene_model_name, check->models, check->model_count, names, sizeof names);
     ss_scene_node *name = ss_scene_node_find(node, "name");
     if (name == NULL) {
         ss_scene_key_fault(check->report, node, "model.name is missing; built in: %s", names);
@@ -539,7 +302,8 @@ static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene
     }
     if (model == NULL) {
         const char *text = name->kind == SS_SCENE_SCALAR ? name->text : "not a name";
-        const char *near = ss_scene_nearest(text, model_name, check->models, check->model_count);
+        const char *near =
+            ss_scene_nearest(text, ss_scene_model_name, check->models, check->model_count);
         ss_scene_node_fault(check->report, name,
                             "model.name is '%.40s', which is not built in; built in: %s%s%s%s",
                             text, names, near != NULL ? "; did you mean '" : "",
@@ -707,13 +471,13 @@ static void fault_unknown(ss_scene_check *check, ss_scene_node *node, ss_scene_t
         return;
     }
     ss_scene_node_path(node->parent, path, sizeof path);
-    const char *near = ss_scene_nearest(node->key, row_name, table.row, table.count);
+    const char *near = ss_scene_nearest(node->key, ss_scene_row_name, table.row, table.count);
     if (near != NULL) {
         ss_scene_key_fault(check->report, node, "unknown key '%.60s' in %s; did you mean '%s'?",
                            node->key, path[0] != '\0' ? path : "the scene", near);
         return;
     }
-    join(row_name, table.row, table.count, names, sizeof names);
+    ss_scene_join(ss_scene_row_name, table.row, table.count, names, sizeof names);
     ss_scene_key_fault(check->report, node, "unknown key '%.60s' in %s; known here: %s", node->key,
                        path[0] != '\0' ? path : "the scene", names);
 }
@@ -739,7 +503,7 @@ static bool is_misspelt(const ss_scene_node *map, ss_scene_table table, const ch
         if (name == NULL) {
             return true;
         }
-        const char *near = ss_scene_nearest(child->key, row_name, table.row, table.count);
+        const char *near = ss_scene_nearest(child->key, ss_scene_row_name, table.row, table.count);
         if (near != NULL && strcmp(near, name) == 0) {
             return true;
         }

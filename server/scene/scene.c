@@ -19,25 +19,11 @@
 #include "rt/files.h"
 #include "rt/progress.h"
 #include "scene/grid.h"
+#include "scene/loader.h"
 #include "scene/region.h"
 #include "scene/source.h"
 
-/* Nodes in all sets of loads and prescribed displacements together; bounds the memory that a
- * small file with many regions on a large mesh can ask for. */
-enum { MAX_SET_NODES = 4000000 };
-
-typedef struct loader {
-    ss_scene_report *report;
-    ss_scene *scene;
-    const ss_scene_model *model; /* NULL: not known */
-    ss_scene_node *root;
-    ss_scene_space space;
-    softsim_error *mesh_error; /* faults of mesh files, shown after those of the scene */
-    const char *import_program;
-    int64_t set_nodes;
-} loader;
-
-static void fault_memory(loader *l)
+void ss_scene_fault_memory(ss_scene_loader *l)
 {
     ss_scene_report_add(l->report, SOFTSIM_ERROR_MEMORY, (ss_scene_place){-1, 0, 0},
                         "out of memory");
@@ -49,7 +35,7 @@ static ss_scene_node *good(ss_scene_node *node)
     return node != NULL && !node->is_faulty ? node : NULL;
 }
 
-static int32_t entry_count(const ss_scene_node *list)
+int32_t ss_scene_entry_count(const ss_scene_node *list)
 {
     return list != NULL && list->kind == SS_SCENE_LIST && list->count <= SS_SCENE_MAX_ENTRIES
                ? list->count
@@ -59,7 +45,7 @@ static int32_t entry_count(const ss_scene_node *list)
 /* ---- meshes and tools ---- */
 
 /* The file's path, when it can be opened; else a fault with the place in the scene. */
-static bool find_file(loader *l, ss_scene_node *node, char *out, size_t size)
+static bool find_file(ss_scene_loader *l, ss_scene_node *node, char *out, size_t size)
 {
     if (!ss_scene_join_path(l->space.folder, node->text, out, size)) {
         ss_scene_node_fault(l->report, node, "the path is too long");
@@ -84,7 +70,7 @@ static double metres_of(const ss_scene_node *units)
     return ss_scene_unit_metres[ss_scene_choice(row->choices, units->text)];
 }
 
-static void take_convex(loader *l, const ss_scene_node *map, ss_shape *shape)
+static void take_convex(ss_scene_loader *l, const ss_scene_node *map, ss_shape *shape)
 {
     char path[2048];
     ss_mesh *mesh = NULL;
@@ -103,7 +89,7 @@ static void take_convex(loader *l, const ss_scene_node *map, ss_shape *shape)
     ss_mesh_destroy(&mesh);
 }
 
-static void take_shape(loader *l, const ss_scene_node *map, ss_shape *shape)
+static void take_shape(ss_scene_loader *l, const ss_scene_node *map, ss_shape *shape)
 {
     const double mm = 1e-3;
     const ss_scene_node *form = map->first;
@@ -130,10 +116,10 @@ static void take_shape(loader *l, const ss_scene_node *map, ss_shape *shape)
     }
 }
 
-static void take_tools(loader *l)
+static void take_tools(ss_scene_loader *l)
 {
     ss_scene_node *tools = ss_scene_node_find(ss_scene_node_find(l->root, "contact"), "tools");
-    ss_scene_node *item = entry_count(tools) > 0 ? tools->first : NULL;
+    ss_scene_node *item = ss_scene_entry_count(tools) > 0 ? tools->first : NULL;
     for (; item != NULL; item = item->next) {
         if (item->is_faulty) {
             continue;
@@ -152,7 +138,7 @@ static void take_tools(loader *l)
     }
 }
 
-static void transform(loader *l, const ss_scene_node *object)
+static void transform(ss_scene_loader *l, const ss_scene_node *object)
 {
     double rotate[3] = {0, 0, 0};
     double translate[3] = {0, 0, 0};
@@ -165,7 +151,7 @@ static void transform(loader *l, const ss_scene_node *object)
 }
 
 /* The object's mesh from its file. */
-static bool load_mesh(loader *l, ss_scene_node *file, const ss_scene_node *units)
+static bool load_mesh(ss_scene_loader *l, ss_scene_node *file, const ss_scene_node *units)
 {
     char path[2048];
     if (!find_file(l, file, path, sizeof path) || units == NULL) {
@@ -181,7 +167,7 @@ static bool load_mesh(loader *l, ss_scene_node *file, const ss_scene_node *units
     return status == SOFTSIM_OK;
 }
 
-static bool make_grid(loader *l, ss_scene_node *grid, const ss_scene_node *units)
+static bool make_grid(ss_scene_loader *l, ss_scene_node *grid, const ss_scene_node *units)
 {
     const double metres = units != NULL ? metres_of(units) : 0;
     return ss_scene_make_grid(&l->space, grid, metres, &l->scene->mesh, l->mesh_error);
@@ -199,7 +185,7 @@ static bool has_layer(const ss_scene_model *model)
 }
 
 /* The mesh with a layer's outer surface: the given one, or grown by a thickness. */
-static bool take_layer(loader *l, ss_scene_node *object, const char *name)
+static bool take_layer(ss_scene_loader *l, ss_scene_node *object, const char *name)
 {
     ss_scene *scene = l->scene;
     ss_scene_node *outer = good(ss_scene_node_find(object, "outer"));
@@ -267,7 +253,7 @@ static bool take_layer(loader *l, ss_scene_node *object, const char *name)
 }
 
 /* Loads or makes, transforms and judges the mesh; on success the regions can be resolved. */
-static bool take_mesh(loader *l)
+static bool take_mesh(ss_scene_loader *l)
 {
     ss_scene_node *object = ss_scene_node_find(l->root, "object");
     ss_scene_node *file = good(ss_scene_node_find(object, "mesh"));
@@ -313,7 +299,7 @@ static bool take_mesh(loader *l)
     l->space.mask = calloc((size_t)node_count, 1);
     scene->fixed = calloc((size_t)node_count, 1);
     if (l->space.mask == NULL || scene->fixed == NULL) {
-        fault_memory(l);
+        ss_scene_fault_memory(l);
         return false;
     }
     return true;
@@ -321,7 +307,7 @@ static bool take_mesh(loader *l)
 
 /* ---- fixed nodes, parameters ---- */
 
-static uint8_t axes_of(const ss_scene_node *item)
+uint8_t ss_scene_axes_of(const ss_scene_node *item)
 {
     const ss_scene_node *axes = ss_scene_node_find(item, "axes");
     uint8_t bits = 0;
@@ -331,15 +317,15 @@ static uint8_t axes_of(const ss_scene_node *item)
     return bits;
 }
 
-static void take_fixed(loader *l)
+static void take_fixed(ss_scene_loader *l)
 {
     ss_scene_node *list = ss_scene_node_find(ss_scene_node_find(l->root, "object"), "fixed");
-    ss_scene_node *item = entry_count(list) > 0 ? list->first : NULL;
+    ss_scene_node *item = ss_scene_entry_count(list) > 0 ? list->first : NULL;
     for (; item != NULL; item = item->next) {
         if (item->is_faulty || ss_scene_select(&l->space, item) < 0) {
             continue;
         }
-        const uint8_t axes = axes_of(item);
+        const uint8_t axes = ss_scene_axes_of(item);
         for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
             l->scene->fixed[i] |= l->space.mask[i] ? axes : 0;
         }
@@ -347,7 +333,8 @@ static void take_fixed(loader *l)
 }
 
 /* A uniform direction, or one per element. */
-static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value, bool has_mesh)
+static void take_direction(ss_scene_loader *l, ss_scene_node *node, ss_param_value *value,
+                           bool has_mesh)
 {
     if (node->kind == SS_SCENE_LIST) {
         ss_scene_get_vector(node, value->direction);
@@ -356,7 +343,7 @@ static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value
         const size_t count = (size_t)ss_mesh_element_count(l->scene->mesh);
         value->per_element = calloc(count, sizeof *value->per_element);
         if (value->per_element == NULL) {
-            fault_memory(l);
+            ss_scene_fault_memory(l);
             return;
         }
         ss_scene_read_directions(&l->space, node, value->per_element);
@@ -364,7 +351,7 @@ static void take_direction(loader *l, ss_scene_node *node, ss_param_value *value
 }
 
 /* A value per node, or per element. */
-static void take_field(loader *l, const ss_scene_row *row, ss_scene_node *node,
+static void take_field(ss_scene_loader *l, const ss_scene_row *row, ss_scene_node *node,
                        ss_param_value *value)
 {
     const ss_mesh *mesh = l->scene->mesh;
@@ -374,7 +361,7 @@ static void take_field(loader *l, const ss_scene_row *row, ss_scene_node *node,
                             ? calloc((size_t)ss_mesh_element_count(mesh), sizeof *value->by_element)
                             : NULL;
     if (value->per_node == NULL || (row->takes_elements && value->by_element == NULL)) {
-        fault_memory(l);
+        ss_scene_fault_memory(l);
         return;
     }
     ss_scene_read_field(&l->space, row, node, value->per_node, value->by_element, &is_element);
@@ -384,13 +371,13 @@ static void take_field(loader *l, const ss_scene_row *row, ss_scene_node *node,
 }
 
 /* Rows of the model's table; those that vary over the mesh need it. */
-static void take_parameters(loader *l, bool has_mesh)
+static void take_parameters(ss_scene_loader *l, bool has_mesh)
 {
     ss_scene *scene = l->scene;
     const ss_scene_node *map = ss_scene_node_find(l->root, "model");
     scene->param = calloc((size_t)l->model->row_count + 1, sizeof *scene->param);
     if (scene->param == NULL) {
-        fault_memory(l);
+        ss_scene_fault_memory(l);
         return;
     }
     for (int32_t i = 0; i < l->model->row_count; i++) {
@@ -414,235 +401,6 @@ static void take_parameters(loader *l, bool has_mesh)
             take_field(l, row, node, value);
         }
     }
-}
-
-/* ---- loads and prescribed displacements ---- */
-
-/* The numbers of the nodes in the mask, increasing; NULL when there is no room for them. */
-static int32_t *list_nodes(loader *l, const uint8_t *mask, uint8_t value, int32_t count)
-{
-    l->set_nodes += count;
-    if (l->set_nodes > MAX_SET_NODES) {
-        ss_scene_report_add(l->report, SOFTSIM_ERROR_SCENE, (ss_scene_place){-1, 0, 0},
-                            "loads and prescribed sets hold more than %d nodes together",
-                            MAX_SET_NODES);
-        return NULL;
-    }
-    int32_t *list = calloc((size_t)count + 1, sizeof *list);
-    if (list == NULL) {
-        fault_memory(l);
-        return NULL;
-    }
-    int32_t used = 0;
-    for (int32_t i = 0; i < l->scene->mesh->node_count && used < count; i++) {
-        if (mask[i] == value) {
-            list[used++] = i;
-        }
-    }
-    return list;
-}
-
-static bool has_triangle(const ss_mesh *mesh, const uint8_t *mask)
-{
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const int32_t *node = mesh->triangle[t];
-        if (mask[node[0]] && mask[node[1]] && mask[node[2]]) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static void take_load(loader *l, ss_scene_node *item)
-{
-    const int32_t count = ss_scene_select(&l->space, item);
-    if (count < 0) {
-        return;
-    }
-    ss_scene_force load = {.from = ss_scene_get_number(item, "from_s", 0),
-                           .to = ss_scene_get_number(item, "to_s", INFINITY),
-                           .ramp = ss_scene_get_number(item, "ramp_s", 0),
-                           .pressure = ss_scene_get_number(item, "pressure_pa", 0),
-                           .is_pressure = ss_scene_node_find(item, "pressure_pa") != NULL};
-    ss_scene_get_vector(ss_scene_node_find(item, "force_n"), load.force);
-    if (load.to <= load.from) {
-        ss_scene_node_fault(l->report, ss_scene_node_find(item, "to_s"),
-                            "the load ends at %g s, before it begins at %g s; give a later to_s",
-                            load.to, load.from);
-        return;
-    }
-    if (load.is_pressure && !has_triangle(l->scene->mesh, l->space.mask)) {
-        ss_scene_key_fault(l->report, ss_scene_node_find(item, "pressure_pa"),
-                           "no triangle of the surface has all its nodes in the region, so the "
-                           "pressure acts on nothing; enlarge the region");
-        return;
-    }
-    load.node = list_nodes(l, l->space.mask, 1, count);
-    load.node_count = count;
-    if (load.node != NULL) {
-        l->scene->load[l->scene->load_count++] = load;
-    }
-}
-
-static void take_loads(loader *l)
-{
-    ss_scene_node *list = ss_scene_node_find(l->root, "loads");
-    const int32_t count = entry_count(list);
-    l->scene->load = calloc((size_t)count + 1, sizeof *l->scene->load);
-    if (l->scene->load == NULL) {
-        fault_memory(l);
-        return;
-    }
-    for (ss_scene_node *item = count > 0 ? list->first : NULL; item != NULL; item = item->next) {
-        if (!item->is_faulty) {
-            take_load(l, item);
-        }
-    }
-}
-
-static bool has_region(const ss_scene_node *item)
-{
-    for (const ss_scene_node *key = item->first; key != NULL; key = key->next) {
-        if (ss_scene_find_row(ss_scene_where, key->key) != NULL) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Into space->mask: per node the axes that are held, as bits; into `u` where to. */
-static bool read_prescribed(loader *l, ss_scene_node *item, double (*u)[3])
-{
-    const int32_t node_count = l->scene->mesh->node_count;
-    uint8_t *mask = l->space.mask;
-    const uint8_t axes = axes_of(item);
-    ss_scene_node *file = ss_scene_node_find(item, "displacement_file");
-    double uniform[3] = {0, 0, 0};
-    ss_scene_get_vector(ss_scene_node_find(item, "displacement_m"), uniform);
-    if (file == NULL && !has_region(item)) {
-        ss_scene_node_fault(l->report, item,
-                            "displacement_m needs nodes; give one of: box_m, sphere, plane, group, "
-                            "nodes");
-        return false;
-    }
-    if (has_region(item) && ss_scene_select(&l->space, item) < 0) {
-        return false;
-    }
-    if (file == NULL) {
-        for (int32_t i = 0; i < node_count; i++) {
-            memcpy(u[i], uniform, sizeof uniform);
-            mask[i] = mask[i] ? axes : 0;
-        }
-        return true;
-    }
-    /* A region beside a file is a promise about the file's nodes, and is held to. */
-    uint8_t *region = has_region(item) ? malloc((size_t)node_count) : NULL;
-    if (region != NULL) {
-        memcpy(region, mask, (size_t)node_count);
-    }
-    bool is_good = ss_scene_read_displacement(&l->space, file, u) >= 0;
-    for (int32_t i = 0; i < node_count && is_good; i++) {
-        if (mask[i] && region != NULL && !region[i]) {
-            ss_scene_node_fault(l->report, file,
-                                "'%.100s' names node %d, which is not in the region beside it",
-                                file->text, (int)i);
-            is_good = false;
-        }
-        uint8_t held = 0;
-        for (int k = 0; k < 3 && mask[i]; k++) {
-            held = (uint8_t)(held | (isnan(u[i][k]) ? 0u : axes & (1u << k)));
-        }
-        mask[i] = held;
-    }
-    free(region);
-    return is_good;
-}
-
-/* One node held twice along one axis has no meaning: named, once per entry. */
-static bool is_conflicting(loader *l, ss_scene_node *item, uint8_t *held)
-{
-    for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
-        const uint8_t both = held[i] & l->space.mask[i];
-        if (both != 0) {
-            char path[256];
-            ss_scene_node_path(item, path, sizeof path);
-            ss_scene_node_fault(l->report, item,
-                                "%s holds node %d along %c, which is %s already; leave it to one",
-                                path, (int)i,
-                                both & 1   ? 'x'
-                                : both & 2 ? 'y'
-                                           : 'z',
-                                l->scene->fixed[i] & both ? "fixed" : "prescribed");
-            return true;
-        }
-    }
-    for (int32_t i = 0; i < l->scene->mesh->node_count; i++) {
-        held[i] |= l->space.mask[i];
-    }
-    return false;
-}
-
-/* One set for each pattern of held axes that occurs. */
-static void add_prescribed(loader *l, ss_scene_node *item, const double (*u)[3])
-{
-    ss_scene *scene = l->scene;
-    const ss_scene_node *group = ss_scene_node_find(item, "group");
-    for (uint8_t bits = 1; bits < 8; bits++) {
-        int32_t count = 0;
-        for (int32_t i = 0; i < scene->mesh->node_count; i++) {
-            count += l->space.mask[i] == bits;
-        }
-        if (count == 0) {
-            continue;
-        }
-        ss_scene_prescribed set = {.node_count = count,
-                                   .axis = {bits & 1, bits & 2, bits & 4},
-                                   .from = ss_scene_get_number(item, "from_s", 0),
-                                   .ramp = ss_scene_get_number(item, "ramp_s", 0),
-                                   .entry = item->index};
-        if (group != NULL) {
-            snprintf(set.name, sizeof set.name, "%.60s", group->text);
-        } else {
-            snprintf(set.name, sizeof set.name, "prescribed.%d", (int)item->index);
-        }
-        set.node = list_nodes(l, l->space.mask, bits, count);
-        set.displacement = calloc((size_t)count, sizeof *set.displacement);
-        if (set.node == NULL || set.displacement == NULL) {
-            free(set.node);
-            free(set.displacement);
-            fault_memory(l);
-            return;
-        }
-        for (int32_t i = 0; i < count; i++) {
-            for (int k = 0; k < 3; k++) {
-                set.displacement[i][k] = set.axis[k] ? u[set.node[i]][k] : 0;
-            }
-        }
-        scene->prescribed[scene->prescribed_count++] = set;
-    }
-}
-
-static void take_prescribed(loader *l)
-{
-    ss_scene_node *list = ss_scene_node_find(l->root, "prescribed");
-    const int32_t count = entry_count(list);
-    const size_t node_count = (size_t)l->scene->mesh->node_count;
-    l->scene->prescribed = calloc(7 * (size_t)count + 1, sizeof *l->scene->prescribed);
-    uint8_t *held = malloc(node_count);
-    double(*u)[3] = count > 0 ? calloc(node_count, sizeof *u) : NULL;
-    if (l->scene->prescribed == NULL || held == NULL || (count > 0 && u == NULL)) {
-        fault_memory(l);
-    } else {
-        memcpy(held, l->scene->fixed, node_count);
-        for (ss_scene_node *item = count > 0 ? list->first : NULL; item != NULL;
-             item = item->next) {
-            if (!item->is_faulty && read_prescribed(l, item, u) && !is_conflicting(l, item, held)) {
-                add_prescribed(l, item, (const double(*)[3])u);
-            }
-        }
-    }
-    free(held);
-    free(u);
 }
 
 /* ---- the whole ---- */
@@ -701,7 +459,7 @@ static ss_scene *create(const char *path)
 }
 
 /* Everything below the tables; faults go to the report and to mesh_error. */
-static void resolve(loader *l)
+static void resolve(ss_scene_loader *l)
 {
     take_tools(l);
     const bool has_mesh = take_mesh(l);
@@ -710,8 +468,8 @@ static void resolve(loader *l)
     }
     if (has_mesh) {
         take_fixed(l);
-        take_loads(l);
-        take_prescribed(l);
+        ss_scene_take_loads(l);
+        ss_scene_take_prescribed(l);
     }
     free(l->space.mask);
 }
@@ -761,13 +519,14 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
         ss_scene_check_tree(&check, tree->root);
         scene->source->model_row = check.model_row;
         scene->source->model_row_count = check.model_row_count;
-        loader l = {.report = report,
-                    .scene = scene,
-                    .model = check.model_row_count > 0 ? &models[scene->model_index] : NULL,
-                    .root = tree->root,
-                    .space = {.report = report, .folder = scene->source->folder},
-                    .mesh_error = mesh_error,
-                    .import_program = import_program};
+        ss_scene_loader l = {.report = report,
+                             .scene = scene,
+                             .model =
+                                 check.model_row_count > 0 ? &models[scene->model_index] : NULL,
+                             .root = tree->root,
+                             .space = {.report = report, .folder = scene->source->folder},
+                             .mesh_error = mesh_error,
+                             .import_program = import_program};
         resolve(&l);
     }
     const bool is_good = ss_scene_report_total(report) + mesh_error->fault_count == 0;

@@ -81,6 +81,12 @@ void ss_scene_set_defaults(ss_scene *scene);
 void ss_scene_check_tree(ss_scene_check *check, ss_scene_node *root);
 
 const ss_scene_row *ss_scene_find_row(ss_scene_table table, const char *name);
+/* Name i of a list of rows, of models: for the two below. */
+const char *ss_scene_row_name(const void *list, int32_t i);
+const char *ss_scene_model_name(const void *list, int32_t i);
+/* "a, b, c" */
+void ss_scene_join(const char *(*name_at)(const void *list, int32_t i), const void *list,
+                   int32_t count, char *out, size_t size);
 /* The name nearest to `name` among `count`, or NULL when none is near. */
 const char *ss_scene_nearest(const char *name, const char *(*name_at)(const void *list, int32_t i),
                              const void *list, int32_t count);
