@@ -51,7 +51,7 @@ if [ "$is_check" = yes ]; then
   for defect in "${defects[@]}"; do
     IFS='|' read -r model test file old new <<<"$defect"
     find_line "$file" "$old"
-    [ -f "tests/$test.c" ] || { echo "planted_defects.sh: no tests/$test.c" >&2; exit 1; }
+    [ -n "$(find tests -name "$test.c")" ] || { echo "planted_defects.sh: no $test.c in tests" >&2; exit 1; }
   done
   echo "planted_defects.sh: ${#defects[@]} defects can be planted"
   exit 0

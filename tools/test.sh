@@ -18,7 +18,7 @@ fi
 case "${1:-}" in
   "") ;;
   --quick) quick=1 ;;
-  --long) long=1 fuzz_s=60 all_checks=ON SOFTSIM_TESTS_LONG=1; export SOFTSIM_TESTS_LONG ;; # read by tests/effort.h
+  --long) long=1 fuzz_s=60 all_checks=ON SOFTSIM_TESTS_LONG=1; export SOFTSIM_TESTS_LONG ;; # read by tests/common/effort.h
   --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
   *) echo "test.sh: unknown argument '$1'; use --quick or --long" >&2; exit 2 ;;
 esac

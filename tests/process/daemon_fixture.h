@@ -10,7 +10,7 @@
 
 #include <lcm/lcm.h>
 
-#include "../folder_fixture.h"
+#include "common/folder_fixture.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"

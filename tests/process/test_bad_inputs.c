@@ -17,14 +17,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../effort.h"
+#include "common/effort.h"
 #include "process.h"
 
 #define SCENES   SOURCE_DIR "/server/scenes/"
 #define KIDNEY   SCENES "kidney.yaml"
 #define CYLINDER SCENES "cylinder.yaml"
 
-#include "../folder_fixture.h"
+#include "common/folder_fixture.h"
 
 static void check(process *p, const char *what, const char *const *argv, const char *word)
 {

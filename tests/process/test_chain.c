@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../effort.h"
+#include "common/effort.h"
 #include "daemon_fixture.h"
 
 /* ---- a replay's CSV ---- */

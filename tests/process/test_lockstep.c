@@ -18,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../effort.h"
+#include "common/effort.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"

@@ -18,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../effort.h"
+#include "common/effort.h"
 #include "process.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"

@@ -1,0 +1,516 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The balance of the proxy and the force limit, against oracles and on hand-made tissue of one to
+ * eight contacts; on bodies of every model test_headless_limit.c. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "common/effort.h"
+#include "haptic_fixture.h"
+#include "oracles/limit_judge.h"
+
+/* ---- balance ---- */
+
+static void random_balance(ss_balance *b)
+{
+    memset(b, 0, sizeof *b);
+    b->limit = INFINITY;
+    b->spring = exp(uniform(log(50.0), log(22000.0)));
+    b->count = 1 + (int32_t)uniform(0.0, 7.999);
+    for (int i = 0; i < 3; ++i) {
+        b->p_free[i] = uniform(-0.05, 0.05);
+    }
+    for (int32_t i = 0; i < b->count; ++i) {
+        ss_balance_row *row = &b->row[i];
+        do {
+            row->normal[0] = uniform(-1, 1);
+            row->normal[1] = uniform(-1, 1);
+            row->normal[2] = uniform(-0.3, 1);
+        } while (ss_norm3(row->normal) < 0.1);
+        ss_normalize3(row->normal);
+        row->slope = exp(uniform(0.0, log(1e5)));
+        row->free_force = uniform(-2.0, 5.0);
+    }
+}
+
+/* Every subset of contacts: the one whose solution has exactly its own forces positive. */
+static bool brute_force(const ss_balance *b, double out_d[3])
+{
+    for (uint32_t set = 0; set < 1U << b->count; ++set) {
+        double a[3][3] = {{b->spring, 0, 0}, {0, b->spring, 0}, {0, 0, b->spring}};
+        double rhs[3] = {0};
+        for (int32_t i = 0; i < b->count; ++i) {
+            const ss_balance_row *row = &b->row[i];
+            for (int r = 0; set & (1U << i) && r < 3; ++r) {
+                rhs[r] += row->free_force * row->normal[r];
+                for (int c = 0; c < 3; ++c) {
+                    a[r][c] += row->slope * row->normal[r] * row->normal[c];
+                }
+            }
+        }
+        /* Cramer's rule */
+        double u[3], v[3], w[3];
+        ss_cross3(u, a[1], a[2]);
+        ss_cross3(v, a[2], a[0]);
+        ss_cross3(w, a[0], a[1]);
+        const double det = ss_dot3(a[0], u);
+        for (int r = 0; r < 3; ++r) {
+            out_d[r] = (rhs[0] * u[r] + rhs[1] * v[r] + rhs[2] * w[r]) / det;
+        }
+        bool is_consistent = true;
+        for (int32_t i = 0; i < b->count; ++i) {
+            const double f =
+                b->row[i].free_force - b->row[i].slope * ss_dot3(b->row[i].normal, out_d);
+            is_consistent = is_consistent && (f > 0.0) == ((set & (1U << i)) != 0);
+        }
+        if (is_consistent) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void balance_is_the_brute_force_one(void **state)
+{
+    (void)state;
+    random_state = 1;
+    int most_passes = 0;
+    double worst = 0.0;
+    for (int n = 0; n < 100000; ++n) {
+        ss_balance b;
+        double d[3];
+        ss_rest rest;
+        random_balance(&b);
+        const int passes = ss_coupling_balance(&b, &rest);
+        most_passes = passes > most_passes ? passes : most_passes;
+        double left[3];
+        ss_sub3(d, rest.p, b.p_free);
+        ss_scale3(left, d, b.spring);
+        double largest = 1.0;
+        for (int32_t i = 0; i < b.count; ++i) {
+            assert_true(rest.force[i] >= 0.0);
+            largest = fmax(largest, rest.force[i]);
+            ss_madd3(left, left, -rest.force[i], b.row[i].normal);
+        }
+        worst = fmax(worst, ss_norm3(left) / largest);
+        if (n % 10 == 0) {
+            double expected[3];
+            assert_true(brute_force(&b, expected));
+            for (int i = 0; i < 3; ++i) {
+                assert_near(d[i], expected[i], 1e-12);
+            }
+        }
+    }
+    assert_true(most_passes > 2);
+    print_message("balance: at most %d passes, residual %.1e\n", most_passes, worst);
+    assert_true(most_passes <= SS_BALANCE_PASSES);
+    assert_true(worst <= 1e-12);
+}
+
+/* Sums the rows and the grasp, as the law exerts them at `d` from p_free. */
+static void law_at(const ss_balance *b, const double d[3], double out[3])
+{
+    ss_set3(out, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < b->count; ++i) {
+        const ss_balance_row *row = &b->row[i];
+        const double f = row->free_force - row->slope * ss_dot3(row->normal, d);
+        ss_madd3(out, out, fmax(0.0, f), row->normal);
+    }
+    for (int r = 0; b->is_held && r < 3; ++r) {
+        out[r] += b->held_force[r] - ss_dot3(b->held_slope[r], d);
+    }
+}
+
+static void random_grasp(ss_balance *b)
+{
+    const double k = exp(uniform(log(50.0), log(5000.0)));
+    const double k_t = uniform(0.1, 1.0) * k;
+    b->is_held = true;
+    b->count = 0;
+    for (int r = 0; r < 3; ++r) {
+        b->held_force[r] = uniform(-5.0, 5.0);
+        for (int c = 0; c < 3; ++c) {
+            b->held_slope[r][c] = r == c ? (r == 2 ? k : k_t) : 0.0;
+        }
+    }
+}
+
+/* The conditions of the limited balance, with the softened spring written out: the spring answers
+ * the law, and the force is the limit where the stiff balance would exceed it. */
+static void limited_balance_meets_its_conditions(void **state)
+{
+    (void)state;
+    random_state = 4;
+    int most_passes = 0, limited = 0, too_far = 0;
+    double worst = 0.0, worst_size = 0.0;
+    for (int n = 0; n < 100000; ++n) {
+        ss_balance b;
+        ss_rest open, rest;
+        double d[3], law[3], whole[3], axis[3], spring[3];
+        random_balance(&b);
+        if (n % 5 == 0) {
+            random_grasp(&b);
+        }
+        for (int r = 0; n % 3 == 0 && r < 3; ++r) {
+            b.decaying[r] = uniform(-0.2, 0.2);
+        }
+        ss_coupling_balance(&b, &open);
+        ss_sub3(d, open.p, b.p_free);
+        law_at(&b, d, axis);
+        ss_add3(whole, axis, b.decaying);
+        const double size = ss_norm3(whole);
+        b.limit = uniform(0.4, 8.0);
+        (void)ss_normalize3(axis);
+        const int passes = ss_coupling_balance(&b, &rest);
+        most_passes = passes > most_passes ? passes : most_passes;
+        ss_sub3(d, rest.p, b.p_free);
+        law_at(&b, d, law);
+        ss_add3(whole, law, b.decaying);
+        if (size <= b.limit) {
+            assert_true(rest.share == 1.0);
+            continue;
+        }
+        ++limited;
+        /* Nearly opposed planes, metres apart, are slipped out of too slowly: then it is cut. */
+        const double off = fabs(ss_norm3(whole) / b.limit - 1.0);
+        assert_true(rest.share > 0.0 && (rest.share < 1.0 || off > 1e-8));
+        too_far += off > 1e-8;
+        worst_size = fmax(worst_size, off > 1e-8 ? 0.0 : off);
+        /* Soft along the axis; where that cannot do, all ways. */
+        const double along = ss_dot3(axis, d);
+        ss_scale3(spring, d, b.spring);
+        ss_madd3(spring, spring, (rest.share - 1.0) * b.spring * along, axis);
+        double even[3];
+        ss_scale3(even, d, rest.share * b.spring);
+        ss_sub3(spring, spring, law);
+        ss_sub3(even, even, law);
+        worst = fmax(worst, fmin(ss_norm3(spring), ss_norm3(even)) / fmax(1.0, size));
+    }
+    print_message("limited: %d, at most %d passes, residual %.1e, |F|/L - 1 %.1e\n", limited,
+                  most_passes, worst, worst_size);
+    assert_true(limited > 10000);
+    assert_true(worst <= 1e-9);
+    assert_true(too_far <= 5 && most_passes <= 60);
+}
+
+/* For one contact in closed form: d = (a - L)/k', the spring's share L/(K d). */
+static void one_contact_slips_as_far_as_its_slope_asks(void **state)
+{
+    (void)state;
+    ss_balance b = {.spring = 2000.0, .count = 1, .limit = 1.0};
+    ss_rest rest;
+    b.row[0] = (ss_balance_row){.normal = {0.0, 0.6, 0.8}, .free_force = 9.0, .slope = 400.0};
+    assert_true(ss_coupling_balance(&b, &rest) <= 5);
+    assert_near(rest.force[0], 1.0, 1e-9);
+    assert_near(rest.p[1], 0.6 * 8.0 / 400.0, 1e-11);
+    assert_near(rest.p[2], 0.8 * 8.0 / 400.0, 1e-11);
+    assert_near(rest.share, 1.0 / (2000.0 * 0.02), 1e-9);
+}
+
+/* What cannot be slipped out of leaves the proxy where the stiff spring holds it: F/K from the
+ * hand. */
+static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
+{
+    (void)state;
+    ss_balance b = {.spring = 2000.0, .is_held = true, .limit = 1.0};
+    ss_rest rest;
+    ss_set3(b.held_force, 0.0, 0.0, 5.0);
+    ss_coupling_balance(&b, &rest);
+    assert_near(rest.p[0], 0.0, 0.0);
+    assert_near(rest.p[1], 0.0, 0.0);
+    assert_near(rest.p[2], 5.0 / 2000.0, 1e-15);
+    assert_near(rest.share, 1.0, 0.0);
+    b.is_held = false;
+    ss_set3(b.decaying, 0.0, 3.0, 0.0);
+    ss_coupling_balance(&b, &rest);
+    assert_near(ss_norm3(rest.p), 0.0, 0.0);
+}
+
+/* ---- a slow press into hand-made tissue ---- */
+
+enum { PRESS = 1500, OUT = 1100 };
+
+/* `count` planes about the axis z, tilted by 35 degrees (one: a ball of 30 mm that bends), each
+ * with its share of `k`. The result answers for the proxy that the tick asked for. */
+static void result_of(rig *r, int count, double k, double period)
+{
+    const double *p = r->out.target.proxy;
+    r->result = (ss_local_model){.tick = r->tick,
+                                 .step = r->result.step + 1,
+                                 .period = period,
+                                 .orientation = {1, 0, 0, 0},
+                                 .proxy = {p[0], p[1], p[2]}};
+    ss_contact_set *set = &r->result.set;
+    set->count = count;
+    set->normal[2] = 1.0;
+    for (int i = 0; i < count; ++i) {
+        ss_contact *c = &set->contact[i];
+        const double angle = 2.0 * PI * i / count, tilt = 35.0 / 180.0 * PI;
+        double depth;
+        if (count == 1) {
+            const double centre[3] = {0.0, 0.0, -0.03};
+            ss_sub3(c->normal, p, centre);
+            depth = 0.03 - ss_normalize3(c->normal);
+            for (int a = 0; a < 3; ++a) {
+                for (int b = 0; b < 3; ++b) {
+                    c->curvature[a][b] =
+                        ((a == b ? -1.0 : 0.0) + c->normal[a] * c->normal[b]) / 0.03;
+                }
+            }
+        } else {
+            ss_set3(c->normal, sin(tilt) * cos(angle), sin(tilt) * sin(angle), cos(tilt));
+            depth = -ss_dot3(c->normal, p);
+        }
+        c->stiffness = k / count;
+        c->tangential = 0.5 * k / count;
+        c->force = fmax(0.0, c->stiffness * depth);
+        c->gap = fmax(0.0, -depth);
+        ss_madd3(c->point, p, -0.005, c->normal);
+        c->point[0] += 0.02 * cos(angle);
+        ss_madd3(set->force, set->force, c->force, c->normal);
+        set->depth = 0.0;
+        set->is_held = r->pose.buttons != 0;
+    }
+    r->has_result = true;
+    r->is_new = true;
+}
+
+typedef struct press_plan {
+    int count;
+    double k, limit;
+    int period; /* ticks from result to result */
+    ss_between_steps between_steps;
+    double gyration;
+    bool is_grasping; /* from tick 300 on */
+} press_plan;
+
+static void press(const press_plan *plan, limit_tick out[PRESS])
+{
+    ss_haptic_config config = default_config();
+    config.max_force = plan->limit;
+    config.damping = 2.0;
+    config.stiffness = 800.0;
+    config.between_steps = plan->between_steps;
+    config.tool_gyration = plan->gyration;
+    rig r;
+    rig_start(&r, &config);
+    for (int n = 0; n < PRESS; ++n) {
+        const double t = n * T;
+        const double u = fmin(1.0, t / 0.7), w = fmin(1.0, fmax(0.0, t - 1.1) / 0.4);
+        const double share = u * u * (3.0 - 2.0 * u) - w * w * (3.0 - 2.0 * w);
+        const double depth = -1e-3 + 15e-3 * share;
+        r.pose.position[0] = 5e-3 * fmin(1.0, fmax(0.0, t - 0.7) / 0.4);
+        r.pose.buttons = plan->is_grasping && n >= 300 ? SOFTSIM_BUTTON_GRASP : 0;
+        if (n > 0 && n % plan->period == 0) {
+            result_of(&r, plan->count, plan->k, plan->period * T);
+        }
+        rig_tick(&r, -depth);
+        double way[3];
+        ss_sub3(way, r.out.force.proxy, r.pose.position);
+        out[n] = (limit_tick){.depth = depth, .slip = ss_norm3(way)};
+        ss_copy3(out[n].force, r.out.force.force);
+        out[n].model = ss_norm3(r.result.set.force);
+        const double size = ss_norm3(r.out.force.force);
+        if (size >= (1.0 - 1e-6) * plan->limit) {
+            assert_true(r.out.force.flags & SOFTSIM_FORCE_LIMITED);
+            assert_near(r.out.force.stiffness, 0.0, 0.0);
+        }
+        if (plan->gyration > 0.0) {
+            /* Arms of 20 mm at most, and forces that sum to the limit. */
+            assert_true(ss_norm3(r.out.force.torque) <= 0.03 * size * 2.0);
+        }
+    }
+    rig_end(&r);
+}
+
+static void a_press_stays_at_the_limit(void **state)
+{
+    (void)state;
+    static limit_tick tick[PRESS], open[PRESS];
+    static const double limit[4] = {0.5, 1.0, 2.0, 8.0};
+    static const double k[2] = {300.0, 2000.0};
+    static const int period[3] = {1, 4, 16};
+    limit_verdict worst = {.least = 1.0};
+    const int count = FULL_IN_RELEASE(8 * 4 * 2 * 3, 8);
+    for (int n = 0; n < count; ++n) {
+        press_plan plan = {.count = n / 4 % 8 + 1,
+                           .k = k[n / 32 % 2],
+                           .period = period[n / 64],
+                           .between_steps = SS_BETWEEN_LOCAL,
+                           .limit = 1000.0,
+                           .gyration = n / 4 % 2 == 1 ? 0.01 : 0.0};
+        if (n % 4 == 0) {
+            press(&plan, open);
+        }
+        plan.limit = limit[n % 4];
+        press(&plan, tick);
+        const limit_verdict v = judge_limit(tick, open, PRESS, OUT, plan.limit);
+        if (v.first < 0) {
+            continue;
+        }
+        if (!is_limit_kept(&v) || v.late > 1e-3) {
+            fail_msg("%d contacts, %g N/m, %g N, a result in %d ticks: %d judged, |F| %.4f..%.6f, "
+                     "turn %.3f deg, step %.4f, leave %.4f, late %.2g m",
+                     plan.count, plan.k, plan.limit, plan.period, v.judged, v.least, v.most, v.turn,
+                     v.step, v.leave, v.late);
+        }
+        worst.judged += v.judged;
+        worst.least = fmin(worst.least, v.least);
+        worst.most = fmax(worst.most, v.most);
+        worst.turn = fmax(worst.turn, v.turn);
+        worst.step = fmax(worst.step, v.step);
+        worst.slip = fmax(worst.slip, v.slip);
+        worst.model = fmax(worst.model, v.model);
+    }
+    print_message(
+        "%d ticks: |F|/L %.4f..%.9f, turn %.3f deg, step %.4f, slip %.4f m, reaction %.2f\n",
+        worst.judged, worst.least, worst.most, worst.turn, worst.step, worst.slip, worst.model);
+    assert_true(worst.judged > FULL_IN_RELEASE(50000, 2000));
+}
+
+/* A grasp at its limit is a constant pull along the way it is drawn. */
+static void a_grasp_stays_at_the_limit(void **state)
+{
+    (void)state;
+    static limit_tick tick[PRESS];
+    for (int count = 1; count <= 8; count += 3) {
+        const press_plan plan = {.count = count,
+                                 .k = 1000.0,
+                                 .period = 4,
+                                 .between_steps = SS_BETWEEN_LOCAL,
+                                 .limit = 2.0,
+                                 .is_grasping = true};
+        press(&plan, tick);
+        int at_limit = 0;
+        for (int n = 310; n < PRESS; ++n) {
+            const double size = ss_norm3(tick[n].force);
+            at_limit += size > 0.99 * plan.limit;
+            assert_true(size <= 1.0001 * plan.limit);
+            assert_true(limit_step(&tick[n - 1]) < 0.15);
+            assert_true(tick[n].slip < 0.03);
+        }
+        assert_true(at_limit > 500);
+    }
+}
+
+/* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
+static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
+{
+    (void)state;
+    static limit_tick tick[PRESS];
+    for (int mode = SS_BETWEEN_HOLD; mode <= SS_BETWEEN_LINEAR; ++mode) {
+        const press_plan plan = {.count = 3,
+                                 .k = 1000.0,
+                                 .period = 16,
+                                 .between_steps = (ss_between_steps)mode,
+                                 .limit = 2.0};
+        press(&plan, tick);
+        int at_limit = 0;
+        for (int n = 0; n < PRESS; ++n) {
+            const double size = ss_norm3(tick[n].force);
+            at_limit += size > 0.95 * plan.limit;
+            assert_true(size <= 1.0001 * plan.limit);
+            assert_true(tick[n].model <= 1.5 * plan.limit);
+            assert_true(tick[n].slip < 0.016);
+        }
+        assert_true(at_limit > 600);
+    }
+}
+
+/* ---- a limit that changes ---- */
+
+/* Lowered and raised while pressed: the force goes down there as the slew allows and up within .3
+ * s, and no further; the proxy goes with it, without a swing. */
+static void a_changed_limit_is_reached_by_the_slew(void **state)
+{
+    (void)state;
+    static const double slew[2] = {2000.0, 100.0};
+    for (int s = 0; s < 2; ++s) {
+        ss_haptic_config config = default_config();
+        config.damping = 2.0;
+        config.max_slew = slew[s];
+        rig r;
+        rig_start(&r, &config);
+        for (int n = 0; n < 600; ++n) {
+            result_of(&r, 3, 1000.0, T);
+            r.is_new = n > 0;
+            rig_tick(&r, 1e-3 - 13e-3 * fmin(1.0, n / 500.0));
+        }
+        static const double limit[4] = {5.0, 1.0, 6.0, 0.5};
+        for (int k = 0; k < 4; ++k) {
+            const double before = r.out.force.force[2], from = r.out.force.proxy[2];
+            const double step = slew[s] * T;
+            double last = before, height = from;
+            config.max_force = limit[k];
+            ss_haptic_configure(r.haptic, &config);
+            const bool is_raised = limit[k] > before;
+            const int needed = is_raised ? 300 : (int)ceil(fabs(limit[k] - before) / step);
+            for (int n = 1; n <= needed + 100; ++n) {
+                result_of(&r, 3, 1000.0, T);
+                rig_tick(&r, -12e-3);
+                const double f = ss_norm3(r.out.force.force);
+                assert_true(fabs(f - last) <= step * (1.0 + 1e-9));
+                assert_true((f - last) * (limit[k] - before) >= -1e-6);
+                if (n >= needed) {
+                    assert_near(f, limit[k], 1e-4 * limit[k]);
+                }
+                /* Towards where the new limit is, and not past it. */
+                assert_true((r.out.force.proxy[2] - height) * (before - limit[k]) >= -1e-6);
+                last = f;
+                height = r.out.force.proxy[2];
+            }
+            assert_true(fabs(height - from) > 0.5e-3);
+        }
+        rig_end(&r);
+    }
+}
+
+static void force_is_limited_and_the_proxy_slips(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.max_force = 3.0;
+    config.damping = 2.0;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, 1000.0, 2e-3);
+    assert_near(r.out.force.force[2], 2.0, 0.2);
+    double f = 0.0;
+    for (int i = 1; i <= 300; ++i) {
+        const double z = -2e-3 - 8e-3 * fmin(1.0, i / 100.0);
+        rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
+        r.pose.velocity[2] = i <= 100 ? -0.08 : 0.0;
+        f = rig_tick(&r, z);
+        assert_true(f <= 3.0 + 1e-12);
+        if (i > 50 && i <= 100) {
+            /* The hand goes on, the model is not told to: only the share left of the spring. */
+            assert_true(fabs(r.out.target.velocity[2]) < 0.03);
+        }
+    }
+    assert_near(f, 3.0, 1e-9);
+    assert_true(r.out.force.flags & SOFTSIM_FORCE_LIMITED);
+    assert_near(r.out.force.stiffness, 0.0, 0.0);
+    /* The tissue is pushed no further than the limit: 3 mm of 1 kN/m. */
+    assert_near(r.out.target.proxy[2], -3e-3, 0.05e-3);
+    rig_end(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(balance_is_the_brute_force_one),
+        cmocka_unit_test(limited_balance_meets_its_conditions),
+        cmocka_unit_test(one_contact_slips_as_far_as_its_slope_asks),
+        cmocka_unit_test(a_law_without_stiffness_keeps_the_proxy_near),
+        cmocka_unit_test(a_press_stays_at_the_limit),
+        cmocka_unit_test(a_grasp_stays_at_the_limit),
+        cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
+        cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
+        cmocka_unit_test(force_is_limited_and_the_proxy_slips),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

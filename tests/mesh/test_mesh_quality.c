@@ -1,0 +1,443 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Shapes of elements, holes, crossing surfaces, and what repair mends. */
+#include "mesh/mesh.h"
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "common/mesh_fixture.h"
+
+static const double degrees = 57.295779513082320877;
+
+/* ---- shapes of elements ---- */
+
+static const int32_t one[1][4] = {{0, 1, 2, 3}};
+
+static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
+{
+    (void)state;
+    const double x[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}};
+    ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
+    ss_mesh_quality q;
+    ss_mesh_measure_quality(mesh, &q);
+    assert_near(q.dihedral_min, degrees * acos(1.0 / 3.0), 1e-12);
+    assert_near(q.dihedral_max, degrees * acos(1.0 / 3.0), 1e-12);
+    assert_int_equal(q.histogram[7], 1);
+    assert_int_equal(q.sliver.count, 0);
+    ss_mesh_destroy(&mesh);
+}
+
+static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state)
+{
+    (void)state;
+    const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
+    ss_mesh_quality q;
+    ss_mesh_measure_quality(mesh, &q);
+    assert_near(q.dihedral_min, degrees * acos(sqrt(1.0 / 3.0)), 1e-12);
+    assert_near(q.dihedral_max, 90.0, 1e-12);
+    ss_mesh_destroy(&mesh);
+}
+
+static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
+{
+    (void)state;
+    /* Four points near a square: flat angles. A needle: its dihedral angles are those of its base.
+     * A tetrahedron of height 1 on a base of 1: neither. */
+    const struct {
+        double x[4][3];
+        int64_t slivers;
+    } cases[] = {
+        {{{0, 0, 0}, {1, 1, 0}, {1, 0, 0.05}, {0, 1, 0.05}}, 1},
+        {{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}, {0.5, 0.29, 25}}, 1},
+        {{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}, {0.5, 0.29, 12}}, 0},
+        {{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}, {0.5, 0.29, 1}}, 0},
+        {{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}, {0.5, 0.29, 0.02}}, 1},
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        for (double scale = 1e-3; scale < 1e4; scale *= 1e3) {
+            double x[4][3];
+            for (int k = 0; k < 12; ++k) {
+                x[k / 3][k % 3] = scale * cases[i].x[k / 3][k % 3];
+            }
+            ss_mesh *mesh = make_mesh(4, (const double(*)[3])x, 0, NULL, 1, one);
+            ss_mesh_quality q;
+            ss_mesh_measure_quality(mesh, &q);
+            if (q.sliver.count != cases[i].slivers) {
+                fail_msg("case %d at %g: %g to %g degrees", i, scale, q.dihedral_min,
+                         q.dihedral_max);
+            }
+            ss_mesh_destroy(&mesh);
+        }
+    }
+}
+
+static void triangles_and_quads_are_told_by_their_least_angle(void **state)
+{
+    (void)state;
+    const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.05, 0}, {0.5, 0.9, 0}, {0.5, -0.5, 0}};
+    const int32_t triangle[3][3] = {{0, 1, 2}, {0, 4, 1}, {0, 1, 3}};
+    ss_mesh *mesh = make_mesh(5, x, 3, triangle, 0, NULL);
+    ss_mesh_quality q;
+    ss_mesh_measure_quality(mesh, &q);
+    assert_int_equal(q.sliver.count, 1);
+    assert_int_equal(q.sliver.first[0], 0);
+    assert_int_equal(q.histogram[0], 1); /* atan 0.1 = 5.7 */
+    assert_int_equal(q.histogram[4], 1); /* 45 */
+    assert_int_equal(q.histogram[5], 1); /* 58 */
+    ss_mesh_destroy(&mesh);
+
+    assert_int_equal(ss_mesh_create_plane(2, 2, 1.0, 1.0, &mesh, NULL), SOFTSIM_OK);
+    ss_mesh_measure_quality(mesh, &q);
+    assert_int_equal(q.histogram[8], 1); /* 90 */
+    ss_mesh_destroy(&mesh);
+}
+
+/* ---- holes and crossings ---- */
+
+/* Corner i of the unit cube has coordinates bit 0, bit 1, bit 2 of i. */
+static const int32_t cube_triangle[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                             {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                             {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+
+typedef struct soup {
+    double x[64][3];
+    int32_t triangle[96][3];
+    int32_t nodes, triangles;
+} soup;
+
+static void add_cube(soup *s, double size, double dx, double dy, double dz)
+{
+    for (int32_t i = 0; i < 8; ++i) {
+        ss_set3(s->x[s->nodes + i], size * (i & 1) + dx, size * (i >> 1 & 1) + dy,
+                size * (i >> 2) + dz);
+    }
+    for (int32_t t = 0; t < 12; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            s->triangle[s->triangles][k] = s->nodes + cube_triangle[t][k];
+        }
+        ++s->triangles;
+    }
+    s->nodes += 8;
+}
+
+static ss_mesh *make_soup(const soup *s)
+{
+    return make_mesh(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
+}
+
+static void each_loop_of_open_edges_is_one_hole(void **state)
+{
+    (void)state;
+    soup s = {0};
+    add_cube(&s, 1.0, 0.0, 0.0, 0.0);
+    add_cube(&s, 1.0, 5.0, 0.0, 0.0);
+    ss_mesh_fault hole;
+    ss_mesh *mesh = make_soup(&s);
+    assert_true(ss_mesh_find_holes(mesh, &hole));
+    assert_int_equal(hole.count, 0);
+    ss_mesh_destroy(&mesh);
+
+    /* The second loses its last two triangles, one face; the first one triangle. */
+    s.triangles = 22;
+    memmove(&s.triangle[0], &s.triangle[1], 21 * sizeof s.triangle[0]);
+    --s.triangles;
+    mesh = make_soup(&s);
+    assert_true(ss_mesh_find_holes(mesh, &hole));
+    assert_int_equal(hole.count, 2);
+    assert_int_equal(hole.first[0], 0);
+    assert_int_equal(hole.first[1], 8 + 1);
+    ss_mesh_destroy(&mesh);
+
+    assert_int_equal(ss_mesh_create_cylinder(4, 9, 1.0, 2.0, &mesh, NULL), SOFTSIM_OK);
+    assert_true(ss_mesh_find_holes(mesh, &hole));
+    assert_int_equal(hole.count, 2);
+    assert_int_equal(hole.first[1], 27);
+    ss_mesh_destroy(&mesh);
+}
+
+static void crossings_are_found_and_touching_is_none(void **state)
+{
+    (void)state;
+    const struct {
+        const char *name;
+        double size, x, y, z;
+        bool crosses;
+    } cases[] = {
+        {"apart", 1.0, 3.0, 0.0, 0.0, false},
+        {"one inside the other", 0.5, 0.25, 0.25, 0.25, false},
+        {"overlapping in general", 1.0, 0.513, 0.391, 0.277, true},
+        {"overlapping along an axis", 1.0, 0.5, 0.0, 0.0, true},
+        {"overlapping so that edges meet diagonals", 1.0, 0.5, 0.5, 0.5, true},
+        {"overlapping by a hair", 1.0, 1.0 - 1e-9, 0.3, 0.4, true},
+        {"a hair apart", 1.0, 1.0 + 1e-9, 0.3, 0.4, false},
+        {"touching along an edge", 1.0, 1.0, 1.0, 0.0, false},
+        {"touching at a corner", 1.0, 1.0, 1.0, 1.0, false},
+        {"in the same place", 1.0, 0.0, 0.0, 0.0, true},
+        {"a face within a face", 0.5, 1.0, 0.25, 0.25, true},
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        for (double scale = 1e-3; scale < 1e4; scale *= 1e3) {
+            soup s = {0};
+            add_cube(&s, 1.0, 0.0, 0.0, 0.0);
+            add_cube(&s, cases[i].size, cases[i].x, cases[i].y, cases[i].z);
+            for (int32_t k = 0; k < 3 * s.nodes; ++k) {
+                s.x[k / 3][k % 3] *= scale;
+            }
+            ss_mesh *mesh = make_soup(&s);
+            ss_mesh_fault crossing;
+            bool is_complete = false;
+            assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
+            assert_true(is_complete);
+            if ((crossing.count > 0) != cases[i].crosses) {
+                fail_msg("%s at %g: %d", cases[i].name, scale, (int)crossing.count);
+            }
+            ss_mesh_destroy(&mesh);
+        }
+    }
+}
+
+static void neighbours_cross_only_when_they_are_folded_or_pierced(void **state)
+{
+    (void)state;
+    const double x[8][3] = {{0, 0, 0},   {1, 0, 0},     {0.5, 1, 0},    {0.5, -1, 0},
+                            {0.5, 2, 0}, {0.5, 0.5, 1}, {0.5, 0.6, -1}, {2, 1, 0}};
+    const struct {
+        int32_t triangle[2][3];
+        int64_t count;
+    } cases[] = {
+        {{{0, 1, 2}, {1, 0, 3}}, 0}, /* flat neighbours */
+        {{{0, 1, 2}, {1, 0, 4}}, 2}, /* folded onto each other */
+        {{{0, 1, 2}, {1, 0, 5}}, 0}, /* at an angle */
+        {{{0, 1, 2}, {0, 5, 6}}, 2}, /* share a node; the edge 5-6 goes through */
+        {{{0, 1, 2}, {2, 7, 4}}, 0}, /* share a node in a plane */
+        {{{0, 1, 2}, {0, 5, 4}}, 0}, /* share a node, pass by */
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        ss_mesh *mesh = make_mesh(8, x, 2, cases[i].triangle, 0, NULL);
+        ss_mesh_fault crossing;
+        bool is_complete;
+        assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
+        if (crossing.count != cases[i].count) {
+            fail_msg("case %d: %d", i, (int)crossing.count);
+        }
+        ss_mesh_destroy(&mesh);
+    }
+}
+
+/* The slow obvious way: an edge of one and the plane of the other, in double, no tree. */
+static bool pierces(const double p[3], const double q[3], const double t[3][3])
+{
+    double u[3];
+    double v[3];
+    double n[3];
+    double from[3];
+    double along[3];
+    ss_sub3(u, t[1], t[0]);
+    ss_sub3(v, t[2], t[0]);
+    ss_cross3(n, u, v);
+    ss_sub3(from, p, t[0]);
+    ss_sub3(along, q, p);
+    const double share = -ss_dot3(n, from) / ss_dot3(n, along);
+    if (!(share > 0.0 && share < 1.0)) {
+        return false;
+    }
+    double x[3];
+    ss_madd3(x, p, share, along);
+    for (int k = 0; k < 3; ++k) {
+        double side[3];
+        double to[3];
+        double across[3];
+        ss_sub3(side, t[(k + 1) % 3], t[k]);
+        ss_sub3(to, x, t[k]);
+        ss_cross3(across, side, to);
+        if (ss_dot3(across, n) < 0.0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 120 };
+    uint32_t random = 20260;
+    for (int round = 0; round < 20; ++round) {
+        double x[3 * TRIANGLES][3];
+        int32_t triangle[TRIANGLES][3];
+        bool crosses[TRIANGLES] = {false};
+        for (int32_t i = 0; i < 3 * TRIANGLES; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                random = random * 1664525u + 1013904223u;
+                const double value = (double)(random >> 8) / (1 << 24);
+                x[i][k] = i % 3 == 0 ? 4.0 * value : x[i - i % 3][k] + value - 0.5;
+            }
+            triangle[i / 3][i % 3] = i;
+        }
+        for (int a = 0; a < TRIANGLES; ++a) {
+            for (int b = 0; b < TRIANGLES; ++b) {
+                for (int k = 0; k < 3 && a != b; ++k) {
+                    if (pierces(x[3 * a + k], x[3 * a + (k + 1) % 3],
+                                (const double(*)[3]) & x[3 * b])) {
+                        crosses[a] = true;
+                        crosses[b] = true;
+                    }
+                }
+            }
+        }
+        int64_t expected = 0;
+        int32_t first = -1;
+        for (int a = TRIANGLES - 1; a >= 0; --a) {
+            expected += crosses[a];
+            first = crosses[a] ? a : first;
+        }
+        ss_mesh *mesh = make_mesh(3 * TRIANGLES, (const double(*)[3])x, TRIANGLES,
+                                  (const int32_t(*)[3])triangle, 0, NULL);
+        ss_mesh_fault crossing;
+        bool is_complete;
+        assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
+        assert_int_equal(crossing.count, expected);
+        assert_int_equal(crossing.first[0], first);
+        ss_mesh_destroy(&mesh);
+    }
+}
+
+/* ---- repair ---- */
+
+static void expect_good_cube(ss_mesh *mesh)
+{
+    ss_mesh_report r;
+    softsim_error error = {0};
+    assert_int_equal(mesh->node_count, 8);
+    assert_int_equal(mesh->triangle_count, 12);
+    assert_true(mesh->is_closed);
+    assert_int_equal(ss_mesh_check(mesh, &r), SOFTSIM_OK);
+    assert_near(r.volume, 1.0, 1e-6);
+    if (ss_mesh_accept(mesh, "mended", &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+}
+
+static void repair_welds_drops_and_turns_and_counts_each(void **state)
+{
+    (void)state;
+    soup s = {0};
+    add_cube(&s, 1.0, 0.0, 0.0, 0.0);
+    /* Corner 7 has a double for one triangle, 1e-8 off. */
+    ss_set3(s.x[s.nodes], 1.0 + 1e-8, 1.0, 1.0);
+    s.triangle[10][2] = s.nodes++;
+    ss_set3(s.x[s.nodes++], 9.0, 9.0, 9.0); /* loose */
+    /* Flat, double (turned), bad, and one of the cube's wound the wrong way. */
+    memcpy(s.triangle[s.triangles++], (int32_t[3]){7, 8, 3}, sizeof s.triangle[0]);
+    memcpy(s.triangle[s.triangles++], (int32_t[3]){3, 2, 0}, sizeof s.triangle[0]);
+    memcpy(s.triangle[s.triangles++], (int32_t[3]){3, 2, 77}, sizeof s.triangle[0]);
+    memcpy(s.triangle[2], (int32_t[3]){5, 4, 7}, sizeof s.triangle[0]);
+    const int64_t before = ss_memory_in_use();
+    ss_mesh *mesh = make_soup(&s);
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    softsim_error error = {0};
+    assert_int_equal(ss_mesh_repair(mesh, &mended, &done, &error), SOFTSIM_OK);
+    assert_int_equal(done.welded_nodes, 1);
+    assert_int_equal(done.flat_elements, 1);
+    assert_int_equal(done.twin_elements, 1);
+    assert_int_equal(done.bad_elements, 1);
+    assert_int_equal(done.loose_nodes, 1);
+    assert_int_equal(done.turned_triangles, 1);
+    expect_good_cube(mended);
+    ss_mesh *again = NULL;
+    assert_int_equal(ss_mesh_repair(mended, &again, &done, &error), SOFTSIM_OK);
+    const ss_mesh_repairs nothing = {0};
+    assert_memory_equal(&done, &nothing, sizeof done);
+    assert_memory_equal(again->triangle, mended->triangle, 12 * sizeof *again->triangle);
+    ss_mesh_destroy(&again);
+    ss_mesh_destroy(&mended);
+    ss_mesh_destroy(&mesh);
+    assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
+{
+    (void)state;
+    const double x[10][3] = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
+                             {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0, 0, 0}};
+    /* Kuhn's six about 1-8; the second and fifth inverted, the last with the double of node 1. */
+    const int32_t e[6][4] = {{1, 2, 4, 8}, {1, 3, 4, 8}, {1, 3, 7, 8},
+                             {1, 7, 5, 8}, {1, 6, 5, 8}, {9, 6, 2, 8}};
+    ss_mesh *mesh = make_mesh(10, x, 0, NULL, 6, e);
+    mesh->group = ss_memory_get(1, sizeof *mesh->group);
+    mesh->group_count = 1;
+    strcpy(mesh->group[0].name, "held");
+    mesh->group[0].node = ss_memory_get(4, sizeof(int32_t));
+    mesh->group[0].node_count = 4;
+    memcpy(mesh->group[0].node, (int32_t[4]){0, 9, 1, 8}, 4 * sizeof(int32_t));
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    assert_int_equal(ss_mesh_repair(mesh, &mended, &done, NULL), SOFTSIM_OK);
+    assert_int_equal(done.turned_tetrahedra, 2);
+    assert_int_equal(done.welded_nodes, 1);
+    assert_int_equal(done.loose_nodes, 1);
+    assert_int_equal(mended->tetrahedron_count, 6);
+    expect_good_cube(mended);
+    assert_int_equal(mended->group_count, 1);
+    assert_string_equal(mended->group[0].name, "held");
+    assert_int_equal(mended->group[0].node_count, 2);
+    assert_int_equal(mended->group[0].node[0], 0);
+    assert_int_equal(mended->group[0].node[1], 7);
+    ss_mesh_destroy(&mended);
+    ss_mesh_destroy(&mesh);
+}
+
+static void repair_keeps_quads_and_fails_where_nothing_is_left(void **state)
+{
+    (void)state;
+    const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
+    const int32_t quad[2][4] = {{0, 1, 2, 3}, {0, 1, 2, 3}};
+    ss_mesh *mesh = NULL;
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    assert_int_equal(ss_mesh_create_quads(5, x, 2, quad, &mesh, NULL), SOFTSIM_OK);
+    assert_int_equal(ss_mesh_repair(mesh, &mended, &done, NULL), SOFTSIM_OK);
+    assert_int_equal(mended->quad_count, 1);
+    assert_int_equal(mended->node_count, 4);
+    assert_int_equal(done.twin_elements, 1);
+    ss_mesh_destroy(&mended);
+    ss_mesh_destroy(&mesh);
+
+    const int32_t flat[1][3] = {{0, 1, 0}};
+    softsim_error error = {0};
+    mesh = make_mesh(5, x, 1, flat, 0, NULL);
+    assert_int_not_equal(ss_mesh_repair(mesh, &mended, &done, &error), SOFTSIM_OK);
+    assert_int_equal(error.fault_count, 1);
+    assert_null(mended);
+    ss_mesh_destroy(&mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_regular_tetrahedron_has_the_angle_acos_one_third),
+        cmocka_unit_test(a_corner_of_a_cube_has_right_angles_and_acos_root_third),
+        cmocka_unit_test(slivers_are_told_by_angle_and_by_length_at_any_scale),
+        cmocka_unit_test(triangles_and_quads_are_told_by_their_least_angle),
+        cmocka_unit_test(each_loop_of_open_edges_is_one_hole),
+        cmocka_unit_test(crossings_are_found_and_touching_is_none),
+        cmocka_unit_test(neighbours_cross_only_when_they_are_folded_or_pierced),
+        cmocka_unit_test(crossings_of_random_triangles_are_those_of_a_search_over_all_pairs),
+        cmocka_unit_test(repair_welds_drops_and_turns_and_counts_each),
+        cmocka_unit_test(repair_turns_tetrahedra_and_takes_groups_along),
+        cmocka_unit_test(repair_keeps_quads_and_fails_where_nothing_is_left),
+    };
+    return cmocka_run_group_tests_name("softsim.mesh_quality", tests, NULL, NULL);
+}

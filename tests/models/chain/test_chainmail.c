@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The traditional ChainMail: bands, order, relaxation, tools. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "common/chain_fixture.h"
+
+enum { PLANE = 21, MIDDLE = PLANE * PLANE / 2 };
+
+static void setup_plane(setup *s, double alpha, bool is_radial, int32_t *node, double (*way)[3])
+{
+    setup_init(s, "chainmail", make_plane(PLANE));
+    give(s, "alpha", alpha);
+    give(s, "band", is_radial);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        const int32_t r = i / PLANE, c = i % PLANE;
+        s->fixed[i] = r == 0 || c == 0 || r == PLANE - 1 || c == PLANE - 1 ? 7 : 0;
+    }
+    node[0] = MIDDLE;
+    drive(s, 1, node, way, 2.0);
+}
+
+static void box_makes_the_pyramid(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; ++order) {
+        int32_t node[1];
+        double way[1][3] = {{0.0, 0.0, 5.0}};
+        setup s;
+        setup_plane(&s, 0.02, false, node, way);
+        give(&s, "order", order);
+        create(&s);
+        steps(&s, 200, 0.01);
+        for (int c = 0; c <= 10; ++c) { /* shear of beta a link: a straight flank */
+            assert_near(moved(&s, MIDDLE + c, 2), 5.0 - 0.5 * c, 1e-5);
+        }
+        assert_near(moved(&s, MIDDLE + PLANE + 3, 2), 3.0, 1e-5);
+        setup_fini(&s);
+    }
+}
+
+static void radial_keeps_every_moved_link_in_band(void **state)
+{
+    (void)state;
+    int32_t node[1];
+    double way[1][3] = {{0.2, 0.0, 1.5}};
+    setup s;
+    setup_plane(&s, 0.02, true, node, way);
+    create(&s);
+    steps(&s, 1, 2.0);
+    /* Along the row that leads away from the middle every node has but one sponsor. */
+    for (int c = 0; c < 6; ++c) {
+        double d[3];
+        for (int k = 0; k < 3; ++k) {
+            d[k] = (k == 0) + moved(&s, MIDDLE + c + 1, k) - moved(&s, MIDDLE + c, k);
+        }
+        assert_true(ss_norm3(d) <= 1.02 + 1e-5 && ss_norm3(d) >= 0.98 - 1e-5);
+    }
+    assert_true(moved(&s, MIDDLE + 1, 2) > 0.5);
+    setup_fini(&s);
+}
+
+static void turn(double x[3])
+{
+    static const double r[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
+    const double from[3] = {x[0], x[1], x[2]};
+    for (int k = 0; k < 3; ++k) {
+        x[k] = ss_dot3(r[k], from);
+    }
+}
+
+/* How far a turned plane's shape is from the turned shape. */
+static double frame_error(bool is_radial)
+{
+    setup s[2];
+    int32_t node[2][1];
+    double way[2][1][3], worst = 0.0;
+    for (int which = 0; which < 2; ++which) {
+        ss_set3(way[which][0], 0.3, 0.1, 3.0);
+        setup_plane(&s[which], 0.02, is_radial, node[which], way[which]);
+        for (int32_t i = 0; which == 1 && i < PLANE * PLANE; ++i) {
+            turn(s[which].mesh->position[i]);
+        }
+        if (which == 1) {
+            turn(way[which][0]);
+        }
+        create(&s[which]);
+        steps(&s[which], 20, 0.1);
+    }
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        double x[3] = {moved(&s[0], i, 0), moved(&s[0], i, 1), moved(&s[0], i, 2)};
+        turn(x);
+        for (int k = 0; k < 3; ++k) {
+            worst = fmax(worst, fabs(moved(&s[1], i, k) - x[k]));
+        }
+    }
+    setup_fini(&s[0]);
+    setup_fini(&s[1]);
+    return worst;
+}
+
+static void radial_turns_with_the_body_and_box_does_not(void **state)
+{
+    (void)state;
+    assert_below(frame_error(true), BY_TYPE(1e-3, 1e-9));
+    assert_true(frame_error(false) > 0.1);
+}
+
+static void fixed_nodes_and_what_is_in_band_stay(void **state)
+{
+    (void)state;
+    int32_t node[1];
+    double way[1][3] = {{0.0, 0.0, 0.4}};
+    setup s;
+    setup_plane(&s, 0.1, false, node, way); /* 0.4 is within beta */
+    create(&s);
+    steps(&s, 20, 0.1);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        assert_near(moved(&s, i, 2), i == MIDDLE ? 0.4 : 0.0, 1e-7);
+    }
+    way[0][2] = 40.0; /* far beyond what the rim allows */
+    steps(&s, 20, 0.1);
+    for (int32_t i = 0; i < PLANE * PLANE; ++i) {
+        assert_true(s.fixed[i] == 0 || moved(&s, i, 2) == 0.0);
+        assert_true(isfinite(moved(&s, i, 2)));
+    }
+    setup_fini(&s);
+}
+
+static double roughness(const setup *s)
+{
+    double sum = 0.0;
+    for (int c = 3; c < 9; ++c) { /* away from the one point that is held */
+        sum += fabs(moved(s, MIDDLE + c + 1, 2) - 2.0 * moved(s, MIDDLE + c, 2) +
+                    moved(s, MIDDLE + c - 1, 2));
+    }
+    return sum;
+}
+
+static void relaxation_smooths_what_nobody_holds(void **state)
+{
+    (void)state;
+    double rough[2];
+    for (int relaxed = 0; relaxed < 2; ++relaxed) {
+        int32_t node[1];
+        double way[1][3] = {{0.0, 0.0, 3.0}};
+        setup s;
+        setup_plane(&s, 0.02, true, node, way);
+        give(&s, "relaxation_iterations", 20.0 * relaxed);
+        create(&s);
+        steps(&s, 20, 0.1);
+        rough[relaxed] = roughness(&s);
+        assert_near(moved(&s, MIDDLE, 2), 3.0, 1e-6);
+        setup_fini(&s);
+    }
+    assert_below(rough[1], 0.8 * rough[0]);
+}
+
+/* In the model's own force there is nothing; the contact is a spring, working force over radius, to
+ * where the surface was. */
+static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    add_sphere(&s, 0, 0.015);
+    for (int32_t i = 0; i < 81; ++i) {
+        s.fixed[i] = 7;
+    }
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {0.04, 0.04, 0.06}, .orientation = {1, 0, 0, 0}};
+    for (int k = 0; k < 100; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] = 0.06 - 0.0001 * k; /* to 4.9 mm deep */
+        s.class->step(s.model, 0.001 * k, 0.001, tool);
+    }
+    ss_contact_set set;
+    s.class->contacts(s.model, 0, 0.005, &set);
+    const double spring = 2.0 / 0.015;
+    assert_true(set.count > 0 && set.force[2] == 0.0);
+    assert_near(set.contact[0].stiffness, spring, 1e-9);
+    assert_true(set.contact[0].force > 0.5 * spring * 0.0049);
+    assert_below(set.contact[0].force, spring * 0.0049);
+    print_message("dent of 4.9 mm: felt as %.2f mm\n", 1e3 * set.contact[0].force / spring);
+    /* Out of the dent by 1 mm, and by more than it is deep, and into it again. */
+    static const double out[4] = {0.001, 0.006, 0.0051, 0.0049};
+    for (int k = 0; k < 4; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] = 0.0501 + out[k];
+        s.class->step(s.model, 0.1, 0.001, tool);
+        ss_contact_set after;
+        s.class->contacts(s.model, 0, 0.005, &after);
+        if (k == 0) {
+            assert_near(set.contact[0].force - after.contact[0].force, spring * 0.001,
+                        spring * 0.0003);
+        } else {
+            assert_true(after.contact[0].force < 1e-3);
+        }
+    }
+    tool[0].from = tool[0].to;
+    tool[0].to.position[2] = 0.0499;
+    s.class->step(s.model, 0.1, 0.001, tool);
+    assert_below(set.depth, 0.0008);
+    assert_true(moved(&s, 4 * 81 + 40, 2) < -0.003);
+    tool[0].is_grasping = true;
+    s.class->step(s.model, 0.1, 0.001, tool);
+    for (int k = 0; k < 100; ++k) {
+        tool[0].from = tool[0].to;
+        tool[0].to.position[2] += 0.0001;
+        s.class->step(s.model, 0.1 + 0.001 * k, 0.001, tool);
+    }
+    assert_true(moved(&s, 4 * 81 + 40, 2) > 0.003);
+    setup_fini(&s);
+}
+
+/* A set that drives z alone leaves x and y to the links. */
+static void axes_that_are_not_driven_are_free(void **state)
+{
+    (void)state;
+    int32_t node[2] = {0, 1};
+    double way[2][3] = {{-1.0, 0.0, 0.0}, {(double)NAN, (double)NAN, 0.1}};
+    setup s;
+    setup_init(&s, "chainmail", make_triangle(0.8));
+    give(&s, "alpha", 0.1);
+    give(&s, "band", 1);
+    drive(&s, 1, node, way, 1.0);
+    drive(&s, 1, node + 1, way + 1, 0.0);
+    create(&s);
+    steps(&s, 30, 0.1);
+    assert_near(moved(&s, 0, 0), -1.0, 1e-6);
+    assert_near(moved(&s, 1, 2), 0.1, 1e-6);
+    assert_true(moved(&s, 1, 0) < -0.85); /* pulled along: a link is at most 1.1 long */
+    setup_fini(&s);
+}
+
+/* A tool that touches nothing takes hold of nothing, whatever another one touches. */
+static void grasp_holds_what_its_own_tool_touches(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    for (int k = 0; k < 2; ++k) {
+        add_sphere(&s, k, 0.015);
+    }
+    for (int32_t i = 0; i < 81; ++i) {
+        s.fixed[i] = 7;
+    }
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    for (int k = 0; k < 2; ++k) {
+        tool[k].is_present = true;
+        tool[k].from = tool[k].to = (ss_tool_pose){.position = {0.04, 0.04, k == 0 ? 0.052 : 0.2},
+                                                   .orientation = {1, 0, 0, 0}};
+    }
+    s.class->step(s.model, 0.0, 0.001, tool);
+    const double pressed = moved(&s, 4 * 81 + 40, 2);
+    assert_true(pressed < -0.001);
+    tool[1].is_grasping = true;
+    for (int k = 1; k < 20; ++k) {
+        s.class->step(s.model, 0.001 * k, 0.001, tool);
+        tool[1].from = tool[1].to;
+        tool[1].to.position[2] += 0.0005;
+    }
+    ss_contact_set set;
+    s.class->contacts(s.model, 1, 0.005, &set);
+    assert_false(set.is_held);
+    assert_below(moved(&s, 4 * 81 + 40, 2), 0.9 * pressed);
+    setup_fini(&s);
+}
+
+static void too_few_parts_are_said(void **state)
+{
+    (void)state;
+    setup s;
+    setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
+    add_sphere(&s, 0, 0.015);
+    create(&s);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {0.04, 0.04, 1.0}, .orientation = {1, 0, 0, 0}};
+    tool[0].from = tool[0].to;
+    tool[0].to.position[2] = -1.0;
+    s.class->step(s.model, 0.0, 0.001, tool);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
+    tool[0].from = tool[0].to;
+    s.class->step(s.model, 0.001, 0.001, tool);
+    assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
+    setup_fini(&s);
+}
+
+static void forces_are_refused_by_name(void **state)
+{
+    (void)state;
+    int32_t node[1] = {12};
+    setup s;
+    setup_init(&s, "chainmail", make_plane(5));
+    s.plan.gravity[1] = 1.0;
+    s.load[s.plan.load_count++] =
+        (ss_load){.node = node, .node_count = 1, .force = {0, 0, 1}, .to = (double)INFINITY};
+    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(s.error.fault_count, 2);
+    assert_non_null(strstr(s.error.text, "chainmail: gravity_m_s2"));
+    assert_non_null(strstr(s.error.text, "chainmail: loads"));
+    setup_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(box_makes_the_pyramid),
+        cmocka_unit_test(radial_keeps_every_moved_link_in_band),
+        cmocka_unit_test(radial_turns_with_the_body_and_box_does_not),
+        cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
+        cmocka_unit_test(relaxation_smooths_what_nobody_holds),
+        cmocka_unit_test(tool_moves_what_it_touches_and_feels_a_spring),
+        cmocka_unit_test(axes_that_are_not_driven_are_free),
+        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
+        cmocka_unit_test(too_few_parts_are_said),
+        cmocka_unit_test(forces_are_refused_by_name)};
+    return cmocka_run_group_tests_name("chainmail", tests, NULL, NULL);
+}

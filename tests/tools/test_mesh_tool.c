@@ -1,0 +1,454 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-mesh info, check, convert and tetrahedralize. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <sys/stat.h>
+
+#include "common/tool_fixture.h"
+
+#define CUBE_V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+#define CUBE_F                                                                                     \
+    "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"   \
+    "f 2 4 8\nf 2 8 6\n"
+#define MSH(nodes, elements)                                                                       \
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" nodes "$EndNodes\n$Elements\n" elements       \
+    "$EndElements\n"
+#define CORNERS "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+
+/* ---- check: each fault, its count, first numbers and exit status ---- */
+
+static const struct {
+    const char *name, *text;
+    int status;
+    const char *finding; /* in the JSON */
+    const char *says;    /* in the text */
+} faults[] = {
+    {"good.obj", CUBE_V CUBE_F, 0, "\"findings\": []", "good.obj: good"},
+    {"tetrahedron.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 4\n"), 0, "\"findings\": []",
+     "tetrahedron.msh: good"},
+    {"empty.obj", "", 2, "\"error\": ", "empty.obj"},
+    {"empty.msh", MSH("0\n", "0\n"), 2, "\"error\": ", "empty.msh"},
+    {"text.msh", "hello\n", 2, "\"error\": ", "text.msh"},
+    {"nan.obj", "v 0 0 nan\n" CUBE_F, 2, "\"error\": ", "nan.obj:1: the position"},
+    {"index.obj", CUBE_V CUBE_F "f 1 2 77\n", 2, "\"error\": ", "index.obj"},
+    {"index.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 9\n"), 2, "\"error\": ", "index.msh:13: "},
+    {"open.obj", CUBE_V "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n",
+     1,
+     "{\"key\": \"hole\", \"count\": 2, \"status\": 1, \"is_refused\": false, \"first\": [0, 1], ",
+     "open edges: 8 (at node 0, 0, 1, 1, 2, ...)"},
+    {"reversed.obj",
+     CUBE_V "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\n"
+            "f 3 7 1\nf 8 4 2\nf 6 8 2\n",
+     1, "{\"key\": \"inside_out\", \"count\": 1, \"status\": 1, \"is_refused\": true, ",
+     "inside out: flip it"},
+    {"turned.obj",
+     CUBE_V "f 4 3 1\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\n"
+            "f 1 7 3\nf 2 4 8\nf 2 8 6\n",
+     2, "{\"key\": \"inconsistent_winding\", \"count\": 3, ", "wound against each other: 3"},
+    {"parts.obj",
+     CUBE_V CUBE_F
+     "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n",
+     1, "{\"key\": \"component\", \"count\": 2, ", "separate parts: 2"},
+    {"crossing.obj",
+     CUBE_V CUBE_F "v .5 .5 .5\nv 2 .5 .5\nv .5 2 .5\nv .5 .5 2\nf 9 11 10\nf 9 10 12\nf 9 12 11\n"
+                   "f 10 11 12\n",
+     1, "{\"key\": \"self_intersection\", \"count\": ", "triangles that cross others: "},
+    {"loose.obj", CUBE_V "v 7 7 7\n" CUBE_F, 1, "{\"key\": \"unused_node\", \"count\": 1, ",
+     "vertices without a face, left out as the file was read: 1"},
+    {"coincident.obj",
+     CUBE_V "v 1 1 1\nf 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n"
+            "f 1 5 7\nf 1 7 3\nf 2 4 9\nf 2 9 6\n",
+     1, "{\"key\": \"joined_node\", \"count\": 1, ", "vertices on top of others, joined"},
+    {"loose.msh", MSH("5\n" CORNERS "5 9 9 9\n", "1\n1 4 2 0 1 1 2 3 4\n"), 1,
+     "{\"key\": \"loose_node\", \"count\": 1, \"status\": 1, \"is_refused\": true, \"first\": "
+     "[4], ",
+     "nodes without an element: 1 (node 4)"},
+    {"coincident.msh",
+     MSH("8\n" CORNERS "5 0 0 0\n6 -1 0 0\n7 0 -1 0\n8 0 0 -1\n",
+         "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 5 7 6 8\n"),
+     1,
+     "{\"key\": \"coincident_node\", \"count\": 1, \"status\": 1, \"is_refused\": true, \"first\": "
+     "[4], ",
+     "nodes on top of others: 1 (node 4)"},
+    {"sliver.msh", MSH("4\n1 0 0 0\n2 1 1 0\n3 1 0 .05\n4 0 1 .05\n", "1\n1 4 2 0 1 1 2 4 3\n"), 1,
+     "{\"key\": \"sliver\", \"count\": 1, \"status\": 1, \"is_refused\": false, \"first\": [0], ",
+     "outside 10 to 170 degrees"},
+    {"inverted.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 4 3\n"), 1,
+     "{\"key\": \"inverted_tetrahedron\", \"count\": 1, \"status\": 1, \"is_refused\": true, ",
+     "inverted tetrahedra: 1 (tetrahedron 0)"},
+    {"mixed.msh", MSH("5\n" CORNERS "5 0 0 -1\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 3 5\n"), 2,
+     "{\"key\": \"inverted_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [1], ",
+     "inverted tetrahedra: 1 (tetrahedron 1)"},
+    {"flat.msh", MSH("5\n" CORNERS "5 1 1 0\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 5 3\n"), 2,
+     "{\"key\": \"flat_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": "
+     "[1], ",
+     "without a volume: 1 (tetrahedron 1)"},
+    {"twice.msh", MSH("4\n" CORNERS, "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 3 1 4\n"), 2,
+     "{\"key\": \"duplicate_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [1], ",
+     "tetrahedra that are there already: 1 (tetrahedron 1)"},
+    {"face.msh",
+     MSH("6\n" CORNERS "5 0 0 -1\n6 1 1 2\n",
+         "3\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 3 2 5\n3 4 2 0 1 1 2 3 6\n"),
+     2,
+     "{\"key\": \"crowded_face\", \"count\": 1, \"status\": 2, \"is_refused\": true, \"first\": "
+     "[0], ",
+     "faces of more than two tetrahedra: 1 (at node 0)"},
+    {"skipped.msh",
+     MSH("8\n" CORNERS "5 1 1 0\n6 1 0 1\n7 0 1 1\n8 1 1 1\n",
+         "2\n1 4 2 0 1 1 2 3 4\n2 5 2 0 1 1 2 5 3 4 6 8 7\n"),
+     1, "{\"key\": \"skipped_element\", \"count\": 1, \"status\": 1, \"is_refused\": false, ",
+     "elements of kinds that no model has, left out: 1"},
+    {"edge.obj", CUBE_V CUBE_F "v 2 2 .5\nf 2 9 4\n", 2,
+     "{\"key\": \"non_manifold_edge\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [",
+     "edges of more than two triangles: 1 (at node 1)"},
+};
+
+static void each_fault_has_its_count_numbers_and_exit_status(void **state)
+{
+    (void)state;
+    for (int32_t i = 0; i < COUNT(faults); ++i) {
+        char command[256];
+        char out[16384];
+        write_text(faults[i].name, faults[i].text);
+        (void)snprintf(command, sizeof command, TOOL "check %s", faults[i].name);
+        int status = run(command, out, sizeof out);
+        if (status != faults[i].status || strstr(out, faults[i].says) == NULL) {
+            fail_msg("%s: %d: %s", faults[i].name, status, out);
+        }
+        (void)snprintf(command, sizeof command, TOOL "check --json %s", faults[i].name);
+        status = run(command, out, sizeof out);
+        if (status != faults[i].status || strstr(out, faults[i].finding) == NULL) {
+            fail_msg("%s: %d: %s", faults[i].name, status, out);
+        }
+    }
+}
+
+static void lengths_are_the_files_own_unless_units_are_given(void **state)
+{
+    (void)state;
+    char out[8192];
+    write_text("two.obj",
+               "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    assert_int_equal(run(TOOL "check two.obj", out, sizeof out), 0);
+    assert_non_null(strstr(out, "box         0 0 0 to 2 2 2\n"));
+    assert_non_null(strstr(out, "volume      1.33333\n"));
+    assert_non_null(strstr(out, "taken as 1 mm"));
+    assert_non_null(strstr(out, "edge        2 least, 2.41421 mean, 2.82843 greatest\n"));
+    assert_non_null(strstr(out, "angles      40-50: 3  "));
+    assert_int_equal(run(TOOL "check two.obj --units cm", out, sizeof out), 0);
+    assert_non_null(strstr(out, "box         0 0 0 to 0.02 0.02 0.02\n"));
+    assert_null(strstr(out, "taken as 1 mm"));
+    assert_int_equal(run(TOOL "info two.obj --units cm --json", out, sizeof out), 0);
+    assert_non_null(strstr(out,
+                           "\"unit\": \"m\", \"box_min\": [0, 0, 0], \"box_max\": [0.02, 0.02, "
+                           "0.02]"));
+    assert_non_null(strstr(out, "\"nodes\": 4, \"triangles\": 4, \"quads\": 0, \"tetrahedra\": 0"));
+    assert_int_equal(run(TOOL "info two.obj --nodes", out, sizeof out), 0);
+    assert_non_null(strstr(out, "node,x,y,z\n0,0,0,0\n1,2,0,0\n"));
+}
+
+static double number_after(const char *text, const char *word)
+{
+    const char *at = strstr(text, word);
+    if (at == NULL) {
+        fail_msg("no '%s' in %s", word, text);
+        return 0.0;
+    }
+    return strtod(at + strlen(word), NULL);
+}
+
+static void each_model_tells_its_stable_step_and_memory(void **state)
+{
+    (void)state;
+    char out[8192];
+    double bytes[2];
+    for (int i = 0; i < 2; ++i) {
+        char command[256];
+        (void)snprintf(command, sizeof command,
+                       TOOL "generate kidney --points %d --out k.obj && " TOOL
+                            "check k.obj --units mm --json",
+                       i == 0 ? 300 : 1200);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        const double step = number_after(out, "{\"name\": \"cnn-energy\", \"stable_step_s\": ");
+        assert_true(step > 1e-6 && step < 1.0);
+        bytes[i] = number_after(out, "\"bytes\": ");
+    }
+    assert_true(bytes[1] > 2.0 * bytes[0] && bytes[1] < 8.0 * bytes[0]);
+    assert_non_null(strstr(out, "\"material\": \"soft tissue: 3 kPa, Poisson's ratio 0.45; surface "
+                                "networks: 5 J"));
+    assert_int_equal(run(TOOL "generate block --tetrahedra --points 200 --out f.msh && " TOOL
+                              "check f.msh --units mm --json",
+                         out, sizeof out),
+                     0);
+    const double step = number_after(out, "{\"name\": \"fem\", \"stable_step_s\": ");
+    assert_true(step > 1e-4 && step < 1e-1); /* cells of 17 mm, sound at 3.4 m/s */
+    assert_int_equal(run(TOOL "check f.msh --units mm", out, sizeof out), 0);
+    assert_non_null(strstr(out, "corotational: stable at any step, "));
+    assert_non_null(strstr(out, "hybrid: it needs layer.spacing_m, which is the scene's\n"));
+}
+
+/* ---- convert ---- */
+
+static void formats_and_units_are_converted(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("good.obj", CUBE_V CUBE_F);
+    assert_int_equal(run(TOOL "convert good.obj good.msh --units m --to-units mm", out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "good.msh: 8 nodes, 12 triangles\n"));
+    ss_mesh *m = load(in_folder("good.msh"), 1.0);
+    assert_near(m->position[7][2], 1000.0, 0.0);
+    ss_mesh_destroy(&m);
+    assert_int_equal(run(TOOL "generate block --tetrahedra --points 100 --out b.msh && " TOOL
+                              "convert b.msh c.msh && cmp b.msh c.msh && " TOOL
+                              "convert b.msh b.obj && " TOOL "convert b.msh b.vtk && " TOOL
+                              "convert b.vtk d.msh && cmp b.msh d.msh",
+                         out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "of which the surface: "));
+    m = load(in_folder("b.obj"), 1e-3);
+    assert_true(m->is_closed);
+    ss_mesh_destroy(&m);
+}
+
+static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
+{
+    (void)state;
+    char out[4096];
+    /* Kuhn's six of a cube, two inverted; node 9 loose, 10 on top of 1; the third is there twice.
+     */
+    write_text("broken.msh",
+               MSH("10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n6 1 0 1\n7 0 1 1\n8 1 1 1\n"
+                   "9 5 5 5\n10 0 0 0\n",
+                   "7\n1 4 2 0 1 1 2 4 8\n2 4 2 0 1 1 3 4 8\n3 4 2 0 1 1 3 7 8\n4 4 2 0 1 1 7 5 8\n"
+                   "5 4 2 0 1 1 6 5 8\n6 4 2 0 1 10 6 2 8\n7 4 2 0 1 3 7 1 8\n"));
+    assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
+    assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
+    const char *const changes[] = {
+        "broken.msh: nodes welded to others: 1\n", "broken.msh: double elements dropped: 1\n",
+        "broken.msh: loose nodes dropped: 1\n",
+        "broken.msh: tetrahedra turned: ", "mended.msh: 8 nodes, 6 tetrahedra"};
+    for (int32_t i = 0; i < COUNT(changes); ++i) {
+        if (strstr(out, changes[i]) == NULL) {
+            fail_msg("no '%s' in %s", changes[i], out);
+        }
+    }
+    assert_int_equal(run(TOOL "check mended.msh", out, sizeof out), 0);
+    /* Without --repair the mesh goes as it is. */
+    assert_int_equal(run(TOOL "convert broken.msh same.msh", out, sizeof out), 0);
+    assert_int_equal(run(TOOL "check same.msh", out, sizeof out), 2);
+}
+
+static void repair_tells_what_it_leaves(void **state)
+{
+    (void)state;
+    char out[4096];
+    /* A pyramid without its base, one side twice. */
+    write_text("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
+                           "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 1 2 5\n");
+    assert_int_equal(run(TOOL "convert hole.obj whole.obj --repair", out, sizeof out), 0);
+    assert_non_null(strstr(out, "hole.obj: double elements dropped: 1\n"));
+    assert_non_null(strstr(out, "hole.obj: left as they are: holes: 1 (at node "));
+    write_text("mine.obj", CUBE_V CUBE_F);
+    assert_int_equal(run(TOOL "convert mine.obj whole.obj --repair", out, sizeof out), 0);
+    assert_null(strstr(out, "left as they are"));
+}
+
+/* The help names the groups that are written, and no others. */
+static void help_names_the_groups_of_each_shape(void **state)
+{
+    (void)state;
+    static const char *const shapes[] = {"kidney",     "liver", "ellipsoid", "ventricle",
+                                         "ellipsoids", "block", "beam",      "cylinder"};
+    char help[8192], out[8192], command[256];
+    assert_int_equal(run(TOOL "generate --help", help, sizeof help), 0);
+    for (int32_t i = 0; i < COUNT(shapes); ++i) {
+        char expected[320], got[256] = "";
+        (void)snprintf(command, sizeof command,
+                       TOOL "generate %s --tetrahedra --points 300 --out g.msh && " TOOL
+                            "info g.msh",
+                       shapes[i]);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        for (const char *at = out; (at = strstr(at, "\ngroup       ")) != NULL;) {
+            at += strlen("\ngroup       ");
+            const size_t used = strlen(got);
+            (void)snprintf(got + used, sizeof got - used, "%s%.*s", used > 0 ? ", " : "",
+                           (int)strcspn(at, ":"), at);
+        }
+        (void)snprintf(expected, sizeof expected, "\n  %-12s %s%s\n", shapes[i], got,
+                       strcmp(shapes[i], "cylinder") == 0 ? " (with --tetrahedra)" : "");
+        if ((strstr(help, expected) != NULL) != (got[0] != '\0')) {
+            fail_msg("no '%s' in %s", expected, help);
+        }
+    }
+}
+
+static void the_input_is_replaced_only_when_asked(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("mine.obj", CUBE_V CUBE_F);
+    const struct {
+        const char *arguments;
+        int status;
+        const char *says;
+    } cases[] = {
+        {"convert mine.obj mine.obj", 2, "'mine.obj' is the input"},
+        {"convert mine.obj ./mine.obj", 2, "is the input"},
+        {"convert mine.obj mine.obj --overwrite", 0, "mine.obj: 8 nodes"},
+        {"convert mine.obj mine.stl", 2, "ends in none of .obj, .msh, .vtk"},
+        {"convert mine.obj x.msh --to-units m", 2, "give --units too"},
+        {"convert mine.obj no/such.msh", 1, "cannot write it"},
+        {"convert mine.obj", 2, "usage"},
+        {"convert none.obj x.msh", 2, "none.obj: cannot read it"},
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        char command[256];
+        (void)snprintf(command, sizeof command, TOOL "%s", cases[i].arguments);
+        const int status = run(command, out, sizeof out);
+        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
+            fail_msg("%s: %d: %s", cases[i].arguments, status, out);
+        }
+    }
+    ss_mesh *m = load(in_folder("mine.obj"), 1.0);
+    assert_int_equal(m->triangle_count, 12);
+    ss_mesh_destroy(&m);
+}
+
+/* ---- tetrahedralize ---- */
+
+/* With a program of that name, or none, on the path. */
+static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_text("good.obj", CUBE_V CUBE_F);
+    write_text("open.obj", CUBE_V "f 1 3 4\nf 1 4 2\n");
+    const struct {
+        const char *script, *arguments;
+        int status;
+        const char *says;
+    } cases[] = {
+        {NULL, "good.obj t.msh --edge 1", 1, "install Debian's package tetgen"},
+        {"exit 3", "good.obj t.msh --edge 1", 1, "exit status 3: it gave no reason"},
+        {"echo first; echo bad facet >&2; exit 1", "good.obj t.msh --edge 1", 1,
+         "exit status 1: bad facet"},
+        {"kill -SEGV $$", "good.obj t.msh --edge 1", 1, "crashed (signal 11)"},
+        {"exec /bin/sleep 100", "good.obj t.msh --edge 1 --timeout-s 0.2", 1,
+         "not done after 0.2 s"},
+        {"exit 0", "good.obj t.msh --edge 1", 1, "in.1.node"},
+        {"exit 0", "open.obj t.msh --edge 1", 2, "open.obj: open edges: 4"},
+        {"exit 0", "good.obj t.obj --edge 1", 2, "name a .msh or .vtk file"},
+        {"exit 0", "good.obj t.msh", 2, "give one of --edge and --edge-mm"},
+        {"exit 0", "good.obj t.msh --edge 1 --edge-mm 1", 2, "give one of"},
+        {"exit 0", "b.msh t.msh --edge 1", 2, "it has tetrahedra already"},
+    };
+    assert_int_equal(
+        run(TOOL "generate block --tetrahedra --points 100 --out b.msh", out, sizeof out), 0);
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        char command[512];
+        assert_int_equal(run("rm -rf bin && mkdir bin", out, sizeof out), 0);
+        if (cases[i].script != NULL) {
+            char script[256];
+            (void)snprintf(script, sizeof script, "#!/bin/sh\n%s\n", cases[i].script);
+            write_text("bin/tetgen", script);
+            assert_int_equal(chmod(in_folder("bin/tetgen"), 0755), 0);
+        }
+        (void)snprintf(command, sizeof command,
+                       "mkdir -p tmp && PATH=$PWD/bin TMPDIR=$PWD/tmp " TOOL "tetrahedralize %s",
+                       cases[i].arguments);
+        const int status = run(command, out, sizeof out);
+        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
+            fail_msg("%s, %s: %d: %s", cases[i].script, cases[i].arguments, status, out);
+        }
+        /* Nothing is left behind. */
+        assert_int_equal(run("rmdir tmp && test ! -e t.msh", out, sizeof out), 0);
+    }
+}
+
+static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (run("command -v tetgen", out, sizeof out) != 0) {
+        print_message("tetgen is not installed: not tested\n");
+        skip();
+    }
+    const char *kidney = SOURCE_DIR "/server/scenes/kidney.obj";
+    char command[512];
+    (void)snprintf(command, sizeof command, TOOL "tetrahedralize %s k.msh --edge-mm 6 --units mm",
+                   kidney);
+    if (run(command, out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    if (run(TOOL "check k.msh --units mm", out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    ss_mesh *volume = load(in_folder("k.msh"), 1.0);
+    ss_mesh *surface = NULL;
+    assert_int_equal(ss_mesh_load(kidney, 1.0, BIN_DIR "/softsim-import", &surface, NULL),
+                     SOFTSIM_OK);
+    assert_true(volume->tetrahedron_count > 3000);
+    assert_int_equal(volume->triangle_count, surface->triangle_count);
+    for (int32_t i = 0; i < surface->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            assert_near(volume->position[i][k], surface->position[i][k], 1e-9);
+        }
+    }
+    ss_mesh_destroy(&surface);
+    ss_mesh_destroy(&volume);
+}
+
+static void cavities_stay_hollow(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (run("command -v tetgen", out, sizeof out) != 0) {
+        print_message("tetgen is not installed: not tested\n");
+        skip();
+    }
+    /* A unit cube in a cube of 3, turned inside out. */
+    write_text(
+        "hollow.obj", CUBE_V
+        "v -1 -1 -1\nv 2 -1 -1\nv -1 2 -1\nv 2 2 -1\nv -1 -1 2\nv 2 -1 2\nv -1 2 2\nv 2 2 2\n"
+        "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\n"
+        "f 3 7 1\nf 8 4 2\nf 6 8 2\nf 9 11 12\nf 9 12 10\nf 13 14 16\nf 13 16 15\nf 9 10 14\n"
+        "f 9 14 13\nf 11 15 16\nf 11 16 12\nf 9 13 15\nf 9 15 11\nf 10 12 16\nf 10 16 14\n");
+    if (run(TOOL "tetrahedralize hollow.obj h.msh --edge 1", out, sizeof out) != 0) {
+        fail_msg("%s", out);
+    }
+    ss_mesh *m = load(in_folder("h.msh"), 1.0);
+    ss_mesh_report r;
+    assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);
+    assert_near(r.volume, 26.0, 1e-9);
+    ss_mesh_destroy(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_fault_has_its_count_numbers_and_exit_status),
+        cmocka_unit_test(lengths_are_the_files_own_unless_units_are_given),
+        cmocka_unit_test(each_model_tells_its_stable_step_and_memory),
+        cmocka_unit_test(formats_and_units_are_converted),
+        cmocka_unit_test(repair_tells_each_change_and_what_comes_out_is_good),
+        cmocka_unit_test(repair_tells_what_it_leaves),
+        cmocka_unit_test(help_names_the_groups_of_each_shape),
+        cmocka_unit_test(the_input_is_replaced_only_when_asked),
+        cmocka_unit_test(tetgen_that_is_missing_or_fails_is_one_error),
+        cmocka_unit_test(a_kidney_is_filled_and_its_surface_keeps_its_numbers),
+        cmocka_unit_test(cavities_stay_hollow),
+    };
+    return cmocka_run_group_tests_name("softsim.mesh_tool", tests, make_folder, remove_folder);
+}

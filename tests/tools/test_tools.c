@@ -1,0 +1,845 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The programs that need no server, on odd but whole command lines: no output is ever an input or
+ * another output, whatever it is called; and what is doubtful is told.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <fcntl.h>
+#include <glob.h>
+#include <math.h>
+#include <poll.h>
+#include <sys/stat.h>
+
+#include "common/effort.h"
+#include "common/tool_fixture.h"
+#include "softsim/log.h"
+
+static const char poses[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+                            "0,0,0,0,0.05,1,0,0,0,0\n0.02,0,0,0,0.04,1,0,0,0,0\n";
+static const char curve[] = "depth_m,force_n\n0.001,1\n0.002,2\n";
+static const char compared[] =
+    "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,us_per_step_p50,"
+    "us_per_step_p99,dt_s,realtime_factor,time_to_1pct_ms,calibrated,verdict\n";
+static const char scene[] = "softsim: 1\n"
+                            "object:\n"
+                            "  mesh: block.msh\n"
+                            "  units: m\n"
+                            "  fixed: [{group: bottom}]\n"
+                            "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                            "contact:\n"
+                            "  tools: [{probe: 0, shape: {sphere: {radius_mm: 15}}}]\n";
+
+static const char two_tools[] = "softsim: 1\n"
+                                "object: {mesh: block.msh, units: m, fixed: [{group: bottom}]}\n"
+                                "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n"
+                                "contact:\n"
+                                "  tools:\n"
+                                "    - {probe: 0, shape: {sphere: {radius_mm: 15}}}\n"
+                                "    - {probe: 1, shape: {sphere: {radius_mm: 15}}}\n";
+
+#define CASE SOURCE_DIR "/tests/reference/b_cantilever"
+
+static bool has_program(const char *name)
+{
+    char path[512];
+    (void)snprintf(path, sizeof path, BIN_DIR "/%s", name);
+    return access(path, X_OK) == 0;
+}
+
+/* Every file that is read; the same bytes afterwards. */
+static const struct {
+    const char *name, *text;
+} inputs[] = {
+    {"poses.csv", poses}, {"scene.yaml", scene}, {"curve.csv", curve}, {"accuracy.csv", compared}};
+enum { INPUT_COUNT = sizeof inputs / sizeof *inputs };
+
+static void write_inputs(void)
+{
+    char out[4096];
+    for (int i = 0; i < INPUT_COUNT; ++i) {
+        write_text(inputs[i].name, inputs[i].text);
+    }
+    assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out block.msh",
+                         out, sizeof out),
+                     0);
+}
+
+static void no_output_is_an_input_or_another_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--poses poses.csv --csv poses.csv scene.yaml", "--csv: 'poses.csv'"},
+        {"softsim-run", "--poses poses.csv --nodes ./poses.csv scene.yaml", "--nodes: './poses"},
+        {"softsim-run", "--poses poses.csv --nodes scene.yaml scene.yaml", "is the scene,"},
+        {"softsim-run", "--poses poses.csv --reactions link scene.yaml", "--reactions: 'link'"},
+        {"softsim-run", "--poses poses.csv --csv hard scene.yaml", "--csv: 'hard'"},
+        {"softsim-run", "--duration 0.01 --nodes block.msh scene.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --csv one.ele pair.yaml", "a file of the scene"},
+        {"softsim-run", "--duration 0.01 --vtk block.msh --every 1 scene.yaml", "--vtk: 'block"},
+        {"softsim-run", "--duration 0.01 --vtk a --every 1 --csv a scene.yaml",
+         "what --csv writes"},
+        {"softsim-run", "--duration 0.01 --csv a --nodes a scene.yaml", "what --csv writes"},
+        {"softsim-run", "--duration 0.01 --csv a --reactions ./a scene.yaml", "what --csv writes"},
+        {"softsim-replay", "--convert poses.csv poses.csv", "is the file played"},
+        {"softsim-replay", "--record poses.csv poses.csv", "--record: 'poses.csv'"},
+        {"softsim-replay", "--csv hard poses.csv", "--csv: 'hard'"},
+        {"softsim-replay", "--csv a --record a poses.csv", "what --record writes"},
+        {"softsim-bridge", "--device script --path poses.csv --csv link", "is the --path file"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out scene.yaml", "is the scene,"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out curve.csv", "is a --curve"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out none/f.yaml",
+         "none/f.yaml: No such"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted a", "what --out"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out a --fitted block.msh",
+         "a file of the scene"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/case.yaml",
+         "a file of the case"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/mesh_525.msh",
+         "a file of the case"},
+        {"softsim-fit", "--scene scene.yaml --case case --out case/reference_u_nh_99.csv",
+         "a file of the case"},
+        {"softsim-mesh", "tetrahedralize block.msh block.msh --edge 1", "is the surface"},
+        {"softsim-mesh", "convert block.msh block.msh", "'block.msh' is the input"},
+        {"softsim-bench", "accuracy --compare accuracy.csv --out .", "is a --compare file"},
+    };
+    char out[8192], expected[8192];
+    write_inputs();
+    assert_int_equal(run("cp -r " CASE " case", out, sizeof out), 0);
+    write_text("one.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
+    write_text("one.ele", "1 4 0\n0 0 1 2 3\n");
+    write_text("pair.yaml",
+               "softsim: 1\nobject: {mesh: one.node, units: m, fixed: [{nodes: [0]}]}\n"
+               "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    assert_int_equal(symlink("poses.csv", in_folder("link")), 0);
+    assert_int_equal(link(in_folder("poses.csv"), in_folder("hard")), 0);
+    read_text("block.msh", expected, sizeof expected);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char command[1024];
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s %s", bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+        assert_int_not_equal(access(in_folder("a"), F_OK), 0);
+        read_text("block.msh", out, sizeof out);
+        assert_string_equal(out, expected);
+        for (int k = 0; k < INPUT_COUNT; ++k) {
+            read_text(inputs[k].name, out, sizeof out);
+            assert_string_equal(out, inputs[k].text);
+        }
+    }
+    assert_int_equal(run("diff -r " CASE " case", out, sizeof out), 0);
+    read_text("one.ele", out, sizeof out);
+    assert_string_equal(out, "1 4 0\n0 0 1 2 3\n");
+}
+
+/* Pictures of a run of a picture of a run, in one folder. */
+static void a_picture_never_replaces_the_mesh(void **state)
+{
+    (void)state;
+    char out[16384], before[16384];
+    assert_int_equal(mkdir(in_folder("pictures"), 0777), 0);
+    assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out "
+                              "pictures/surface_00000002.vtk",
+                         out, sizeof out),
+                     0);
+    write_text("shown.yaml", "softsim: 1\n"
+                             "object: {mesh: pictures/surface_00000002.vtk, units: m, "
+                             "fixed: [{nodes: [0, 1, 2]}]}\n"
+                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    read_text("pictures/surface_00000002.vtk", before, sizeof before);
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.004 --vtk ./pictures --every 1 "
+                                 "shown.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "--vtk: './pictures/surface_00000002.vtk' is a file of the scene"));
+    read_text("pictures/surface_00000002.vtk", out, sizeof out);
+    assert_string_equal(out, before);
+}
+
+static void what_an_option_cannot_do_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *says;
+    } bad[] = {
+        {"latency --log felt.csv --out here", "--out: --log runs nothing"},
+        {"latency --log felt.csv --seconds 5", "--seconds: --log runs nothing"},
+        {"latency --log felt.csv --quick", "--quick: --log runs nothing"},
+        {"latency --rate 100", "--rate: only --log"},
+        {"latency --contacts 0", "--contacts: only --log"},
+    };
+    char out[4096], command[512];
+    if (!has_program("softsim-bench")) {
+        skip();
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-bench %s", bad[i].options);
+        assert_int_equal(run(command, out, sizeof out), 2);
+        if (strstr(out, bad[i].says) == NULL || strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s: %s", bad[i].options, out);
+        }
+    }
+}
+
+/* What cannot be written is found out before anything is done. */
+static void an_output_that_cannot_be_opened_starts_nothing(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options;
+    } bad[] = {
+        {"softsim-run", "--duration 0.01 --csv none/x scene.yaml"},
+        {"softsim-run", "--duration 0.01 --reactions none/x scene.yaml"},
+        {"softsim-run", "--duration 0.01 --csv good.csv --nodes none/x scene.yaml"},
+        {"softsim-run", "--duration 0.01 --vtk none/x --every 1 scene.yaml"},
+        {"softsim-replay", "--convert poses.csv none/x"},
+        {"softsim-replay", "--csv none/x poses.csv"},
+        {"softsim-replay", "--record none/x poses.csv"},
+        {"softsim-replay", "--record good.lcmlog --csv none/x poses.csv"},
+        {"softsim-bridge", "--device sim --duration 0.1 --csv none/x"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out none/x"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out good.yaml --fitted none/x"},
+    };
+    char out[4096];
+    write_inputs();
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char command[1024];
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s %s", bad[i].program, bad[i].options);
+        if (run(command, out, sizeof out) != 2 ||
+            strstr(out, "none/x: No such file or directory") == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s: %s", command, out);
+        }
+    }
+    glob_t left;
+    assert_int_equal(glob(in_folder("good.*"), 0, NULL, &left), GLOB_NOMATCH);
+}
+
+/* Half a metre at once, and a probe that has no tool. */
+static void a_run_says_why_poses_were_refused(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    write_text("refused.csv",
+               "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+               "0,0,0,0,1,1,0,0,0,0\n0.001,0,0,0,1,1,0,0,0,0\n0.002,0,0,0,1.5,1,0,0,0,0\n"
+               "0,3,0,0,1,1,0,0,0,0\n0.002,3,0,0,1,1,0,0,0,0\n");
+    assert_int_equal(run(BIN_DIR "/softsim-run --poses refused.csv scene.yaml", out, sizeof out),
+                     0);
+    if (strstr(out, "4 poses, 3 refused (jump 1, wrong probe 2); peak") == NULL) {
+        fail_msg("%s", out);
+    }
+    assert_int_equal(run(BIN_DIR "/softsim-run --poses poses.csv scene.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, " poses, 0 refused; peak"));
+}
+
+/* What a fem plan counts of contact is little; --explain says so. */
+static void the_estimate_says_what_of_it_is_contact(void **state)
+{
+    (void)state;
+    char out[16384];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsimd --explain scene.yaml", out, sizeof out), 0);
+    const char *whole = strstr(out, "; estimated "), *part = strstr(out, " us of that estimate");
+    assert_true(whole != NULL && part > whole);
+    while (part[-1] != '\n') {
+        --part;
+    }
+    const double step_us = strtod(whole + strlen("; estimated "), NULL);
+    const double contact_us = strtod(part + strlen("cost of contact: "), NULL);
+    assert_true(contact_us > 0.0 && contact_us < step_us);
+    /* Without a tool there is none. */
+    assert_int_equal(
+        run(BIN_DIR "/softsimd --explain --set contact.tools=[] scene.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "us of that estimate"));
+}
+
+static void a_full_disk_ends_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    if (access("/dev/full", W_OK) != 0) {
+        skip();
+    }
+    assert_int_equal(run("timeout 60 " BIN_DIR
+                         "/softsim-run --duration 1000000 --csv /dev/full scene.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "/dev/full: cannot write"));
+}
+
+/* --check tells what makes a scene that is valid one to regret, and by its status: 0 good, 1 usable
+ * with warnings, 2 unusable. */
+static void what_a_model_doubts_is_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set, *doubt;
+    } cases[] = {
+        {"model.density_kg_m3=1e-6", "more than the 64 of simulation.max_substeps"},
+        {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", "it falls"},
+        {"model.name=corotational' --set 'model.poisson_ratio=0.49", "lock above"},
+        {"object.fixed=[{box_m: [[-9, -9, -9], [9, 9, 9]]}]", "every node of the surface is held"},
+        {"object.fixed=[]", "a tool pushes it away"},
+        {"haptic.coupling.damping_n_s_per_m=1000", "after a jump the tool comes"},
+    };
+    char out[4096], command[512];
+    write_inputs();
+    assert_int_equal(
+        run(BIN_DIR "/softsimd --check --set haptic.max_force_n=2 scene.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "scene.yaml: good ("));
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        if (strstr(out, cases[k].doubt) != NULL) {
+            fail_msg("told without cause: %s", out);
+        }
+    }
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsimd --check --set '%s' scene.yaml",
+                       cases[k].set);
+        if (run(command, out, sizeof out) != 1 || strstr(out, cases[k].doubt) == NULL ||
+            strstr(out, ": good (") != NULL || strstr(out, ": usable, with ") == NULL) {
+            fail_msg("%s: %s", cases[k].set, out);
+        }
+    }
+}
+
+/* --check tells that layer.max_active may bind, with how many particles; not where it cannot. */
+static void a_cap_on_particles_that_may_bind_is_told(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    char out[4096], command[512];
+    for (int k = 0; k < 2; ++k) {
+        (void)snprintf(command, sizeof command,
+                       BIN_DIR "/softsimd --check --set model.layer.max_active=%d " SOURCE_DIR
+                               "/server/scenes/hm1-tissue.yaml",
+                       k == 0 ? 150 : 600);
+        assert_int_equal(run(command, out, sizeof out), 1); /* the tool sinks in, in both */
+        assert_true((strstr(out, "layer.max_active wakes 127") != NULL) == (k == 0));
+        assert_true((strstr(out, "layer.max_active") != NULL) == (k == 0));
+    }
+}
+
+/* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
+static void standard_output_may_be_a_file(void **state)
+{
+    (void)state;
+    char out[4096], text[4096];
+    write_inputs();
+    assert_int_equal(run("(" BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/1 --hash scene.yaml "
+                         "2>err.txt >shown.txt)",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_ptr_equal(strstr(text, "step,time_s,probe"), text);
+    const char *last = strstr(text, "\n2,0.002,0,");
+    assert_non_null(last);
+    assert_int_equal(strlen(strchr(last + 1, '\n')), 18); /* the hash and its line's end */
+    assert_int_equal(run(BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/3 scene.yaml 3>shown.txt",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_non_null(strstr(text, "\n2,0.002,0,"));
+}
+
+static void devices_may_be_written_twice(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.01 --csv /dev/null --nodes /dev/null "
+                                 "scene.yaml",
+                         out, sizeof out),
+                     0);
+}
+
+/* A log of two probes takes a tick for each pose, as in the daemon's lockstep: tools that moved at
+ * once move in turn. It is said, and not of a log of one. */
+static void a_log_of_two_probes_is_told_to_play_slower(void **state)
+{
+    (void)state;
+    enum { TICKS = 200 };
+    char out[8192];
+    write_inputs();
+    write_text("two.yaml", two_tools);
+    for (int probes = 1; probes <= 2; ++probes) {
+        softsim_log_writer *writer = NULL;
+        softsim_error error = {0};
+        assert_int_equal(softsim_log_create(in_folder("two.lcmlog"), &writer, &error), SOFTSIM_OK);
+        for (int k = 0; k < TICKS; ++k) {
+            const int probe = k % probes;
+            const softsim_pose pose = {.probe = probe,
+                                       .seq = k + 1,
+                                       .sender = 1,
+                                       .position = {0.05 * probe - 0.025, 0.0, 0.08},
+                                       .orientation = {1.0, 0.0, 0.0, 0.0}};
+            softsim_log_write_pose(writer, 1000 * (k / probes), probe ? "S_PROBE_1" : "S_PROBE_0",
+                                   &pose);
+        }
+        assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+        const int status =
+            run(BIN_DIR "/softsim-run --poses two.lcmlog --csv two.csv two.yaml", out, sizeof out);
+        const bool is_told = strstr(out, "poses of 2 probes") != NULL;
+        if (status != 0 || strstr(out, "200 ticks,") == NULL || is_told != (probes == 2)) {
+            fail_msg("status %d: %s", status, out);
+        }
+    }
+}
+
+/* softsim-fit with stderr on a terminal; what the terminal shows. */
+static void run_fit_on_terminal(char *out, size_t size)
+{
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    assert_true(terminal >= 0);
+    assert_true(grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const int end = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+        if (end < 0 || dup2(end, STDERR_FILENO) < 0 || chdir(folder) != 0) {
+            _exit(127);
+        }
+        execl(BIN_DIR "/softsim-fit", "softsim-fit", "--scene", "scene.yaml", "--curve",
+              "curve.csv", "--at", "900,0,0", "--out", "never.yaml", NULL);
+        _exit(127);
+    }
+    /* Read while it runs, in pieces, and the end held open: what a terminal still holds may go with
+     * the last who has it open. A byte of our own comes after all of the child's. */
+    const int held = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+    assert_true(child > 0 && held >= 0);
+    size_t used = 0;
+    bool has_ended = false;
+    int status = 0;
+    while (used + 1 < size && (used == 0 || out[used - 1] != '\a')) {
+        struct pollfd readable = {.fd = terminal, .events = POLLIN};
+        if (poll(&readable, 1, 50) > 0) {
+            const ssize_t more = read(terminal, out + used, size - 1 - used);
+            assert_true(more > 0);
+            used += (size_t)more;
+        }
+        if (!has_ended && waitpid(child, &status, WNOHANG) == child) {
+            has_ended = true;
+            assert_int_equal(write(held, "\a", 1), 1);
+        }
+    }
+    assert_true(has_ended && WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 2);
+    close(held);
+    out[used] = '\0';
+    close(terminal);
+}
+
+static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
+{
+    (void)state;
+    char out[4096];
+    if (!has_program("softsim-fit")) {
+        skip();
+    }
+    write_inputs();
+    run_fit_on_terminal(out, sizeof out);
+    const char *shown = strstr(out, "softsim-fit: 0 evaluations");
+    const char *wiped = strstr(out, "\033[K");
+    assert_true(shown != NULL && wiped > shown && strstr(wiped, "off the surface") != NULL);
+}
+
+/* ---- files that are none, and none left ---- */
+
+/* A pipe without a writer would keep a program waiting for ever. */
+static void a_pipe_is_refused_as_any_input(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options;
+    } bad[] = {
+        {"softsimd", "pipe"},
+        {"softsimd", "piped.yaml"},
+        {"softsimd", "data.yaml"},
+        {"softsim-run", "--duration 0.01 pipe"},
+        {"softsim-run", "--poses pipe scene.yaml"},
+        {"softsim-replay", "pipe"},
+        {"softsim-replay", "pipe.csv"},
+        {"softsim-bridge", "--device script --path pipe"},
+        {"softsim-fit", "--scene pipe --curve curve.csv --out o.yaml"},
+        {"softsim-fit", "--scene scene.yaml --curve pipe --out o.yaml"},
+        {"softsim-mesh", "info pipe"},
+        {"softsim-mesh", "check pipe.obj"},
+        {"softsim-mesh", "convert pipe o.obj"},
+        {"softsim-import", "pipe.obj | cat"},
+        {"softsim-bench", "latency --log pipe"},
+        {"softsim-bench", "latency --poses pipe"},
+        {"softsim-bench", "accuracy --compare pipe --out o"},
+        {"softsim-bench", "accuracy --scene pipe --out o"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    write_text("piped.yaml", "softsim: 1\nobject: {mesh: pipe, units: m}\n"
+                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    write_text("data.yaml", "softsim: 1\nobject: {mesh: block.msh, units: m}\n"
+                            "model: {name: fem, youngs_modulus_pa: {file: pipe}, "
+                            "poisson_ratio: 0.3}\n");
+    assert_int_equal(run("mkfifo pipe pipe.csv pipe.obj", out, sizeof out), 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const bool is_piped = strchr(bad[i].options, '|') != NULL; /* it wants no terminal */
+        const int status = run(command, out, sizeof out);
+        if (status != (is_piped ? 0 : 2) ||
+            (strstr(out, "a pipe, not a file") == NULL && strstr(out, "cannot read it") == NULL)) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+}
+
+/* Opening one waits for a reader; a device may do something. What a shell has opened is another
+ * matter. */
+static void a_pipe_is_refused_as_any_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--duration 0.01 --csv pipe scene.yaml", "--csv: 'pipe' is a pipe"},
+        {"softsim-run", "--duration 0.01 --reactions pipe scene.yaml", "--reactions: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --nodes link scene.yaml", "--nodes: 'link' is a pipe"},
+        {"softsim-run", "--duration 0.01 --vtk pipe --every 1 scene.yaml", "--vtk: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --csv /dev/tty scene.yaml", "'/dev/tty' is a device"},
+        {"softsim-replay", "--csv pipe poses.csv", "--csv: 'pipe' is a pipe"},
+        {"softsim-replay", "--record pipe poses.csv", "--record: 'pipe' is a pipe"},
+        {"softsim-replay", "--convert poses.csv pipe", "--convert: 'pipe' is a pipe"},
+        {"softsim-bridge", "--device sim --csv pipe", "--csv: 'pipe' is a pipe"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out pipe", "--out: 'pipe' is a"},
+        {"softsim-mesh", "tetrahedralize block.msh pipe.msh --edge 1", "'pipe.msh' is a"},
+        {"softsim-mesh", "convert block.msh pipe.obj", "OUT: 'pipe.obj' is a pipe"},
+        {"softsim-mesh", "generate block --out pipe.msh", "--out: 'pipe.msh' is a pipe"},
+        {"softsim-mesh", "generate block --out folder.obj", "'folder.obj' is a folder"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    assert_int_equal(run("rm -f pipe pipe.* link && mkdir -p folder.obj && mkfifo pipe pipe.obj "
+                         "pipe.msh && ln -s pipe link",
+                         out, sizeof out),
+                     0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+    /* A pipe of the shell's own is read while it is written. */
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.002 --csv /dev/stdout scene.yaml "
+                                 "2>/dev/null | tail -1",
+                         out, sizeof out),
+                     0);
+    assert_ptr_equal(strstr(out, "2,0.002,0,"), out);
+}
+
+/* Played to nobody, it would end well. */
+static void a_log_without_poses_is_refused(void **state)
+{
+    (void)state;
+    char out[4096];
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    write_inputs();
+    assert_int_equal(softsim_log_create(in_folder("forces.lcmlog"), &writer, &error), SOFTSIM_OK);
+    softsim_log_write_force(writer, 0, "SOFTSIM_FORCE_0", &(softsim_force){.seq = 1});
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    assert_int_equal(
+        run(BIN_DIR "/softsim-run --poses forces.lcmlog --hash scene.yaml", out, sizeof out), 2);
+    assert_string_equal(out, "softsim-run: forces.lcmlog: no probe poses: no record on a channel "
+                             "..._PROBE_<n>\n");
+}
+
+/* Not endless, and not the default. */
+static void a_duration_of_nothing_is_refused(void **state)
+{
+    (void)state;
+    static const char *const started[] = {"softsimd --duration 0 scene.yaml",
+                                          "softsim-run --duration 0 scene.yaml",
+                                          "softsim-run --duration 0 --poses poses.csv scene.yaml"};
+    char out[4096], command[512];
+    write_inputs();
+    for (int i = 0; i < 3; ++i) {
+        (void)snprintf(command, sizeof command, "timeout 60 " BIN_DIR "/%s", started[i]);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, "--duration: 0 is out of range") == NULL) {
+            fail_msg("%s: status %d: %s", started[i], status, out);
+        }
+    }
+}
+
+static const char *const programs[] = {"softsimd",       "softsim-run",     "softsim-replay",
+                                       "softsim-bridge", "softsim-monitor", "softsim-fit",
+                                       "softsim-mesh",   "softsim-import",  "softsim-bench"};
+enum { PROGRAM_COUNT = sizeof programs / sizeof *programs };
+
+static void help_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096], command[256];
+    for (int i = 0; i < PROGRAM_COUNT; ++i) {
+        static const char *const asked[] = {"--help", "--version"};
+        for (int k = 0; k < 2 && has_program(programs[i]); ++k) {
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >/dev/full; }",
+                           programs[i], asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: No space left on device") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >&-; }", programs[i],
+                           asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: Bad file descriptor") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
+        }
+    }
+}
+
+static void a_hash_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 --hash scene.yaml >&-; }", out, sizeof out),
+        1);
+    assert_non_null(strstr(out, "softsim-run: cannot write to stdout"));
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 scene.yaml >&-; }", out, sizeof out),
+        0); /* it has nothing to print there */
+}
+
+/* LCM would blame the network for it. */
+static void too_few_descriptors_are_named(void **state)
+{
+    (void)state;
+    static const char *const started[] = {"softsim-bridge --device sim --ticks 5",
+                                          "softsim-monitor --once", "softsim-replay poses.csv",
+                                          "softsimd scene.yaml", "softsim-run --duration 1 k.yaml"};
+    char out[4096], command[512];
+    write_inputs();
+    write_text("k.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text("k.yaml", "softsim: 1\nobject: {mesh: k.obj, units: m}\n"
+                         "model: {name: mass-spring}\n");
+    for (int i = 0; i < 5; ++i) {
+        (void)snprintf(command, sizeof command, "{ ulimit -n %d && " BIN_DIR "/%s; }",
+                       i == 4 ? 6 : 8, started[i]);
+        const int status = run(command, out, sizeof out);
+        if ((status != 1 && status != 2) ||
+            strstr(out, "too many open files: raise `ulimit -n`") == NULL ||
+            strstr(out, "route") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* ---- what is recorded ---- */
+
+static void a_full_disk_leaves_the_rows_of_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ ulimit -f 700 && timeout 100 " BIN_DIR
+                         "/softsim-run --duration 1000000 "
+                         "--csv full.csv --reactions full.txt scene.yaml; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "what was recorded before is in full.csv.part"));
+    assert_non_null(strstr(out, "full.txt.part"));
+    assert_int_equal(run("test ! -e full.csv && test ! -e full.txt", out, sizeof out), 0);
+    /* Ticks 1, 2, 3 ..., each with all its columns, and the last with its end. */
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 1000}' full.csv.part && "
+                         "test -z \"$(tail -c 1 full.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
+/* A result is written in pieces: the first that finds no room says why, whichever it is. */
+static void a_full_disk_is_named_by_each_result(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } full[] = {
+        {"softsim-run", "--duration 0.002 --nodes full/nodes.csv large.yaml", "full/nodes.csv"},
+        {"softsim-run", "--duration 0.002 --vtk full/vtk --every 1 large.yaml",
+         "full/vtk/surface_"},
+        {"softsim-mesh", "convert large.msh full/out.vtk", "full/out.vtk"},
+    };
+    char out[4096], command[1024];
+    write_inputs();
+    assert_int_equal(run(TOOL "generate block --points 2000 --tetrahedra --units m --out large.msh "
+                              "&& sed s/block/large/ scene.yaml >large.yaml && mkdir -p full",
+                         out, sizeof out),
+                     0);
+    if (run("unshare -m true", out, sizeof out) != 0) {
+        skip(); /* no file system of one's own is allowed here */
+    }
+    for (size_t i = 0; i < sizeof full / sizeof *full; ++i) {
+        (void)snprintf(command, sizeof command,
+                       "unshare -m sh -c 'mount -t tmpfs -o size=24k none full && " BIN_DIR
+                       "/%s %s; status=$?; ls full; exit $status'",
+                       full[i].program, full[i].options);
+        const int status = run(command, out, sizeof out);
+        const char *said = strstr(out, full[i].says);
+        if (status != 1 || said == NULL || strstr(said, "the disk is full: make room") == NULL ||
+            strstr(out, ".tmp") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
+static void a_stopped_run_leaves_its_rows(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "
+                         "--reactions cut.txt scene.yaml & pid=$!; "
+                         "while ! test -s cut.csv.part && kill -0 $pid; do sleep 0.05; done; "
+                         "kill -TERM $pid; wait $pid; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, ", before its end"));
+    assert_non_null(strstr(out, "cut.csv: not complete; what was recorded is in cut.csv.part"));
+    assert_non_null(strstr(out, "cut.txt.part"));
+    assert_int_equal(run("test ! -e cut.csv && test ! -e cut.txt", out, sizeof out), 0);
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 10}' cut.csv.part && "
+                         "test -z \"$(tail -c 1 cut.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
+/* A press of 10 mm is told as one, beside what the tool is still ahead of the surface. */
+static void a_press_of_ten_millimetres_reads_as_one(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    char out[4096];
+    write_inputs();
+    write_text("press.yaml",
+               "softsim: 1\nobject: {mesh: soft.msh, units: m, fixed: [{group: bottom}]}\n"
+               "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.45,\n"
+               "        density_kg_m3: 1060, mass_damping_per_s: 30}\n"
+               "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n"
+               "haptic: {max_force_n: 20}\n");
+    write_text("press.csv", "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0.030,1,0,0,0,0\n"
+                            "0.2,0,0,0,0.028,1,0,0,0,0\n0.7,0,0,0,0.018,1,0,0,0,0\n"
+                            "0.9,0,0,0,0.018,1,0,0,0,0\n1.2,0,0,0,0.040,1,0,0,0,0\n");
+    assert_int_equal(run(TOOL "generate block --tetrahedra --size-mm 80,80,40 --points 400 --units "
+                              "m --out soft.msh && " BIN_DIR
+                              "/softsim-run --poses press.csv --csv pressed.csv press.yaml",
+                         out, sizeof out),
+                     0);
+    assert_int_equal(run("grep -m 1 ^850, pressed.csv && tail -1 pressed.csv", out, sizeof out), 0);
+    double depth = 0.0, indentation = 0.0, end_depth = 1.0, end = 1.0;
+    const char *last = strchr(out, '\n');
+    assert_non_null(last);
+    assert_int_equal(sscanf(out, "%*d,%*f,%*d,%*f,%*f,%*f,%lf,%*f,%*d,%lf", &depth, &indentation),
+                     2);
+    assert_int_equal(sscanf(last, "%*d,%*f,%*d,%*f,%*f,%*f,%lf,%*f,%*d,%lf", &end_depth, &end), 2);
+    print_message("pressed by 10 mm: depth_m %g, indentation_m %g\n", depth, indentation);
+    assert_true(fabs(indentation - 0.010) < 1e-4 && depth < 0.002);
+    assert_true(end_depth == 0.0 && end == 0.0);
+}
+
+/* Every column of every CSV stands in the --help of the program that writes it. */
+static void help_explains_every_column(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *columns;
+    } written[] = {
+        {"softsim-run",
+         "step time_s probe fx fy fz depth_m energy_j verdict indentation_m set node "
+         "x y z ux uy uz"},
+        {"softsim-replay", "pose_seq pose_utime probe fx fy fz tx ty tz depth_m stiffness_n_per_m "
+                           "model_age_us flags latency_us indentation_m"},
+        {"softsim-bridge",
+         "tick x y z vx vy vz qx qy qz fx fy fz energy_in_j time_s probe ow ox oy "
+         "oz buttons depth_m indentation_m"},
+    };
+    char out[16384], command[512], columns[512];
+    for (int i = 0; i < 3; ++i) {
+        (void)snprintf(command, sizeof command, BIN_DIR "/%s --help", written[i].program);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        for (char *at = out; *at != '\0'; ++at) { /* "fx,fy,fz" are words too */
+            *at = (char)(strchr(",;\n", *at) != NULL ? ' ' : *at);
+        }
+        (void)snprintf(columns, sizeof columns, "%s", written[i].columns);
+        for (char *word = strtok(columns, " "); word != NULL; word = strtok(NULL, " ")) {
+            char spaced[64];
+            (void)snprintf(spaced, sizeof spaced, " %s ", word);
+            if (strstr(out, spaced) == NULL) {
+                fail_msg("%s --help does not explain %s", written[i].program, word);
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_output_is_an_input_or_another_output),
+        cmocka_unit_test(a_picture_never_replaces_the_mesh),
+        cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
+        cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
+        cmocka_unit_test(what_an_option_cannot_do_is_refused),
+        cmocka_unit_test(an_output_that_cannot_be_opened_starts_nothing),
+        cmocka_unit_test(a_run_says_why_poses_were_refused),
+        cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
+        cmocka_unit_test(a_cap_on_particles_that_may_bind_is_told),
+        cmocka_unit_test(what_a_model_doubts_is_told),
+        cmocka_unit_test(a_full_disk_ends_a_run),
+        cmocka_unit_test(standard_output_may_be_a_file),
+        cmocka_unit_test(devices_may_be_written_twice),
+        cmocka_unit_test(a_pipe_is_refused_as_any_input),
+        cmocka_unit_test(a_pipe_is_refused_as_any_output),
+        cmocka_unit_test(a_log_without_poses_is_refused),
+        cmocka_unit_test(a_duration_of_nothing_is_refused),
+        cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(too_few_descriptors_are_named),
+        cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
+        cmocka_unit_test(a_full_disk_is_named_by_each_result),
+        cmocka_unit_test(a_stopped_run_leaves_its_rows),
+        cmocka_unit_test(a_press_of_ten_millimetres_reads_as_one),
+        cmocka_unit_test(help_explains_every_column),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

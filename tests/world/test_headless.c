@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The headless world on the bundled kidney: entry, two tools, the ledger, the schedule. */
+#include "common/effort.h"
+#include "kidney_fixture.h"
+
+static void an_organ_is_felt_and_comes_back(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force last;
+    double peak;
+    press_and_release(world, 2000, 0.010, &last, &peak);
+    assert_true(peak >= 1.0 && peak <= 4.0); /* N at 10 mm */
+    assert_true(magnitude(last.force) == 0.0);
+    softsim_state s;
+    softsim_read(world, &s);
+    assert_true(s.elastic_j + s.kinetic_j < 1e-9);
+    assert_true(fabs(s.work_j - s.dissipated_j) < 1e-5);
+    softsim_destroy(&world);
+}
+
+/* Two spheres that meet, part and cross each other's dents: nothing comes from nowhere. */
+static void two_tools_close_together_keep_the_ledger(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_state s;
+    double largest = 0.0, worst = 0.0;
+    for (int32_t k = 0; k < 1600; ++k) {
+        const double t = 2.5e-3 * k;
+        const double down = smooth(2.0 * t) - smooth(2.0 * (t - 3.0));
+        const double lift = smooth(3.0 * (t - 1.2)) - smooth(3.0 * (t - 1.9));
+        const softsim_pose pose[2] = {
+            pose_at(0, k + 1, 0.012 * cos(3.0 * t), 0.006, TOUCH + 0.004 - 0.010 * down),
+            pose_at(1, k + 1, -0.012 * cos(2.0 * t), 0.006,
+                    TOUCH + 0.006 - 0.012 * down + 0.009 * lift)};
+        const int32_t channel[2] = {0, 1};
+        softsim_tick(world, pose, channel, 2, force);
+        softsim_read(world, &s);
+        assert_true(s.verdict <= SOFTSIM_VERDICT_GUARDED);
+        largest = fmax(largest, s.elastic_j);
+        worst = fmax(worst, s.elastic_j + s.kinetic_j + s.dissipated_j - s.work_j);
+    }
+    print_message("ledger: gained at most %.3g of the largest stored energy\n", worst / largest);
+    assert_true(worst <= 5e-3 * largest);
+    softsim_destroy(&world);
+}
+
+/* Found 10 mm inside, the tool is let in by fading: no force at first, then that of the place. */
+static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    softsim_world *world = make_world(1, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    double early = 0.0, largest_step = 0.0, before = 0.0;
+    for (int32_t k = 0; k < 800; ++k) {
+        const softsim_pose pose = pose_at(0, k + 1, 0.0, 0.006, TOUCH - 0.010);
+        const int32_t channel = 0;
+        softsim_tick(world, &pose, &channel, 1, force);
+        const double size = magnitude(force[0].force);
+        early = k < 20 ? fmax(early, size) : early;
+        largest_step = fmax(largest_step, fabs(size - before));
+        before = size;
+        if (k > 10 && k < 400) {
+            assert_true(force[0].flags & SOFTSIM_FORCE_RAMPING);
+        }
+    }
+    assert_true(early < 0.2);
+    assert_true(largest_step < 0.05);
+    assert_true(force[0].force[2] > 1.0 && before < 4.0);
+    softsim_destroy(&world);
+}
+
+/* In lockstep a result is taken exactly one simulation period after its pose. */
+static void results_come_one_period_late(void **state)
+{
+    (void)state;
+    static const char *const rate[] = {"simulation.rate_hz=100"};
+    softsim_world *world = make_world(1, rate, 1);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    for (int32_t k = 0; k < 100; ++k) {
+        const softsim_pose pose = pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.02);
+        const int32_t channel = 0;
+        softsim_tick(world, &pose, &channel, 1, force);
+        if (k >= 20) {
+            /* Steps begin at ticks 1, 11, 21, ...: the newest result's pose is 10 to 19 ticks old.
+             */
+            assert_int_equal(force[0].model_age_us, 1000 * (10 + k % 10));
+        }
+    }
+    softsim_destroy(&world);
+}
+
+/* The worst verdict is that of the steps, not of those that happened to be read. */
+static void the_worst_verdict_needs_no_reading(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    softsim_world *watched = make_world(1, NULL, 0);
+    softsim_world *left_alone = make_world(2, NULL, 0);
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_verdict worst = SOFTSIM_VERDICT_GOOD;
+    char reason[128] = "";
+    softsim_state s;
+    softsim_read(watched, &s);
+    assert_int_equal(s.worst_verdict, SOFTSIM_VERDICT_GOOD);
+    assert_string_equal(s.worst_reason, "");
+    for (int32_t k = 0; k < 3000 && (k < 1000 || s.verdict != SOFTSIM_VERDICT_GOOD); ++k) {
+        const softsim_pose pose =
+            pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.003 - 0.030 * smooth(k / 20.0));
+        const int32_t channel = 0;
+        softsim_tick(left_alone, &pose, &channel, 1, force);
+        softsim_tick(watched, &pose, &channel, 1, force);
+        softsim_read(watched, &s);
+        if (s.verdict > worst) {
+            worst = s.verdict;
+            snprintf(reason, sizeof reason, "%s", s.reason);
+        }
+    }
+    assert_int_equal(s.verdict, SOFTSIM_VERDICT_GOOD); /* at the end */
+    assert_true(worst > SOFTSIM_VERDICT_GOOD);         /* in between */
+    assert_int_equal(s.worst_verdict, worst);
+    assert_string_equal(s.worst_reason, reason);
+    softsim_read(left_alone, &s);
+    assert_int_equal(s.worst_verdict, worst);
+    assert_string_equal(s.worst_reason, reason);
+    softsim_destroy(&watched);
+    softsim_destroy(&left_alone);
+}
+
+/* So light that a tick takes some dozens of sub-steps. Without a clock to meet it gets them. */
+static void a_run_without_a_clock_has_no_budget(void **state)
+{
+    (void)state;
+    static const char *const set[3][3] = {
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=2"},
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=1000"},
+        {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
+         "simulation.max_substeps=2"},
+    };
+    const int32_t ticks = FULL_IN_RELEASE(150, 10);
+    uint64_t hash[3];
+    softsim_state s[3];
+    for (int run = 0; run < 3; ++run) {
+        softsim_config config = softsim_default_config();
+        config.set = set[run];
+        config.set_count = 3;
+        config.has_budget = run == 2;
+        config.import_program = BIN_DIR "/softsim-import";
+        softsim_world *world = softsim_create(KIDNEY, &config, &error);
+        assert_non_null(world);
+        for (int32_t k = 0; k < ticks; ++k) {
+            softsim_force force[SOFTSIM_MAX_PROBES];
+            const softsim_pose pose =
+                pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.001 - 0.004 * smooth(k / 150.0));
+            const int32_t channel = 0;
+            softsim_tick(world, &pose, &channel, 1, force);
+        }
+        softsim_read(world, &s[run]);
+        hash[run] = softsim_hash(world);
+        print_message("%d sub-steps a tick, worst verdict %d (%s)\n", s[run].substeps,
+                      (int)s[run].worst_verdict, s[run].worst_reason);
+        softsim_destroy(&world);
+    }
+    assert_true(s[0].substeps > 2);
+    assert_true(hash[0] == hash[1]);
+    assert_true(s[0].worst_verdict <= SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(s[2].worst_verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(s[2].worst_reason, "max_substeps"));
+}
+
+static void a_configuration_without_its_cookie_is_refused(void **state)
+{
+    (void)state;
+    const softsim_config config = {0};
+    memset(&error, 0, sizeof error);
+    assert_null(softsim_create(KIDNEY, &config, &error));
+    assert_int_equal(error.status, SOFTSIM_ERROR_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_organ_is_felt_and_comes_back),
+        cmocka_unit_test(two_tools_close_together_keep_the_ledger),
+        cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
+        cmocka_unit_test(results_come_one_period_late),
+        cmocka_unit_test(the_worst_verdict_needs_no_reading),
+        cmocka_unit_test(a_run_without_a_clock_has_no_budget),
+        cmocka_unit_test(a_configuration_without_its_cookie_is_refused),
+    };
+    return cmocka_run_group_tests_name("headless", tests, NULL, NULL);
+}

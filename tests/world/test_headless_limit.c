@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The force limit in the headless world, on bodies of every model: a slow press to well beyond the
+ * limit, a slide there and back, judged against the same path without a limit (limit_judge.h); and
+ * the simulated hands of the bridge pressing into the same bodies, in closed loop.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "bench/latency/felt.h"
+#include "common/effort.h"
+#include "device.h"
+#include "oracles/limit_judge.h"
+#include "press_fixture.h"
+#include "world/world.h"
+
+enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
+
+/* ---- a slow press ---- */
+
+/* Down in .7 s, 10 mm to the side in .4 s, up again. */
+static void press(const body *b, double limit, limit_tick out[PRESS_TICKS])
+{
+    softsim_world *world = make_world(b, limit);
+    for (int n = 0; n < PRESS_TICKS; ++n) {
+        const double t = 1e-3 * n;
+        const double depth =
+            -0.004 + (b->depth + 0.004) * (smooth(t / 0.7) - smooth((t - 1.1) / 0.4));
+        const double aside = 0.010 * smooth((t - 0.7) / 0.4);
+        double x[3], way[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + depth * b->in[a] + aside * b->side[a];
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        for (int a = 0; a < 3; ++a) {
+            out[n].force[a] = force.force[a];
+            way[a] = force.proxy[a] - x[a];
+        }
+        out[n].depth = depth;
+        out[n].slip = limit_norm(way);
+        out[n].model = limit_norm(force.model_force);
+    }
+    softsim_destroy(&world);
+}
+
+/* Unless all are asked for, by an argument: a few rows that each model has one of. */
+static bool is_all;
+
+static bool is_wanted(const body *b, double limit)
+{
+    static const struct {
+        const char *name;
+        double limit;
+    } row[] = {{"mass-spring", 1.0}, {"kidney", 0.5},    {"ventricle", 0.5},    {"hard liver", 8.0},
+               {"hard hm1", 2.0},    {"hard xpbd", 1.0}, {"corotational", 8.0}, {"chainmail", 2.0}};
+    const size_t count = FULL_IN_RELEASE(sizeof row / sizeof *row, 1); /* the lightest alone */
+    bool is_row = is_all;
+    for (size_t k = 0; k < count; ++k) {
+        is_row = is_row || (strcmp(b->name, row[k].name) == 0 && limit == row[k].limit);
+    }
+    return is_row;
+}
+
+static const double limits[] = {0.5, 1.0, 2.0, 8.0};
+enum { LIMITS = sizeof limits / sizeof *limits };
+
+static bool is_press_good(const body *b, double limit, const limit_tick *open)
+{
+    static limit_tick tick[PRESS_TICKS];
+    press(b, limit, tick);
+    const limit_verdict v = judge_limit(tick, open, PRESS_TICKS, OUT_TICK, limit);
+    const bool is_good = is_limit_kept(&v) && (is_all || v.judged > 80);
+    print_message("%s, %g N: %d ticks judged, %d below half, |F|/L %.4f..%.7f, turn %.3f deg, step "
+                  "%.4f, leaving %.4f; proxy at most %.1f mm off, reaction %.2f L%s\n",
+                  b->name, limit, v.judged, v.collapsed, v.least, v.most, v.turn, v.step, v.leave,
+                  1e3 * v.slip, v.model, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+static void a_slow_press_stays_at_the_limit(void **state)
+{
+    (void)state;
+    static limit_tick open[PRESS_TICKS];
+    bool is_good = true;
+    write_block_mesh();
+    for (int n = 0; n < BODIES * LIMITS; ++n) {
+        const body *b = &bodies[n / LIMITS];
+        bool is_any = false;
+        for (int k = 0; n % LIMITS == 0 && k < LIMITS; ++k) {
+            is_any = is_any || is_wanted(b, limits[k]);
+        }
+        if (is_any) {
+            press(b, 100.0, open);
+        }
+        if (is_wanted(b, limits[n % LIMITS])) {
+            is_good = is_press_good(b, limits[n % LIMITS], open) && is_good;
+        }
+    }
+    assert_true(is_good);
+}
+
+/* ---- a limit that changes ---- */
+
+static void set_limit(softsim_world *world, double limit)
+{
+    char argument[64], text[256];
+    ss_command_record record;
+    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%g", limit);
+    if (ss_world_command((ss_world *)world, "set", argument, &record, text, sizeof text) != 0) {
+        fail_msg("%s", text);
+    }
+}
+
+/* Pressed 20 mm deep: a lowered limit is reached by the slew, a raised one within .3 s; the tissue
+ * is never pressed much harder than by the greater of the two. */
+static void a_changed_limit_flings_nothing(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
+    const body *b = &bodies[0];
+    softsim_world *world = make_world(b, 8.0);
+    double last = 0.0, before = 0.0, most = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+        const int at = n >= 600 && n < 2000 ? (n - 600) / 350 : -1;
+        double x[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + ((b->depth + 0.004) * smooth(n / 500.0) - 0.004) * b->in[a];
+        }
+        if (at >= 0 && (n - 600) % 350 == 0) {
+            set_limit(world, limit[at]);
+            before = last;
+            most = 0.0;
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        const double size = limit_norm(force.force);
+        if (at >= 0) {
+            const int after = (n - 600) % 350 + 1;
+            assert_true(fabs(size - last) <= 2.0 + 1e-9);
+            if (after >= (limit[at] < before ? ceil((before - limit[at]) / 2.0) : 300.0)) {
+                assert_true(fabs(size - limit[at]) <= 1e-4 * limit[at]);
+            }
+            most = fmax(most, limit_norm(force.model_force));
+            assert_true(most <= 1.1 * fmax(before, limit[at]));
+        }
+        last = size;
+    }
+    softsim_destroy(&world);
+}
+
+/* Raised from .3 N to more than the tissue answers with at all: the force grows to what it answers
+ * where the hand is, and no further than that by 5 %. */
+static void a_limit_raised_out_of_reach_does_not_overshoot(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"kidney", "mass-spring"};
+    write_block_mesh();
+    for (int k = 0; k < 2 * BODIES; ++k) {
+        const body *b = &bodies[k % BODIES];
+        if (strcmp(b->name, names[k / BODIES]) != 0) {
+            continue;
+        }
+        softsim_world *world = make_world(b, 8.0);
+        double most = 0.0, size = 0.0;
+        set_limit(world, 0.3);
+        for (int n = 0; n < 1800; ++n) {
+            double x[3];
+            for (int a = 0; a < 3; ++a) {
+                x[a] =
+                    b->touch[a] + ((0.6 * b->depth + 0.004) * smooth(n / 500.0) - 0.004) * b->in[a];
+            }
+            if (n == 800) {
+                assert_true(fabs(size - 0.3) <= 1e-4);
+                set_limit(world, 8.0);
+            }
+            const softsim_pose pose = pose_of(n + 1, x);
+            const softsim_force force = feel(world, &pose);
+            size = limit_norm(force.force);
+            most = fmax(most, size);
+        }
+        softsim_destroy(&world);
+        print_message("%s: .3 to 8 N: %.3f N at most, %.3f N in the end\n", b->name, most, size);
+        assert_true(size > 0.9);
+        assert_true(most <= 1.05 * size);
+    }
+}
+
+/* ---- pause and resume ---- */
+
+static void command(softsim_world *world, const char *name)
+{
+    ss_command_record record;
+    char text[256];
+    assert_int_equal(ss_world_command((ss_world *)world, name, "", &record, text, sizeof text), 0);
+}
+
+/* Pressed, and paused, resumed and reset at any moment: a ramp takes a twentieth of the force a
+ * tick, and nothing makes it grow by more than a few hundredths of a newton. */
+static void pauses_and_resets_do_not_step(void **state)
+{
+    (void)state;
+    const body *b = &bodies[0];
+    softsim_world *world = make_world(b, 8.0);
+    uint64_t random = 1;
+    bool is_paused = false;
+    double last[3] = {0.0, 0.0, 0.0}, ramp_from = 0.0, rise = 0.0, fall = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        if (n > 800 && (random >> 33) % 100 == 0) {
+            const bool is_reset = (random >> 43) % 3 == 0;
+            command(world, is_reset ? "reset" : is_paused ? "resume" : "pause");
+            is_paused = is_reset ? is_paused : !is_paused;
+        }
+        double x[3], change[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + (0.016 * smooth(n / 500.0) - 0.004) * b->in[a];
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        for (int a = 0; a < 3; ++a) {
+            change[a] = force.force[a] - last[a];
+        }
+        const double size = limit_norm(force.force);
+        if (n > 800) {
+            rise = fmax(rise, size - limit_norm(last));
+            fall = fmax(fall, limit_norm(change) - ramp_from / 20.0);
+        }
+        ramp_from = size > limit_norm(last) || size == 0.0 ? size : fmax(ramp_from, size);
+        memcpy(last, force.force, sizeof last);
+    }
+    softsim_destroy(&world);
+    print_message("pauses and resets: up by %.3f N a tick at most, other steps %.3f N\n", rise,
+                  fall);
+    assert_true(rise <= 0.05 && fall <= 0.05);
+}
+
+/* ---- a grasp ---- */
+
+/* Pressed 8 mm, grasped, drawn out to 32 mm beyond what the limit reaches, held there, let go: the
+ * force stays at the limit without a swing, and nothing is flung, then or when it lets go. */
+static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    static const double limit[2] = {2.0, 8.0};
+    const body *b = &bodies[0];
+    for (int k = 0; k < 2; ++k) {
+        softsim_world *world = make_world(b, limit[k]);
+        softsim_state last;
+        int at_limit = 0;
+        double before[3] = {0.0, 0.0, 0.0};
+        for (int n = 0; n < 3200; ++n) {
+            const double out =
+                -0.004 + 0.012 * smooth((n - 200) / 400.0) - 0.040 * smooth((n - 1000) / 1000.0);
+            double x[3];
+            for (int a = 0; a < 3; ++a) {
+                x[a] = b->touch[a] + out * b->in[a];
+            }
+            softsim_pose pose = pose_of(n + 1, x);
+            pose.buttons = n > 800 && n < 3000 ? SOFTSIM_BUTTON_GRASP : 0;
+            const softsim_force force = feel(world, &pose);
+            if (n > 2000 && n < 3000) {
+                at_limit += limit_norm(force.force) >= 0.999 * limit[k];
+                assert_true(limit_angle(before, force.force) < 1.0);
+            }
+            memcpy(before, force.force, sizeof before);
+        }
+        softsim_read(world, &last);
+        softsim_destroy(&world);
+        if (at_limit != 999 || last.worst_verdict > SOFTSIM_VERDICT_GUARDED) {
+            fail_msg("%g N: %d ticks at the limit, %s", limit[k], at_limit, last.worst_reason);
+        }
+    }
+}
+
+/* ---- hands ---- */
+
+/* Between the device's frame, z out of the tissue and x along it, and the world. */
+static void axes_of(const body *b, double axis[3][3])
+{
+    for (int a = 0; a < 3; ++a) {
+        axis[0][a] = b->side[a];
+        axis[2][a] = -b->in[a];
+    }
+    for (int a = 0; a < 3; ++a) {
+        const int p = (a + 1) % 3, q = (a + 2) % 3;
+        axis[1][a] = axis[2][p] * axis[0][q] - axis[2][q] * axis[0][p];
+    }
+}
+
+/* A simulated hand presses, slides and lifts; a force takes effect in the tick after. */
+static void move_hand(const body *b, double limit, int hand, ss_felt *out)
+{
+    static ss_felt_row row[HAND_TICKS];
+    softsim_world *world = make_world(b, limit);
+    const ss_sim_config config = {.body = (ss_sim_body)hand,
+                                  .grip = (ss_sim_grip)hand,
+                                  .script = SS_SCRIPT_PRESS,
+                                  .seed = 1,
+                                  .period_s = 1e-3};
+    ss_device device;
+    double axis[3][3];
+    softsim_force force = {.seq = -1};
+    axes_of(b, axis);
+    assert_int_equal(ss_sim_create(&config, &device, NULL), SOFTSIM_OK);
+    for (int n = 0; n < HAND_TICKS; ++n) {
+        ss_device_sample sample;
+        double x[3], exerted[3] = {0.0, 0.0, 0.0};
+        assert_true(device.read(device.state, &sample));
+        row[n] =
+            (ss_felt_row){.time_s = 1e-3 * n, .flags = force.flags, .age_us = force.model_age_us};
+        for (int a = 0; a < 3; ++a) {
+            x[a] = row[n].x[a] = b->touch[a];
+            for (int d = 0; d < 3; ++d) {
+                x[a] += sample.position[d] * axis[d][a];
+                row[n].x[a] += sample.true_position[d] * axis[d][a];
+                exerted[d] += force.force[a] * axis[d][a];
+            }
+            row[n].f[a] = force.force[a];
+        }
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.force_seq = force.seq;
+        device.exert(device.state, exerted);
+        force = feel(world, &pose);
+    }
+    device.destroy(device.state);
+    softsim_destroy(&world);
+    const ss_felt_options options = {.intended_contacts = 2};
+    assert_int_equal(ss_felt_judge(row, HAND_TICKS, &options, out), SOFTSIM_OK);
+}
+
+static void hands_press_without_a_motor(void **state)
+{
+    (void)state;
+    static const char *const names[3] = {"light/soft", "medium/medium", "heavy/firm"};
+    bool is_good = true;
+    write_block_mesh();
+    for (int n = 0; n < BODIES * LIMITS * 3; ++n) {
+        const body *b = &bodies[n / 3 / LIMITS];
+        const double limit = limits[n / 3 % LIMITS];
+        if (!is_wanted(b, limit) || (!is_all && n / 3 / LIMITS % 3 != n % 3)) {
+            continue;
+        }
+        ss_felt felt;
+        move_hand(b, limit, n % 3, &felt);
+        /* A light hand on stiff tissue rings down from touching it, at 13 Hz, without a limit too:
+         * the limit adds nothing to that (a tenth: how it lands is another). */
+        double most = 0.05e-3;
+        if (felt.chatter_m.value >= most) {
+            ss_felt open;
+            move_hand(b, 100.0, n % 3, &open);
+            most = 1.1 * open.chatter_m.value;
+        }
+        const bool is_still = felt.net_energy_j.value >= -1e-3 && felt.chatter_m.value <= most;
+        print_message(
+            "%s, %g N, %s: %d contacts, chatter %.4f mm at %.0f Hz of %.4f, net %.3f mJ%s\n",
+            b->name, limit, names[n % 3], felt.contacts, 1e3 * felt.chatter_m.value,
+            felt.chatter_hz, 1e3 * most, 1e3 * felt.net_energy_j.value, is_still ? "" : ": BAD");
+        is_good = is_good && is_still;
+    }
+    assert_true(is_good);
+}
+
+int main(int argc, char **argv)
+{
+    is_all = argc > 1 && strcmp(argv[1], "all") == 0;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_slow_press_stays_at_the_limit),
+        cmocka_unit_test(a_changed_limit_flings_nothing),
+        cmocka_unit_test(a_limit_raised_out_of_reach_does_not_overshoot),
+        cmocka_unit_test(pauses_and_resets_do_not_step),
+        cmocka_unit_test(a_grasp_drawn_at_the_limit_flings_nothing),
+        cmocka_unit_test(hands_press_without_a_motor),
+    };
+    return cmocka_run_group_tests_name("limit", tests, make_folder, remove_folder);
+}

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * A hand that holds still in the tissue while the world is reset, paused and resumed, at any pace
+ * and in any order in which the two loops may hear of it, on bodies of every model: it never feels
+ * more than it did before, no tick takes or gives more than a ramp's, a twentieth, and the model is
+ * never struck.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "common/effort.h"
+#include "oracles/limit_judge.h"
+#include "press_fixture.h"
+#include "world/world.h"
+
+enum { HELD_TICK = 1000 };
+static const double LIMIT = 8.0; /* N */
+
+/* Unless all are asked for, by an argument: fewer commands. */
+static bool is_all;
+
+/* ---- the two loops ---- */
+
+/* Who hears of a command first. */
+typedef enum order { LOCKSTEP, SIMULATION_FIRST, HAPTIC_FIRST, ORDERS } order;
+enum { LATE_TICKS = 3 }; /* of the results of a step that was under way then */
+
+static void command(ss_world *world, const char *name)
+{
+    ss_command_record record;
+    char text[256];
+    assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
+}
+
+static void begin_step(ss_world *world)
+{
+    ss_world_step_begin(world);
+    ss_world_step_compute(world);
+    world->is_step_pending = true;
+}
+
+/* One tick of the two loops as with a clock between them, with a command or NULL. Simulation first:
+ * it comes between the haptic tick and the step that follows at once. Haptic first: while a step is
+ * under way, which takes LATE_TICKS more. */
+static softsim_force turn(ss_world *world, order way, const softsim_pose *pose, const char *name,
+                          int *inout_late)
+{
+    const ss_pose_record in = {.pose = *pose, .sender_epoch = 1};
+    ss_force_record out = {.force = {.seq = -1}};
+    ss_ring_push(world->probe[0].poses, &in);
+    const int64_t tick = ++world->tick;
+    if (name && way == HAPTIC_FIRST) {
+        if (!world->is_step_pending) {
+            begin_step(world);
+            *inout_late = LATE_TICKS;
+        }
+        command(world, name);
+    }
+    ss_world_haptic_tick(world, tick, 0, 0);
+    while (ss_ring_pop(world->forces, &out)) {
+    }
+    if (name && way == SIMULATION_FIRST) {
+        command(world, name);
+    }
+    if (*inout_late > 0) {
+        --*inout_late;
+        return out.force;
+    }
+    if (!world->is_step_pending && tick % world->step_ticks == 0) {
+        begin_step(world);
+    }
+    if (world->is_step_pending) {
+        ss_world_step_post(world);
+        world->is_step_pending = false;
+    }
+    return out.force;
+}
+
+/* ---- judging ---- */
+
+typedef struct judge {
+    double held;       /* N, when the first command came */
+    double held_model; /* N, most before it */
+    double last[3], ramp_from;
+    double most, model, end; /* N, after it */
+    double rise, fall;       /* N a tick; fall beyond the ramp's twentieth of where it began */
+} judge;
+
+static void judge_tick(judge *j, const softsim_force *force, bool is_before)
+{
+    double change[3];
+    const double size = limit_norm(force->force), before = limit_norm(j->last);
+    for (int a = 0; a < 3; ++a) {
+        change[a] = force->force[a] - j->last[a];
+    }
+    const double model = limit_norm(force->model_force);
+    if (is_before) {
+        j->held = size;
+        j->held_model = fmax(j->held_model, model);
+    } else {
+        j->most = fmax(j->most, size);
+        j->model = fmax(j->model, model);
+        j->rise = fmax(j->rise, size - before);
+        if (size < before) {
+            j->fall = fmax(j->fall, limit_norm(change) - j->ramp_from / 20.0);
+        }
+    }
+    j->ramp_from = size > before || size == 0.0 ? size : fmax(j->ramp_from, size);
+    j->end = size;
+    memcpy(j->last, force->force, sizeof j->last);
+}
+
+/* A body of each model, and how deep it is pressed so that it rests: the springs swing from tick
+ * to tick at 4 mm, commands or none, and a chain's tetrahedra turn inside out at 8 mm. */
+static const struct {
+    int body;
+    double depth; /* m */
+} models[] = {{0, 0.008}, {2, 0.008},  {4, 0.008},   {6, 0.008},
+              {8, 0.008}, {10, 0.006}, {11, 0.0025}, {13, 0.004}};
+enum { MODELS = sizeof models / sizeof *models };
+
+/* A command every `gap` ticks, `count` of them, then .7 s of rest. */
+static bool storm(int model, order way, const char *const name[2], int gap, int count)
+{
+    static const char *const order_name[ORDERS] = {"lockstep", "simulation first", "haptic first"};
+    const body *b = &bodies[models[model].body];
+    const double depth = models[model].depth;
+    const bool is_pause = strcmp(name[0], "pause") == 0;
+    /* Chains keep a dent: a tool that is let in again feels nothing in it. */
+    const bool keeps_dent = is_pause && strcmp(b->name, "chainmail") == 0;
+    /* A body at rest is not struck at all; one that was held deep springs back against the tool. */
+    const double struck = is_pause ? 3.0 : 1.1;
+    softsim_world *world = make_world(b, LIMIT);
+    softsim_state state;
+    judge j = {0};
+    int late = 0;
+    const int last = HELD_TICK + gap * count;
+    for (int n = 0; n < last + 700; ++n) {
+        double x[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + ((depth + 0.004) * smooth(n / 600.0) - 0.004) * b->in[a];
+        }
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.utime_us = 1000 * (int64_t)n;
+        const int k = n >= HELD_TICK && (n - HELD_TICK) % gap == 0 ? (n - HELD_TICK) / gap : -1;
+        const bool is_due = k >= 0 && k < count;
+        softsim_force force;
+        if (way == LOCKSTEP) {
+            if (is_due) {
+                command((ss_world *)world, name[k % 2]);
+            }
+            force = feel(world, &pose);
+        } else {
+            force = turn((ss_world *)world, way, &pose, is_due ? name[k % 2] : NULL, &late);
+        }
+        judge_tick(&j, &force, n < HELD_TICK);
+    }
+    softsim_read(world, &state);
+    softsim_destroy(&world);
+    const bool is_good = j.most <= 1.1 * j.held && j.rise <= 0.05 * j.held &&
+                         j.fall <= 0.05 * j.held &&
+                         j.model <= struck * fmax(j.held, j.held_model) &&
+                         (keeps_dent || fabs(j.end - j.held) <= 0.1 * j.held) &&
+                         state.worst_verdict <= SOFTSIM_VERDICT_GUARDED;
+    print_message("%s, %s, %s every %d: held %.3f N (model %.2f), then at most %.3f, up %.4f a "
+                  "tick, down %.4f beyond the ramp, model %.2f, in the end %.3f; %s%s\n",
+                  b->name, order_name[way], name[0], gap, j.held, j.held_model, j.most, j.rise,
+                  j.fall, j.model, j.end, state.worst_reason, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+static void resets_are_entered_anew(void **state)
+{
+    (void)state;
+    static const char *const reset[2] = {"reset", "reset"};
+    static const int gaps[] = {120, 250, 310, 400, 1, 10, 22};
+    enum { GAPS = sizeof gaps / sizeof *gaps };
+    bool is_good = true;
+    write_block_mesh();
+    for (int m = 0; m < MODELS; m += FULL_IN_RELEASE(1, 3)) {
+        for (int g = 0; g < GAPS; ++g) {
+            for (int way = 0; way < ORDERS; ++way) {
+                if (is_all || (g % 4 == m % 4 && g < 4 && way == m % ORDERS)) {
+                    is_good = storm(m, (order)way, reset, gaps[g], is_all ? 30 : 4) && is_good;
+                }
+            }
+        }
+    }
+    assert_true(is_good);
+}
+
+/* Not the hybrid: taken out of its dent and let in again the tool comes to rest on another of its
+ * shapes, with up to three times the force. */
+static bool is_repeatable(int model)
+{
+    return strcmp(bodies[models[model].body].name, "hm1") != 0;
+}
+
+static void pauses_and_resumes_ramp_and_enter(void **state)
+{
+    (void)state;
+    static const char *const pause[2] = {"pause", "resume"};
+    static const int gaps[] = {1, 2, 3, 5, 10, 19, 20, 21, 30, 50, 150, 300};
+    enum { GAPS = sizeof gaps / sizeof *gaps };
+    bool is_good = true;
+    write_block_mesh();
+    for (int m = 0; m < MODELS; m += FULL_IN_RELEASE(1, 3)) {
+        for (int g = 0; g < GAPS; ++g) {
+            for (int way = 0; way < ORDERS; ++way) {
+                if (is_repeatable(m) && (is_all || (g % MODELS == m && way == g % ORDERS))) {
+                    is_good = storm(m, (order)way, pause, gaps[g], 20) && is_good;
+                }
+            }
+        }
+    }
+    assert_true(is_good);
+}
+
+int main(int argc, char **argv)
+{
+    is_all = argc > 1 && strcmp(argv[1], "all") == 0;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(resets_are_entered_anew),
+        cmocka_unit_test(pauses_and_resumes_ramp_and_enter),
+    };
+    return cmocka_run_group_tests_name("reset", tests, make_folder, remove_folder);
+}

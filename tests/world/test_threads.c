@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The headless world on the bundled kidney, with more threads than one. */
+#include "common/effort.h"
+#include "kidney_fixture.h"
+
+static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_t set_count)
+{
+    softsim_world *world = make_world(threads, set, set_count);
+    softsim_force last;
+    double peak;
+    press_and_release(world, FULL_IN_RELEASE(300, 30), 0.006, &last, &peak);
+    const uint64_t hash = softsim_hash(world);
+    softsim_destroy(&world);
+    return hash;
+}
+
+static void bits_do_not_depend_on_threads(void **state)
+{
+    (void)state;
+    static const char *const rates[] = {"simulation.rate_hz=1000", "simulation.rate_hz=100"};
+    for (int i = 0; i < 2; ++i) {
+        const uint64_t one = hash_after_press(1, &rates[i], 1);
+        if (FULL_IN_RELEASE(true, false)) {
+            assert_true(one == hash_after_press(1, &rates[i], 1));
+            assert_true(one == hash_after_press(2, &rates[i], 1));
+        }
+        assert_true(one == hash_after_press(4, &rates[i], 1));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bits_do_not_depend_on_threads),
+    };
+    return cmocka_run_group_tests_name("threads", tests, NULL, NULL);
+}
