@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random.h"
+#include "rt/random.h"
 
 enum { CAPACITY = 2048 }; /* records under way: half a second at 4 kHz */
 

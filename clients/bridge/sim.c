@@ -26,7 +26,7 @@
 #include <stdlib.h>
 
 #include "device.h"
-#include "random.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 enum { STEPS = 20, TREMORS = 3 };

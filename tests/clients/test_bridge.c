@@ -17,7 +17,7 @@
 #include "bridge.h"
 #include "common/folder_fixture.h"
 #include "common/number_fixture.h"
-#include "random.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 #include "show.h"
 

@@ -9,6 +9,7 @@
  */
 #include <math.h>
 
+#include "rt/random.h"
 #include "rt/vec.h"
 
 static const double press_m = 0.005; /* depth of the usual press */
@@ -20,15 +21,6 @@ static const double swipe_m = 0.16; /* from side to side */
 static const double poke_hz = 5.0;  /* while it is paused and resumed */
 static const double poke_m = 0.004;
 #define TWO_PI 6.283185307179586
-
-/* Uniform in -1 .. 1, of the tick and axis; splitmix64 of Steele, Lea, Flood 2014. */
-static double noise_at(int32_t tick, int axis)
-{
-    uint64_t z = (uint64_t)(3 * (int64_t)tick + axis + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
-}
 
 bool ss_assay_is_abuse(ss_assay_kind kind)
 {
@@ -68,7 +60,8 @@ void ss_assay_abuse(const ss_assay_plan *plan, double time_s, int32_t tick, doub
     switch (trial->kind) {
     case SS_ASSAY_NOISE:
         for (int axis = 0; axis < 3; ++axis) {
-            position[axis] += trial->value * noise_at(tick, axis);
+            position[axis] +=
+                trial->value * ss_random_signed_at(3 * (uint64_t)tick + (uint64_t)axis);
         }
         break;
     case SS_ASSAY_IN_OUT:

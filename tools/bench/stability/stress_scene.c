@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* s: 1 / 14 at 10 kPa, the first shear mode of the specimen, damped about critically. */
@@ -107,15 +108,6 @@ static void use_tool(ss_assay_plan *plan)
 
 /* ---- tangled ---- */
 
-/* Uniform in -1 .. 1; splitmix64 of Steele, Lea, Flood 2014. */
-static double next_random(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
-}
-
 /* Every other node of the surface above the bottom is pushed, or put, somewhere at random. */
 static void tangle(ss_assay_plan *plan)
 {
@@ -133,9 +125,9 @@ static void tangle(ss_assay_plan *plan)
     for (int32_t i = SS_SPECIMEN_LAYER; i < SS_SPECIMEN_NODES; ++i) {
         double x[3];
         for (int k = 0; k < 3; ++k) {
-            x[k] = size * next_random(&state);
+            x[k] = size * ss_random_signed(&state);
         }
-        if (next_random(&state) < 0.0 || !ss_specimen_is_surface(i)) {
+        if (ss_random_signed(&state) < 0.0 || !ss_specimen_is_surface(i)) {
             continue; /* not every model has something inside */
         }
         if (is_places) {
