@@ -35,3 +35,9 @@ static inline double ss_random_signed_at(uint64_t index)
     uint64_t state = index * SS_RANDOM_STEP;
     return ss_random_signed(&state);
 }
+
+/* Whole, in [0, below); the remainder favours no number by more than below / 2^64. */
+static inline uint32_t ss_random_below(uint64_t *state, uint32_t below)
+{
+    return (uint32_t)(ss_random_next(state) % below);
+}

@@ -18,6 +18,7 @@
 #include "models/common/fem.h"
 #include "models/model.h"
 #include "rt/clock.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 static const double half_axis[3] = {0.05, 0.035, 0.025};
@@ -150,12 +151,6 @@ static bool fit_lattice(lattice *l, int32_t elements)
     return true;
 }
 
-static uint32_t draw(uint64_t *seed, uint32_t below)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*seed >> 33) % below);
-}
-
 /* Nodes and elements in any order; the order of corners stays. False when out of memory. */
 static bool shuffle(lattice *l)
 {
@@ -165,7 +160,7 @@ static bool shuffle(lattice *l)
     double(*position)[3] = malloc(n * sizeof *position);
     const bool is_good = number && position;
     for (int32_t i = 0; is_good && i < l->node_count; ++i) {
-        const int32_t j = (int32_t)draw(&seed, (uint32_t)i + 1);
+        const int32_t j = (int32_t)ss_random_below(&seed, (uint32_t)i + 1);
         number[i] = number[j];
         number[j] = i;
     }
@@ -173,7 +168,7 @@ static bool shuffle(lattice *l)
         memcpy(position[number[i]], l->position[i], sizeof *position);
     }
     for (int32_t e = 0; is_good && e < l->tetrahedron_count; ++e) {
-        const uint32_t f = draw(&seed, (uint32_t)e + 1);
+        const uint32_t f = ss_random_below(&seed, (uint32_t)e + 1);
         int32_t kept[4];
         for (int a = 0; a < 4; ++a) {
             kept[a] = number[l->tetrahedron[e][a]];

@@ -12,6 +12,7 @@
 #include "bench/papers/hybrid/hybrid.h"
 #include "models/hybrid/layer.h"
 #include "models/hybrid/layer_kernels.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* W(r) of eq. (8) for epsilon = 1, and F = -dW/dr. */
@@ -186,14 +187,13 @@ static double wander(double spacing, double cut, double damping)
     static double x[CUBE_PLACES][3], v[CUBE_PLACES][3], rest[CUBE_PLACES][3];
     const double dt = 0.01, reach = cut * spacing;
     double most = 0.0;
-    uint32_t seed = 5;
+    uint64_t seed = 5;
     memset(v, 0, sizeof v);
     for (int32_t p = 0; p < CUBE_PLACES; ++p) {
         ss_set3(rest[p], spacing * (p % CUBE), spacing * (p / CUBE % CUBE),
                 spacing * (p / CUBE / CUBE));
         for (int a = 0; a < 3; ++a) {
-            seed = seed * 1664525u + 1013904223u;
-            x[p][a] = rest[p][a] + 0.01 * spacing * ((double)(seed >> 8) / 16777216.0 - 0.5);
+            x[p][a] = rest[p][a] + 0.01 * spacing * (ss_random_unit(&seed) - 0.5);
         }
     }
     for (int step = 0; step < 1000 && most < 10.0; ++step) {

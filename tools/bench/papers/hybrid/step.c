@@ -10,6 +10,7 @@
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
 #include "models/hybrid/hybrid.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* Frames a second that the paper reports, and its numbers of active particles: so many are awake
@@ -90,11 +91,10 @@ static const double bound_spacing = 0.027; /* HM1's 28,000 particles, as the pap
 static void disturb(ss_mesh *mesh)
 {
     double(*x)[3] = mesh->position;
-    uint32_t seed = 5;
+    uint64_t seed = 5;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         for (int a = 0; a < 3; ++a) {
-            seed = seed * 1664525u + 1013904223u;
-            x[i][a] += 0.06 * ((double)(seed >> 8) / 16777216.0 - 0.5);
+            x[i][a] += 0.06 * (ss_random_unit(&seed) - 0.5);
         }
     }
 }

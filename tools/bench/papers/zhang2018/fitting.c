@@ -16,6 +16,7 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "bench/papers/zhong2006/net.h"
 #include "fit.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 enum { POINTS = 14, MOST = 3 };
@@ -127,8 +128,7 @@ static double draw_noise(uint64_t *state)
 {
     double sum = -6.0;
     for (int k = 0; k < 12; ++k) {
-        *state = *state * 6364136223846793005u + 1442695040888963407u;
-        sum += (double)(*state >> 11) / 9007199254740992.0;
+        sum += ss_random_unit(state);
     }
     return sum;
 }
