@@ -176,10 +176,10 @@ static void explain_network(const ss_model *model, const ss_printer *out)
         ss_say(out,
                "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
                "multiplications, above the limit",
-               factor->fill, factor->work);
+               factor->ldl.fill, factor->ldl.work);
     } else {
         ss_say(out, "solver: a factor of %.3g entries, which took %.2g multiplications",
-               factor->fill, factor->work);
+               factor->ldl.fill, factor->ldl.work);
     }
     if (model->window) {
         ss_say(out,

@@ -30,21 +30,22 @@ static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH]
     if (factor->is_given_up) {
         return ss_cnn_iterate(factor, x);
     }
-    for (int j = 0; j < factor->n; ++j) {
-        for (int p = factor->column[j]; p < factor->column[j + 1]; ++p) {
+    const ss_factor *ldl = &factor->ldl;
+    for (int j = 0; j < ldl->n; ++j) {
+        for (int p = ldl->column[j]; p < ldl->column[j + 1]; ++p) {
             for (int k = 0; k < WIDTH; ++k) {
-                x[factor->row[p]][k] -= factor->lower[p] * x[j][k];
+                x[ldl->row[p]][k] -= ldl->lower[p] * x[j][k];
             }
         }
     }
-    for (int j = factor->n - 1; j >= 0; --j) {
+    for (int j = ldl->n - 1; j >= 0; --j) {
         double sum[WIDTH];
         for (int k = 0; k < WIDTH; ++k) {
-            sum[k] = x[j][k] / factor->diagonal[j];
+            sum[k] = x[j][k] / ldl->diagonal[j];
         }
-        for (int p = factor->column[j]; p < factor->column[j + 1]; ++p) {
+        for (int p = ldl->column[j]; p < ldl->column[j + 1]; ++p) {
             for (int k = 0; k < WIDTH; ++k) {
-                sum[k] -= factor->lower[p] * x[factor->row[p]][k];
+                sum[k] -= ldl->lower[p] * x[ldl->row[p]][k];
             }
         }
         for (int k = 0; k < WIDTH; ++k) {

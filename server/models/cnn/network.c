@@ -25,9 +25,6 @@
 
 #include "rt/memory.h"
 
-#include <amd.h>
-#include <ldl.h>
-
 /* ---- factor ---- */
 
 static int32_t root(int32_t *parent, int32_t i)
@@ -171,59 +168,40 @@ static softsim_status give_up(ss_cnn_factor *factor, int *column, int *row, doub
     return SOFTSIM_OK;
 }
 
-/* L D L' of the permuted matrix; unknown[] then numbers nodes in permuted order. */
+/* L D L' of the matrix; unknown[] then numbers nodes in the order of elimination. */
 static softsim_status factorise(ss_cnn_network *network, double max_work, softsim_error *error)
 {
     ss_cnn_factor *factor = network->factor;
-    const size_t n = (size_t)factor->n;
-    int *column = NULL, *row = NULL, *work = ss_memory_get(6 * n + 1, sizeof *work);
-    double *value = NULL, *scratch = ss_memory_get(n, sizeof *scratch);
+    ss_factor *ldl = &factor->ldl;
+    int *column = NULL, *row = NULL;
+    double *value = NULL;
     softsim_status status = build_matrix(network, &column, &row, &value);
-    factor->column = ss_memory_get(n + 1, sizeof *factor->column);
-    factor->diagonal = ss_memory_get(n, sizeof *factor->diagonal);
-    if (status != SOFTSIM_OK || !work || !scratch || !factor->column || !factor->diagonal) {
-        status = SOFTSIM_ERROR_MEMORY;
+    status = status == SOFTSIM_OK ? ss_factor_init(ldl, factor->n, column, row) : status;
+    if (status != SOFTSIM_OK) {
         goto done;
     }
-    int *order = work, *inverse = work + n, *parent = work + 2 * n, *counts = work + 3 * n;
-    int *flag = work + 4 * n, *pattern = work + 5 * n;
-    if (factor->n > 0 && amd_order(factor->n, column, row, order, NULL, NULL) < 0) {
-        status = SOFTSIM_ERROR_MEMORY;
-        goto done;
-    }
-    ldl_symbolic(factor->n, column, row, factor->column, parent, counts, flag, order, inverse);
-    for (int k = 0; k < factor->n; ++k) {
-        factor->fill += counts[k];
-        factor->work += (double)counts[k] * counts[k];
-    }
-    if (factor->fill > INT32_MAX || factor->work > (max_work > 0.0 ? max_work : SS_CNN_MAX_WORK)) {
+    if (ldl->fill > INT32_MAX || ldl->work > (max_work > 0.0 ? max_work : SS_CNN_MAX_WORK)) {
         status = give_up(factor, column, row, value, error);
         column = row = NULL;
         value = NULL;
         goto done;
     }
-    factor->row = ss_memory_get((size_t)factor->column[n], sizeof *factor->row);
-    factor->lower = ss_memory_get((size_t)factor->column[n], sizeof *factor->lower);
-    if (!factor->row || !factor->lower) {
-        status = SOFTSIM_ERROR_MEMORY;
+    status = ss_factor_reserve(ldl);
+    if (status != SOFTSIM_OK) {
         goto done;
     }
-    const int done_count =
-        ldl_numeric(factor->n, column, row, value, factor->column, parent, counts, factor->row,
-                    factor->lower, factor->diagonal, scratch, pattern, flag, order, inverse);
-    if (done_count != factor->n) {
+    if (!ss_factor_fill(ldl, column, row, value)) {
         status = refuse_loose_cell(error);
         goto done;
     }
     for (int32_t i = 0; i < network->node_count; ++i) {
-        factor->unknown[i] = factor->unknown[i] < 0 ? -1 : inverse[factor->unknown[i]];
+        factor->unknown[i] = factor->unknown[i] < 0 ? -1 : ldl->inverse[factor->unknown[i]];
     }
 done:
+    ss_factor_trim(ldl);
     ss_memory_free(column);
     ss_memory_free(row);
     ss_memory_free(value);
-    ss_memory_free(work);
-    ss_memory_free(scratch);
     return status;
 }
 
@@ -313,13 +291,10 @@ static void free_factor(ss_cnn_factor *factor)
         return;
     }
     ss_memory_free(factor->unknown);
-    ss_memory_free(factor->column);
-    ss_memory_free(factor->row);
-    ss_memory_free(factor->lower);
+    ss_factor_fini(&factor->ldl);
     ss_memory_free(factor->entry_column);
     ss_memory_free(factor->entry_row);
     ss_memory_free(factor->entry);
-    ss_memory_free(factor->diagonal);
     ss_memory_free(factor->component);
     ss_memory_free(factor->is_drained);
     ss_memory_free(factor->component_size);
@@ -357,7 +332,7 @@ int64_t ss_cnn_network_bytes(const ss_cnn_network *network)
     const int64_t edge = (int64_t)(2 * sizeof(int32_t) + 3 * sizeof(ss_real) + 3 * sizeof(double));
     const ss_cnn_factor *factor = network->factor;
     const int64_t entries =
-        factor->is_given_up ? factor->entry_column[factor->n] : factor->column[factor->n];
+        factor->is_given_up ? factor->entry_column[factor->n] : factor->ldl.column[factor->n];
     return entry * (network->rows.entry_count + network->held.entry_count) +
            edge * network->edges.padded_count + (int64_t)(sizeof(int) + sizeof(double)) * entries;
 }

@@ -18,6 +18,7 @@
 
 #include "mesh/mesh.h"
 #include "models/cnn/kernels.h"
+#include "rt/factor.h"
 #include "softsim/types.h"
 
 /* Up to this many columns are kept as they are used (edges x columns scalars); beyond it as
@@ -65,14 +66,12 @@ typedef struct ss_cnn_share {
 /* L D L' of the templates over the cells that are neither held nor pinned; or, where the factor
  * would be too full, the matrix itself, whose equilibria iterate.c finds. */
 typedef struct ss_cnn_factor {
-    int n;             /* unknowns */
-    int *unknown;      /* node to position in the permuted system; -1 held, pinned or loose */
-    int *column, *row; /* of L */
-    double fill, work; /* entries of L, and multiplications that it takes */
-    bool is_given_up;  /* there is no L, but the next, by columns, the diagonal first */
+    int n;        /* unknowns */
+    int *unknown; /* node to position in the permuted system; -1 held, pinned or loose */
+    ss_factor ldl;
+    bool is_given_up; /* there is no L, but the next, by columns, the diagonal first */
     int *entry_column, *entry_row;
     double *entry;
-    double *lower, *diagonal;
     int32_t *component;  /* of a node; -1 loose */
     uint8_t *is_drained; /* a component: no held cell, hence a uniform sink */
     double *component_size;

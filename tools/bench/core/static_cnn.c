@@ -19,16 +19,14 @@
  * The potentials' matrix and A have one pattern: it is ordered once (approximate minimum degree),
  * and each is factored (L D L'); each solution is refined once with the residual, taken over the
  * edges, and refused where more than rounding is left. Rejected: dense algebra as in
- * papers/zhong2006/net.c, a third of n^3; the model's own factor, whose faults would then be in
+ * papers/zhong2006/net.c, a third of n^3; the model's own network, whose faults would then be in
  * both fields.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <amd.h>
-#include <ldl.h>
-
+#include "rt/factor.h"
 #include "rt/vec.h"
 
 /* Of the right-hand side's length: what a refined solve may leave. */
@@ -49,22 +47,21 @@ typedef struct matrix {
     int n;
     int32_t edge_count;
     const int32_t (*edge)[2];
-    int *column, *row;             /* both halves */
-    int *order, *inverse, *parent; /* of the elimination */
-    int *lower_column, *lower_row, *count, *flag, *pattern;
-    double *value, *lower, *pivot, *scratch, *rest;
+    int *column, *row, *next; /* both halves; the place of a column's next entry */
+    double *value, *rest;
+    ss_factor factor;
     const double *weight, *diagonal; /* of the factor: edges; nodes, NULL: 0 */
     const uint8_t *is_still;         /* likewise: nodes that are not free */
 } matrix;
 
 static void fini_matrix(matrix *m)
 {
-    void *const parts[] = {m->column, m->row,     m->order,   m->inverse,      m->parent,
-                           m->count,  m->flag,    m->pattern, m->lower_column, m->lower_row,
-                           m->value,  m->scratch, m->pivot,   m->rest,         m->lower};
-    for (size_t k = 0; k < sizeof parts / sizeof *parts; ++k) {
-        free(parts[k]);
-    }
+    free(m->column);
+    free(m->row);
+    free(m->next);
+    free(m->value);
+    free(m->rest);
+    ss_factor_fini(&m->factor);
 }
 
 /* Rows of a column: itself, then its neighbours in the order of the edges. */
@@ -77,12 +74,12 @@ static void place_entries(matrix *m)
     for (int k = 0; k < m->n; ++k) {
         m->column[k + 1] += m->column[k] + 1;
         m->row[m->column[k]] = k;
-        m->count[k] = m->column[k] + 1;
+        m->next[k] = m->column[k] + 1;
     }
     for (int32_t e = 0; e < m->edge_count; ++e) {
         const int i = m->edge[e][0], j = m->edge[e][1];
-        m->row[m->count[i]++] = j;
-        m->row[m->count[j]++] = i;
+        m->row[m->next[i]++] = j;
+        m->row[m->next[j]++] = i;
     }
 }
 
@@ -95,31 +92,14 @@ static softsim_status init_matrix(matrix *m, int32_t node_count, int32_t edge_co
     m->column = calloc(nodes + 1, sizeof *m->column);
     m->row = calloc(entries, sizeof *m->row);
     m->value = calloc(entries, sizeof *m->value);
-    m->lower_column = calloc(nodes + 1, sizeof *m->lower_column);
-    int **const integers[] = {&m->order, &m->inverse, &m->parent, &m->count, &m->flag, &m->pattern};
-    double **const reals[] = {&m->pivot, &m->scratch, &m->rest};
-    bool is_good = m->column && m->row && m->value && m->lower_column;
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; ++k) {
-        *integers[k] = calloc(nodes, sizeof **integers[k]);
-        is_good = is_good && *integers[k] != NULL;
-    }
-    for (size_t k = 0; k < sizeof reals / sizeof *reals; ++k) {
-        *reals[k] = calloc(nodes, sizeof **reals[k]);
-        is_good = is_good && *reals[k] != NULL;
-    }
-    if (!is_good) {
+    m->next = calloc(nodes, sizeof *m->next);
+    m->rest = calloc(nodes, sizeof *m->rest);
+    if (!m->column || !m->row || !m->value || !m->next || !m->rest) {
         return SOFTSIM_ERROR_MEMORY;
     }
     place_entries(m);
-    if (amd_order(m->n, m->column, m->row, m->order, NULL, NULL) < 0) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    ldl_symbolic(m->n, m->column, m->row, m->lower_column, m->parent, m->count, m->flag, m->order,
-                 m->inverse);
-    const size_t fill = (size_t)m->lower_column[m->n] + 1;
-    m->lower_row = calloc(fill, sizeof *m->lower_row);
-    m->lower = calloc(fill, sizeof *m->lower);
-    return m->lower_row && m->lower ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    const softsim_status status = ss_factor_init(&m->factor, m->n, m->column, m->row);
+    return status == SOFTSIM_OK ? ss_factor_reserve(&m->factor) : status;
 }
 
 /* The factor for these numbers, which stay the caller's; false: not positive definite. */
@@ -132,24 +112,22 @@ static bool factorise(matrix *m, const double *weight, const double *diagonal,
     m->is_still = is_still;
     for (int i = 0; i < m->n; ++i) {
         m->value[m->column[i]] = is_still[i] ? 1.0 : diagonal != NULL ? diagonal[i] : 0.0;
-        m->count[i] = m->column[i] + 1;
+        m->next[i] = m->column[i] + 1;
     }
     for (int32_t e = 0; e < m->edge_count; ++e) {
         const int i = m->edge[e][0], j = m->edge[e][1];
         const double between = is_still[i] || is_still[j] ? 0.0 : -weight[e];
         m->value[m->column[i]] += is_still[i] ? 0.0 : weight[e];
         m->value[m->column[j]] += is_still[j] ? 0.0 : weight[e];
-        m->value[m->count[i]++] = between;
-        m->value[m->count[j]++] = between;
+        m->value[m->next[i]++] = between;
+        m->value[m->next[j]++] = between;
     }
     for (int i = 0; i < m->n; ++i) {
         largest = fmax(largest, is_still[i] ? 0.0 : m->value[m->column[i]]);
     }
-    bool is_positive = ldl_numeric(m->n, m->column, m->row, m->value, m->lower_column, m->parent,
-                                   m->count, m->lower_row, m->lower, m->pivot, m->scratch,
-                                   m->pattern, m->flag, m->order, m->inverse) == m->n;
+    bool is_positive = ss_factor_fill(&m->factor, m->column, m->row, m->value);
     for (int k = 0; is_positive && k < m->n; ++k) {
-        is_positive = is_still[m->order[k]] || m->pivot[k] > FLAT * largest;
+        is_positive = is_still[m->factor.order[k]] || m->factor.diagonal[k] > FLAT * largest;
     }
     return is_positive;
 }
@@ -157,11 +135,7 @@ static bool factorise(matrix *m, const double *weight, const double *diagonal,
 /* x += A^-1 rest. */
 static void add_solution(matrix *m, double *x)
 {
-    ldl_perm(m->n, m->scratch, m->rest, m->order);
-    ldl_lsolve(m->n, m->scratch, m->lower_column, m->lower_row, m->lower);
-    ldl_dsolve(m->n, m->scratch, m->pivot);
-    ldl_ltsolve(m->n, m->scratch, m->lower_column, m->lower_row, m->lower);
-    ldl_permt(m->n, m->rest, m->scratch, m->order);
+    ss_factor_solve(&m->factor, m->rest);
     for (int i = 0; i < m->n; ++i) {
         x[i] += m->rest[i];
     }
