@@ -24,7 +24,7 @@ defects=(
   'mass-spring|test_mass_spring|server/models/mass_spring/mass_spring.c|f[e->from + a] += pull * now.n[a];|f[e->from + a] -= pull * now.n[a];'
   'mass-spring|test_body|server/models/common/body_step.c|book_load(body, ss_body_loads_work(body));|book_load(body, -ss_body_loads_work(body));'
   'fem|test_abuse|server/haptic/haptic.c|ss_scale3(out_sent, whole, gain);|ss_scale3(out_sent, whole, ss_dot3(haptic->v, whole) > 0.0 ? 2.0 : 1.0);'
-  'fem|test_abuse|server/world/watch.c|most_handed_out = 0.01;|most_handed_out = 10.0;'
+  'fem|test_watch|server/world/watch.c|most_handed_out = 0.01;|most_handed_out = 10.0;'
 )
 
 # The line of file $1 that has $2 must be the only one.

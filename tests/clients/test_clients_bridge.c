@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-bridge against a stand-in for the server: the loop, buses, silence, ends. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <sys/wait.h>
+
+#include "stand_in_fixture.h"
+
+/* One that has an end of its own, with a server and without. */
+static void a_stopped_bridge_keeps_its_file(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("s.csv"), *part = in_folder("s.csv.part");
+    const char *const served[] = {"softsim-bridge", "--device", "sim", "--duration",
+                                  "1000",           "--csv",    csv,   NULL};
+    const char *const linear[] = {
+        "softsim-bridge", "--device", "sim", "--linear-tissue", "500", "--ticks", "1e9",
+        "--csv",          csv,        NULL};
+    start_server();
+    for (int i = 0; i < 2; ++i) {
+        process_start(&child, i == 0 ? served : linear, NULL);
+        wait_for_file(part);
+        process_signal(&child, SIGTERM);
+        expect_status(1);
+        const char *ended = strstr(child.err, "ended before its time, after ");
+        assert_non_null(ended);
+        assert_non_null(strstr(ended, "s.csv: not complete; what was recorded is in "));
+        assert_true(count_lines(part) > 10);
+        assert_int_equal(access(csv, F_OK), -1);
+        assert_int_equal(unlink(part), 0);
+    }
+    stop_server();
+}
+
+static void a_killed_bridge_leaves_what_it_recorded(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    start_server();
+    process_start(&child, argv, NULL);
+    wait_for_file(part);
+    process_signal(&child, SIGKILL);
+    expect_status(128 + SIGKILL);
+    stop_server();
+    assert_non_null(strstr(child.err, part));
+    assert_int_equal(access(csv, F_OK), -1);
+    const int lines = count_lines(part);
+    assert_true(lines > 10);
+    /* It can be played: as many poses as it has rows. */
+    const char *again = in_folder("b.lcmlog");
+    const char *const convert[] = {"softsim-replay", "--convert", part, again, NULL};
+    assert_int_equal(process_run(&child, convert), 0);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *converted = NULL;
+    softsim_log_event event;
+    int poses = 0, kept = 0;
+    assert_int_equal(softsim_log_open(again, &converted, &error), SOFTSIM_OK);
+    while (softsim_log_next(converted, &event) == SOFTSIM_LOG_EVENT) {
+        softsim_pose pose;
+        assert_true(softsim_log_decode_pose(event.data, event.data_size, &pose));
+        const bool has_come = kept < stand_in.fresh && stand_in.kept[kept].seq == poses + 1;
+        for (int i = 0; i < 3 && has_come; ++i) {
+            assert_true(fabs(pose.position[i] - stand_in.kept[kept].position[i]) < 1e-12);
+        }
+        kept += has_come;
+        ++poses;
+    }
+    assert_true(kept > 0);
+    assert_int_equal(poses, lines - 1);
+    softsim_log_close(&converted);
+}
+
+/* SIGHUP, as of a terminal that is closed, is an end like SIGTERM, and one that has no other is
+ * complete: its file, a summary. */
+static void a_hangup_ends_in_order(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("h.csv");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    start_server();
+    process_start(&child, argv, NULL);
+    for (int i = 0; i < 12000 && stand_in.poses < 100; ++i) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, SIGHUP);
+    expect_status(0);
+    stop_server();
+    assert_non_null(strstr(child.out, "peak force"));
+    assert_true(count_lines(csv) > 50);
+}
+
+/* With a closed stderr the CSV would be number 2 and take what is said there. */
+static void closed_descriptors_write_into_no_file(void **state)
+{
+    (void)state;
+    const char *csv = in_folder("c.csv");
+    char command[512];
+    snprintf(command, sizeof command,
+             BIN_DIR "/softsim-bridge --device sim --ticks 50 --csv %s 2>&- >/dev/null", csv);
+    const int status = system(command);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1); /* no force came */
+    assert_int_equal(count_lines(csv), 51);
+}
+
+static bool close_the_loop(void)
+{
+    const char *csv = in_folder("b.csv");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--script", "press",
+                                "--ticks",        "1500",     "--csv", csv,        "--offset-m",
+                                "0.5,0.25,0.001", "--probe",  "1",     NULL};
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.sends_rubbish = true;
+    const long dropped_before = count_dropped();
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    await_poses(1500, dropped_before);
+    stop_server();
+    assert_true(stand_in.fresh <= 1500);
+    bool was_touched = false;
+    int32_t last_force_seq = -1, last_seq = 0;
+    for (int i = 0; i < stand_in.fresh; ++i) {
+        const softsim_pose *pose = &stand_in.kept[i];
+        assert_true(pose->seq > last_seq && pose->seq <= 1500);
+        last_seq = pose->seq;
+        assert_true(pose->probe == 1 && pose->flags == SOFTSIM_POSE_CORRECTS);
+        assert_true(fabs(pose->position[1] - 0.25) < 1e-3 && isnan(pose->velocity[0]));
+        assert_true(pose->applied_force[2] >= 0.0 && pose->applied_force[2] < 6.0);
+        assert_true(pose->force_seq >= last_force_seq || pose->force_seq == -1);
+        last_force_seq = pose->force_seq;
+        was_touched = was_touched || pose->applied_force[2] > 0.5;
+    }
+    /* The file's last column is the energy of its own force and motion. */
+    FILE *file = fopen(csv, "r");
+    assert_non_null(file);
+    char line[1024];
+    double before[14] = {0.0};
+    double energy = 0.0;
+    int count = 0, kept = 0;
+    assert_non_null(fgets(line, sizeof line, file));
+    while (fgets(line, sizeof line, file) != NULL) {
+        double row[14];
+        char *at = line;
+        for (int k = 0; k < 14; ++k) {
+            row[k] = strtod(at, &at);
+            at += *at == ',';
+        }
+        if (count > 0) {
+            for (int k = 0; k < 3; ++k) {
+                energy -= before[10 + k] * (row[1 + k] - before[1 + k]);
+            }
+            assert_true(fabs(energy - before[13]) < 1e-12);
+        }
+        assert_true(row[0] == count);
+        if (kept < stand_in.fresh && stand_in.kept[kept].seq == count + 1) { /* not lost */
+            assert_true(fabs(row[9] - stand_in.kept[kept].position[2]) < 1e-15);
+            ++kept;
+        }
+        memcpy(before, row, sizeof before);
+        ++count;
+    }
+    fclose(file);
+    assert_int_equal(count, 1500);
+    assert_int_equal(kept, stand_in.fresh);
+    return was_touched;
+}
+
+/* Forces that come late are let go of, by the contract: on a machine that holds one of the two back
+ * the press may be felt only when it is done again. */
+static void bridge_closes_the_loop(void **state)
+{
+    (void)state;
+    for (int presses = 1; !close_the_loop(); ++presses) {
+        assert_true(presses < 20);
+    }
+}
+
+static void bridge_models_a_bad_bus(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge",
+                                "--device",
+                                "sim",
+                                "--ticks",
+                                "800",
+                                "--delay-ms",
+                                "3",
+                                "--loss",
+                                "0.2",
+                                "--jitter-ms",
+                                "0.5",
+                                "--correct",
+                                "off",
+                                "--script",
+                                "slide",
+                                NULL};
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    /* A fifth lost each way and counted; the last few are still under way. */
+    int forces = 0, lost = 0;
+    const char *counts = strstr(child.out, "forces ");
+    assert_non_null(counts);
+    assert_int_equal(
+        sscanf(counts, "forces %d received, %*d poses answered, %d messages", &forces, &lost), 2);
+    assert_in_range(stand_in.poses, 101, 720);
+    assert_in_range(forces, 1, stand_in.poses);
+    assert_in_range(lost, 80, 800 - forces);
+    double mean_us = 0.0;
+    const char *latency = strstr(child.out, "latency_us  mean ");
+    assert_non_null(latency);
+    assert_int_equal(sscanf(latency, "latency_us  mean %lf", &mean_us), 1);
+    assert_true(mean_us > 6000.0); /* there and back */
+    assert_int_equal(stand_in.kept[100].flags, 0);
+}
+
+static void bridge_without_a_server_fails_and_says_so(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "50", NULL};
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "no force came"));
+}
+
+static void bridge_tells_that_forces_stop(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
+    stand_in.mute_from = 300;
+    stand_in.mute_until = INT32_MAX;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(1);
+    stop_server();
+    double at_s = 0.0;
+    const char *said = strstr(child.err, "forces stopped at");
+    assert_non_null(said);
+    assert_int_equal(sscanf(said, "forces stopped at %lf s", &at_s), 1);
+    const double answered_s =
+        1e-6 * (double)(stand_in.kept[298].utime_us - stand_in.kept[0].utime_us);
+    assert_true(at_s > answered_s - 0.1 && at_s > 0.25);
+    assert_null(strstr(child.err, "again"));
+
+    /* A server that is held back meanwhile takes poses faster than they were sent: then its silence
+     * is shorter, and it is asked again. */
+    int runs = 0;
+    do {
+        assert_true(++runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.mute_from = 300;
+        stand_in.mute_until = 800;
+        start_server();
+        process_start(&child, argv, NULL);
+        expect_status(0);
+        stop_server();
+        said = strstr(child.err, "forces again at");
+        at_s = 0.0;
+        if (said != NULL) {
+            assert_non_null(strstr(child.err, "forces stopped at"));
+            assert_int_equal(sscanf(said, "forces again at %*f s, after %lf s", &at_s), 1);
+        }
+    } while (at_s < 0.4);
+}
+
+static void bridge_tells_whose_the_probe_is(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
+    stand_in.other_until = 400;
+    stand_in.is_entering = true; /* not by its own doing: no hint */
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    int forces = 0, answered = 0;
+    const char *at = strstr(child.out, "forces ");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "forces %d received, %d poses", &forces, &answered), 2);
+    assert_in_range(forces, 1, stand_in.fresh - 399); /* the others are none */
+    assert_int_equal(answered, forces);
+    double held_s = 0.0;
+    at = strstr(child.out, "another sender held it for");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "another sender held it for %lf s", &held_s), 1);
+    assert_true(held_s > 0.35);
+    assert_null(strstr(child.err, "inside"));
+
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.other_until = INT32_MAX;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(1);
+    assert_non_null(strstr(child.err, "no force came: another sender held the probe for"));
+}
+
+static void bridge_tells_that_it_began_inside(void **state)
+{
+    (void)state;
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "300", NULL};
+    stand_in.is_entering = true;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    assert_non_null(strstr(child.err, "the hand started inside the tissue"));
+    stop_server();
+    memset(&stand_in, 0, sizeof stand_in);
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    assert_null(strstr(child.err, "inside"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        SERVED_TEST(a_stopped_bridge_keeps_its_file),
+        SERVED_TEST(a_killed_bridge_leaves_what_it_recorded),
+        SERVED_TEST(a_hangup_ends_in_order),
+        SERVED_TEST(closed_descriptors_write_into_no_file),
+        SERVED_TEST(bridge_closes_the_loop),
+        SERVED_TEST(bridge_models_a_bad_bus),
+        SERVED_TEST(bridge_without_a_server_fails_and_says_so),
+        SERVED_TEST(bridge_tells_that_forces_stop),
+        SERVED_TEST(bridge_tells_whose_the_probe_is),
+        SERVED_TEST(bridge_tells_that_it_began_inside),
+    };
+    return PROCESS_RUN_GROUP("clients_bridge", tests, NULL, NULL);
+}

@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-replay against a stand-in for the server: answers, silence, ends, damage. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "stand_in_fixture.h"
+
+static void lockstep_answers_every_pose_once(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("a.csv");
+    const char *record = in_folder("r.lcmlog");
+    const char *const argv[] = {"softsim-replay", log,    "--lockstep", "--csv", csv,
+                                "--record",       record, "--repeat",   "2",     NULL};
+    make_log(log, 150, 2);
+    stand_in.lose_pose_every = 101;
+    stand_in.lose_answer_every = 200;
+    stand_in.sends_rubbish = true;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    assert_int_equal(read_csv(csv), 600);
+    assert_int_equal(stand_in.fresh, 600);
+    for (int i = 0; i < 600; ++i) {
+        const softsim_pose *pose = &stand_in.kept[i];
+        assert_int_equal(rows[i].pose_seq, i + 1);
+        assert_int_equal(rows[i].probe, i % 2);
+        assert_true(rows[i].force[2] == fmax(0.0, -stiffness * pose->position[2]));
+        assert_true(rows[i].depth == fmax(0.0, -pose->position[2]));
+        assert_true(rows[i].force[0] == 0.0 && rows[i].latency_us >= 0);
+        /* a sender of its own, everything that belonged to the old one replaced */
+        assert_true(pose->sender == stand_in.kept[0].sender && pose->sender != 123);
+        assert_true(pose->seq == i + 1 && pose->force_seq == -1 && pose->flags == 0);
+        assert_true(isnan(pose->applied_force[0]) && pose->velocity[0] == 0.125);
+        assert_true(i == 0 || pose->utime_us >= stand_in.kept[i - 1].utime_us);
+        assert_true(pose->utime_us != 5000000 + 1000 * (i / 2));
+    }
+    assert_non_null(strstr(child.err, "2 probes"));
+    assert_non_null(strstr(child.out, "600 sent, 600 answered, 0 missing"));
+    /* What was recorded: every pose, and every force that was for us. */
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    int poses = 0;
+    int forces = 0;
+    assert_int_equal(softsim_log_open(record, &recorded, &error), SOFTSIM_OK);
+    while (softsim_log_next(recorded, &event) == SOFTSIM_LOG_EVENT) {
+        softsim_pose pose;
+        softsim_force force;
+        poses += softsim_log_probe(event.channel) >= 0 &&
+                 softsim_log_decode_pose(event.data, event.data_size, &pose);
+        forces += strncmp(event.channel, "SOFTSIM_FORCE_", 14) == 0 &&
+                  softsim_log_decode_force(event.data, event.data_size, &force) &&
+                  force.sender == stand_in.kept[0].sender;
+    }
+    softsim_log_close(&recorded);
+    assert_int_equal(poses, 600);
+    assert_true(forces >= 600);
+}
+
+/* A machine that holds one of the two back for long loses messages on their way: so many as it
+ * says, and no more. Only where the last pose is answered is none still on its way: else it is
+ * played again. */
+static void paced_replay_keeps_the_answers(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
+    make_log(log, 400, 1);
+    int count = 0, last = 0;
+    for (int attempt = 0; attempt < 10 && last != 400; ++attempt) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.sends_rubbish = true;
+        const long before = count_dropped();
+        start_server();
+        process_start(&child, argv, NULL);
+        expect_status(0);
+        await_poses(400, before);
+        stop_server();
+        count = read_csv(csv);
+        assert_in_range(count, 1, stand_in.fresh);
+        last = rows[count - 1].pose_seq;
+        assert_true(last < 400 || 400 - count <= count_dropped() - before);
+    }
+    assert_int_equal(last, 400); /* else it has never waited for the rest */
+    double peak = 0.0;
+    for (int i = 0, k = 0; i < count; ++i, ++k) {
+        while (k < stand_in.fresh && stand_in.kept[k].seq != rows[i].pose_seq) {
+            ++k;
+        }
+        assert_true(k < stand_in.fresh);
+        assert_true(rows[i].force[2] == fmax(0.0, -stiffness * stand_in.kept[k].position[2]));
+        peak = fmax(peak, rows[i].force[2]);
+    }
+    char summary[2][64];
+    snprintf(summary[0], sizeof summary[0], "400 sent, %d answered, %d missing", count,
+             400 - count);
+    snprintf(summary[1], sizeof summary[1], "peak %.6g N", peak);
+    assert_non_null(strstr(child.out, summary[0]));
+    assert_non_null(strstr(child.out, summary[1]));
+}
+
+static void pose_csv_is_replayed(void **state)
+{
+    (void)state;
+    const char *path = in_folder("p.csv");
+    const char *const argv[] = {"softsim-replay", path, "--lockstep", "--rate", "500", NULL};
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(
+        "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,3,0,0,0,1,0,0,0,0\n0.1,3,0,0,-0.01,1,0,0,0,1\n",
+        file);
+    fclose(file);
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    assert_int_equal(stand_in.fresh, 51);
+    assert_int_equal(stand_in.kept[50].buttons, 1);
+    assert_true(stand_in.kept[25].probe == 3 && isnan(stand_in.kept[25].velocity[0]));
+    assert_true(fabs(stand_in.kept[25].position[2] + 0.005) < 1e-15);
+}
+
+static void silence_is_a_failure(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
+    make_log(log, 10, 1);
+    stand_in.is_mute = true;
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(1);
+    assert_non_null(strstr(child.err, "no answer for 5 s after pose 1"));
+    stop_server();
+    assert_in_range(stand_in.poses, 10, 60); /* the pose was sent again and again */
+}
+
+/* A file has its name once it is complete; what there is until then stays, and is named. */
+static void stopped_replay_keeps_its_files(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("a.csv"), *csv_part = in_folder("a.csv.part");
+    const char *record = in_folder("r.lcmlog"), *record_part = in_folder("r.lcmlog.part");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
+    make_log(log, 30000, 1);
+    start_server();
+    process_start(&child, argv, NULL);
+    while (stand_in.poses < 100 && !process_has_ended(&child)) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, SIGINT);
+    expect_status(1);
+    stop_server();
+    const char *stopped = strstr(child.err, "stopped after");
+    assert_non_null(stopped);
+    assert_non_null(strstr(stopped, "a.csv: not complete; what was recorded is in "));
+    assert_non_null(strstr(stopped, csv_part));
+    assert_non_null(strstr(stopped, record_part));
+    assert_true(read_csv(csv_part) > 0);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    softsim_log_result result;
+    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
+    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
+    }
+    assert_int_equal(result, SOFTSIM_LOG_END);
+    softsim_log_close(&recorded);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(access(record, F_OK), -1);
+}
+
+static void a_killed_replay_leaves_what_it_recorded(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("k.csv"), *csv_part = in_folder("k.csv.part");
+    const char *record = in_folder("k.lcmlog"), *record_part = in_folder("k.lcmlog.part");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
+    make_log(log, 30000, 1);
+    start_server();
+    process_start(&child, argv, NULL);
+    wait_for_file(csv_part);
+    wait_for_file(record_part);
+    process_signal(&child, SIGKILL);
+    expect_status(128 + SIGKILL);
+    stop_server();
+    assert_non_null(strstr(child.err, csv_part)); /* told while it could */
+    assert_non_null(strstr(child.err, record_part));
+    assert_true(count_lines(csv_part) > 1);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    softsim_log_result result;
+    int count = 0;
+    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
+    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
+        ++count;
+    }
+    assert_int_equal(result, SOFTSIM_LOG_END); /* nothing cut, nothing damaged */
+    assert_true(count > 10);
+    softsim_log_close(&recorded);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(access(record, F_OK), -1);
+    /* Nor may what was left be written over by who plays it. */
+    const char *const over[] = {"softsim-replay", record_part, "--record", record, NULL};
+    assert_int_equal(process_run(&child, over), 2);
+    assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
+}
+
+static void damaged_logs_are_played_and_named(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
+    make_log(log, 20, 1);
+    FILE *file = fopen(log, "r+b");
+    assert_non_null(file);
+    const long record = 28 + 11 + SS_WIRE_POSE_SIZE;
+    static const unsigned char huge[4] = {0x7F, 0xFF, 0xFF, 0xFF};
+    fseek(file, 4 * record + 24, SEEK_SET);
+    fwrite(huge, 1, 4, file);
+    fclose(file);
+    assert_int_equal(truncate(log, 20 * record - 7), 0);
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    stop_server();
+    char expected[128];
+    snprintf(expected, sizeof expected, "damaged record at byte %ld, skipped %ld bytes", 4 * record,
+             record);
+    assert_non_null(strstr(child.err, expected));
+    snprintf(expected, sizeof expected, "truncated record at byte %ld", 19 * record);
+    assert_non_null(strstr(child.err, expected));
+    assert_int_equal(stand_in.fresh, 18);
+}
+
+static void conversion_is_reproducible(void **state)
+{
+    (void)state;
+    const char *path = in_folder("p.csv");
+    const char *first = in_folder("1.lcmlog");
+    const char *second = in_folder("2.lcmlog");
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,0,1,0,0,0,0\n1,0,1,0,0,1,0,0,0,0\n",
+          file);
+    fclose(file);
+    const char *const once[] = {"softsim-replay", "--convert", path, first, NULL};
+    const char *const again[] = {"softsim-replay", "--convert", first, second, NULL};
+    assert_int_equal(process_run(&child, once), 0);
+    assert_int_equal(process_run(&child, again), 0);
+    char command[300];
+    snprintf(command, sizeof command, "cmp %s %s", first, second);
+    assert_int_equal(system(command), 0);
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_poses *poses = NULL;
+    softsim_pose_event event;
+    char note[64];
+    int count = 0;
+    assert_int_equal(softsim_poses_open(first, 1000.0, &poses, &error), SOFTSIM_OK);
+    while (softsim_poses_next(poses, &event, note, sizeof note) == SOFTSIM_POSES_POSE) {
+        assert_int_equal(event.time_us, 1000 * count);
+        assert_true(fabs(event.pose.position[0] - 1e-3 * count) < 1e-15);
+        assert_int_equal(event.pose.seq, ++count);
+    }
+    softsim_poses_close(&poses);
+    assert_int_equal(count, 1001);
+}
+
+/* Paced: it may be over before five seconds of silence are. */
+static void a_run_without_any_answer_is_a_failure(void **state)
+{
+    (void)state;
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, "--speed", "5", NULL};
+    make_log(log, 50, 1);
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "no answer came; is softsimd running"));
+    assert_non_null(strstr(child.out, "50 sent, 0 answered"));
+    stand_in.other_until = INT32_MAX;
+    start_server();
+    /* It waits half a second for the last answer: a machine that holds the server back for longer
+     * has it say what it saw before. */
+    int runs = 0;
+    do {
+        assert_true(++runs < 20);
+        assert_int_equal(process_run(&child, argv), 1);
+    } while (strstr(child.err, "no answer came; is softsimd running") != NULL);
+    assert_non_null(strstr(child.err, "no answer came: another sender holds the probe"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        SERVED_TEST(lockstep_answers_every_pose_once),
+        SERVED_TEST(paced_replay_keeps_the_answers),
+        SERVED_TEST(pose_csv_is_replayed),
+        SERVED_TEST(silence_is_a_failure),
+        SERVED_TEST(stopped_replay_keeps_its_files),
+        SERVED_TEST(a_killed_replay_leaves_what_it_recorded),
+        SERVED_TEST(damaged_logs_are_played_and_named),
+        SERVED_TEST(conversion_is_reproducible),
+        SERVED_TEST(a_run_without_any_answer_is_a_failure),
+    };
+    return PROCESS_RUN_GROUP("clients_replay", tests, NULL, NULL);
+}

@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The programs that need no server, and files that are none: pipes, closed descriptors, full disks;
+ * what a run that is stopped leaves.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "input_fixture.h"
+
+/* ---- files that are none, and none left ---- */
+
+static void a_full_disk_ends_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    if (access("/dev/full", W_OK) != 0) {
+        skip();
+    }
+    assert_int_equal(run("timeout 60 " BIN_DIR
+                         "/softsim-run --duration 1000000 --csv /dev/full scene.yaml",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "/dev/full: cannot write"));
+}
+
+/* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
+static void standard_output_may_be_a_file(void **state)
+{
+    (void)state;
+    char out[4096], text[4096];
+    write_inputs();
+    assert_int_equal(run("(" BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/1 --hash scene.yaml "
+                         "2>err.txt >shown.txt)",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_ptr_equal(strstr(text, "step,time_s,probe"), text);
+    const char *last = strstr(text, "\n2,0.002,0,");
+    assert_non_null(last);
+    assert_int_equal(strlen(strchr(last + 1, '\n')), 18); /* the hash and its line's end */
+    assert_int_equal(run(BIN_DIR
+                         "/softsim-run --duration 0.002 --csv /dev/fd/3 scene.yaml 3>shown.txt",
+                         out, sizeof out),
+                     0);
+    read_text("shown.txt", text, sizeof text);
+    assert_non_null(strstr(text, "\n2,0.002,0,"));
+}
+
+static void devices_may_be_written_twice(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.01 --csv /dev/null --nodes /dev/null "
+                                 "scene.yaml",
+                         out, sizeof out),
+                     0);
+}
+
+/* A pipe without a writer would keep a program waiting for ever. */
+static void a_pipe_is_refused_as_any_input(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options;
+    } bad[] = {
+        {"softsimd", "pipe"},
+        {"softsimd", "piped.yaml"},
+        {"softsimd", "data.yaml"},
+        {"softsim-run", "--duration 0.01 pipe"},
+        {"softsim-run", "--poses pipe scene.yaml"},
+        {"softsim-replay", "pipe"},
+        {"softsim-replay", "pipe.csv"},
+        {"softsim-bridge", "--device script --path pipe"},
+        {"softsim-fit", "--scene pipe --curve curve.csv --out o.yaml"},
+        {"softsim-fit", "--scene scene.yaml --curve pipe --out o.yaml"},
+        {"softsim-mesh", "info pipe"},
+        {"softsim-mesh", "check pipe.obj"},
+        {"softsim-mesh", "convert pipe o.obj"},
+        {"softsim-import", "pipe.obj | cat"},
+        {"softsim-bench", "latency --log pipe"},
+        {"softsim-bench", "latency --poses pipe"},
+        {"softsim-bench", "accuracy --compare pipe --out o"},
+        {"softsim-bench", "accuracy --scene pipe --out o"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    write_text("piped.yaml", "softsim: 1\nobject: {mesh: pipe, units: m}\n"
+                             "model: {name: fem, youngs_modulus_pa: 10000, poisson_ratio: 0.3}\n");
+    write_text("data.yaml", "softsim: 1\nobject: {mesh: block.msh, units: m}\n"
+                            "model: {name: fem, youngs_modulus_pa: {file: pipe}, "
+                            "poisson_ratio: 0.3}\n");
+    assert_int_equal(run("mkfifo pipe pipe.csv pipe.obj", out, sizeof out), 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const bool is_piped = strchr(bad[i].options, '|') != NULL; /* it wants no terminal */
+        const int status = run(command, out, sizeof out);
+        if (status != (is_piped ? 0 : 2) ||
+            (strstr(out, "a pipe, not a file") == NULL && strstr(out, "cannot read it") == NULL)) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+}
+
+/* Opening one waits for a reader; a device may do something. What a shell has opened is another
+ * matter. */
+static void a_pipe_is_refused_as_any_output(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } bad[] = {
+        {"softsim-run", "--duration 0.01 --csv pipe scene.yaml", "--csv: 'pipe' is a pipe"},
+        {"softsim-run", "--duration 0.01 --reactions pipe scene.yaml", "--reactions: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --nodes link scene.yaml", "--nodes: 'link' is a pipe"},
+        {"softsim-run", "--duration 0.01 --vtk pipe --every 1 scene.yaml", "--vtk: 'pipe' is a"},
+        {"softsim-run", "--duration 0.01 --csv /dev/tty scene.yaml", "'/dev/tty' is a device"},
+        {"softsim-replay", "--csv pipe poses.csv", "--csv: 'pipe' is a pipe"},
+        {"softsim-replay", "--record pipe poses.csv", "--record: 'pipe' is a pipe"},
+        {"softsim-replay", "--convert poses.csv pipe", "--convert: 'pipe' is a pipe"},
+        {"softsim-bridge", "--device sim --csv pipe", "--csv: 'pipe' is a pipe"},
+        {"softsim-fit", "--scene scene.yaml --curve curve.csv --out pipe", "--out: 'pipe' is a"},
+        {"softsim-mesh", "tetrahedralize block.msh pipe.msh --edge 1", "'pipe.msh' is a"},
+        {"softsim-mesh", "convert block.msh pipe.obj", "OUT: 'pipe.obj' is a pipe"},
+        {"softsim-mesh", "generate block --out pipe.msh", "--out: 'pipe.msh' is a pipe"},
+        {"softsim-mesh", "generate block --out folder.obj", "'folder.obj' is a folder"},
+    };
+    char out[8192], command[512];
+    write_inputs();
+    assert_int_equal(run("rm -f pipe pipe.* link && mkdir -p folder.obj && mkfifo pipe pipe.obj "
+                         "pipe.msh && ln -s pipe link",
+                         out, sizeof out),
+                     0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (!has_program(bad[i].program)) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+                       bad[i].program, bad[i].options);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, bad[i].says) == NULL ||
+            strchr(out, '\n') != strrchr(out, '\n')) {
+            fail_msg("%s %s: status %d: %s", bad[i].program, bad[i].options, status, out);
+        }
+    }
+    /* A pipe of the shell's own is read while it is written. */
+    assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.002 --csv /dev/stdout scene.yaml "
+                                 "2>/dev/null | tail -1",
+                         out, sizeof out),
+                     0);
+    assert_ptr_equal(strstr(out, "2,0.002,0,"), out);
+}
+
+static const char *const programs[] = {"softsimd",       "softsim-run",     "softsim-replay",
+                                       "softsim-bridge", "softsim-monitor", "softsim-fit",
+                                       "softsim-mesh",   "softsim-import",  "softsim-bench"};
+enum { PROGRAM_COUNT = sizeof programs / sizeof *programs };
+
+static void help_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096], command[256];
+    for (int i = 0; i < PROGRAM_COUNT; ++i) {
+        static const char *const asked[] = {"--help", "--version"};
+        for (int k = 0; k < 2 && has_program(programs[i]); ++k) {
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >/dev/full; }",
+                           programs[i], asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: No space left on device") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
+            (void)snprintf(command, sizeof command, "{ " BIN_DIR "/%s %s >&-; }", programs[i],
+                           asked[k]);
+            if (run(command, out, sizeof out) != 1 ||
+                strstr(out, "cannot write to stdout: Bad file descriptor") == NULL) {
+                fail_msg("%s: %s", command, out);
+            }
+        }
+    }
+}
+
+static void a_hash_that_gets_nowhere_is_a_failure(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 --hash scene.yaml >&-; }", out, sizeof out),
+        1);
+    assert_non_null(strstr(out, "softsim-run: cannot write to stdout"));
+    assert_int_equal(
+        run("{ " BIN_DIR "/softsim-run --duration 0.002 scene.yaml >&-; }", out, sizeof out),
+        0); /* it has nothing to print there */
+}
+
+/* LCM would blame the network for it. */
+static void too_few_descriptors_are_named(void **state)
+{
+    (void)state;
+    static const char *const started[] = {"softsim-bridge --device sim --ticks 5",
+                                          "softsim-monitor --once", "softsim-replay poses.csv",
+                                          "softsimd scene.yaml", "softsim-run --duration 1 k.yaml"};
+    char out[4096], command[512];
+    write_inputs();
+    write_text("k.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text("k.yaml", "softsim: 1\nobject: {mesh: k.obj, units: m}\n"
+                         "model: {name: mass-spring}\n");
+    for (int i = 0; i < 5; ++i) {
+        (void)snprintf(command, sizeof command, "{ ulimit -n %d && " BIN_DIR "/%s; }",
+                       i == 4 ? 6 : 8, started[i]);
+        const int status = run(command, out, sizeof out);
+        if ((status != 1 && status != 2) ||
+            strstr(out, "too many open files: raise `ulimit -n`") == NULL ||
+            strstr(out, "route") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* ---- what is recorded ---- */
+
+static void a_full_disk_leaves_the_rows_of_a_run(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ ulimit -f 700 && timeout 100 " BIN_DIR
+                         "/softsim-run --duration 1000000 "
+                         "--csv full.csv --reactions full.txt scene.yaml; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, "what was recorded before is in full.csv.part"));
+    assert_non_null(strstr(out, "full.txt.part"));
+    assert_int_equal(run("test ! -e full.csv && test ! -e full.txt", out, sizeof out), 0);
+    /* Ticks 1, 2, 3 ..., each with all its columns, and the last with its end. */
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 1000}' full.csv.part && "
+                         "test -z \"$(tail -c 1 full.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
+/* A result is written in pieces: the first that finds no room says why, whichever it is. */
+static void a_full_disk_is_named_by_each_result(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *program, *options, *says;
+    } full[] = {
+        {"softsim-run", "--duration 0.002 --nodes full/nodes.csv large.yaml", "full/nodes.csv"},
+        {"softsim-run", "--duration 0.002 --vtk full/vtk --every 1 large.yaml",
+         "full/vtk/surface_"},
+        {"softsim-mesh", "convert large.msh full/out.vtk", "full/out.vtk"},
+    };
+    char out[4096], command[1024];
+    write_inputs();
+    assert_int_equal(run(TOOL "generate block --points 2000 --tetrahedra --units m --out large.msh "
+                              "&& sed s/block/large/ scene.yaml >large.yaml && mkdir -p full",
+                         out, sizeof out),
+                     0);
+    if (run("unshare -m true", out, sizeof out) != 0) {
+        skip(); /* no file system of one's own is allowed here */
+    }
+    for (size_t i = 0; i < sizeof full / sizeof *full; ++i) {
+        (void)snprintf(command, sizeof command,
+                       "unshare -m sh -c 'mount -t tmpfs -o size=24k none full && " BIN_DIR
+                       "/%s %s; status=$?; ls full; exit $status'",
+                       full[i].program, full[i].options);
+        const int status = run(command, out, sizeof out);
+        const char *said = strstr(out, full[i].says);
+        if (status != 1 || said == NULL || strstr(said, "the disk is full: make room") == NULL ||
+            strstr(out, ".tmp") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
+static void a_stopped_run_leaves_its_rows(void **state)
+{
+    (void)state;
+    char out[4096];
+    write_inputs();
+    assert_int_equal(run("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "
+                         "--reactions cut.txt scene.yaml & pid=$!; "
+                         "while ! test -s cut.csv.part && kill -0 $pid; do sleep 0.05; done; "
+                         "kill -TERM $pid; wait $pid; }",
+                         out, sizeof out),
+                     1);
+    assert_non_null(strstr(out, ", before its end"));
+    assert_non_null(strstr(out, "cut.csv: not complete; what was recorded is in cut.csv.part"));
+    assert_non_null(strstr(out, "cut.txt.part"));
+    assert_int_equal(run("test ! -e cut.csv && test ! -e cut.txt", out, sizeof out), 0);
+    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                         "END {exit bad || NR < 10}' cut.csv.part && "
+                         "test -z \"$(tail -c 1 cut.csv.part)\"",
+                         out, sizeof out),
+                     0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_full_disk_ends_a_run),
+        cmocka_unit_test(standard_output_may_be_a_file),
+        cmocka_unit_test(devices_may_be_written_twice),
+        cmocka_unit_test(a_pipe_is_refused_as_any_input),
+        cmocka_unit_test(a_pipe_is_refused_as_any_output),
+        cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
+        cmocka_unit_test(too_few_descriptors_are_named),
+        cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
+        cmocka_unit_test(a_full_disk_is_named_by_each_result),
+        cmocka_unit_test(a_stopped_run_leaves_its_rows),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * The watch over energy that no work explains: a verdict, in tissue and in the hand, that holds on
+ * and says whether it was shaken or let in.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "common/hand_fixture.h"
+#include "pressed_fixture.h"
+#include "rt/vec.h"
+#include "world/watch.h"
+
+static softsim_verdict verdict_after(double stored, double way)
+{
+    ss_energy_watch watch = {.limit = limit_n, .size = tool_m};
+    ss_model_info info = {.reason = ""};
+    ss_energy_watch_step(&watch, &info, 0.0, 1e-3);
+    info.elastic = stored;
+    ss_energy_watch_step(&watch, &info, way, 1e-3);
+    ss_energy_watch_judge(&watch, &info);
+    assert_true((info.reason[0] == '\0') == (info.verdict == SOFTSIM_VERDICT_GOOD));
+    return info.verdict;
+}
+
+static void energy_beyond_a_hands_limit_is_a_verdict(void **state)
+{
+    (void)state;
+    const double unit = limit_n * tool_m;
+    assert_int_equal(verdict_after(0.99 * unit, 0.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_after(1.01 * unit, 0.0), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(verdict_after(10.1 * unit, 0.0), SOFTSIM_VERDICT_DEGRADED);
+    assert_int_equal(verdict_after(101.0 * unit, 0.0), SOFTSIM_VERDICT_FAULT);
+    ss_energy_watch loaded = {.limit = limit_n, .size = tool_m};
+    ss_model_info push = {.reason = ""};
+    ss_energy_watch_step(&loaded, &push, 0.0, 1e-3);
+    push.elastic = push.load_work = 1e3 * unit; /* what a load did is explained */
+    ss_energy_watch_step(&loaded, &push, 0.0, 1e-3);
+    assert_int_equal(loaded.verdict, SOFTSIM_VERDICT_GOOD);
+    push.elastic *= 1e3; /* a modulus was set */
+    ss_energy_watch_skip(&loaded);
+    ss_energy_watch_step(&loaded, &push, 0.0, 1e-3);
+    assert_int_equal(loaded.verdict, SOFTSIM_VERDICT_GOOD);
+    /* A way pays for it, force times length. */
+    assert_int_equal(verdict_after(1.5 * unit, 0.6 * tool_m), SOFTSIM_VERDICT_GOOD);
+    /* Little by little counts too; what is long ago does not, nor does what was there before. */
+    for (int is_slow = 0; is_slow < 2; ++is_slow) {
+        ss_energy_watch watch = {.limit = limit_n, .size = tool_m};
+        ss_model_info info = {.kinetic = 5.0, .reason = ""};
+        for (int k = 0; k < 50; ++k) {
+            ss_energy_watch_step(&watch, &info, 0.0, is_slow ? 0.05 : 1e-3);
+            info.kinetic += 0.05 * unit;
+        }
+        assert_int_equal(watch.verdict, is_slow ? SOFTSIM_VERDICT_GOOD : SOFTSIM_VERDICT_GUARDED);
+    }
+}
+
+/* ---- the watch over a hand ---- */
+
+static bool is_telling(const ss_hand_watch *watch, int64_t tick)
+{
+    return ss_hand_watch_verdict(watch, tick).verdict > SOFTSIM_VERDICT_GOOD;
+}
+
+/* In and out by 8 mm in one step of a spring of 500 N/m: 32 mJ a contact. */
+static void a_hand_that_is_driven_is_told_for_a_second(void **state)
+{
+    (void)state;
+    for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
+        ss_hand_watch watch = {.has_pose = false};
+        int64_t k = 1;
+        for (; k <= 10; ++k) {
+            const double x = k % 2 == 0 ? 0.008 : 0.0;
+            const softsim_pose pose = at_depth(x, -1);
+            const softsim_force force = push_up(500.0 * x);
+            const ss_hand_tick now = {.tick = k,
+                                      .period = 1e-3,
+                                      .pose = &pose,
+                                      .sent = &force,
+                                      .is_lockstep = is_lockstep != 0};
+            ss_hand_watch_tick(&watch, &now);
+        }
+        assert_int_equal(is_telling(&watch, k), is_lockstep);
+        const softsim_force no_force = {.seq = 0};
+        const ss_hand_tick nothing = {
+            .tick = k, .period = 1e-3, .sent = &no_force, .is_lockstep = is_lockstep != 0};
+        ss_hand_watch_tick(&watch, &nothing);
+        assert_int_equal(is_telling(&watch, k + 900), is_lockstep);
+        assert_false(is_telling(&watch, k + 1000));
+    }
+    /* With a clock the observer counts, where the client names forces. */
+    for (int is_named = 0; is_named < 2; ++is_named) {
+        ss_hand_watch watch = {.has_pose = false};
+        const softsim_pose pose = at_depth(0.0, is_named ? 5 : -1);
+        const softsim_force force = push_up(0.0);
+        ss_hand_tick now = {
+            .tick = 7, .period = 1e-3, .pose = &pose, .sent = &force, .contact_j = -0.009};
+        ss_hand_watch_tick(&watch, &now);
+        assert_false(is_telling(&watch, 8));
+        now.contact_j = -0.011;
+        ss_hand_watch_tick(&watch, &now);
+        assert_int_equal(is_telling(&watch, 8), is_named);
+        now.tick = 2000; /* a contact that hands out nothing */
+        now.contact_j = 0.0;
+        ss_hand_watch_tick(&watch, &now);
+        assert_false(is_telling(&watch, 2001));
+        now.tick = 3000; /* another, less bad than the worst so far */
+        now.contact_j = -0.0105;
+        ss_hand_watch_tick(&watch, &now);
+        assert_int_equal(is_telling(&watch, 3001), is_named);
+    }
+}
+
+/* By how much decides what is said: beyond 10 mJ guarded, beyond 100 mJ degraded; what the entry
+ * let in is taken off, and said as such. The worse holds on. */
+static void the_verdict_follows_the_energy_of_a_contact(void **state)
+{
+    (void)state;
+    static const struct {
+        double contact_j, let_in_j;
+        softsim_verdict verdict;
+        const char *word;
+    } rows[] = {{-0.009, 0.0, SOFTSIM_VERDICT_GOOD, ""},
+                {-0.011, 0.0, SOFTSIM_VERDICT_GUARDED, "shakes"},
+                {-0.099, 0.0, SOFTSIM_VERDICT_GUARDED, "shakes"},
+                {-0.101, 0.0, SOFTSIM_VERDICT_DEGRADED, "shakes"},
+                {-0.101, -0.5, SOFTSIM_VERDICT_DEGRADED, "shakes"},
+                {-0.101, 0.05, SOFTSIM_VERDICT_GUARDED, "shakes"},
+                {-0.101, 0.095, SOFTSIM_VERDICT_GUARDED, "found inside"},
+                {-0.5, 0.495, SOFTSIM_VERDICT_GUARDED, "found inside"},
+                {-0.009, 0.5, SOFTSIM_VERDICT_GOOD, ""}};
+    const softsim_pose pose = at_depth(0.0, 5);
+    const softsim_force force = push_up(1.0);
+    ss_hand_tick now = {.tick = 7, .period = 1e-3, .pose = &pose, .sent = &force};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        ss_hand_watch watch = {.has_pose = false};
+        now.contact_j = rows[k].contact_j;
+        now.let_in_j = rows[k].let_in_j;
+        ss_hand_watch_tick(&watch, &now);
+        const ss_hand_verdict told = ss_hand_watch_verdict(&watch, 8);
+        assert_int_equal(told.verdict, rows[k].verdict);
+        assert_non_null(strstr(told.reason, rows[k].word));
+    }
+    ss_hand_watch watch = {.has_pose = false};
+    now.let_in_j = 0.0;
+    now.contact_j = -0.2;
+    ss_hand_watch_tick(&watch, &now);
+    now.tick = 500;
+    now.contact_j = -0.02;
+    ss_hand_watch_tick(&watch, &now);
+    assert_int_equal(ss_hand_watch_verdict(&watch, 501).verdict, SOFTSIM_VERDICT_DEGRADED);
+    now.tick = 2000;
+    ss_hand_watch_tick(&watch, &now);
+    assert_int_equal(ss_hand_watch_verdict(&watch, 2001).verdict, SOFTSIM_VERDICT_GUARDED);
+}
+
+/* A spring of 1000 N/m is let in by 16 mm under a still hand, 128 mJ, and let go of within 0.1 s;
+ * 5 ms later a touch of 1 mJ. With a clock the client names its forces 5 ms late. */
+static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
+{
+    (void)state;
+    for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
+        ss_hand_watch watch = {.has_pose = false};
+        double given[400] = {0.0}, before = 0.0, sent = 0.0;
+        for (int k = 1; k < 400; ++k) {
+            const double depth = k <= 200 ? 0.016 * fmin(1.0, (200 - k) / 100.0) : 0.0;
+            const double let_in = 0.016 * fmin(1.0, k / 100.0);
+            const double force = k == 206 ? 1.0 : 1000.0 * fmin(depth, let_in);
+            const softsim_pose pose = at_depth(k <= 206 ? depth : -0.001, 5);
+            const softsim_force answer = push_up(force);
+            given[k] = given[k - 1] * (given[k - 1] < 0.0 && force + sent == 0.0 ? 0.0 : 1.0) -
+                       sent * (pose.position[2] - before);
+            const ss_hand_tick now = {.tick = k,
+                                      .period = 1e-3,
+                                      .pose = &pose,
+                                      .sent = &answer,
+                                      .contact_j = is_lockstep || k <= 5 ? 0.0 : given[k - 5],
+                                      .let_in_j = k <= 100 ? 0.16e-3 * 0.5 * (force + sent) : 0.0,
+                                      .is_lockstep = is_lockstep != 0};
+            ss_hand_watch_tick(&watch, &now);
+            const ss_hand_verdict told = ss_hand_watch_verdict(&watch, k + 1);
+            before = pose.position[2];
+            sent = force;
+            assert_null(strstr(told.reason, "shakes"));
+            assert_true(told.verdict <= SOFTSIM_VERDICT_GUARDED);
+            assert_true(k < 150 || told.verdict == SOFTSIM_VERDICT_GUARDED);
+        }
+        assert_true(watch.let_in == 0.0);
+    }
+}
+
+/* A tool that stands deep in the kidney from the start is let in, and draws out slowly: what it is
+ * handed nobody put in, and nobody shook. A shake that hands out more than was let in is told as
+ * such. */
+static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **state)
+{
+    (void)state;
+    for (int is_shaking = 0; is_shaking < 2; ++is_shaking) {
+        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        softsim_state s;
+        int32_t k = 1;
+        for (; k <= 800; ++k) {
+            tick(world, k, 0.005, 0.003, deep_z);
+        }
+        softsim_read((softsim_world *)world, &s);
+        assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GOOD);
+        for (; k <= 1800; ++k) {
+            const double z = is_shaking ? deep_z + 0.01 * (k % 2)
+                                        : deep_z + (free_z - deep_z) * (k - 800) / 1000.0;
+            tick(world, k, 0.005, 0.003, z);
+        }
+        if (is_shaking) {
+            assert_true(world->hand.verdict > SOFTSIM_VERDICT_GOOD);
+            assert_non_null(strstr(world->hand.reason, "shakes"));
+        } else {
+            assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GUARDED);
+            assert_non_null(strstr(world->worst_hand.reason, "found inside the tissue"));
+        }
+        destroy(world);
+    }
+}
+
+static bool is_said(const ss_world *world, const char *words)
+{
+    return world->hand.verdict > SOFTSIM_VERDICT_GOOD && strstr(world->hand.reason, words) != NULL;
+}
+
+/* Still, then out at 30 mm/s until a second after the last force: it is the entry's energy to the
+ * end. A softer tissue lets in less than what is degraded, a stiffer one more. */
+static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state)
+{
+    (void)state;
+    static const char *const stiffer[] = {
+        "model.pretension_j=4", "model.rest_stiffness_n_per_m3=2e5",
+        "haptic.coupling.damping_n_s_per_m=8", "haptic.max_force_n=20"};
+    for (int is_stiff = 0; is_stiff < 2; ++is_stiff) {
+        ss_world *world = make_scene(KIDNEY, stiffer, is_stiff ? 4 : 0);
+        int32_t touched = 0, told = 0;
+        double handed_out = 0.0, before = deep_z;
+        softsim_force force = {.seq = 0};
+        for (int32_t k = 1; k <= touched + 1000; ++k) {
+            const double z = deep_z + 0.03 * 1e-3 * fmax(0.0, k - 800);
+            handed_out += force.force[2] * (z - before);
+            before = z;
+            force = tick(world, k, 0.005, 0.003, z);
+            touched = ss_norm3(force.force) > 0.0 || k < 800 ? k : touched;
+            told += is_said(world, "found inside the tissue");
+            assert_false(is_said(world, "shakes"));
+        }
+        assert_true(handed_out > (is_stiff ? 0.12 : 0.01));
+        assert_true(told >= 1000);
+        assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GUARDED);
+        destroy(world);
+    }
+}
+
+/* Between the place that one device left, or one that fell silent, and where the next pose is,
+ * nobody went: the force of then does no work on that way. */
+static void nobody_went_from_one_device_to_the_next(void **state)
+{
+    (void)state;
+    for (int64_t next = 1; next <= 2; ++next) {
+        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        softsim_force force = {.seq = 0};
+        int32_t k = 1;
+        for (; k <= 300; ++k) {
+            force = tick(world, k, 0.005, 0.003, height(k));
+        }
+        assert_true(force.force[2] * 0.1 > 0.1); /* ten times what is told */
+        softsim_force silent[SOFTSIM_MAX_PROBES];
+        for (int n = 0; n < 600; ++n) {
+            softsim_tick((softsim_world *)world, NULL, NULL, 0, silent);
+        }
+        for (; k <= 310; ++k) {
+            tick_of(world, next, k, 0.005, 0.003, pressed_z + 0.1);
+        }
+        assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GOOD);
+        destroy(world);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(energy_beyond_a_hands_limit_is_a_verdict),
+        cmocka_unit_test(a_hand_that_is_driven_is_told_for_a_second),
+        cmocka_unit_test(the_verdict_follows_the_energy_of_a_contact),
+        cmocka_unit_test(what_was_let_in_counts_for_as_long_as_what_it_became),
+        cmocka_unit_test(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes),
+        cmocka_unit_test(a_calm_release_of_what_was_let_in_is_not_called_shaking),
+        cmocka_unit_test(nobody_went_from_one_device_to_the_next),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
