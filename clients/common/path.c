@@ -8,20 +8,16 @@
  * linear; orientation by spherical interpolation along the shorter arc, q(u) = (sin((1-u) a) q0 +
  * sin(u a) q1) / sin a with cos a = |q0 . q1|; buttons of the row before.
  */
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "rt/files.h"
+#include "rt/csv.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
 enum {
     COLUMNS = 10,
-    MAX_FILE_COLUMNS = 64,
-    LINE_SIZE = 2048,
     MAX_ROWS = 4 * 1000 * 1000, /* 320 MB; more than an hour at 1 kHz */
     MAX_FAULTS = 20             /* then reading stops: the file is something else */
 };
@@ -46,111 +42,39 @@ struct softsim_path {
     int32_t row_count;
 };
 
-/* Where a row comes from, for messages. */
-typedef struct csv_place {
-    const char *path;
-    int64_t line;
-    softsim_error *error;
-} csv_place;
+/* The columns that are read, and which of them is what in a path and in what a bridge writes. */
+enum { WANTED = 15, TICK = 10 };
+static const char *const wanted[WANTED] = {"time_s", "probe", "x",  "y",  "z",
+                                           "qw",     "qx",    "qy", "qz", "buttons",
+                                           "tick",   "ow",    "ox", "oy", "oz"};
+static const int of_path[COLUMNS] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+static const int of_bridge[COLUMNS] = {0, 1, 6, 7, 8, 11, 12, 13, 14, 9};
 
-#define CSV_FAULT(place, format, ...)                                                              \
-    softsim_error_add((place)->error, SOFTSIM_ERROR_FORMAT, "%s:%lld: " format, (place)->path,     \
-                      (long long)(place)->line, __VA_ARGS__)
+#define CSV_FAULT(csv, error, format, ...)                                                         \
+    softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%lld: " format, (csv)->path,                \
+                      (long long)(csv)->line, __VA_ARGS__)
 
-/* Where a file has the columns of a path. */
-typedef struct csv_layout {
-    int32_t count;          /* of its columns */
-    int32_t place[COLUMNS]; /* in the order of csv_header; -1: not there */
-    bool has_ticks;         /* its first column counts periods */
-} csv_layout;
-
-/* The place of `name` in a head line; -1: not there. */
-static int32_t find_column(const char *line, const char *name)
-{
-    int32_t place = 0;
-    for (const char *at = line; *at != '\0'; ++place) {
-        const size_t length = strcspn(at, ",");
-        if (strlen(name) == length && memcmp(at, name, length) == 0) {
-            return place;
-        }
-        at += length + (at[length] == ',');
-    }
-    return -1;
-}
-
-static bool read_layout(const char *line, csv_layout *out)
-{
-    static const char *const own[COLUMNS] = {"time_s", "probe", "x",  "y",  "z",
-                                             "qw",     "qx",    "qy", "qz", "buttons"};
-    static const char *const bridges[COLUMNS] = {"time_s", "probe", "qx", "qy", "qz",
-                                                 "ow",     "ox",    "oy", "oz", "buttons"};
-    const size_t length = sizeof bridge_header - 1;
-    out->has_ticks =
-        strncmp(line, bridge_header, length) == 0 && (line[length] == '\0' || line[length] == ',');
-    out->count = 1;
-    for (const char *at = line; (at = strchr(at, ',')) != NULL; ++at) {
-        ++out->count;
-    }
-    for (int i = 0; i < COLUMNS; ++i) {
-        out->place[i] = find_column(line, out->has_ticks ? bridges[i] : own[i]);
-    }
-    return (out->has_ticks && out->count <= MAX_FILE_COLUMNS) || strcmp(line, csv_header) == 0;
-}
-
-static bool split_numbers(char *text, const csv_layout *layout, double value[COLUMNS],
-                          const csv_place *place)
-{
-    double all[MAX_FILE_COLUMNS];
-    int count = 0;
-    for (char *at = text; at != NULL; ++count) {
-        char *comma = strchr(at, ',');
-        if (comma != NULL) {
-            *comma = '\0';
-        }
-        char *end = NULL;
-        const double number = strtod(at, &end);
-        if (end == at || end[strspn(end, " \t")] != '\0' || !isfinite(number)) {
-            CSV_FAULT(place, "column %d: '%.40s' is not a finite number", count + 1, at);
-            return false;
-        }
-        if (count < layout->count) {
-            all[count] = number;
-        }
-        at = comma != NULL ? comma + 1 : NULL;
-    }
-    if (count != layout->count) {
-        CSV_FAULT(place, "%d columns, not the %d of the first line", count, layout->count);
-        return false;
-    }
-    for (int i = 0; i < COLUMNS; ++i) {
-        value[i] = layout->place[i] >= 0 ? all[layout->place[i]] : i == 5 ? 1.0 : 0.0;
-    }
-    if (layout->has_ticks && layout->place[0] < 0) {
-        value[0] = bridge_period_s * all[0];
-    }
-    return true;
-}
-
-static bool check_row(const softsim_path *path, const double value[COLUMNS], const csv_place *place)
+static bool check_row(const softsim_path *path, const double value[COLUMNS], const ss_csv *csv,
+                      softsim_error *error)
 {
     const double probe = value[1];
     if (probe < 0.0 || probe >= SOFTSIM_MAX_PROBES || floor(probe) != probe) {
-        CSV_FAULT(place, "probe %g is none of 0..%d", probe, SOFTSIM_MAX_PROBES - 1);
+        CSV_FAULT(csv, error, "probe %g is none of 0..%d", probe, SOFTSIM_MAX_PROBES - 1);
         return false;
     }
     if (value[0] < 0.0 || value[0] > max_time_s) {
-        CSV_FAULT(place, "time_s %g is not within 0..%g", value[0], max_time_s);
+        CSV_FAULT(csv, error, "time_s %g is not within 0..%g", value[0], max_time_s);
         return false;
     }
     const path_track *track = &path->track[(int)probe];
     if (track->count > 0 && value[0] <= track->row[track->count - 1].time_s) {
-        CSV_FAULT(place, "time_s %.9g does not grow: probe %g was at %.9g before", value[0], probe,
-                  track->row[track->count - 1].time_s);
+        CSV_FAULT(csv, error, "time_s %.9g does not grow: probe %g was at %.9g before", value[0],
+                  probe, track->row[track->count - 1].time_s);
         return false;
     }
     for (int i = 2; i < 5; ++i) {
         if (fabs(value[i]) > max_position_m) {
-            CSV_FAULT(place, "position %g m is beyond %g m; positions are in metres", value[i],
+            CSV_FAULT(csv, error, "position %g m is beyond %g m; positions are in metres", value[i],
                       max_position_m);
             return false;
         }
@@ -158,28 +82,29 @@ static bool check_row(const softsim_path *path, const double value[COLUMNS], con
     const double *q = value + 5;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (!(fabs(length - 1.0) <= 1e-3)) {
-        CSV_FAULT(place, "quaternion of length %.6g; give a unit one, w first", length);
+        CSV_FAULT(csv, error, "quaternion of length %.6g; give a unit one, w first", length);
         return false;
     }
     if (value[9] < 0.0 || value[9] > 65535.0 || floor(value[9]) != value[9]) {
-        CSV_FAULT(place, "buttons %g is not a whole number in 0..65535", value[9]);
+        CSV_FAULT(csv, error, "buttons %g is not a whole number in 0..65535", value[9]);
         return false;
     }
     return true;
 }
 
-static bool append_row(softsim_path *path, const double value[COLUMNS], const csv_place *place)
+static bool append_row(softsim_path *path, const double value[COLUMNS], const ss_csv *csv,
+                       softsim_error *error)
 {
     path_track *track = &path->track[(int)value[1]];
     if (path->row_count == MAX_ROWS) {
-        CSV_FAULT(place, "more than %d rows; split the file", MAX_ROWS);
+        CSV_FAULT(csv, error, "more than %d rows; split the file", MAX_ROWS);
         return false;
     }
     if (track->count == track->capacity) {
         const int32_t capacity = track->capacity > 0 ? 2 * track->capacity : 1024;
         path_row *grown = realloc(track->row, (size_t)capacity * sizeof *grown);
         if (grown == NULL) {
-            softsim_error_add(place->error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", place->path);
+            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", csv->path);
             return false;
         }
         track->row = grown;
@@ -198,73 +123,60 @@ static bool append_row(softsim_path *path, const double value[COLUMNS], const cs
     return true;
 }
 
-/* One line without its end into `line`; false at the end of the file. */
-static bool next_line(FILE *file, char line[LINE_SIZE], csv_place *place)
+static void read_rows(softsim_path *path, ss_csv *csv, softsim_error *error)
 {
-    if (fgets(line, LINE_SIZE, file) == NULL) {
-        return false;
-    }
-    ++place->line;
-    const size_t length = strlen(line);
-    if (length == LINE_SIZE - 1 && line[length - 1] != '\n') {
-        CSV_FAULT(place, "longer than %d characters", LINE_SIZE - 2);
-        return false;
-    }
-    line[strcspn(line, "\r\n")] = '\0';
-    return true;
-}
-
-static void read_rows(softsim_path *path, FILE *file, csv_place *place)
-{
-    char line[LINE_SIZE];
-    csv_layout layout;
-    if (!next_line(file, line, place) || !read_layout(line, &layout)) {
-        place->line = 1;
-        CSV_FAULT(place, "not a pose path: the first line must be %s, or that of softsim-bridge",
-                  csv_header);
+    const size_t length = sizeof bridge_header - 1;
+    const bool is_bridge = strncmp(csv->head, bridge_header, length) == 0 &&
+                           (csv->head[length] == '\0' || csv->head[length] == ',');
+    const int *place = is_bridge ? of_bridge : of_path;
+    if (!is_bridge && strcmp(csv->head, csv_header) != 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s:1: not a pose path: the first line must be %s, or that of "
+                          "softsim-bridge",
+                          csv->path, csv_header);
         return;
     }
-    const int32_t faults_before = place->error->fault_count;
-    while (next_line(file, line, place)) {
-        double value[COLUMNS];
-        if (line[0] == '\0') {
-            continue;
+    const int32_t faults_before = error->fault_count;
+    double row[WANTED], value[COLUMNS];
+    csv->is_strict = true;
+    for (int got = 1; got != 0;) {
+        got = ss_csv_next(csv, row, error);
+        for (int i = 0; got > 0 && i < COLUMNS; ++i) {
+            value[i] = csv->place[place[i]] >= 0 ? row[place[i]] : i == 5 ? 1.0 : 0.0;
         }
-        if (split_numbers(line, &layout, value, place) && check_row(path, value, place) &&
-            !append_row(path, value, place)) {
+        if (got > 0 && csv->place[place[0]] < 0) {
+            value[0] = bridge_period_s * row[TICK];
+        }
+        if (got > 0 && check_row(path, value, csv, error) && !append_row(path, value, csv, error)) {
             return;
         }
-        if (place->error->fault_count - faults_before >= MAX_FAULTS) {
-            softsim_error_add(place->error, SOFTSIM_ERROR_FORMAT,
-                              "%s: %d faults; the rest was not read", place->path, MAX_FAULTS);
+        if (error->fault_count - faults_before >= MAX_FAULTS) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: %d faults; the rest was not read",
+                              csv->path, MAX_FAULTS);
             return;
         }
     }
-    if (ferror(file)) {
-        softsim_error_add(place->error, SOFTSIM_ERROR_FILE, "%s: %s", place->path, strerror(errno));
-    } else if (path->row_count == 0 && place->error->fault_count == faults_before) {
-        softsim_error_add(place->error, SOFTSIM_ERROR_FORMAT, "%s: no poses", place->path);
+    if (path->row_count == 0 && error->fault_count == faults_before) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: no poses", csv->path);
     }
 }
 
 softsim_status softsim_path_load(const char *path, softsim_path **out_path, softsim_error *error)
 {
     *out_path = NULL;
-    const char *why = NULL;
-    FILE *file = ss_files_open_stream(path, NULL, &why);
-    if (file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: %s", path, why);
-        return SOFTSIM_ERROR_FILE;
-    }
     const int32_t faults_before = error->fault_count;
+    ss_csv csv;
+    const softsim_status status = ss_csv_open(&csv, path, wanted, WANTED, 0, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
     softsim_path *loaded = calloc(1, sizeof *loaded);
-    csv_place place = {path, 0, error};
     if (loaded == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
     } else {
-        read_rows(loaded, file, &place);
+        read_rows(loaded, &csv, error);
     }
-    fclose(file);
+    ss_csv_close(&csv);
     if (error->fault_count > faults_before) {
         softsim_path_free(&loaded);
         return error->status;

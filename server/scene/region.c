@@ -3,6 +3,7 @@
 /* Regions and data files on the mesh. */
 #include "scene/region.h"
 
+#include "rt/csv.h"
 #include "rt/files.h"
 
 #include <math.h>
@@ -91,57 +92,31 @@ static bool open_data(data_file *file, ss_scene_space *space, ss_scene_node *nod
         return false;
     }
     file->next = file->text;
-    if (strncmp(file->next, "\xef\xbb\xbf", 3) == 0) {
-        file->next += 3; /* the byte order mark that spreadsheets write */
+    if (strncmp(file->next, SS_CSV_MARK, strlen(SS_CSV_MARK)) == 0) {
+        file->next += strlen(SS_CSV_MARK);
     }
     return true;
 }
 
-/* The next line that is neither blank nor a comment (#), without its ends; NULL at the end. */
+/* The next line that is neither blank nor a comment; NULL at the end. */
 static char *next_line(data_file *file)
 {
-    while (*file->next != '\0') {
-        char *line = file->next;
-        char *end = strchrnul(line, '\n');
+    char *line = NULL;
+    while (line == NULL && *file->next != '\0') {
+        char *start = file->next;
+        char *end = strchrnul(start, '\n');
         file->next = *end == '\n' ? end + 1 : end;
         file->line += 1;
-        while (end > line && (end[-1] == '\r' || end[-1] == ' ' || end[-1] == '\t')) {
-            end--;
-        }
         *end = '\0';
-        line += strspn(line, " \t");
-        if (line[0] != '\0' && line[0] != '#') {
-            return line;
-        }
+        line = ss_csv_trim(start);
     }
-    return NULL;
+    return line;
 }
 
 static void close_data(data_file *file)
 {
     free(file->text);
     file->text = NULL;
-}
-
-/* Splits at commas, in place, blanks cut off; the count, MAX_CELLS + 1 when there are more. */
-static int split(char *line, char *cell[MAX_CELLS])
-{
-    int count = 0;
-    while (line != NULL) {
-        char *comma = strchr(line, ',');
-        if (count == MAX_CELLS) {
-            return MAX_CELLS + 1;
-        }
-        char *end = comma != NULL ? comma : line + strlen(line);
-        while (end > line && (end[-1] == ' ' || end[-1] == '\t')) {
-            end--;
-        }
-        char *next = comma != NULL ? comma + 1 : NULL;
-        *end = '\0';
-        cell[count++] = line + strspn(line, " \t");
-        line = next;
-    }
-    return count;
 }
 
 /* The number of a node or element (`what`) below `count` in a data file; -1 after a fault. Marks it
@@ -356,7 +331,7 @@ bool ss_scene_read_points(ss_scene_space *space, ss_scene_node *node, double met
     for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
         char *cell[MAX_CELLS];
         double x[3] = {0, 0, 0};
-        bool is_good = split(line, cell) == 3;
+        bool is_good = ss_csv_split(line, cell, MAX_CELLS) == 3;
         for (int k = 0; k < 3 && is_good; k++) {
             is_good = ss_scene_parse_number(cell[k], &x[k]) == SS_SCENE_GOOD;
         }
@@ -450,7 +425,7 @@ static bool read_field_rows(ss_scene_space *space, const ss_scene_row *row, ss_s
     char *line = next_line(file);
     for (; line != NULL && file->faults < MAX_FILE_FAULTS; line = next_line(file)) {
         char *cell[MAX_CELLS];
-        if (split(line, cell) != 2) {
+        if (ss_csv_split(line, cell, MAX_CELLS) != 2) {
             fault_line(file, "not two cells; each row is %s,value", what);
             continue;
         }
@@ -493,7 +468,7 @@ static int32_t read_link_rows(data_file *file, const ss_scene_row *row, ss_param
     for (char *line = next_line(file); line != NULL && file->faults < MAX_FILE_FAULTS;
          line = next_line(file)) {
         char *cell[MAX_CELLS];
-        if (split(line, cell) != 3) {
+        if (ss_csv_split(line, cell, MAX_CELLS) != 3) {
             fault_line(file, "not three cells; each row is node,node,value");
             continue;
         }
@@ -607,7 +582,7 @@ bool ss_scene_read_directions(ss_scene_space *space, ss_scene_node *node,
     for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
         char *cell[MAX_CELLS];
         double v[3] = {0, 0, 0};
-        if (split(line, cell) != 4) {
+        if (ss_csv_split(line, cell, MAX_CELLS) != 4) {
             fault_line(&file, "not four cells; each row is element,x,y,z");
             continue;
         }
@@ -644,7 +619,7 @@ int32_t ss_scene_read_displacement(ss_scene_space *space, ss_scene_node *node,
     char *line = take_header(&file, "node,ux,uy,uz") ? next_line(&file) : NULL;
     for (; line != NULL && file.faults < MAX_FILE_FAULTS; line = next_line(&file)) {
         char *cell[MAX_CELLS];
-        if (split(line, cell) != 4) {
+        if (ss_csv_split(line, cell, MAX_CELLS) != 4) {
             fault_line(&file, "not four cells; each row is node,ux,uy,uz");
             continue;
         }

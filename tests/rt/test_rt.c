@@ -30,6 +30,7 @@
 #include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/progress.h"
+#include "rt/random.h"
 #include "rt/ring.h"
 #include "rt/thread.h"
 
@@ -37,20 +38,6 @@ static softsim_status start(void *(*body)(void *), void *argument, ss_thread **o
 {
     bool fifo_refused = false;
     return ss_thread_start("test", 0, SS_REALTIME_OFF, body, argument, out_thread, &fifo_refused);
-}
-
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t random_next(uint64_t *state)
-{
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static double random_unit(uint64_t *state)
-{
-    return (double)(random_next(state) >> 11) * 0x1p-53;
 }
 
 /* ---- mailbox ---- */
@@ -262,7 +249,7 @@ static void histogram_agrees_with_sorting(void **state)
     uint64_t seed = 7;
     ss_histogram_init(&histogram, 0);
     for (int i = 0; i < SAMPLES; ++i) {
-        sample[i] = 0.02 * pow(1e7, random_unit(&seed)); /* 0.02 us .. 0.2 s */
+        sample[i] = 0.02 * pow(1e7, ss_random_unit(&seed)); /* 0.02 us .. 0.2 s */
         ss_histogram_add(&histogram, (int64_t)i * 400000, sample[i]);
     }
     qsort(sample, SAMPLES, sizeof sample[0], compare_doubles);
@@ -655,6 +642,25 @@ static void progress_is_shown_and_wiped(void **state)
     close(kept);
 }
 
+/* The first numbers for the seed 1234567, as Rosetta Code publishes them. */
+static void random_numbers_are_those_of_splitmix64(void **state)
+{
+    (void)state;
+    static const uint64_t wanted[] = {UINT64_C(6457827717110365317), UINT64_C(3203168211198807973),
+                                      UINT64_C(9817491932198370423)};
+    uint64_t seed = 1234567;
+    for (int i = 0; i < 3; ++i) {
+        assert_true(ss_random_next(&seed) == wanted[i]);
+    }
+    uint64_t zero = 0;
+    for (uint64_t i = 0; i < 1000; ++i) {
+        const double drawn = ss_random_signed(&zero);
+        assert_true(drawn >= -1.0 && drawn < 1.0);
+        assert_true(ss_random_signed_at(i) == drawn);
+        assert_true(ss_random_below(&seed, 3) < 3);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -680,6 +686,7 @@ int main(void)
         cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),
+        cmocka_unit_test(random_numbers_are_those_of_splitmix64),
     };
     return cmocka_run_group_tests_name("softsim.rt", tests, NULL, NULL);
 }

@@ -27,7 +27,6 @@
 #include "bench/latency/judge.h"
 #include "bench/latency/session.h"
 #include "bench/papers/hybrid/fem_speed.h"
-#include "case/csv.h"
 #include "case/samples.h"
 #include "case/scratch.h"
 #include "case/table.h"
@@ -200,34 +199,6 @@ static void only_first_answers_within_the_run_count(void **state)
 }
 
 /* ---- what is read ---- */
-
-static void csv_faults_have_their_line(void **state)
-{
-    (void)state;
-    static const char *const name[] = {"b", "a", "c"};
-    static char longer[10000];
-    softsim_error error = {.status = SOFTSIM_OK};
-    ss_csv csv;
-    double value[3];
-    const char *path = write_text("good.csv", "a,x,b\r\n1,,2\n\n3,y,nan\n4,z,5z\n");
-    assert_int_equal(ss_csv_open(&csv, path, name, 3, 2, &error), SOFTSIM_OK);
-    assert_int_equal(ss_csv_next(&csv, value, &error), 1);
-    assert_equal_double(value[0], 2.0);
-    assert_equal_double(value[1], 1.0);
-    assert_true(isnan(value[2]));
-    assert_int_equal(ss_csv_next(&csv, value, &error), 1);
-    assert_true(isnan(value[0]));
-    assert_int_equal(ss_csv_next(&csv, value, &error), -1);
-    assert_non_null(strstr(error.text, "good.csv:5: no number in column 3"));
-    ss_csv_close(&csv);
-
-    assert_int_equal(ss_csv_open(&csv, path, name, 3, 3, &error), SOFTSIM_ERROR_FORMAT);
-    assert_non_null(strstr(error.text, "no column 'c'"));
-    memset(longer, 'a', sizeof longer - 1);
-    assert_int_equal(ss_csv_open(&csv, write_text("long.csv", longer), name, 1, 1, &error),
-                     SOFTSIM_ERROR_FORMAT);
-    assert_non_null(strstr(error.text, "long.csv:1: longer"));
-}
 
 static void a_bridges_log_is_timed_by_its_ticks(void **state)
 {
@@ -525,8 +496,8 @@ static void speed_of_tetrahedra_adds_up(void **state)
 
 static int remove_files(void **state)
 {
-    static const char *const names[] = {"answers.csv", "good.csv",  "long.csv",   "hand.csv",
-                                        "p.sh",        "quote.csv", "before.txt", "after.txt"};
+    static const char *const names[] = {"answers.csv", "good.csv",   "hand.csv", "p.sh",
+                                        "quote.csv",   "before.txt", "after.txt"};
     (void)state;
     return remove_only(names, sizeof names / sizeof *names);
 }
@@ -542,7 +513,6 @@ int main(void)
         cmocka_unit_test(figures_come_from_the_run_alone),
         cmocka_unit_test(sums_that_do_not_add_up_are_found),
         cmocka_unit_test(only_first_answers_within_the_run_count),
-        cmocka_unit_test(csv_faults_have_their_line),
         cmocka_unit_test(a_bridges_log_is_timed_by_its_ticks),
         cmocka_unit_test(bridge_arguments_are_read_without_a_shell),
         cmocka_unit_test(a_page_is_escaped_and_complete_or_not_there),

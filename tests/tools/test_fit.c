@@ -156,7 +156,7 @@ static void bad_curves_are_refused_with_their_line(void **state)
         {"depth,force\n0.001,1\n0.002,1\n", "1: give the columns"},
         {"depth_m,force_n\n0.001,1\n0.002,nan\n", "3: not a finite number"},
         {"depth_m,force_n\n0.001,1\n0.002,inf\n", "3: not a finite number"},
-        {"depth_m,force_n\n0.001,1\n0.002,soft\n", "3: no number"},
+        {"depth_m,force_n\n0.001,1\n0.002,soft\n", "3: column 2: 'soft' is not a number"},
         {"depth_m,force_n\n0.002,1\n0.001,1\n", "3: depth_m 0.001 does not follow 0.002"},
         {"time_s,force_n\n0,1\n0,1\n", "3: time_s 0 does not follow 0"},
         {"depth_m,force_n\n-0.001,1\n0.001,1\n", "2: depth_m -0.001 is below 0"},

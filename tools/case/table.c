@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "rt/csv.h"
 #include "rt/files.h"
 
 static const size_t MAX_BYTES = (size_t)1 << 30;
@@ -71,42 +72,6 @@ char *ss_table_read_file(const char *path, size_t *out_size, softsim_error *erro
 
 /* ---- tables ---- */
 
-/* The cell at *cursor, ended by a NUL; *cursor goes to the next, or becomes NULL at the line's
- * end. */
-static char *cut_cell(char **cursor)
-{
-    char *at = *cursor, *out = at;
-    if (*at != '"') {
-        char *end = at + strcspn(at, ",");
-        *cursor = *end == ',' ? end + 1 : NULL;
-        *end = '\0';
-        return at;
-    }
-    char *start = out;
-    for (++at; *at != '\0' && (*at != '"' || at[1] == '"'); ++at) {
-        at += *at == '"';
-        *out++ = *at;
-    }
-    at += *at == '"';
-    at += strcspn(at, ",");
-    *cursor = *at == ',' ? at + 1 : NULL;
-    *out = '\0';
-    return start;
-}
-
-/* Cells of a line into `cell`, at most `room`; returns how many there are. */
-static int32_t cut_line(char *line, char **cell, int32_t room)
-{
-    int32_t count = 0;
-    for (char *cursor = line; cursor != NULL; ++count) {
-        char *text = cut_cell(&cursor);
-        if (count < room) {
-            cell[count] = text;
-        }
-    }
-    return count;
-}
-
 /* The line at *cursor without its end; *cursor goes behind it, or becomes NULL. */
 static char *cut_text(char **cursor)
 {
@@ -147,7 +112,7 @@ static softsim_status cut_rows(ss_table *table, char *cursor, softsim_error *err
         }
         char **row = &table->cell[(size_t)table->row_count * columns];
         char *const empty = line + strlen(line);
-        const int32_t count = cut_line(line, row, table->column_count);
+        const int32_t count = ss_csv_split(line, row, table->column_count);
         if (count > table->column_count) {
             softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%d: %d cells, the head line has %d",
                               table->path, number, count, table->column_count);
@@ -177,7 +142,7 @@ softsim_status ss_table_parse(const char *path, char *text, ss_table *out, softs
         no_memory(error, path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    out->column_count = cut_line(head, out->head, most);
+    out->column_count = ss_csv_split(head, out->head, most);
     return cut_rows(out, cursor, error);
 }
 
@@ -222,9 +187,8 @@ const char *ss_table_cell(const ss_table *table, int32_t row, int32_t column)
 double ss_table_number(const ss_table *table, int32_t row, int32_t column, softsim_error *error)
 {
     const char *text = ss_table_cell(table, row, column);
-    char *end = NULL;
-    const double value = strtod(text, &end);
-    if (end == text || *end != '\0' || !isfinite(value)) {
+    double value = 0.0;
+    if (!ss_csv_number(text, &value) || !isfinite(value)) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                           "%s:%d: column '%s': '%.40s' is no number; give a finite one",
                           table->path, table->line[row], table->head[column], text);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "case/csv.h"
+#include "rt/csv.h"
 
 enum { DEPTH, TIME, FORCE, COLUMNS };
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "case/csv.h"
+#include "rt/csv.h"
 
 enum { MAX_WINDOWS = 1024, MAX_ANSWERS = 8 * 1000 * 1000 };
 static const int64_t window_ns = SS_SESSION_WINDOW_S * 1000000000LL;

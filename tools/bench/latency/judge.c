@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case/csv.h"
 #include "rt/args.h"
+#include "rt/csv.h"
 
 enum { MAX_ROWS = 20 * 1000 * 1000 }; /* more than five hours at 1 kHz */
 enum { X, Y, Z, FX, FY, FZ, TIME, TICK, FLAGS, AGE, COLUMNS, REQUIRED = FZ + 1 };

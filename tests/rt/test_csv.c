@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* rt/csv: cells as spreadsheets write them; columns by name; every fault has its place. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "common/folder_fixture.h"
+#include "common/number_fixture.h"
+#include "rt/csv.h"
+
+static void cells_are_cut_at_commas(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int count;
+        const char *cell[4];
+    } cases[] = {
+        {"a,b", 2, {"a", "b"}},
+        {" a\t, b c ", 2, {"a", "b c"}},
+        {"", 1, {""}},
+        {",,", 3, {"", "", ""}},
+        {"\"a, b\",c", 2, {"a, b", "c"}},
+        {"\"say \"\"a\"\"\"  ,c", 2, {"say \"a\"", "c"}},
+        {"\"never closed, c", 1, {"never closed, c"}},
+        {"1,2,3,4,5", 5, {"1", "2", "3", "4"}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char line[64], *cell[4];
+        strcpy(line, cases[i].line);
+        assert_int_equal(ss_csv_split(line, cell, 4), cases[i].count);
+        for (int k = 0; k < 4 && k < cases[i].count; ++k) {
+            assert_string_equal(cell[k], cases[i].cell[k]);
+        }
+    }
+}
+
+static void blank_lines_and_comments_are_passed_over(void **state)
+{
+    (void)state;
+    char blank[] = " \t\r\n", comment[] = "  # a,b\n", row[] = "  1, 2 \r\n";
+    assert_null(ss_csv_trim(blank));
+    assert_null(ss_csv_trim(comment));
+    assert_string_equal(ss_csv_trim(row), "1, 2");
+}
+
+static void columns_are_found_by_name_and_faults_have_their_line(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"b", "a", "c"};
+    static char longer[10000];
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_csv csv;
+    double value[3];
+    const char *path =
+        write_text("good.csv", SS_CSV_MARK "a,x,b\r\n1,,2\n\n3,y,nan\n4,z,5z\n6,z\n7,,8");
+    assert_int_equal(ss_csv_open(&csv, path, name, 3, 2, &error), SOFTSIM_OK);
+    assert_string_equal(csv.head, "a,x,b");
+    assert_int_equal(ss_csv_next(&csv, value, &error), 1);
+    assert_near(value[0], 2.0, 0.0);
+    assert_near(value[1], 1.0, 0.0);
+    assert_true(isnan(value[2]));
+    assert_int_equal(ss_csv_next(&csv, value, &error), 1);
+    assert_true(isnan(value[0]));
+    assert_int_equal(ss_csv_next(&csv, value, &error), -1);
+    assert_non_null(strstr(error.text, "good.csv:5: column 3: '5z' is not a number"));
+    assert_int_equal(ss_csv_next(&csv, value, &error), -1);
+    assert_non_null(strstr(error.text, "good.csv:6: column 3: '' is not a number"));
+    assert_int_equal(ss_csv_next(&csv, value, &error), 1);
+    assert_near(value[0], 8.0, 0.0);
+    assert_int_equal(ss_csv_next(&csv, value, &error), 0);
+    assert_int_equal(ss_csv_next(&csv, value, &error), 0);
+    ss_csv_close(&csv);
+
+    assert_int_equal(ss_csv_open(&csv, path, name, 3, 3, &error), SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "good.csv:1: no column 'c'"));
+    memset(longer, 'a', sizeof longer - 1);
+    assert_int_equal(ss_csv_open(&csv, write_text("long.csv", longer), name, 1, 1, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "long.csv:1: longer"));
+    assert_int_equal(ss_csv_open(&csv, in_folder("none.csv"), name, 1, 1, &error),
+                     SOFTSIM_ERROR_FILE);
+    memset(longer, ',', 200);
+    longer[200] = '\0';
+    assert_int_equal(ss_csv_open(&csv, write_text("wide.csv", longer), name, 1, 0, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "wide.csv:1: more than 64 columns"));
+}
+
+/* One row each, after the head line a,b. */
+static void strict_rows_are_whole_and_finite(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"a"};
+    static const struct {
+        const char *row, *fault;
+    } cases[] = {
+        {"1,2", NULL},
+        {"1,inf", ":2: column 2: 'inf' is not a finite number"},
+        {"1,x", ":2: column 2: 'x' is not a finite number"},
+        {"nan,2", ":2: column 1: 'nan' is not a finite number"},
+        {"1", ":2: 1 columns, not the 2"},
+        {"1,2,3", ":2: 3 columns, not the 2"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[64];
+        softsim_error error = {.status = SOFTSIM_OK};
+        ss_csv csv;
+        double value = 0.0;
+        snprintf(text, sizeof text, "a,b\n%s\n", cases[i].row);
+        assert_int_equal(ss_csv_open(&csv, write_text("strict.csv", text), name, 1, 1, &error),
+                         SOFTSIM_OK);
+        csv.is_strict = true;
+        assert_int_equal(ss_csv_next(&csv, &value, &error), cases[i].fault == NULL ? 1 : -1);
+        if (cases[i].fault != NULL && strstr(error.text, cases[i].fault) == NULL) {
+            fail_msg("'%s' is not in: %s", cases[i].fault, error.text);
+        }
+        ss_csv_close(&csv);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_are_cut_at_commas),
+        cmocka_unit_test(blank_lines_and_comments_are_passed_over),
+        cmocka_unit_test(columns_are_found_by_name_and_faults_have_their_line),
+        cmocka_unit_test(strict_rows_are_whole_and_finite),
+    };
+    return cmocka_run_group_tests_name("softsim.rt.csv", tests, make_folder, remove_folder);
+}
