@@ -20,6 +20,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 #define SOFTSIM_DEFAULT_PREFIX "SOFTSIM"
 
@@ -80,6 +81,7 @@ softsim_client_counts softsim_client_read_counts(const softsim_client *client);
 int64_t softsim_client_now_ns(void);
 int64_t softsim_client_now_us(void);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -16,8 +16,19 @@ typedef struct softsim_config {
     double step_s;              /* outer step and tick; 0: the scene's own rates */
     bool has_budget;            /* simulation.max_substeps limits a step, as the clock makes it in
                                  * real time; without, a step takes what its bound demands */
-    const char *import_program; /* NULL: softsim-import beside the program, else in libexec */
+    const char *import_program; /* NULL: the softsim-import installed with this library */
 } softsim_config;
 
-/* Thread: any. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+/* One thread, the scene's own rates, no overrides. What it points to is borrowed, and read only by
+ * softsim_create. Thread: any. */
 softsim_config softsim_default_config(void);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif

@@ -24,6 +24,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* ---- event logs: reading ---- */
 
@@ -144,6 +145,7 @@ softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event
  * force_seq -1, applied_force unknown, flags 0; the rest stays. */
 void softsim_poses_restamp(softsim_pose *pose, int64_t sender, int32_t seq);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

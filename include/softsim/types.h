@@ -140,6 +140,7 @@ typedef enum softsim_verdict {
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Name ("ERROR_MESH") and text of a status. Thread: any; RT-safe. */
 const char *softsim_status_name(softsim_status status);
@@ -155,6 +156,7 @@ void softsim_error_add(softsim_error *error, softsim_status status, const char *
 /* The same with a text that was put together before, such as another error's: its lines stay. */
 void softsim_error_append(softsim_error *error, softsim_status status, const char *text);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -18,6 +18,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <poll.h>
 #include <signal.h>
@@ -48,25 +49,51 @@ typedef struct import {
 
 /* ---- the helper program ---- */
 
+/* The file that this code was loaded from, program or library, at its absolute path: of the folder
+ * it was installed to, or moved to since. dladdr() was rejected: of a program it gives the name
+ * that the caller chose, which may be that of another file in the working directory. */
+static bool find_own_file(char out[PATH_MAX])
+{
+    FILE *maps = fopen("/proc/self/maps", "re");
+    char line[PATH_MAX + 128];
+    bool is_found = false;
+    while (maps != NULL && !is_found && fgets(line, sizeof line, maps) != NULL) {
+        uintptr_t begin = 0, end = 0;
+        int at = 0;
+        const int count =
+            sscanf(line, "%" SCNxPTR "-%" SCNxPTR " %*s %*s %*s %*s %n", &begin, &end, &at);
+        line[strcspn(line, "\n")] = '\0';
+        is_found = count == 2 && (uintptr_t)find_own_file >= begin &&
+                   (uintptr_t)find_own_file < end && line[at] == '/' &&
+                   snprintf(out, PATH_MAX, "%s", line + at) < PATH_MAX;
+    }
+    if (maps != NULL) {
+        (void)fclose(maps);
+    }
+    return is_found;
+}
+
+/* The helper that was given, else the one beside this code's own file, as built, or where it is
+ * installed by that file's place: never by an absolute path of the build. */
 static bool find_program(const char *given, char out[PATH_MAX])
 {
+    static const char *const place[] = {"softsim-import", SOFTSIM_IMPORT_FROM_BIN,
+                                        SOFTSIM_IMPORT_FROM_LIB};
     if (given != NULL) {
         return snprintf(out, PATH_MAX, "%s", given) < PATH_MAX && access(out, X_OK) == 0;
     }
-    const ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - 1);
-    if (length > 0) {
-        out[length] = '\0';
-        static const char helper[] = "softsim-import";
-        char *name = strrchr(out, '/');
-        if (name != NULL && (size_t)(name + 1 - out) + sizeof helper <= PATH_MAX) {
-            memcpy(name + 1, helper, sizeof helper);
-            if (access(out, X_OK) == 0) {
-                return true;
-            }
+    char own[PATH_MAX] = "";
+    if (!find_own_file(own)) {
+        return false;
+    }
+    const int folder = (int)(strrchr(own, '/') + 1 - own);
+    for (size_t i = 0; i < sizeof place / sizeof *place; ++i) {
+        if (snprintf(out, PATH_MAX, "%.*s%s", folder, own, place[i]) < PATH_MAX &&
+            access(out, X_OK) == 0) {
+            return true;
         }
     }
-    (void)snprintf(out, PATH_MAX, "%s/softsim-import", SOFTSIM_LIBEXECDIR);
-    return access(out, X_OK) == 0;
+    return false;
 }
 
 /* Starts it with /dev/null as stdin and pipes for the rest; our ends close on exec. Returns 0 or

@@ -77,7 +77,7 @@ typedef struct ss_mesh {
 const char *ss_mesh_kind_name(ss_mesh_kind kind);
 
 /* Reads `path`; `metres_per_unit` scales it. Every fault is added to `error`. `import_program`
- * NULL: softsim-import beside the running program, else in the libexec folder. */
+ * NULL: the softsim-import that was built or installed with this code. */
 softsim_status ss_mesh_load(const char *path, double metres_per_unit, const char *import_program,
                             ss_mesh **out_mesh, softsim_error *error);
 /* The other file of a TetGen pair, .node and .ele, which ss_mesh_load reads too. False: `path` is
