@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "net/codec.h"
 #include "net/receiver.h"
 #include "net/wire.h"
 #include "origin.h"
@@ -22,7 +23,6 @@
 #include "softsim_command_t.h"
 #include "softsim_reply_t.h"
 #include "softsim_server_status_t.h"
-#include "wire.h"
 
 enum {
     MAX_MESSAGE = 16384,     /* bytes, more than any status or reply has */

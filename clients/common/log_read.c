@@ -18,6 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "net/codec.h"
 #include "rt/files.h"
 #include "softsim/log.h"
 
@@ -260,4 +261,14 @@ int32_t softsim_log_probe(const char *channel)
     }
     const char digit = channel[length - 1];
     return digit >= '0' && digit < '0' + SOFTSIM_MAX_PROBES ? digit - '0' : -1;
+}
+
+bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_pose)
+{
+    return ss_wire_decode_pose(data, size, out_pose);
+}
+
+bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out_force)
+{
+    return ss_wire_decode_force(data, size, out_force);
 }

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "net/codec.h"
 #include "output.h"
 #include "softsim/log.h"
-#include "wire.h"
 
 struct softsim_log_writer {
     ss_output output;

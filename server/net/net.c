@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "net/codec.h"
 #include "net/net.h"
 #include "net/receiver.h"
 #include "net/wire.h"
@@ -91,25 +92,10 @@ bool ss_net_send_force(ss_net *net, const softsim_force *force)
     if (force->probe < 0 || force->probe >= SOFTSIM_MAX_PROBES) {
         return publish(net, "", -1);
     }
-    softsim_contact_force_t wire = {.utime = force->utime_us != 0 ? force->utime_us : now_us(),
-                                    .sender = force->sender,
-                                    .pose_utime = force->pose_utime_us,
-                                    .seq = force->seq,
-                                    .probe = force->probe,
-                                    .pose_seq = force->pose_seq,
-                                    .contact_count = force->contact_count,
-                                    .model_age_us = force->model_age_us,
-                                    .flags = force->flags,
-                                    .depth = force->depth,
-                                    .stiffness = force->stiffness};
-    ss_copy3(wire.force, force->force);
-    ss_copy3(wire.torque, force->torque);
-    ss_copy3(wire.model_force, force->model_force);
-    ss_copy3(wire.point, force->point);
-    ss_copy3(wire.normal, force->normal);
-    ss_copy3(wire.proxy, force->proxy);
-    const int size = softsim_contact_force_t_encode(net->buffer, 0, sizeof net->buffer, &wire);
-    return publish(net, net->force_channel[force->probe], size);
+    softsim_force sent = *force;
+    sent.utime_us = sent.utime_us != 0 ? sent.utime_us : now_us();
+    ss_wire_encode_force(&sent, net->buffer);
+    return publish(net, net->force_channel[force->probe], SS_WIRE_FORCE_SIZE);
 }
 
 static void send_reply(ss_net *net, const ss_net_command *command, int32_t code)

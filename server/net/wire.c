@@ -8,8 +8,8 @@
  * is no number of 0 to 255 is cut to one that is. So the url is read here first, and LCM is given
  * one that is written anew. LCM sends; what is received comes by receiver.c.
  * Generated decoders trust length fields (a 40-byte message can overflow the heap): poses are of
- * one exact size and decoded by the generated code after that was checked; commands, which hold
- * strings, are read by the bounded reader below.
+ * one exact size and decoded by the generated code after that was checked (codec.c); commands,
+ * which hold strings, are read by the bounded reader below.
  */
 #include "net/wire.h"
 
@@ -23,17 +23,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "net/codec.h"
 #include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/plain.h"
-#include "rt/vec.h"
 #include "softsim_command_t.h"
 #include "softsim_probe_pose_t.h"
 #include "softsim_server_status_t.h"
 
 enum {
     LCM_FILES = 8, /* that LCM opens at most: sockets and pipes */
-    POSE_SIZE = 8 + 2 * 8 + 5 * 4 + 13 * 8,
     HASH_SIZE = 8
 };
 static const double MAX_UPTIME = 1e10; /* s: its microseconds are a number of 64 bits */
@@ -278,22 +277,10 @@ softsim_refusal ss_net_decode_pose(const void *data, int64_t size, int64_t recei
     if (read_int64(&in) != __softsim_probe_pose_t_get_hash()) {
         return SOFTSIM_REFUSED_TYPE_HASH;
     }
-    softsim_probe_pose_t wire;
-    if (size != POSE_SIZE || softsim_probe_pose_t_decode(data, 0, POSE_SIZE, &wire) != POSE_SIZE) {
+    if (!ss_wire_decode_pose(data, size, out_pose)) {
         return SOFTSIM_REFUSED_MALFORMED;
     }
-    *out_pose = (softsim_pose){.utime_us = wire.utime,
-                               .sender = wire.sender,
-                               .receive_ns = receive_ns,
-                               .seq = wire.seq,
-                               .probe = wire.probe,
-                               .buttons = wire.buttons,
-                               .force_seq = wire.force_seq,
-                               .flags = wire.flags};
-    ss_copy3(out_pose->position, wire.position);
-    memcpy(out_pose->orientation, wire.orientation, sizeof out_pose->orientation);
-    ss_copy3(out_pose->velocity, wire.velocity);
-    ss_copy3(out_pose->applied_force, wire.applied_force);
+    out_pose->receive_ns = receive_ns;
     ss_gate_normalize(out_pose);
     return SOFTSIM_ACCEPTED;
 }

@@ -19,10 +19,10 @@
 #include <unistd.h>
 
 #include "common/folder_fixture.h"
+#include "net/codec.h"
 #include "process/process.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
-#include "wire.h"
 
 static const double stiffness = 400.0;
 static process child;

@@ -20,9 +20,9 @@
 #include "common/folder_fixture.h"
 #include "common/number_fixture.h"
 #include "indentation.h"
+#include "net/codec.h"
 #include "output.h"
 #include "softsim/log.h"
-#include "wire.h"
 
 static size_t read_file(const char *path, unsigned char *data, size_t capacity)
 {

@@ -17,11 +17,11 @@
 #include <string.h>
 #include <time.h>
 
+#include "net/codec.h"
 #include "net/receiver.h"
 #include "net/wire.h"
 #include "rt/clock.h"
 #include "rt/thread.h"
-#include "wire.h"
 
 enum { LOOP_PRIORITY = 80, ECHO_PRIORITY = 78, SEND_PRIORITY = 60, CHANNEL_SIZE = 64 };
 static const char out_suffix[] = "_ECHO", back_suffix[] = "_ECHO_BACK";

@@ -4,19 +4,18 @@
  * The generated coders do the bytes; here are the sizes and the copying of fields. Both types are
  * of fixed size, so neither direction allocates.
  */
-#include "wire.h"
+#include "net/codec.h"
 
 #include <string.h>
 
-#include "softsim/log.h"
 #include "softsim_contact_force_t.h"
 #include "softsim_probe_pose_t.h"
 
-bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_pose)
+bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out_pose)
 {
     softsim_probe_pose_t wire;
     if (data == NULL || size != SS_WIRE_POSE_SIZE ||
-        softsim_probe_pose_t_decode(data, 0, size, &wire) != size) {
+        softsim_probe_pose_t_decode(data, 0, SS_WIRE_POSE_SIZE, &wire) != SS_WIRE_POSE_SIZE) {
         return false;
     }
     *out_pose = (softsim_pose){.utime_us = wire.utime,
@@ -33,11 +32,11 @@ bool softsim_log_decode_pose(const void *data, int32_t size, softsim_pose *out_p
     return true;
 }
 
-bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out_force)
+bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out_force)
 {
     softsim_contact_force_t wire;
     if (data == NULL || size != SS_WIRE_FORCE_SIZE ||
-        softsim_contact_force_t_decode(data, 0, size, &wire) != size) {
+        softsim_contact_force_t_decode(data, 0, SS_WIRE_FORCE_SIZE, &wire) != SS_WIRE_FORCE_SIZE) {
         return false;
     }
     *out_force = (softsim_force){.utime_us = wire.utime,

@@ -2,9 +2,10 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * Our two fixed-size messages to and from bytes. Decoding asks for exactly the encoded size first
- * (decoders are softsim_log_decode_pose and softsim_log_decode_force in softsim/log.h).
+ * Our two fixed-size messages to and from bytes, for the server, the clients and their logs,
+ * without LCM. Decoding asks for exactly the encoded size and type first; values are as they came.
  */
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "softsim/types.h"
@@ -13,5 +14,7 @@
 enum { SS_WIRE_POSE_SIZE = 148, SS_WIRE_FORCE_SIZE = 216 };
 
 /* Thread: any; no allocation. */
+bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out_pose);
+bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out_force);
 void ss_wire_encode_pose(const softsim_pose *pose, uint8_t out[SS_WIRE_POSE_SIZE]);
 void ss_wire_encode_force(const softsim_force *force, uint8_t out[SS_WIRE_FORCE_SIZE]);
