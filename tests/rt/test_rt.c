@@ -23,6 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "rt/arena.h"
 #include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/histogram.h"
@@ -313,6 +314,33 @@ static void memory_is_aligned_zeroed_and_counted(void **state)
     ss_memory_free(b);
     ss_memory_free(NULL);
     assert_int_equal(ss_memory_in_use(), before);
+}
+
+static void arena_remembers_what_it_could_not_give_and_frees_all_at_once(void **state)
+{
+    (void)state;
+    const int64_t before = ss_memory_in_use();
+    ss_arena arena = {0};
+    assert_int_equal(ss_arena_status(&arena), SOFTSIM_OK);
+    for (size_t k = 0; k < 100; ++k) {
+        unsigned char *piece = ss_arena_get(&arena, k, 3);
+        assert_non_null(piece);
+        assert_int_equal((uintptr_t)piece % 64, 0);
+        for (size_t b = 0; b < 3 * k; ++b) {
+            assert_int_equal(piece[b], 0);
+            piece[b] = 0xa5;
+        }
+    }
+    assert_true(ss_memory_in_use() - before >= 3 * 99 * 100 / 2);
+    assert_int_equal(ss_arena_status(&arena), SOFTSIM_OK);
+    assert_null(ss_arena_get(&arena, SIZE_MAX / 2, 3));
+    assert_non_null(ss_arena_get(&arena, 1, 1));
+    assert_null(ss_arena_get(&arena, SIZE_MAX, 1));
+    assert_int_equal(ss_arena_status(&arena), SOFTSIM_ERROR_MEMORY);
+    ss_arena_free(&arena);
+    assert_int_equal(ss_memory_in_use(), before);
+    assert_int_equal(ss_arena_status(&arena), SOFTSIM_OK);
+    ss_arena_free(&arena);
 }
 
 static void clock_sleeps_until_the_deadline_and_not_before(void **state)
@@ -673,6 +701,7 @@ int main(void)
         cmocka_unit_test(histogram_forgets_after_ten_seconds),
         cmocka_unit_test(histogram_takes_odd_values),
         cmocka_unit_test(memory_is_aligned_zeroed_and_counted),
+        cmocka_unit_test(arena_remembers_what_it_could_not_give_and_frees_all_at_once),
         cmocka_unit_test(clock_sleeps_until_the_deadline_and_not_before),
         cmocka_unit_test(threads_carry_their_name_and_flush_denormals),
         cmocka_unit_test(fifo_is_had_or_its_refusal_is_said),
