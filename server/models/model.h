@@ -107,7 +107,7 @@ typedef struct ss_model_class {
     /* Estimated cost of one step in microseconds on the reference core, from counts alone. */
     double (*step_cost_us)(const ss_model_plan *plan);
     softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);
-    void (*destroy)(ss_model *model);
+    void (*destroy)(ss_model *model); /* not NULL */
     /* One outer step of `dt` seconds from time `time` (sub-stepped inside). Where the sub-steps
      * that are allowed simulate only a share of dt, tools travel that share of their way and stand
      * there (ss_model_reached): the next step sweeps on from that place. RT-safe. */

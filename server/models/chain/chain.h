@@ -80,6 +80,7 @@ typedef struct ss_chain_coarse ss_chain_coarse; /* coarse.c */
 typedef struct ss_chain_guard ss_chain_guard;   /* guard.c */
 
 struct ss_model {
+    ss_arena arena;
     ss_model_plan plan;
     int32_t node_count;
     int32_t padded; /* nodes of arrays: one more, and an even number */
@@ -171,7 +172,6 @@ double ss_chain_stable_step(const ss_model *model);
 
 /* ---- load.c ---- */
 softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error);
-void ss_chain_loads_fini(ss_model *model);
 /* Currents of the loads at `time`, which is the middle of the step. */
 void ss_chain_loads_update(ss_model *model, double time);
 /* Where driven nodes go in the outer step that ends at `time`. */
@@ -206,7 +206,6 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
 
 /* ---- coarse.c ---- */
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);
-void ss_chain_coarse_destroy(ss_chain_coarse **coarse);
 void ss_chain_coarse_reset(ss_model *model);
 /* Makes D, and the largest rate of both levels together (of aggregated cells alone), 1/s, with the
  * leak; 0 where nothing may move, negative without memory. Thread: set-up only. */
@@ -230,7 +229,6 @@ void ss_chain_wake_own(ss_model *model);
 
 /* ---- guard.c ---- */
 softsim_status ss_chain_guard_create(ss_model *model);
-void ss_chain_guard_destroy(ss_chain_guard **guard);
 /* One projection of every tetrahedron below a fifth of its volume. */
 void ss_chain_guard_step(ss_model *model);
 /* Notes where the outer step begins; takes `share` of the way since then back. */

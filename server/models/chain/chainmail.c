@@ -40,6 +40,7 @@
 
 #include "models/chain/net.h"
 #include "models/common/grasp.h"
+#include "models/common/life.h"
 #include "models/common/plan.h"
 #include "models/common/turned.h"
 #include "rt/hash.h"
@@ -105,6 +106,7 @@ typedef struct mail_tool {
 } mail_tool;
 
 struct ss_model {
+    ss_arena arena;
     ss_model_plan plan;
     int32_t node_count;
     bool is_held; /* supports stop every rigid motion */
@@ -597,12 +599,11 @@ static softsim_status create_tool(ss_model *model, mail_tool *tool, const ss_sha
     tool->shape = shape;
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
     tool->felt = FELT_SHARE * working / tool->radius;
-    tool->before = ss_memory_get(4 * (size_t)model->node_count, sizeof *tool->before);
-    tool->held = ss_memory_get((size_t)model->node_count, sizeof *tool->held);
-    tool->offset = ss_memory_get((size_t)model->node_count, sizeof *tool->offset);
+    tool->before = ss_arena_get(&model->arena, 4 * (size_t)model->node_count, sizeof *tool->before);
+    tool->held = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *tool->held);
+    tool->offset = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *tool->offset);
     const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    const bool is_whole = tool->before && tool->held && tool->offset;
-    return status == SOFTSIM_OK && !is_whole ? SOFTSIM_ERROR_MEMORY : status;
+    return status == SOFTSIM_OK ? ss_arena_status(&model->arena) : status;
 }
 
 static softsim_status create_tools(ss_model *model, softsim_error *error)
@@ -624,20 +625,19 @@ static softsim_status create_tools(ss_model *model, softsim_error *error)
 static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->node_count, links = (size_t)model->net->link_count;
-    model->alpha = ss_memory_get((size_t)model->net->group_count * SS_CHAIN_LANES, sizeof(double));
-    model->u = ss_memory_get(4 * n, sizeof *model->u);
-    model->v = ss_memory_get(4 * n, sizeof *model->v);
-    model->push = ss_memory_get(4 * n, sizeof *model->push);
-    model->weight = ss_memory_get(n, sizeof *model->weight);
-    model->has_moved = ss_memory_get(n, 1);
-    model->bound = ss_memory_get(n, 1);
-    model->held = ss_memory_get(n, 1);
-    model->queue = ss_memory_get(n, sizeof *model->queue);
-    model->heap = ss_memory_get(model->is_by_violation ? 2 * links : 0, sizeof *model->heap);
-    return model->alpha && model->u && model->v && model->push && model->weight &&
-                   model->has_moved && model->bound && model->held && model->queue && model->heap
-               ? SOFTSIM_OK
-               : SOFTSIM_ERROR_MEMORY;
+    ss_arena *arena = &model->arena;
+    model->alpha =
+        ss_arena_get(arena, (size_t)model->net->group_count * SS_CHAIN_LANES, sizeof(double));
+    model->u = ss_arena_get(arena, 4 * n, sizeof *model->u);
+    model->v = ss_arena_get(arena, 4 * n, sizeof *model->v);
+    model->push = ss_arena_get(arena, 4 * n, sizeof *model->push);
+    model->weight = ss_arena_get(arena, n, sizeof *model->weight);
+    model->has_moved = ss_arena_get(arena, n, 1);
+    model->bound = ss_arena_get(arena, n, 1);
+    model->held = ss_arena_get(arena, n, 1);
+    model->queue = ss_arena_get(arena, n, sizeof *model->queue);
+    model->heap = ss_arena_get(arena, model->is_by_violation ? 2 * links : 0, sizeof *model->heap);
+    return ss_arena_status(arena);
 }
 
 static double value_at(const ss_param_value *value, int32_t node)
@@ -668,7 +668,7 @@ static void set_material(ss_model *model)
     }
 }
 
-static softsim_status build(ss_model *model, softsim_error *error)
+static softsim_status build_on(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
     double *size = ss_memory_get((size_t)model->node_count, sizeof *size);
@@ -679,8 +679,9 @@ static softsim_status build(ss_model *model, softsim_error *error)
         status = status == SOFTSIM_OK ? checked : status;
     }
     ss_memory_free(size);
-    status = status == SOFTSIM_OK ? ss_chain_net_create(plan->mesh, "chainmail", &model->net, error)
-                                  : status;
+    status = status == SOFTSIM_OK
+                 ? ss_chain_net_create(plan->mesh, "chainmail", &model->arena, &model->net, error)
+                 : status;
     status = status == SOFTSIM_OK ? allocate(model) : status;
     if (status == SOFTSIM_OK) {
         set_material(model);
@@ -693,22 +694,11 @@ static softsim_status build(ss_model *model, softsim_error *error)
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_touch_destroy(&model->tool[k].touch);
-        ss_memory_free(model->tool[k].before);
-        ss_memory_free(model->tool[k].held);
-        ss_memory_free(model->tool[k].offset);
     }
     ss_surface_destroy(&model->surface);
-    ss_chain_net_destroy(&model->net);
-    void *const owned[] = {model->alpha,     model->u,     model->v,    model->push,  model->weight,
-                           model->has_moved, model->bound, model->held, model->queue, model->heap};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
@@ -731,31 +721,26 @@ static void reset(ss_model *model)
     model->reason = "";
 }
 
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
+{
+    model->plan = *plan;
+    model->node_count = plan->mesh->node_count;
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    model->beta = plan->param[BETA].number;
+    model->is_radial = plan->param[BAND].number != 0.0;
+    model->is_by_violation = plan->param[ORDER].number != 0.0;
+    model->iterations = (int32_t)plan->param[RELAXATION_ITERATIONS].number;
+    const softsim_status status = build_on(model, error);
+    model->plan.param = NULL;
+    if (status == SOFTSIM_OK) {
+        reset(model);
+    }
+    return status;
+}
+
 static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (model && own) {
-        model->plan = *plan;
-        model->node_count = plan->mesh->node_count;
-        ss_turned_init(&model->turned, plan->mesh, plan->step);
-        model->beta = plan->param[BETA].number;
-        model->is_radial = plan->param[BAND].number != 0.0;
-        model->is_by_violation = plan->param[ORDER].number != 0.0;
-        model->iterations = (int32_t)plan->param[RELAXATION_ITERATIONS].number;
-        status = build(model, error ? error : own);
-        model->plan.param = NULL;
-    }
-    ss_memory_free(own);
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    reset(model);
-    *out_model = model;
-    return SOFTSIM_OK;
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* Microseconds of a link that is tested, in propagation and in a pass of relaxation, and of a tool;

@@ -33,6 +33,7 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
+#include "models/common/life.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -45,39 +46,33 @@ enum { COARSE_CELLS = 64, COARSE_ELEMENTS = 8, COARSE_LEAST = 4 };
 
 /* ---- set-up ---- */
 
-static bool create_set(ss_chain_set *set, int32_t count)
+static void create_set(ss_chain_set *set, int32_t count, ss_arena *arena)
 {
     set->word_count = count / 64 + 1;
     set->top_count = set->word_count / 64 + 1;
-    set->bit = ss_memory_get((size_t)set->word_count, sizeof *set->bit);
-    set->word = ss_memory_get((size_t)set->top_count, sizeof *set->word);
-    return set->bit && set->word;
-}
-
-static void destroy_set(ss_chain_set *set)
-{
-    ss_memory_free(set->bit);
-    ss_memory_free(set->word);
+    set->bit = ss_arena_get(arena, (size_t)set->word_count, sizeof *set->bit);
+    set->word = ss_arena_get(arena, (size_t)set->top_count, sizeof *set->word);
 }
 
 static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->padded;
+    ss_arena *arena = &model->arena;
     ss_real **const quads[] = {&model->u,    &model->v,    &model->mobility,
                                &model->free, &model->pull, &model->current};
-    bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
-        *quads[k] = ss_memory_get(4 * n, sizeof **quads[k]);
-        is_good = is_good && *quads[k];
+        *quads[k] = ss_arena_get(arena, 4 * n, sizeof **quads[k]);
     }
-    model->is_bound = ss_memory_get(n, 1);
-    model->is_placed = ss_memory_get(n, 1);
+    model->output =
+        isfinite(model->saturation) ? ss_arena_get(arena, 4 * n, sizeof *model->output) : model->u;
+    model->is_bound = ss_arena_get(arena, n, 1);
+    model->is_placed = ss_arena_get(arena, n, 1);
     ss_chain_front *front = &model->front;
-    is_good = create_set(&front->awake, model->net->group_count) && is_good;
-    is_good = create_set(&front->next, model->net->group_count) && is_good;
-    is_good = create_set(&front->moving, model->padded) && is_good;
-    is_good = create_set(&front->stay, model->padded) && is_good;
-    return is_good && model->is_bound && model->is_placed ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    create_set(&front->awake, model->net->group_count, arena);
+    create_set(&front->next, model->net->group_count, arena);
+    create_set(&front->moving, model->padded, arena);
+    create_set(&front->stay, model->padded, arena);
+    return ss_arena_status(arena);
 }
 
 static void set_mobility(ss_model *model)
@@ -163,36 +158,18 @@ static void reset(ss_model *model)
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
-    ss_chain_loads_fini(model);
     ss_chain_tools_fini(model);
-    ss_chain_coarse_destroy(&model->coarse);
-    ss_chain_guard_destroy(&model->guard);
-    ss_chain_net_destroy(&model->net);
-    if (model->output != model->u) {
-        ss_memory_free(model->output);
-    }
-    void *const owned[] = {model->conductance, model->valence,  model->u,    model->v,
-                           model->mobility,    model->free,     model->pull, model->current,
-                           model->is_bound,    model->is_placed};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    destroy_set(&model->front.awake);
-    destroy_set(&model->front.next);
-    destroy_set(&model->front.moving);
-    destroy_set(&model->front.stay);
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
 /* The parts in the order in which they need one another. */
-static softsim_status build(ss_model *model, softsim_error *error)
+static softsim_status build_on(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
     const int32_t before = error->fault_count;
-    softsim_status status = ss_chain_net_create(plan->mesh, "cnn-chainmail", &model->net, error);
+    softsim_status status =
+        ss_chain_net_create(plan->mesh, "cnn-chainmail", &model->arena, &model->net, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -203,11 +180,6 @@ static softsim_status build(ss_model *model, softsim_error *error)
         return status != SOFTSIM_OK ? status : checked;
     }
     status = allocate(model);
-    model->output = model->u;
-    if (status == SOFTSIM_OK && isfinite(model->saturation)) {
-        model->output = ss_memory_get(4 * (size_t)model->padded, sizeof *model->output);
-        status = model->output ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
-    }
     status = status == SOFTSIM_OK ? ss_chain_loads_create(model, error) : status;
     status = status == SOFTSIM_OK ? create_levels(model) : status;
     status = status == SOFTSIM_OK ? ss_chain_tools_create(model, error) : status;
@@ -220,34 +192,27 @@ static softsim_status build(ss_model *model, softsim_error *error)
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (model && own) {
-        model->plan = *plan;
-        model->node_count = plan->mesh->node_count;
-        ss_turned_init(&model->turned, plan->mesh, plan->step);
-        model->padded = (model->node_count + 2) / 2 * 2;
-        model->kernels = ss_chain_kernels_get();
-        model->diagonal = ss_mesh_diagonal(plan->mesh);
-        model->is_capacitance_given = plan->param[SS_CHAIN_CAPACITANCE_S].is_given;
-        status = build(model, error ? error : own);
-        model->plan.param = NULL;
-    }
+    model->plan = *plan;
+    model->node_count = plan->mesh->node_count;
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    model->padded = (model->node_count + 2) / 2 * 2;
+    model->kernels = ss_chain_kernels_get();
+    model->diagonal = ss_mesh_diagonal(plan->mesh);
+    model->is_capacitance_given = plan->param[SS_CHAIN_CAPACITANCE_S].is_given;
+    const softsim_status status = build_on(model, error);
+    model->plan.param = NULL;
     if (status == SOFTSIM_OK) {
         model->small = 1e-3 * model->net->mean_length *
                        (plan->working_force > 0.0 ? plan->working_force : 1.0);
     }
-    ss_memory_free(own);
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 static void info(const ss_model *model, ss_model_info *out)

@@ -167,7 +167,8 @@ static int32_t block_size(int32_t node_count, int32_t cells)
 }
 
 /* Elements into blocks along the curve; places about each block's middle. */
-static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh, double diagonal)
+static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh, double diagonal,
+                                   ss_arena *arena)
 {
     const int32_t n = mesh->node_count;
     ss_chain_hats *hats = &coarse->hats;
@@ -175,14 +176,13 @@ static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh,
     hats->block_count = pad_up(n, hats->block) / hats->block;
     const size_t padded = (size_t)hats->block_count * (size_t)hats->block;
     key *order = ss_memory_get((size_t)n, sizeof *order);
-    hats->node = ss_memory_get(padded, sizeof *hats->node);
-    hats->taking_part = ss_memory_get(padded, sizeof *hats->taking_part);
+    hats->node = ss_arena_get(arena, padded, sizeof *hats->node);
+    hats->taking_part = ss_arena_get(arena, padded, sizeof *hats->taking_part);
     hats->nobody = 4 * n;
-    hats->place = ss_memory_get(3 * padded, sizeof *hats->place);
-    hats->first = ss_memory_get((size_t)hats->block_count + 1, sizeof *hats->first);
-    coarse->slot = ss_memory_get((size_t)n, sizeof *coarse->slot);
-    const bool is_good =
-        order && hats->node && hats->taking_part && hats->place && hats->first && coarse->slot;
+    hats->place = ss_arena_get(arena, 3 * padded, sizeof *hats->place);
+    hats->first = ss_arena_get(arena, (size_t)hats->block_count + 1, sizeof *hats->first);
+    coarse->slot = ss_arena_get(arena, (size_t)n, sizeof *coarse->slot);
+    const bool is_good = order && ss_arena_status(arena) == SOFTSIM_OK;
     double low[3] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; is_good && i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
@@ -356,7 +356,8 @@ static void tabulate(ss_chain_coarse *coarse)
     }
 }
 
-static softsim_status build_hats(ss_chain_coarse *coarse, const ss_mesh *mesh, const int32_t *seed)
+static softsim_status build_hats(ss_chain_coarse *coarse, const ss_mesh *mesh, const int32_t *seed,
+                                 ss_arena *arena)
 {
     ss_chain_hats *hats = &coarse->hats;
     double *scratch = ss_memory_get((size_t)coarse->cells * SS_CHAIN_MAX_BLOCK, sizeof *scratch);
@@ -365,11 +366,11 @@ static softsim_status build_hats(ss_chain_coarse *coarse, const ss_mesh *mesh, c
     }
     fit_blocks(coarse, mesh, seed, scratch, true);
     const size_t entries = (size_t)hats->first[hats->block_count];
-    hats->cell = ss_memory_get(entries, sizeof *hats->cell);
-    hats->linear = ss_memory_get(4 * entries, sizeof *hats->linear);
-    coarse->weight = ss_memory_get(entries * (size_t)hats->block, sizeof *coarse->weight);
-    coarse->first = ss_memory_get((size_t)hats->block_count, sizeof *coarse->first);
-    const bool is_good = hats->cell && hats->linear && coarse->weight && coarse->first;
+    hats->cell = ss_arena_get(arena, entries, sizeof *hats->cell);
+    hats->linear = ss_arena_get(arena, 4 * entries, sizeof *hats->linear);
+    coarse->weight = ss_arena_get(arena, entries * (size_t)hats->block, sizeof *coarse->weight);
+    coarse->first = ss_arena_get(arena, (size_t)hats->block_count, sizeof *coarse->first);
+    const bool is_good = ss_arena_status(arena) == SOFTSIM_OK;
     if (is_good) {
         fit_blocks(coarse, mesh, seed, scratch, false);
         tabulate(coarse);
@@ -592,32 +593,26 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
 {
     const size_t cells = (size_t)coarse->cells, row = (size_t)coarse->row;
     const size_t n = (size_t)model->padded;
-    coarse->mask = ss_memory_get(4 * n, sizeof *coarse->mask);
-    coarse->out = ss_memory_get(n, sizeof *coarse->out);
-    coarse->idle = ss_memory_get(n, sizeof *coarse->idle);
-    coarse->gathered = ss_memory_get(4 * row, sizeof *coarse->gathered);
-    coarse->moved = ss_memory_get(4 * row, sizeof *coarse->moved);
+    ss_arena *arena = &model->arena;
+    coarse->mask = ss_arena_get(arena, 4 * n, sizeof *coarse->mask);
+    coarse->out = ss_arena_get(arena, n, sizeof *coarse->out);
+    coarse->idle = ss_arena_get(arena, n, sizeof *coarse->idle);
+    coarse->gathered = ss_arena_get(arena, 4 * row, sizeof *coarse->gathered);
+    coarse->moved = ss_arena_get(arena, 4 * row, sizeof *coarse->moved);
     if (coarse->is_aggregated) {
-        coarse->inverse = ss_memory_get(row, sizeof *coarse->inverse);
-        coarse->own = ss_memory_get(n, sizeof *coarse->own);
-        coarse->queue = ss_memory_get(n, sizeof *coarse->queue);
-        coarse->solved = ss_memory_get(cells, sizeof *coarse->solved);
-        return coarse->mask && coarse->out && coarse->idle && coarse->inverse && coarse->own &&
-                       coarse->queue && coarse->solved && coarse->gathered && coarse->moved
-                   ? SOFTSIM_OK
-                   : SOFTSIM_ERROR_MEMORY;
+        coarse->inverse = ss_arena_get(arena, row, sizeof *coarse->inverse);
+        coarse->own = ss_arena_get(arena, n, sizeof *coarse->own);
+        coarse->queue = ss_arena_get(arena, n, sizeof *coarse->queue);
+        coarse->solved = ss_arena_get(arena, cells, sizeof *coarse->solved);
+    } else {
+        coarse->base = ss_arena_get(arena, cells * cells, sizeof *coarse->base);
+        coarse->matrix = ss_arena_get(arena, cells * cells, sizeof *coarse->matrix);
+        coarse->factor = ss_arena_get(arena, cells * cells, sizeof *coarse->factor);
+        coarse->solved = ss_arena_get(arena, cells * cells, sizeof *coarse->solved);
+        coarse->inverse = ss_arena_get(arena, row * row, sizeof *coarse->inverse);
+        coarse->base_inverse = ss_arena_get(arena, row * row, sizeof *coarse->base_inverse);
     }
-    coarse->base = ss_memory_get(cells * cells, sizeof *coarse->base);
-    coarse->matrix = ss_memory_get(cells * cells, sizeof *coarse->matrix);
-    coarse->factor = ss_memory_get(cells * cells, sizeof *coarse->factor);
-    coarse->solved = ss_memory_get(cells * cells, sizeof *coarse->solved);
-    coarse->inverse = ss_memory_get(row * row, sizeof *coarse->inverse);
-    coarse->base_inverse = ss_memory_get(row * row, sizeof *coarse->base_inverse);
-    return coarse->mask && coarse->out && coarse->idle && coarse->base && coarse->matrix &&
-                   coarse->factor && coarse->solved && coarse->inverse && coarse->base_inverse &&
-                   coarse->gathered && coarse->moved
-               ? SOFTSIM_OK
-               : SOFTSIM_ERROR_MEMORY;
+    return ss_arena_status(arena);
 }
 
 /* Fixed and driven elements take no part; the others make Phi'LPhi, or m. */
@@ -647,7 +642,7 @@ static void admit_elements(ss_model *model)
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    ss_chain_coarse *coarse = ss_memory_get(1, sizeof *coarse);
+    ss_chain_coarse *coarse = ss_arena_get(&model->arena, 1, sizeof *coarse);
     int32_t *seed = ss_memory_get((size_t)cells, sizeof *seed);
     double *nearest = ss_memory_get((size_t)mesh->node_count, sizeof *nearest);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
@@ -658,8 +653,8 @@ softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_ag
         coarse->row = pad_up(cells, 4);
         coarse->hats.block = block_size(mesh->node_count, cells);
         coarse->spacing = choose_seeds(mesh, cells, seed, nearest);
-        status = build_blocks(coarse, mesh, model->diagonal);
-        status = status == SOFTSIM_OK ? build_hats(coarse, mesh, seed) : status;
+        status = build_blocks(coarse, mesh, model->diagonal, &model->arena);
+        status = status == SOFTSIM_OK ? build_hats(coarse, mesh, seed, &model->arena) : status;
     }
     ss_memory_free(seed);
     ss_memory_free(nearest);
@@ -671,25 +666,6 @@ softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_ag
         memcpy(coarse->base, coarse->matrix, (size_t)cells * (size_t)cells * sizeof *coarse->base);
     }
     return status;
-}
-
-void ss_chain_coarse_destroy(ss_chain_coarse **coarse)
-{
-    ss_chain_coarse *c = *coarse;
-    if (!c) {
-        return;
-    }
-    void *const owned[] = {c->first,      c->own,       c->queue,       c->hats.taking_part,
-                           c->slot,       c->weight,    c->hats.node,   c->hats.place,
-                           c->hats.first, c->hats.cell, c->hats.linear, c->mask,
-                           c->out,        c->idle,      c->base,        c->matrix,
-                           c->factor,     c->solved,    c->inverse,     c->base_inverse,
-                           c->gathered,   c->moved};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    ss_memory_free(c);
-    *coarse = NULL;
 }
 
 /* No element is left out any more: back to what was computed at the start, to the last bit. */

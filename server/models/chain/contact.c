@@ -98,29 +98,25 @@ static softsim_status create_tool(ss_model *model, ss_chain_tool *tool, const ss
     const ss_touch_options options = {.delta = ss_surface_mean_edge(model->surface),
                                       .stiffness = tool->stiffness};
     const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    return status != SOFTSIM_OK                             ? status
-           : ss_grasp_init(&tool->grasp, model->node_count) ? SOFTSIM_OK
-                                                            : SOFTSIM_ERROR_MEMORY;
+    ss_grasp_init(&tool->grasp, model->node_count, &model->arena);
+    return status == SOFTSIM_OK ? ss_arena_status(&model->arena) : status;
 }
 
 static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->padded;
-    model->contact = ss_memory_get(4 * n, sizeof *model->contact);
-    model->push = ss_memory_get(4 * n, sizeof *model->push);
-    model->answer = ss_memory_get(4 * n, sizeof *model->answer);
-    model->diagonal_of = ss_memory_get(n, sizeof *model->diagonal_of);
-    model->firmness = ss_memory_get(n, sizeof *model->firmness);
-    model->touched = ss_memory_get(n, sizeof *model->touched);
-    model->is_touched = ss_memory_get(n, sizeof *model->is_touched);
-    model->is_marked = ss_memory_get(n, sizeof *model->is_marked);
-    model->hold = ss_memory_get(n, sizeof *model->hold);
-    model->hold_weight = ss_memory_get(n, sizeof *model->hold_weight);
-    return model->contact && model->push && model->answer && model->diagonal_of &&
-                   model->firmness && model->touched && model->is_touched && model->is_marked &&
-                   model->hold && model->hold_weight
-               ? SOFTSIM_OK
-               : SOFTSIM_ERROR_MEMORY;
+    ss_arena *arena = &model->arena;
+    model->contact = ss_arena_get(arena, 4 * n, sizeof *model->contact);
+    model->push = ss_arena_get(arena, 4 * n, sizeof *model->push);
+    model->answer = ss_arena_get(arena, 4 * n, sizeof *model->answer);
+    model->diagonal_of = ss_arena_get(arena, n, sizeof *model->diagonal_of);
+    model->firmness = ss_arena_get(arena, n, sizeof *model->firmness);
+    model->touched = ss_arena_get(arena, n, sizeof *model->touched);
+    model->is_touched = ss_arena_get(arena, n, sizeof *model->is_touched);
+    model->is_marked = ss_arena_get(arena, n, sizeof *model->is_marked);
+    model->hold = ss_arena_get(arena, n, sizeof *model->hold);
+    model->hold_weight = ss_arena_get(arena, n, sizeof *model->hold_weight);
+    return ss_arena_status(arena);
 }
 
 softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
@@ -147,16 +143,8 @@ void ss_chain_tools_fini(ss_model *model)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_touch_destroy(&model->tool[k].touch);
-        ss_grasp_fini(&model->tool[k].grasp);
     }
     ss_surface_destroy(&model->surface);
-    void *const owned[] = {model->contact,     model->push,      model->answer,
-                           model->diagonal_of, model->firmness,  model->touched,
-                           model->is_touched,  model->is_marked, model->hold,
-                           model->hold_weight};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
 }
 
 /* ---- where tools are ---- */

@@ -20,7 +20,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* Of the volume at rest. */
@@ -66,19 +65,21 @@ static void set_groups(ss_chain_guard *guard, const ss_mesh *mesh)
 softsim_status ss_chain_guard_create(ss_model *model)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    ss_chain_guard *guard = ss_memory_get(1, sizeof *guard);
+    ss_arena *arena = &model->arena;
+    ss_chain_guard *guard = ss_arena_get(arena, 1, sizeof *guard);
     model->guard = guard;
     if (!guard) {
         return SOFTSIM_ERROR_MEMORY;
     }
     const size_t n = (size_t)model->padded, tets = (size_t)mesh->tetrahedron_count;
     guard->tets.group_count = (mesh->tetrahedron_count + SS_CHAIN_LANES - 1) / SS_CHAIN_LANES;
-    guard->tets.group = ss_memory_get((size_t)guard->tets.group_count, sizeof *guard->tets.group);
-    guard->rest = ss_memory_get(4 * n, sizeof *guard->rest);
-    guard->place = ss_memory_get(4 * n, sizeof *guard->place);
-    guard->before = ss_memory_get(4 * n, sizeof *guard->before);
-    guard->low = ss_memory_get(tets, sizeof *guard->low);
-    if (!guard->tets.group || !guard->rest || !guard->place || !guard->before || !guard->low) {
+    guard->tets.group =
+        ss_arena_get(arena, (size_t)guard->tets.group_count, sizeof *guard->tets.group);
+    guard->rest = ss_arena_get(arena, 4 * n, sizeof *guard->rest);
+    guard->place = ss_arena_get(arena, 4 * n, sizeof *guard->place);
+    guard->before = ss_arena_get(arena, 4 * n, sizeof *guard->before);
+    guard->low = ss_arena_get(arena, tets, sizeof *guard->low);
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t i = 0; i < mesh->node_count; ++i) {
@@ -89,20 +90,6 @@ softsim_status ss_chain_guard_create(ss_model *model)
     }
     set_groups(guard, mesh);
     return SOFTSIM_OK;
-}
-
-void ss_chain_guard_destroy(ss_chain_guard **guard)
-{
-    if (!*guard) {
-        return;
-    }
-    ss_memory_free((*guard)->tets.group);
-    ss_memory_free((*guard)->rest);
-    ss_memory_free((*guard)->place);
-    ss_memory_free((*guard)->before);
-    ss_memory_free((*guard)->low);
-    ss_memory_free(*guard);
-    *guard = NULL;
 }
 
 static void place_corners(const ss_model *model, const int32_t corner[4], double p[4][3])

@@ -28,8 +28,8 @@ static softsim_status create_load(ss_model *model, int32_t which, uint8_t *mark,
         mark[load->plan->node[k]] = 1;
     }
     return load->plan->is_pressure
-               ? ss_plan_pressure_triangles(&model->plan, "cnn-chainmail", which, &load->triangle,
-                                            &load->triangle_count, error)
+               ? ss_plan_pressure_triangles(&model->plan, "cnn-chainmail", which, &model->arena,
+                                            &load->triangle, &load->triangle_count, error)
                : SOFTSIM_OK;
 }
 
@@ -38,8 +38,8 @@ static softsim_status create_driven(ss_model *model, int32_t which)
     ss_chain_driven *driven = &model->driven[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
     driven->plan = set;
-    driven->from = ss_memory_get((size_t)set->node_count, sizeof *driven->from);
-    driven->to = ss_memory_get((size_t)set->node_count, sizeof *driven->to);
+    driven->from = ss_arena_get(&model->arena, (size_t)set->node_count, sizeof *driven->from);
+    driven->to = ss_arena_get(&model->arena, (size_t)set->node_count, sizeof *driven->to);
     if (!driven->from || !driven->to) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -56,7 +56,7 @@ static softsim_status create_driven(ss_model *model, int32_t which)
 
 static softsim_status set_fixed(ss_model *model)
 {
-    model->fixed = ss_memory_get((size_t)model->node_count, sizeof *model->fixed);
+    model->fixed = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->fixed);
     if (!model->fixed) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -77,9 +77,10 @@ softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
     uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
-    model->load = ss_memory_get((size_t)plan->load_count, sizeof *model->load);
-    model->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *model->driven);
-    model->loaded = ss_memory_get((size_t)model->node_count, sizeof *model->loaded);
+    model->load = ss_arena_get(&model->arena, (size_t)plan->load_count, sizeof *model->load);
+    model->driven =
+        ss_arena_get(&model->arena, (size_t)plan->prescribed_count, sizeof *model->driven);
+    model->loaded = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->loaded);
     softsim_status status = mark && model->load && model->driven && model->loaded
                                 ? set_fixed(model)
                                 : SOFTSIM_ERROR_MEMORY;
@@ -96,21 +97,6 @@ softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error)
     }
     ss_memory_free(mark);
     return status;
-}
-
-void ss_chain_loads_fini(ss_model *model)
-{
-    for (int32_t k = 0; model->load && k < model->plan.load_count; ++k) {
-        ss_memory_free(model->load[k].triangle);
-    }
-    for (int32_t k = 0; model->driven && k < model->plan.prescribed_count; ++k) {
-        ss_memory_free(model->driven[k].from);
-        ss_memory_free(model->driven[k].to);
-    }
-    ss_memory_free(model->load);
-    ss_memory_free(model->driven);
-    ss_memory_free(model->loaded);
-    ss_memory_free(model->fixed);
 }
 
 /* ---- loads ---- */

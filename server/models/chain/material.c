@@ -316,8 +316,8 @@ softsim_status ss_chain_material_create(ss_model *model, softsim_error *error)
 {
     const ss_param_value *param = model->plan.param;
     const size_t n = (size_t)model->node_count;
-    model->conductance = ss_memory_get(n, sizeof *model->conductance);
-    model->valence = ss_memory_get(n, sizeof *model->valence);
+    model->conductance = ss_arena_get(&model->arena, n, sizeof *model->conductance);
+    model->valence = ss_arena_get(&model->arena, n, sizeof *model->valence);
     if (!model->conductance || !model->valence) {
         return SOFTSIM_ERROR_MEMORY;
     }

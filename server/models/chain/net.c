@@ -81,13 +81,13 @@ static void keep_distinct(ss_chain_net *net, const ss_mesh *mesh, const int64_t 
     }
 }
 
-static softsim_status find_links(ss_chain_net *net, const ss_mesh *mesh)
+static softsim_status find_links(ss_chain_net *net, const ss_mesh *mesh, ss_arena *arena)
 {
     const source from = find_source(mesh);
     const int64_t total = (int64_t)from.element_count * from.edges;
     int64_t *first = ss_memory_get((size_t)net->node_count + 2, sizeof *first);
     int32_t *higher = ss_memory_get((size_t)total, sizeof *higher);
-    net->link = ss_memory_get((size_t)total, sizeof *net->link);
+    net->link = ss_arena_get(arena, (size_t)total, sizeof *net->link);
     const bool is_good = first && higher && net->link && total < INT32_MAX / SS_CHAIN_LANES;
     if (is_good) {
         int32_t low, high;
@@ -189,17 +189,17 @@ static void index_nodes(ss_chain_net *net)
     }
 }
 
-static softsim_status group_links(ss_chain_net *net, const ss_mesh *mesh)
+static softsim_status group_links(ss_chain_net *net, const ss_mesh *mesh, ss_arena *arena)
 {
     const size_t links = (size_t)net->link_count, nodes = (size_t)net->node_count;
     net->group_count = (net->link_count + SS_CHAIN_LANES - 1) / SS_CHAIN_LANES;
-    net->group = ss_memory_get((size_t)net->group_count, sizeof *net->group);
-    net->position = ss_memory_get(links, sizeof *net->position);
-    net->first = ss_memory_get(nodes + 2, sizeof *net->first);
-    net->at = ss_memory_get(2 * links, sizeof *net->at);
+    net->group = ss_arena_get(arena, (size_t)net->group_count, sizeof *net->group);
+    net->position = ss_arena_get(arena, links, sizeof *net->position);
+    net->first = ss_arena_get(arena, nodes + 2, sizeof *net->first);
+    net->at = ss_arena_get(arena, 2 * links, sizeof *net->at);
     int32_t *next = ss_memory_get(links + 1, sizeof *next);
     int32_t *stamp = ss_memory_get(nodes, sizeof *stamp);
-    const bool is_good = net->group && net->position && net->first && net->at && next && stamp;
+    const bool is_good = ss_arena_status(arena) == SOFTSIM_OK && next && stamp;
     if (is_good) {
         net->least_length = (double)INFINITY;
         build_groups(net, mesh, next, stamp);
@@ -212,40 +212,22 @@ static softsim_status group_links(ss_chain_net *net, const ss_mesh *mesh)
 
 /* ---- life ---- */
 
-softsim_status ss_chain_net_create(const ss_mesh *mesh, const char *name, ss_chain_net **out_net,
-                                   softsim_error *error)
+softsim_status ss_chain_net_create(const ss_mesh *mesh, const char *name, ss_arena *arena,
+                                   ss_chain_net **out_net, softsim_error *error)
 {
-    ss_chain_net *net = ss_memory_get(1, sizeof *net);
+    ss_chain_net *net = ss_arena_get(arena, 1, sizeof *net);
     *out_net = net;
     if (!net) {
         return SOFTSIM_ERROR_MEMORY;
     }
     net->node_count = mesh->node_count;
-    softsim_status status = find_links(net, mesh);
+    softsim_status status = find_links(net, mesh, arena);
     if (status == SOFTSIM_OK && net->link_count == 0) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s: the mesh has no edge of any length",
                           name);
         status = SOFTSIM_ERROR_MESH;
     }
-    status = status == SOFTSIM_OK ? group_links(net, mesh) : status;
-    if (status != SOFTSIM_OK) {
-        ss_chain_net_destroy(out_net);
-    }
-    return status;
-}
-
-void ss_chain_net_destroy(ss_chain_net **net)
-{
-    if (!*net) {
-        return;
-    }
-    ss_memory_free((*net)->link);
-    ss_memory_free((*net)->group);
-    ss_memory_free((*net)->position);
-    ss_memory_free((*net)->first);
-    ss_memory_free((*net)->at);
-    ss_memory_free(*net);
-    *net = NULL;
+    return status == SOFTSIM_OK ? group_links(net, mesh, arena) : status;
 }
 
 int64_t ss_chain_net_bytes(const ss_chain_net *net)

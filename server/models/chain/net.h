@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "mesh/mesh.h"
+#include "rt/arena.h"
 #include "rt/real.h"
 #include "softsim/types.h"
 
@@ -46,9 +47,8 @@ typedef struct ss_chain_net {
 } ss_chain_net;
 
 /* SOFTSIM_ERROR_MESH (said in `error` under the model's `name`) when there is no link at all. */
-softsim_status ss_chain_net_create(const ss_mesh *mesh, const char *name, ss_chain_net **out_net,
-                                   softsim_error *error);
-void ss_chain_net_destroy(ss_chain_net **net);
+softsim_status ss_chain_net_create(const ss_mesh *mesh, const char *name, ss_arena *arena,
+                                   ss_chain_net **out_net, softsim_error *error);
 int64_t ss_chain_net_bytes(const ss_chain_net *net);
 
 /* The other end of the link at `position` of `node`, and one of its values. */

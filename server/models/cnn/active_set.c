@@ -149,12 +149,13 @@ static void add_near(ss_cnn_window *window, int32_t *count, int32_t a, int32_t b
     near[count[a]++] = b;
 }
 
-static softsim_status find_near_blocks(const ss_model *model, ss_cnn_window *window)
+static softsim_status find_near_blocks(ss_model *model, ss_cnn_window *window)
 {
     const ss_cnn_edges *edges = &model->network->edges;
     const int32_t size = window->block_size;
     int32_t *count = ss_memory_get((size_t)window->block_count, sizeof *count);
-    window->near_first = ss_memory_get((size_t)window->block_count + 1, sizeof(int32_t));
+    window->near_first =
+        ss_arena_get(&model->arena, (size_t)window->block_count + 1, sizeof(int32_t));
     if (!count || !window->near_first) {
         ss_memory_free(count);
         return SOFTSIM_ERROR_MEMORY;
@@ -168,8 +169,8 @@ static softsim_status find_near_blocks(const ss_model *model, ss_cnn_window *win
     for (int32_t k = 0; k < window->block_count; ++k) {
         window->near_first[k + 1] += window->near_first[k];
     }
-    window->near =
-        ss_memory_get((size_t)window->near_first[window->block_count], sizeof *window->near);
+    const size_t crossing = (size_t)window->near_first[window->block_count];
+    window->near = ss_arena_get(&model->arena, crossing, sizeof *window->near);
     for (int32_t e = 0; window->near && e < edges->count; ++e) {
         const int32_t a = edges->from[e] / 4 / size, b = edges->to[e] / 4 / size;
         if (a != b) {
@@ -257,27 +258,24 @@ static void set_bends(ss_model *model, ss_cnn_window *window)
     memset(model->product, 0, bytes);
 }
 
-static bool allocate(const ss_model *model, ss_cnn_window *window)
+static softsim_status allocate(ss_model *model, ss_cnn_window *window)
 {
     const size_t blocks = (size_t)window->block_count, spans = blocks / 2 + 1;
     const size_t modes = (size_t)window->mode_count;
+    const size_t bends = blocks * modes * (size_t)model->source_count;
+    ss_arena *arena = &model->arena;
     ss_cnn_part *const part[] = {&window->active, &window->beside, &window->rim, &window->still};
-    bool is_good = true;
     for (size_t k = 0; k < sizeof part / sizeof *part; ++k) {
-        part[k]->span = ss_memory_get(spans, sizeof *part[k]->span);
-        is_good = is_good && part[k]->span;
+        part[k]->span = ss_arena_get(arena, spans, sizeof *part[k]->span);
     }
-    window->is_pinned = ss_memory_get(blocks, 1);
-    window->rank = ss_memory_get(blocks, 1);
-    window->unrest = ss_memory_get(blocks, sizeof *window->unrest);
-    window->gram = ss_memory_get(blocks * modes * modes, sizeof *window->gram);
-    window->bend =
-        ss_memory_get(blocks * modes * (size_t)model->source_count, sizeof *window->bend);
-    window->seam = ss_memory_get((size_t)model->node_count, sizeof *window->seam);
-    window->is_seam = ss_memory_get((size_t)model->node_count, 1);
-    is_good = is_good && window->seam && window->is_seam;
-    return is_good && window->is_pinned && window->rank && window->unrest && window->gram &&
-           window->bend;
+    window->is_pinned = ss_arena_get(arena, blocks, 1);
+    window->rank = ss_arena_get(arena, blocks, 1);
+    window->unrest = ss_arena_get(arena, blocks, sizeof *window->unrest);
+    window->gram = ss_arena_get(arena, blocks * modes * modes, sizeof *window->gram);
+    window->bend = ss_arena_get(arena, bends, sizeof *window->bend);
+    window->seam = ss_arena_get(arena, (size_t)model->node_count, sizeof *window->seam);
+    window->is_seam = ss_arena_get(arena, (size_t)model->node_count, 1);
+    return ss_arena_status(arena);
 }
 
 softsim_status ss_cnn_window_create(ss_model *model)
@@ -288,7 +286,7 @@ softsim_status ss_cnn_window_create(ss_model *model)
     if (model->window_reason) {
         return SOFTSIM_OK;
     }
-    ss_cnn_window *window = model->window = ss_memory_get(1, sizeof *window);
+    ss_cnn_window *window = model->window = ss_arena_get(&model->arena, 1, sizeof *window);
     if (!window) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -299,7 +297,7 @@ softsim_status ss_cnn_window_create(ss_model *model)
     window->damping_rate = damping_rate;
     window->rate2 = rate2;
     window->mode_count = model->source_count + (model->normal ? 1 : 0);
-    softsim_status status = allocate(model, window) ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    softsim_status status = allocate(model, window);
     status = status == SOFTSIM_OK ? find_near_blocks(model, window) : status;
     if (status == SOFTSIM_OK) {
         pin_blocks(model, window);
@@ -307,23 +305,6 @@ softsim_status ss_cnn_window_create(ss_model *model)
         set_bends(model, window);
     }
     return status;
-}
-
-void ss_cnn_window_destroy(ss_cnn_window **window)
-{
-    ss_cnn_window *gone = *window;
-    if (!gone) {
-        return;
-    }
-    void *const owned[] = {gone->near_first, gone->near,        gone->is_pinned,   gone->rank,
-                           gone->unrest,     gone->active.span, gone->beside.span, gone->rim.span,
-                           gone->still.span, gone->gram,        gone->bend,        gone->seam,
-                           gone->is_seam};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    ss_memory_free(gone);
-    *window = NULL;
 }
 
 /* ---- parts ---- */

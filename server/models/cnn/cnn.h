@@ -205,6 +205,7 @@ typedef struct ss_cnn_window {
 } ss_cnn_window;
 
 struct ss_model {
+    ss_arena arena;
     ss_model_plan plan;
     int32_t node_count;
     const ss_cnn_kernels *kernels;
@@ -279,9 +280,8 @@ struct ss_model {
 /* ---- material.c: parameters to values a node, and everything refused about them ---- */
 
 /* Thread: set-up only. */
-softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
-                                      softsim_error *error);
-void ss_cnn_material_fini(ss_cnn_material *material);
+softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_arena *arena,
+                                      ss_cnn_material *out_material, softsim_error *error);
 /* What the network is made of; points into plan and material. Thread: set-up only. */
 ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_material *material);
 /* Faults of fixed nodes, loads, prescribed sets and tools against the mesh; out_is_held: do the
@@ -294,7 +294,6 @@ softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_materia
 /* Finds the bodies, their volumes and the pressure's share of the step bound; nothing without B.
  * Thread: set-up only. */
 softsim_status ss_cnn_enclosed_create(ss_model *model, softsim_error *error);
-void ss_cnn_enclosed_fini(ss_model *model);
 /* N for the stage, which takes the pressure of one body along; NULL: none, or several, whose
  * pressures ss_cnn_enclosed_evaluate puts into model->force. */
 const ss_real *ss_cnn_enclosed_normal(const ss_model *model);
@@ -308,8 +307,7 @@ double ss_cnn_enclosed_energy(const ss_model *model);
 /* ---- source.c: where energy enters the network ---- */
 
 /* Allocates one source; free bodies need b_turned. Thread: set-up only. */
-softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source);
-void ss_cnn_source_fini(ss_cnn_source *source);
+softsim_status ss_cnn_source_init(ss_model *model, ss_cnn_source *source);
 /* A source of fixed weights (they sum to 1) over `node`. Thread: set-up only. */
 softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *node,
                                  const double *weight, ss_cnn_source *source);
@@ -380,7 +378,6 @@ void ss_cnn_set_bound(ss_model *model);
 /* Fills model->whole and, where the plan allows it, model->window; model->part is either of them
  * afterwards. Thread: set-up only. */
 softsim_status ss_cnn_window_create(ss_model *model);
-void ss_cnn_window_destroy(ss_cnn_window **window);
 /* Only the pinned blocks are active, and the modes at rest. */
 void ss_cnn_window_reset(ss_model *model);
 /* Everything below does nothing in a model without a window.
@@ -411,7 +408,6 @@ const ss_real *ss_cnn_fit(ss_model *model, const ss_real *u);
 
 /* Sources and lists of loads and prescribed sets. Thread: set-up only. */
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error);
-void ss_cnn_loads_fini(ss_model *model);
 /* How much of each load acts at `time`, and sources switched on; true when forces must be built. */
 bool ss_cnn_loads_update(ss_model *model, double time);
 /* Forces of loads and gravity into model->load_force. */

@@ -53,6 +53,7 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
+#include "models/common/life.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -62,19 +63,18 @@ SS_KERNEL_PATHS(ss_cnn_kernels)
 
 /* ---- set-up ---- */
 
-static bool get_quads(const ss_model *model, ss_real **out)
+static ss_real *get_quads(ss_model *model)
 {
-    *out = ss_memory_get(ss_cnn_padded(model->node_count) * 4, sizeof **out);
-    return *out != NULL;
+    return ss_arena_get(&model->arena, ss_cnn_padded(model->node_count) * 4, sizeof(ss_real));
 }
 
-static bool get_node_reals(const ss_model *model, const double *from, ss_real **out)
+static ss_real *get_node_reals(ss_model *model, const double *from)
 {
-    *out = ss_memory_get(ss_cnn_padded(model->node_count), sizeof **out);
-    for (int32_t i = 0; *out && i < model->node_count; ++i) {
-        (*out)[i] = (ss_real)from[i];
+    ss_real *out = ss_arena_get(&model->arena, ss_cnn_padded(model->node_count), sizeof(ss_real));
+    for (int32_t i = 0; out != NULL && i < model->node_count; ++i) {
+        out[i] = (ss_real)from[i];
     }
-    return *out != NULL;
+    return out;
 }
 
 static softsim_status allocate_state(ss_model *model)
@@ -85,27 +85,25 @@ static softsim_status allocate_state(ss_model *model)
         &model->load_force, &model->base,     &model->force,  &model->mobility, &model->inverse,
         &model->push,       &model->residual, &model->search, &model->scaled,   &model->product,
         &model->held_b};
-    bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
-        is_good = is_good && get_quads(model, quads[k]);
+        *quads[k] = get_quads(model);
     }
-    is_good = is_good && (model->is_held || get_quads(model, &model->fitted));
-    is_good = is_good && (model->material.bulk == 0.0 || get_quads(model, &model->normal));
-    is_good = is_good && get_node_reals(model, model->material.mass, &model->mass) &&
-              get_node_reals(model, model->material.damping, &model->damping) &&
-              get_node_reals(model, model->material.rest_stiffness, &model->rest_stiffness);
+    model->fitted = model->is_held ? NULL : get_quads(model);
+    model->normal = model->material.bulk == 0.0 ? NULL : get_quads(model);
+    model->mass = get_node_reals(model, model->material.mass);
+    model->damping = get_node_reals(model, model->material.damping);
+    model->rest_stiffness = get_node_reals(model, model->material.rest_stiffness);
+    ss_arena *arena = &model->arena;
     const size_t n = ss_cnn_padded(model->node_count);
     const size_t edges = (size_t)model->network->edges.padded_count;
-    model->stiff = ss_memory_get(n, sizeof *model->stiff);
-    model->mobility_max = ss_memory_get(n, sizeof *model->mobility_max);
-    model->strain = ss_memory_get(edges, sizeof *model->strain);
-    model->stretch = ss_memory_get(edges, sizeof *model->stretch);
-    model->held_kap =
-        ss_memory_get((size_t)model->network->held.entry_count, sizeof *model->held_kap);
-    model->column = ss_memory_get(SS_CNN_WHOLE_COLUMNS, sizeof *model->column);
-    is_good = is_good && model->stiff && model->mobility_max && model->strain && model->stretch &&
-              model->held_kap && model->column;
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    const size_t held = (size_t)model->network->held.entry_count;
+    model->stiff = ss_arena_get(arena, n, sizeof *model->stiff);
+    model->mobility_max = ss_arena_get(arena, n, sizeof *model->mobility_max);
+    model->strain = ss_arena_get(arena, edges, sizeof *model->strain);
+    model->stretch = ss_arena_get(arena, edges, sizeof *model->stretch);
+    model->held_kap = ss_arena_get(arena, held, sizeof *model->held_kap);
+    model->column = ss_arena_get(arena, SS_CNN_WHOLE_COLUMNS, sizeof *model->column);
+    return ss_arena_status(arena);
 }
 
 /* 1/m on every axis that may move; driven axes are taken out when their sets are read. */
@@ -181,16 +179,16 @@ static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_s
     softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
     status = status == SOFTSIM_OK ? ss_cnn_source_init(model, &tool->source) : status;
     tool->source.is_tool = true;
-    tool->mu = ss_memory_get(n, sizeof *tool->mu);
-    tool->fading_mu = ss_memory_get(n, sizeof *tool->fading_mu);
-    tool->eps = ss_memory_get(n, sizeof *tool->eps);
-    tool->eta = ss_memory_get(n, sizeof *tool->eta);
-    tool->share = ss_memory_get(n, sizeof *tool->share);
-    const bool is_good = get_quads(model, &tool->shape_y) &&
-                         get_quads(model, &tool->weight_slope) && tool->mu && tool->fading_mu &&
-                         tool->eps && tool->eta && tool->share &&
-                         ss_grasp_init(&tool->grasp, model->node_count);
-    return status != SOFTSIM_OK ? status : is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    ss_arena *arena = &model->arena;
+    tool->mu = ss_arena_get(arena, n, sizeof *tool->mu);
+    tool->fading_mu = ss_arena_get(arena, n, sizeof *tool->fading_mu);
+    tool->eps = ss_arena_get(arena, n, sizeof *tool->eps);
+    tool->eta = ss_arena_get(arena, n, sizeof *tool->eta);
+    tool->share = ss_arena_get(arena, n, sizeof *tool->share);
+    tool->shape_y = get_quads(model);
+    tool->weight_slope = get_quads(model);
+    ss_grasp_init(&tool->grasp, model->node_count, arena);
+    return status != SOFTSIM_OK ? status : ss_arena_status(arena);
 }
 
 static softsim_status create_tools(ss_model *model, softsim_error *error)
@@ -296,55 +294,27 @@ static void reset(ss_model *model)
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
-    ss_cnn_loads_fini(model);
-    ss_cnn_window_destroy(&model->window);
-    ss_cnn_enclosed_fini(model);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_cnn_tool *tool = &model->tool[k];
-        ss_touch_destroy(&tool->touch);
-        ss_cnn_source_fini(&tool->source);
-        ss_grasp_fini(&tool->grasp);
-        void *const owned[] = {tool->mu,      tool->eps,       tool->eta,         tool->share,
-                               tool->shape_y, tool->fading_mu, tool->weight_slope};
-        for (size_t m = 0; m < sizeof owned / sizeof *owned; ++m) {
-            ss_memory_free(owned[m]);
-        }
+        ss_touch_destroy(&model->tool[k].touch);
     }
     ss_surface_destroy(&model->surface);
     ss_cnn_relax_destroy(&model->relax);
     ss_cnn_network_destroy(&model->network);
-    ss_cnn_material_fini(&model->material);
-    void *const owned[] = {
-        model->held,     model->mass,       model->damping,      model->rest_stiffness,
-        model->mobility, model->normal,     model->mobility_max, model->u,
-        model->v,        model->u_low,      model->old_u,        model->old_v,
-        model->old_low,  model->us,         model->vs[0],        model->vs[1],
-        model->vs[2],    model->load_force, model->base,         model->force,
-        model->fitted,   model->strain,     model->stretch,      model->held_kap,
-        model->held_b,   model->inverse,    model->push,         model->residual,
-        model->search,   model->scaled,     model->product,      model->stiff};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    ss_memory_free(model->column);
-    ss_memory_free(model->saturation);
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
 /* The parts in the order in which they need one another. */
-static softsim_status build(ss_model *model, softsim_error *error)
+static softsim_status build_on(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    softsim_status status = ss_cnn_material_create(plan, &model->material, error);
+    softsim_status status = ss_cnn_material_create(plan, &model->arena, &model->material, error);
     const softsim_status checked =
         ss_cnn_plan_check(plan, &model->material, &model->is_held, error);
     if (status != SOFTSIM_OK || checked != SOFTSIM_OK) {
         return status != SOFTSIM_OK ? status : checked;
     }
-    model->held = ss_memory_get((size_t)model->node_count, 1);
+    model->held = ss_arena_get(&model->arena, (size_t)model->node_count, 1);
     if (!model->held) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -386,30 +356,23 @@ static softsim_status build(ss_model *model, softsim_error *error)
     return status;
 }
 
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
+{
+    model->plan = *plan;
+    model->node_count = plan->mesh->node_count;
+    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    model->kernels = ss_cnn_kernels_get();
+    model->has_gravity = ss_norm3(plan->gravity) > 0.0;
+    model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
+    model->is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
+    const softsim_status status = build_on(model, error);
+    model->plan.param = NULL;
+    return status;
+}
+
 static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (model && own) {
-        model->plan = *plan;
-        model->node_count = plan->mesh->node_count;
-        ss_turned_init(&model->turned, plan->mesh, plan->step);
-        model->kernels = ss_cnn_kernels_get();
-        model->has_gravity = ss_norm3(plan->gravity) > 0.0;
-        model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
-        model->is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
-        status = build(model, error ? error : own);
-        model->plan.param = NULL;
-    }
-    ss_memory_free(own);
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* The node that limits the step, where the step is the trouble; else -1. */

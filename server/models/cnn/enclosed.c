@@ -33,18 +33,18 @@ static int32_t body_of(const ss_model *model, int32_t node)
 static softsim_status find_bodies(ss_model *model)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    model->body = ss_memory_get((size_t)model->node_count, sizeof *model->body);
+    model->body = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->body);
     model->enclosed_count = model->body ? ss_mesh_find_bodies(mesh, model->body) : -1;
     if (model->enclosed_count < 0) {
         model->enclosed_count = 0;
         return SOFTSIM_ERROR_MEMORY;
     }
     if (model->enclosed_count == 1) {
-        ss_memory_free(model->body);
         model->body = NULL;
     }
-    model->enclosed = ss_memory_get((size_t)model->enclosed_count, sizeof *model->enclosed);
-    return model->enclosed ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    const size_t count = (size_t)model->enclosed_count;
+    model->enclosed = ss_arena_get(&model->arena, count, sizeof *model->enclosed);
+    return ss_arena_status(&model->arena);
 }
 
 /* N_i and V_k. */
@@ -113,12 +113,6 @@ softsim_status ss_cnn_enclosed_create(ss_model *model, softsim_error *error)
     model->bulk_rate = largest_rate(model, square);
     ss_memory_free(square);
     return SOFTSIM_OK;
-}
-
-void ss_cnn_enclosed_fini(ss_model *model)
-{
-    ss_memory_free(model->enclosed);
-    ss_memory_free(model->body);
 }
 
 /* ---- in a step ---- */

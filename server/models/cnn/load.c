@@ -34,19 +34,6 @@ typedef struct patch {
     double *weight; /* sum 1 */
 } patch;
 
-static softsim_status allocate_patch(const ss_model *model, patch *out)
-{
-    out->node = ss_memory_get((size_t)model->node_count, sizeof *out->node);
-    out->weight = ss_memory_get((size_t)model->node_count, sizeof *out->weight);
-    return out->node && out->weight ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
-}
-
-static void free_patch(patch *gone)
-{
-    ss_memory_free(gone->node);
-    ss_memory_free(gone->weight);
-}
-
 /* Leaves the cell nearest the centre of raw[node] > 0; the lower number where two are as near. */
 static void keep_contact_cell(const ss_model *model, const double *raw, patch *out)
 {
@@ -162,8 +149,9 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
     load->plan = &model->plan.load[which];
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     if (load->plan->is_pressure) {
-        const softsim_status status = ss_plan_pressure_triangles(
-            &model->plan, "cnn-energy", which, &load->triangle, &load->triangle_count, error);
+        const softsim_status status =
+            ss_plan_pressure_triangles(&model->plan, "cnn-energy", which, &model->arena,
+                                       &load->triangle, &load->triangle_count, error);
         if (status != SOFTSIM_OK) {
             return status;
         }
@@ -188,9 +176,7 @@ static softsim_status create_driven(ss_model *model, int32_t which, patch *cells
 {
     ss_cnn_driven *driven = &model->driven[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
-    if (!ss_driven_set_init(&driven->set, set)) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
+    ss_driven_set_init(&driven->set, set, &model->arena);
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
@@ -207,7 +193,7 @@ static softsim_status create_driven(ss_model *model, int32_t which, patch *cells
 static softsim_status list_loaded(ss_model *model)
 {
     uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
-    model->loaded = ss_memory_get((size_t)model->node_count, sizeof *model->loaded);
+    model->loaded = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->loaded);
     if (!mark || !model->loaded) {
         ss_memory_free(mark);
         return SOFTSIM_ERROR_MEMORY;
@@ -231,42 +217,27 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
     const ss_model_plan *plan = &model->plan;
     const size_t limit = (size_t)plan->load_count + (size_t)plan->prescribed_count;
     const int32_t before = error->fault_count;
-    patch cells = {0};
-    double *raw = ss_memory_get((size_t)model->node_count, sizeof *raw);
-    softsim_status status = allocate_patch(model, &cells);
-    model->load = ss_memory_get((size_t)plan->load_count, sizeof *model->load);
-    model->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *model->driven);
-    model->source = ss_memory_get(limit, sizeof *model->source);
-    if (!raw || !model->load || !model->driven || !model->source) {
-        status = SOFTSIM_ERROR_MEMORY;
-    }
+    ss_arena scratch = {0};
+    const size_t n = (size_t)model->node_count;
+    patch cells = {.node = ss_arena_get(&scratch, n, sizeof *cells.node),
+                   .weight = ss_arena_get(&scratch, n, sizeof *cells.weight)};
+    double *raw = ss_arena_get(&scratch, n, sizeof *raw);
+    ss_arena *arena = &model->arena;
+    model->load = ss_arena_get(arena, (size_t)plan->load_count, sizeof *model->load);
+    model->driven = ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->driven);
+    model->source = ss_arena_get(arena, limit, sizeof *model->source);
+    softsim_status status = ss_arena_status(&scratch);
+    status = status == SOFTSIM_OK ? ss_arena_status(arena) : status;
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
         status = create_load(model, k, &cells, raw, error);
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
         status = create_driven(model, k, &cells, raw);
     }
-    free_patch(&cells);
-    ss_memory_free(raw);
+    ss_arena_free(&scratch);
+    status = status == SOFTSIM_OK ? ss_arena_status(arena) : status;
     status = status == SOFTSIM_OK ? list_loaded(model) : status;
     return status == SOFTSIM_OK && error->fault_count > before ? SOFTSIM_ERROR_SCENE : status;
-}
-
-void ss_cnn_loads_fini(ss_model *model)
-{
-    for (int32_t k = 0; model->load && k < model->plan.load_count; ++k) {
-        ss_memory_free(model->load[k].triangle);
-    }
-    for (int32_t k = 0; model->driven && k < model->plan.prescribed_count; ++k) {
-        ss_driven_set_fini(&model->driven[k].set);
-    }
-    for (int32_t k = 0; model->source && k < model->source_count; ++k) {
-        ss_cnn_source_fini(&model->source[k]);
-    }
-    ss_memory_free(model->load);
-    ss_memory_free(model->driven);
-    ss_memory_free(model->source);
-    ss_memory_free(model->loaded);
 }
 
 /* ---- forces ---- */

@@ -462,23 +462,22 @@ static void fill_fields(const ss_model_plan *plan, ss_cnn_material *material, co
     }
 }
 
-softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material *out_material,
-                                      softsim_error *error)
+softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_arena *arena,
+                                      ss_cnn_material *out_material, softsim_error *error)
 {
     const size_t n = (size_t)plan->mesh->node_count;
     const int32_t before = error ? error->fault_count : 0;
     ss_cnn_material material = {.element = read_domain(plan, error),
-                                .mass = ss_memory_get(n, sizeof(double)),
-                                .damping = ss_memory_get(n, sizeof(double)),
-                                .rest_stiffness = ss_memory_get(n, sizeof(double)),
-                                .rho = ss_memory_get(n, sizeof(double))};
+                                .mass = ss_arena_get(arena, n, sizeof(double)),
+                                .damping = ss_arena_get(arena, n, sizeof(double)),
+                                .rest_stiffness = ss_arena_get(arena, n, sizeof(double)),
+                                .rho = ss_arena_get(arena, n, sizeof(double))};
     const bool is_anisotropic = read_anisotropy(plan, &material, error);
-    material.rho_across = is_anisotropic ? ss_memory_get(n, sizeof(double)) : NULL;
+    material.rho_across = is_anisotropic ? ss_arena_get(arena, n, sizeof(double)) : NULL;
     double *size = ss_memory_get(n, sizeof *size);
     read_numbers(plan, &material, error);
     *out_material = material;
-    if (!material.mass || !material.damping || !material.rest_stiffness || !material.rho ||
-        (is_anisotropic && !material.rho_across) || !size) {
+    if (ss_arena_status(arena) != SOFTSIM_OK || !size) {
         ss_memory_free(size);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -487,16 +486,6 @@ softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_cnn_material
     fill_fields(plan, &material, size, error);
     ss_memory_free(size);
     return error && error->fault_count > before ? SOFTSIM_ERROR_SCENE : SOFTSIM_OK;
-}
-
-void ss_cnn_material_fini(ss_cnn_material *material)
-{
-    ss_memory_free(material->mass);
-    ss_memory_free(material->damping);
-    ss_memory_free(material->rest_stiffness);
-    ss_memory_free(material->rho);
-    ss_memory_free(material->rho_across);
-    *material = (ss_cnn_material){0};
 }
 
 /* ---- the plan ---- */

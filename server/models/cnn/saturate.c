@@ -290,7 +290,7 @@ softsim_status ss_cnn_saturation_create(ss_model *model, softsim_error *error)
     }
     double *scale = ss_memory_get((size_t)model->node_count, sizeof *scale);
     double *field = ss_memory_get((size_t)model->node_count, sizeof *field);
-    model->saturation = ss_memory_get(1, sizeof *model->saturation);
+    model->saturation = ss_arena_get(&model->arena, 1, sizeof *model->saturation);
     softsim_status status = scale && field && model->saturation ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     for (int32_t l = 0; status == SOFTSIM_OK && l < model->source_count; ++l) {
         status = set_potentials(model, l, scale, field);

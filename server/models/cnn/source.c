@@ -55,32 +55,19 @@
 
 /* ---- set-up ---- */
 
-softsim_status ss_cnn_source_init(const ss_model *model, ss_cnn_source *source)
+softsim_status ss_cnn_source_init(ss_model *model, ss_cnn_source *source)
 {
     const size_t quads = ss_cnn_padded(model->node_count) * 4;
     const size_t edges = (size_t)model->network->edges.padded_count;
     const size_t entries = (size_t)model->network->rows.entry_count;
-    source->kap_edge = ss_memory_get(edges, sizeof(ss_real));
-    source->kap = ss_memory_get(entries, sizeof(ss_real));
-    source->b = ss_memory_get(quads, sizeof(ss_real));
-    source->r = ss_memory_get(quads, sizeof(ss_real));
-    source->b_turned = model->is_held ? NULL : ss_memory_get(quads, sizeof(ss_real));
+    ss_arena *arena = &model->arena;
+    source->kap_edge = ss_arena_get(arena, edges, sizeof(ss_real));
+    source->kap = ss_arena_get(arena, entries, sizeof(ss_real));
+    source->b = ss_arena_get(arena, quads, sizeof(ss_real));
+    source->r = ss_arena_get(arena, quads, sizeof(ss_real));
+    source->b_turned = model->is_held ? NULL : ss_arena_get(arena, quads, sizeof(ss_real));
     source->eps_limit = (double)INFINITY;
-    const bool is_good = source->kap_edge && source->kap && source->b && source->r &&
-                         (model->is_held || source->b_turned);
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
-}
-
-void ss_cnn_source_fini(ss_cnn_source *source)
-{
-    ss_memory_free(source->kap_edge);
-    ss_memory_free(source->kap);
-    ss_memory_free(source->b);
-    ss_memory_free(source->r);
-    ss_memory_free(source->b_turned);
-    ss_memory_free(source->cell);
-    ss_memory_free(source->cell_weight);
-    *source = (ss_cnn_source){0};
+    return ss_arena_status(arena);
 }
 
 softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *node,
@@ -88,11 +75,9 @@ softsim_status ss_cnn_source_fix(ss_model *model, int32_t count, const int32_t *
 {
     ss_cnn_network *network = model->network;
     double *kap = ss_memory_get((size_t)network->edges.padded_count, sizeof *kap);
-    source->cell = ss_memory_get((size_t)count, sizeof *source->cell);
-    source->cell_weight = ss_memory_get((size_t)count, sizeof *source->cell_weight);
-    softsim_status status = kap && source->cell && source->cell_weight
-                                ? ss_cnn_source_init(model, source)
-                                : SOFTSIM_ERROR_MEMORY;
+    source->cell = ss_arena_get(&model->arena, (size_t)count, sizeof *source->cell);
+    source->cell_weight = ss_arena_get(&model->arena, (size_t)count, sizeof *source->cell_weight);
+    softsim_status status = kap ? ss_cnn_source_init(model, source) : SOFTSIM_ERROR_MEMORY;
     if (status == SOFTSIM_OK) {
         source->cell_count = count;
         memcpy(source->cell, node, (size_t)count * sizeof *node);

@@ -102,12 +102,6 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
 
 /* ---- set-up ---- */
 
-static bool get_quads(const ss_body *body, ss_real **out)
-{
-    *out = ss_memory_get((size_t)body->nodes.padded_count * 4, sizeof **out);
-    return *out != NULL;
-}
-
 static bool has_tools(const ss_model_plan *plan)
 {
     bool is_any = false;
@@ -117,28 +111,33 @@ static bool has_tools(const ss_model_plan *plan)
     return is_any;
 }
 
+static ss_real *get_quads(ss_body *body)
+{
+    return ss_arena_get(&body->arena, (size_t)body->nodes.padded_count * 4, sizeof(ss_real));
+}
+
 static softsim_status allocate(ss_body *body)
 {
     ss_body_nodes *nodes = &body->nodes;
+    ss_arena *arena = &body->arena;
     const size_t n = (size_t)nodes->padded_count;
-    ss_real **const quads[] = {&nodes->u,    &nodes->v,         &nodes->force,  &nodes->mobility,
-                               &body->old_u, &body->load_force, &body->old_load};
-    bool is_good = true;
-    for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
-        is_good = get_quads(body, quads[k]) && is_good;
-    }
+    nodes->u = get_quads(body);
+    nodes->v = get_quads(body);
+    nodes->force = get_quads(body);
+    nodes->mobility = get_quads(body);
+    body->old_u = get_quads(body);
+    body->load_force = get_quads(body);
+    body->old_load = get_quads(body);
     for (int k = 0; k < 5 && body->own.integrator == SS_BODY_RK4; ++k) {
-        is_good = get_quads(body, &body->stage[k]) && is_good;
+        body->stage[k] = get_quads(body);
     }
-    nodes->rest = ss_memory_get((size_t)nodes->count, sizeof *nodes->rest);
-    nodes->mass = ss_memory_get(n, sizeof *nodes->mass);
-    body->mass = ss_memory_get(n, sizeof *body->mass);
-    body->axes = ss_memory_get(n, sizeof *body->axes);
-    body->is_source = ss_memory_get(n, sizeof *body->is_source);
-    body->is_idle = ss_memory_get(n / SS_BODY_BLOCK + 1, sizeof *body->is_idle);
-    is_good = is_good && nodes->rest && nodes->mass && body->mass && body->axes &&
-              body->is_source && body->is_idle;
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    nodes->rest = ss_arena_get(arena, (size_t)nodes->count, sizeof *nodes->rest);
+    nodes->mass = ss_arena_get(arena, n, sizeof *nodes->mass);
+    body->mass = ss_arena_get(arena, n, sizeof *body->mass);
+    body->axes = ss_arena_get(arena, n, sizeof *body->axes);
+    body->is_source = ss_arena_get(arena, n, sizeof *body->is_source);
+    body->is_idle = ss_arena_get(arena, n / SS_BODY_BLOCK + 1, sizeof *body->is_idle);
+    return ss_arena_status(arena);
 }
 
 /* Masses that are no numbers, or too small to divide by. */
@@ -293,15 +292,7 @@ void ss_body_destroy(ss_body **body)
         return;
     }
     ss_body_tools_fini(gone);
-    ss_body_loads_fini(gone);
-    void *const owned[] = {
-        gone->nodes.rest, gone->nodes.u,  gone->nodes.v,   gone->nodes.force, gone->nodes.mobility,
-        gone->nodes.mass, gone->axes,     gone->is_source, gone->is_idle,     gone->load_force,
-        gone->old_load,   gone->old_u,    gone->stage[0],  gone->stage[1],    gone->stage[2],
-        gone->stage[3],   gone->stage[4], gone->mass};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena_free(&gone->arena);
     ss_memory_free(gone);
 }
 

@@ -71,36 +71,31 @@ static softsim_status create_tool(ss_body *body, ss_body_tool *tool, const ss_sh
     tool->radius = radius > 0.0 ? radius : tool->reach;
     const ss_touch_options options = {.delta = tool->reach, .stiffness = 1.0};
     const softsim_status status = ss_touch_create(body->surface, shape, &options, &tool->touch);
-    tool->shape_y = ss_memory_get((size_t)body->nodes.padded_count * 4, sizeof *tool->shape_y);
-    if (!tool->shape_y || !ss_grasp_init(&tool->grasp, body->skin->node_count)) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    return status;
+    const size_t quads = (size_t)body->nodes.padded_count * 4;
+    tool->shape_y = ss_arena_get(&body->arena, quads, sizeof *tool->shape_y);
+    ss_grasp_init(&tool->grasp, body->skin->node_count, &body->arena);
+    return status == SOFTSIM_OK ? ss_arena_status(&body->arena) : status;
 }
 
 static softsim_status allocate(ss_body *body)
 {
     const size_t n = (size_t)body->nodes.padded_count;
     const size_t skin = (size_t)(body->skin->node_count + 7) / 8 * 8;
+    ss_arena *arena = &body->arena;
     ss_body_solver *solver = &body->solver;
     ss_real **const quads[] = {&solver->inverse, &solver->push,   &solver->residual,
                                &solver->search,  &solver->scaled, &solver->product};
-    bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
-        *quads[k] = ss_memory_get(n * 4, sizeof **quads[k]);
-        is_good = is_good && *quads[k];
+        *quads[k] = ss_arena_get(arena, n * 4, sizeof **quads[k]);
     }
-    solver->stiff = ss_memory_get(n, sizeof *solver->stiff);
-    body->contact_stiff = ss_memory_get(n, sizeof *body->contact_stiff);
-    body->skin_force = ss_memory_get(skin * 4, sizeof *body->skin_force);
-    body->skin_stiff = ss_memory_get(skin, sizeof *body->skin_stiff);
-    body->is_stiff = ss_memory_get(skin, 1);
-    body->stiff_node = ss_memory_get(skin, sizeof *body->stiff_node);
-    body->skin_u = body->has_skin ? ss_memory_get(skin * 4, sizeof *body->skin_u) : NULL;
-    is_good = is_good && solver->stiff && body->contact_stiff && body->skin_force &&
-              body->skin_stiff && body->is_stiff && body->stiff_node &&
-              (!body->has_skin || body->skin_u);
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    solver->stiff = ss_arena_get(arena, n, sizeof *solver->stiff);
+    body->contact_stiff = ss_arena_get(arena, n, sizeof *body->contact_stiff);
+    body->skin_force = ss_arena_get(arena, skin * 4, sizeof *body->skin_force);
+    body->skin_stiff = ss_arena_get(arena, skin, sizeof *body->skin_stiff);
+    body->is_stiff = ss_arena_get(arena, skin, 1);
+    body->stiff_node = ss_arena_get(arena, skin, sizeof *body->stiff_node);
+    body->skin_u = body->has_skin ? ss_arena_get(arena, skin * 4, sizeof *body->skin_u) : NULL;
+    return ss_arena_status(arena);
 }
 
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
@@ -142,18 +137,8 @@ void ss_body_tools_fini(ss_body *body)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_touch_destroy(&body->tool[k].touch);
-        ss_grasp_fini(&body->tool[k].grasp);
-        ss_memory_free(body->tool[k].shape_y);
     }
     ss_surface_destroy(&body->surface);
-    const ss_body_solver *solver = &body->solver;
-    void *const owned[] = {solver->inverse,  solver->push,    solver->residual,    solver->search,
-                           solver->scaled,   solver->product, solver->stiff,       body->skin_force,
-                           body->skin_stiff, body->skin_u,    body->contact_stiff, body->is_stiff,
-                           body->stiff_node};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
 }
 
 void ss_body_tools_reset(ss_body *body)

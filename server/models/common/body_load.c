@@ -32,7 +32,7 @@ static void take_driven_mobility(ss_body *body, const ss_prescribed *set)
 static softsim_status list_loaded(ss_body *body)
 {
     uint8_t *mark = ss_memory_get((size_t)body->mesh_count, 1);
-    body->loaded = ss_memory_get((size_t)body->mesh_count, sizeof *body->loaded);
+    body->loaded = ss_arena_get(&body->arena, (size_t)body->mesh_count, sizeof *body->loaded);
     if (!mark || !body->loaded) {
         ss_memory_free(mark);
         return SOFTSIM_ERROR_MEMORY;
@@ -55,8 +55,8 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error)
 {
     const ss_model_plan *plan = &body->plan;
     softsim_status status = SOFTSIM_OK;
-    body->load = ss_memory_get((size_t)plan->load_count, sizeof *body->load);
-    body->driven = ss_memory_get((size_t)plan->prescribed_count, sizeof *body->driven);
+    body->load = ss_arena_get(&body->arena, (size_t)plan->load_count, sizeof *body->load);
+    body->driven = ss_arena_get(&body->arena, (size_t)plan->prescribed_count, sizeof *body->driven);
     if (!body->load || !body->driven) {
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -64,31 +64,17 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error)
         ss_body_load *load = &body->load[k];
         load->plan = &plan->load[k];
         if (load->plan->is_pressure) {
-            const softsim_status found = ss_plan_pressure_triangles(
-                plan, body->own.name, k, &load->triangle, &load->triangle_count, error);
+            const softsim_status found =
+                ss_plan_pressure_triangles(plan, body->own.name, k, &body->arena, &load->triangle,
+                                           &load->triangle_count, error);
             status = status == SOFTSIM_OK ? found : status;
         }
     }
     for (int32_t k = 0; k < plan->prescribed_count; ++k) {
-        if (!ss_driven_set_init(&body->driven[k], &plan->prescribed[k])) {
-            return SOFTSIM_ERROR_MEMORY;
-        }
+        ss_driven_set_init(&body->driven[k], &plan->prescribed[k], &body->arena);
         take_driven_mobility(body, &plan->prescribed[k]);
     }
     return status == SOFTSIM_OK ? list_loaded(body) : status;
-}
-
-void ss_body_loads_fini(ss_body *body)
-{
-    for (int32_t k = 0; body->load && k < body->plan.load_count; ++k) {
-        ss_memory_free(body->load[k].triangle);
-    }
-    for (int32_t k = 0; body->driven && k < body->plan.prescribed_count; ++k) {
-        ss_driven_set_fini(&body->driven[k]);
-    }
-    ss_memory_free(body->load);
-    ss_memory_free(body->driven);
-    ss_memory_free(body->loaded);
 }
 
 /* ---- forces ---- */

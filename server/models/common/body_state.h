@@ -50,6 +50,7 @@ typedef struct ss_body_ledger {
 } ss_body_ledger;
 
 struct ss_body {
+    ss_arena arena;     /* all arrays below */
     ss_body_plan own;   /* as given; own.plan points to `plan` */
     ss_model_plan plan; /* `param` is NULL */
     ss_body_nodes nodes;
@@ -172,7 +173,6 @@ double ss_body_largest(int32_t count, const ss_real *u);
 /* ---- body_load.c: loads, driven sets, supports ---- */
 
 softsim_status ss_body_loads_create(ss_body *body, softsim_error *error);
-void ss_body_loads_fini(ss_body *body);
 /* Loads at `time` into load_force (the last ones into old_load); true when they changed. */
 bool ss_body_loads_update(ss_body *body, double time);
 /* Is the block of that node without mass? */

@@ -131,10 +131,9 @@ typedef struct ss_fem_material {
     ss_body_integrator integrator;
 } ss_fem_material;
 
-/* `name` begins every fault. SOFTSIM_ERROR_SCENE when there are any. Call fini in any case. */
-softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name,
+/* `name` begins every fault. SOFTSIM_ERROR_SCENE when there are any. */
+softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error);
-void ss_fem_material_fini(ss_fem_material *material);
 
 /* ---- the elastic body ---- */
 
@@ -162,6 +161,7 @@ typedef struct ss_fem_stability {
 } ss_fem_stability;
 
 typedef struct ss_fem {
+    ss_arena arena;
     const ss_fem_kernels *kernels;
     ss_tissue_kind kind;
     ss_fem_blocks blocks;
@@ -210,15 +210,13 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
 
 /* ---- parts, for the files of this module ---- */
 
-bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, int32_t padded);
+bool ss_fem_average_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padded);
 /* R of every node, N/m: the stiffness of the averaged part is at most that diagonal. */
 bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *setup,
                           double *out_stiffness);
-void ss_fem_average_fini(ss_fem_average *average);
 /* Pressures of the nodes at `u`; returns their energy if wanted, J. */
 double ss_fem_average_update(ss_fem *fem, const ss_real *u, bool wants_energy);
 /* Their change along x at the last u. */
 void ss_fem_average_change(ss_fem *fem, const ss_real *x);
 
 bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padded);
-void ss_fem_stability_fini(ss_fem_stability *stability);

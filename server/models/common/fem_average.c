@@ -30,19 +30,20 @@
 #include <string.h>
 
 #include "models/common/tetrahedron.h"
-#include "rt/memory.h"
 
-bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, int32_t padded)
+bool ss_fem_average_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padded)
 {
     const ss_fem_material *material = setup->material;
+    ss_fem_average *average = &fem->average;
     const size_t n = (size_t)padded;
-    double *volume = ss_memory_get(n, sizeof *volume),
-           *softness = ss_memory_get(n, sizeof *softness);
-    *average = (ss_fem_average){.modulus = ss_memory_get(n, sizeof *average->modulus),
-                                .pressure = ss_memory_get(n * 4, sizeof *average->pressure),
-                                .change = ss_memory_get(n * 4, sizeof *average->change)};
+    ss_arena scratch = {0};
+    double *volume = ss_arena_get(&scratch, n, sizeof *volume);
+    double *softness = ss_arena_get(&scratch, n, sizeof *softness);
+    average->modulus = ss_arena_get(&fem->arena, n, sizeof *average->modulus);
+    average->pressure = ss_arena_get(&fem->arena, n * 4, sizeof *average->pressure);
+    average->change = ss_arena_get(&fem->arena, n * 4, sizeof *average->change);
     const bool is_good =
-        volume && softness && average->modulus && average->pressure && average->change;
+        ss_arena_status(&scratch) == SOFTSIM_OK && ss_arena_status(&fem->arena) == SOFTSIM_OK;
     for (int32_t e = 0; is_good && e < setup->mesh->tetrahedron_count; ++e) {
         const int32_t *c = setup->mesh->tetrahedron[e];
         const double(*x)[3] = (const double(*)[3])setup->mesh->position;
@@ -58,17 +59,8 @@ bool ss_fem_average_create(ss_fem_average *average, const ss_fem_setup *setup, i
     for (int32_t i = 0; is_good && i < padded; ++i) {
         average->modulus[i] = volume[i] > 0.0 ? (ss_real)(1.0 / softness[i]) : 0;
     }
-    ss_memory_free(volume);
-    ss_memory_free(softness);
+    ss_arena_free(&scratch);
     return is_good;
-}
-
-void ss_fem_average_fini(ss_fem_average *average)
-{
-    ss_memory_free(average->modulus);
-    ss_memory_free(average->pressure);
-    ss_memory_free(average->change);
-    *average = (ss_fem_average){0};
 }
 
 /* ---- bound ---- */
@@ -78,11 +70,11 @@ typedef struct fans {
     int32_t *first, *element;
 } fans;
 
-static bool make_fans(const ss_mesh *mesh, fans *out)
+static bool make_fans(const ss_mesh *mesh, ss_arena *arena, fans *out)
 {
     const size_t nodes = (size_t)mesh->node_count, tets = (size_t)mesh->tetrahedron_count;
-    *out = (fans){.first = ss_memory_get(nodes + 2, sizeof *out->first),
-                  .element = ss_memory_get(4 * tets, sizeof *out->element)};
+    *out = (fans){.first = ss_arena_get(arena, nodes + 2, sizeof *out->first),
+                  .element = ss_arena_get(arena, 4 * tets, sizeof *out->element)};
     if (!out->first || !out->element) {
         return false;
     }
@@ -138,9 +130,10 @@ bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *set
 {
     const size_t n = (size_t)setup->mesh->node_count;
     fans fan;
-    double(*c)[3] = ss_memory_get(n, sizeof *c);
-    int32_t *touched = ss_memory_get(n, sizeof *touched);
-    const bool is_good = make_fans(setup->mesh, &fan) && c && touched;
+    ss_arena scratch = {0};
+    double(*c)[3] = ss_arena_get(&scratch, n, sizeof *c);
+    int32_t *touched = ss_arena_get(&scratch, n, sizeof *touched);
+    const bool is_good = make_fans(setup->mesh, &scratch, &fan) && c && touched;
     for (int32_t a = 0; is_good && a < setup->mesh->node_count; ++a) {
         const int32_t count = patch(setup, &fan, a, c, touched);
         double sum = 0.0;
@@ -153,10 +146,7 @@ bool ss_fem_average_bound(const ss_fem_average *average, const ss_fem_setup *set
             ss_set3(reach, 0.0, 0.0, 0.0);
         }
     }
-    ss_memory_free(fan.first);
-    ss_memory_free(fan.element);
-    ss_memory_free(c);
-    ss_memory_free(touched);
+    ss_arena_free(&scratch);
     return is_good;
 }
 

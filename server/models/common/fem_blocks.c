@@ -12,20 +12,9 @@
 #include <stddef.h>
 
 #include "models/common/tetrahedron.h"
-#include "rt/memory.h"
 
 /* Blocks of a run. */
 enum { DEAL = 32 };
-
-void ss_fem_blocks_fini(ss_fem_blocks *blocks)
-{
-    void *const owned[] = {blocks->node,  blocks->shape,  blocks->modulus, blocks->viscosity,
-                           blocks->kappa, blocks->volume, blocks->element};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    *blocks = (ss_fem_blocks){0};
-}
 
 /* One element into lane `lane` of block `b`. */
 static void fill(const ss_fem_stuff *stuff, ss_fem_blocks *blocks, int32_t e, ptrdiff_t b, int lane)
@@ -58,35 +47,41 @@ static void fill(const ss_fem_stuff *stuff, ss_fem_blocks *blocks, int32_t e, pt
     blocks->element[b * SS_FEM_LANES + lane] = e;
 }
 
-bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_fem_blocks *out_blocks)
+bool ss_fem_blocks_reserve(int32_t element_count, int32_t node_count, bool is_viscous,
+                           ss_arena *arena, ss_fem_blocks *out_blocks)
 {
-    const int32_t elements = stuff->element_count;
-    const size_t count = ((size_t)elements + SS_FEM_LANES - 1) / SS_FEM_LANES;
+    const size_t count = ((size_t)element_count + SS_FEM_LANES - 1) / SS_FEM_LANES;
     const size_t values = count * SS_FEM_LANES;
-    ss_fem_blocks blocks = {
+    const ss_fem_blocks blocks = {
         .count = (int32_t)count,
-        .element_count = elements,
-        .node_count = stuff->node_count,
-        .node = ss_memory_get(values * 4, sizeof *blocks.node),
-        .shape = ss_memory_get(values * SS_FEM_SHAPES, sizeof *blocks.shape),
-        .modulus = ss_memory_get(values * SS_FEM_MODULI, sizeof *blocks.modulus),
-        .viscosity = stuff->phi ? ss_memory_get(values * 2, sizeof *blocks.viscosity) : NULL,
-        .kappa = ss_memory_get(values, sizeof *blocks.kappa),
-        .volume = ss_memory_get(values, sizeof *blocks.volume),
-        .element = ss_memory_get(values, sizeof *blocks.element)};
+        .element_count = element_count,
+        .node_count = node_count,
+        .node = ss_arena_get(arena, values * 4, sizeof *blocks.node),
+        .shape = ss_arena_get(arena, values * SS_FEM_SHAPES, sizeof *blocks.shape),
+        .modulus = ss_arena_get(arena, values * SS_FEM_MODULI, sizeof *blocks.modulus),
+        .viscosity = is_viscous ? ss_arena_get(arena, values * 2, sizeof *blocks.viscosity) : NULL,
+        .kappa = ss_arena_get(arena, values, sizeof *blocks.kappa),
+        .volume = ss_arena_get(arena, values, sizeof *blocks.volume),
+        .element = ss_arena_get(arena, values, sizeof *blocks.element)};
     *out_blocks = blocks;
-    if (!blocks.node || !blocks.shape || !blocks.modulus || !blocks.kappa || !blocks.volume ||
-        !blocks.element || (stuff->phi && !blocks.viscosity)) {
-        ss_fem_blocks_fini(out_blocks);
-        return false;
-    }
-    for (size_t k = 0; k < values; ++k) {
+    for (size_t k = 0; blocks.element != NULL && k < values; ++k) {
         blocks.element[k] = -1;
     }
-    for (int32_t first = 0, b0 = 0; b0 < blocks.count; b0 += DEAL) {
-        const int32_t deal = blocks.count - b0 < DEAL ? blocks.count - b0 : DEAL;
+    return ss_arena_status(arena) == SOFTSIM_OK;
+}
+
+bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_arena *arena, ss_fem_blocks *out_blocks)
+{
+    const int32_t elements = stuff->element_count;
+    if (!ss_fem_blocks_reserve(elements, stuff->node_count, stuff->phi != NULL, arena,
+                               out_blocks)) {
+        return false;
+    }
+    const int32_t count = out_blocks->count;
+    for (int32_t first = 0, b0 = 0; b0 < count; b0 += DEAL) {
+        const int32_t deal = count - b0 < DEAL ? count - b0 : DEAL;
         for (int32_t k = 0; k < deal * SS_FEM_LANES && first + k < elements; ++k) {
-            fill(stuff, &blocks, first + k, b0 + k % deal, k / deal);
+            fill(stuff, out_blocks, first + k, b0 + k % deal, k / deal);
         }
         first += deal * SS_FEM_LANES;
     }

@@ -19,10 +19,7 @@ void ss_fem_destroy(ss_fem **fem)
     if (!*fem) {
         return;
     }
-    ss_fem_blocks_fini(&(*fem)->blocks);
-    ss_fem_average_fini(&(*fem)->average);
-    ss_fem_stability_fini(&(*fem)->stability);
-    ss_memory_free((*fem)->diagonal);
+    ss_arena_free(&(*fem)->arena);
     ss_memory_free(*fem);
     *fem = NULL;
 }
@@ -51,10 +48,10 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
         fem->integrator = material->integrator;
         fem->viscous_time = material->viscous_time;
         fem->mass_damping = material->mass_damping;
-        fem->diagonal = ss_memory_get((size_t)setup->node_count, sizeof *fem->diagonal);
+        fem->diagonal = ss_arena_get(&fem->arena, (size_t)setup->node_count, sizeof *fem->diagonal);
         fem->u = rest;
-        is_good = fem->diagonal && ss_fem_blocks_create(&stuff, &fem->blocks) &&
-                  (!material->is_averaged || ss_fem_average_create(&fem->average, setup, padded)) &&
+        is_good = fem->diagonal && ss_fem_blocks_create(&stuff, &fem->arena, &fem->blocks) &&
+                  (!material->is_averaged || ss_fem_average_create(fem, setup, padded)) &&
                   ss_fem_stability_create(fem, setup, padded);
         fem->u = NULL;
     }

@@ -8,13 +8,15 @@
  * In: blocks of eight elements and the displacements (velocities) of nodes as quads x y z 0. Out:
  * forces added to quads, energies. The laws are those of tissue_law.h, in ss_real; symbols as
  * there. Sums over the body are taken in double at the end of runs of 32 blocks.
- * Memory: ss_fem_blocks owns what it points to; a pass only borrows. No kernel allocates or
- * depends on the number of threads. Thread: any, RT-safe; ss_fem_blocks_create set-up only.
+ * Memory: blocks are of the arena that they were made with; a pass only borrows. No kernel
+ * allocates or depends on the number of threads. Thread: any, RT-safe; ss_fem_blocks_create set-up
+ * only.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "models/common/tissue_law.h"
+#include "rt/arena.h"
 #include "rt/real.h"
 
 enum { SS_FEM_LANES = 8, SS_FEM_SHAPES = 9, SS_FEM_MODULI = 2 };
@@ -45,9 +47,12 @@ typedef struct ss_fem_stuff {
     const double *volume_share; /* of the rest volume that counts, 0..1; NULL: all of it */
 } ss_fem_stuff;
 
+/* Room for `element_count` elements and no elements yet: `element` is -1, all else 0. False when
+ * out of memory. */
+bool ss_fem_blocks_reserve(int32_t element_count, int32_t node_count, bool is_viscous,
+                           ss_arena *arena, ss_fem_blocks *out_blocks);
 /* False when out of memory. */
-bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_fem_blocks *out_blocks);
-void ss_fem_blocks_fini(ss_fem_blocks *blocks);
+bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_arena *arena, ss_fem_blocks *out_blocks);
 
 /* One sweep over the blocks; fields that a kernel does not name are not looked at. */
 typedef struct ss_fem_pass {

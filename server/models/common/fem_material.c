@@ -11,7 +11,6 @@
 #include <math.h>
 
 #include "models/common/plan.h"
-#include "rt/memory.h"
 
 /* Above this Poisson's ratio the cure for locking is on by itself. A second sweep makes a sub-step
  * 1.75 times as long, and the stable step is 1.2 to 1.7 times as long with it: at 0.45 a body takes
@@ -89,22 +88,22 @@ static void fill_own(const ss_model_plan *plan, ss_fem_material *material)
     }
 }
 
-softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name,
+softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error)
 {
     const size_t n = (size_t)plan->mesh->tetrahedron_count;
     static const int viscosity[] = {SS_FEM_PHI, SS_FEM_PSI, SS_FEM_STIFFNESS_DAMPING};
     ss_fem_material material = {.kind = (ss_tissue_kind)plan->param[SS_FEM_MATERIAL].number,
-                                .lambda = ss_memory_get(n, sizeof(double)),
-                                .mu = ss_memory_get(n, sizeof(double)),
-                                .lambda_own = ss_memory_get(n, sizeof(double)),
-                                .density = ss_memory_get(n, sizeof(double)),
+                                .lambda = ss_arena_get(arena, n, sizeof(double)),
+                                .mu = ss_arena_get(arena, n, sizeof(double)),
+                                .lambda_own = ss_arena_get(arena, n, sizeof(double)),
+                                .density = ss_arena_get(arena, n, sizeof(double)),
                                 .mass_damping = plan->param[SS_FEM_MASS_DAMPING].number,
                                 .integrator = plan->param[SS_FEM_INTEGRATOR].number != 0.0
                                                   ? SS_BODY_RK4
                                                   : SS_BODY_SYMPLECTIC_EULER};
     *out_material = material;
-    if (!material.lambda || !material.mu || !material.lambda_own || !material.density) {
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     const bool is_good = fill_moduli(plan, name, &material, error);
@@ -112,21 +111,11 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
         material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
     }
     fill_own(plan, &material);
-    const bool has_memory = ss_plan_viscosity(plan, viscosity, material.lambda, material.mu,
-                                              &material.phi, &material.psi, &material.viscous_time);
+    ss_plan_viscosity(plan, viscosity, material.lambda, material.mu, arena, &material.phi,
+                      &material.psi, &material.viscous_time);
     *out_material = material;
-    if (!has_memory) {
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
-}
-
-void ss_fem_material_fini(ss_fem_material *material)
-{
-    double *const owned[] = {material->lambda,  material->mu,  material->lambda_own,
-                             material->density, material->phi, material->psi};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    *material = (ss_fem_material){0};
 }

@@ -37,7 +37,6 @@
 
 #include "models/common/tetrahedron.h"
 #include "rt/hash.h"
-#include "rt/memory.h"
 
 /* Steps between looks at an unchanged body, and at one whose law has no rule of growth. */
 enum { LOOK = 32, LOOK_UNBOUNDED = 4 };
@@ -146,12 +145,12 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
     ss_fem_stability *stability = &fem->stability;
     const ss_fem_material *material = setup->material;
     double most[2] = {0.0, 0.0};
-    double *claims = ss_memory_get((size_t)setup->node_count, sizeof *claims);
-    double *shared = ss_memory_get((size_t)setup->node_count, sizeof *shared);
+    ss_arena scratch = {0};
+    double *claims = ss_arena_get(&scratch, (size_t)setup->node_count, sizeof *claims);
+    double *shared = ss_arena_get(&scratch, (size_t)setup->node_count, sizeof *shared);
     if (!claims || !shared ||
         (fem->average.modulus && !ss_fem_average_bound(&fem->average, setup, shared))) {
-        ss_memory_free(claims);
-        ss_memory_free(shared);
+        ss_arena_free(&scratch);
         return false;
     }
     for (int32_t e = 0; e < setup->mesh->tetrahedron_count; ++e) {
@@ -192,8 +191,7 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
         memcpy(stability->bound, stability->growth,
                (size_t)fem->blocks.count * SS_FEM_LANES * sizeof(ss_real));
     }
-    ss_memory_free(claims);
-    ss_memory_free(shared);
+    ss_arena_free(&scratch);
     return true;
 }
 
@@ -273,16 +271,16 @@ bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t pad
 {
     ss_fem_stability *s = &fem->stability;
     const size_t n = (size_t)padded * 4, values = (size_t)fem->blocks.count * SS_FEM_LANES;
-    *s = (ss_fem_stability){.bound = ss_memory_get(values, sizeof *s->bound),
-                            .growth = ss_memory_get(values, sizeof *s->growth),
-                            .ratio = ss_memory_get(values, sizeof *s->ratio),
-                            .mobility = ss_memory_get(n, sizeof *s->mobility),
-                            .mode = ss_memory_get(n, sizeof *s->mode),
-                            .product = ss_memory_get(n, sizeof *s->product),
-                            .rest_mode = ss_memory_get(n, sizeof *s->rest_mode),
+    ss_arena *arena = &fem->arena;
+    *s = (ss_fem_stability){.bound = ss_arena_get(arena, values, sizeof *s->bound),
+                            .growth = ss_arena_get(arena, values, sizeof *s->growth),
+                            .ratio = ss_arena_get(arena, values, sizeof *s->ratio),
+                            .mobility = ss_arena_get(arena, n, sizeof *s->mobility),
+                            .mode = ss_arena_get(arena, n, sizeof *s->mode),
+                            .product = ss_arena_get(arena, n, sizeof *s->product),
+                            .rest_mode = ss_arena_get(arena, n, sizeof *s->rest_mode),
                             .worst = -1};
-    if (!s->bound || !s->growth || !s->ratio || !s->mobility || !s->mode || !s->product ||
-        !s->rest_mode || !set_bounds(fem, setup)) {
+    if (ss_arena_status(arena) != SOFTSIM_OK || !set_bounds(fem, setup)) {
         return false;
     }
     for (int32_t i = 0; i < setup->mesh->node_count; ++i) {
@@ -294,17 +292,6 @@ bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t pad
     settle(fem);
     s->rate2 = s->rest_rate2;
     return true;
-}
-
-void ss_fem_stability_fini(ss_fem_stability *stability)
-{
-    ss_real *const owned[] = {stability->bound,    stability->growth, stability->ratio,
-                              stability->mobility, stability->mode,   stability->product,
-                              stability->rest_mode};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    *stability = (ss_fem_stability){0};
 }
 
 double ss_fem_step_limit(const ss_fem *fem, double rate2)

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "rt/hash.h"
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* Time in which a released grasp lets go, s. */
@@ -14,21 +13,12 @@
 
 /* ---- grasp ---- */
 
-bool ss_grasp_init(ss_grasp *grasp, int32_t capacity)
+void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena)
 {
     const size_t n = (size_t)capacity;
-    grasp->node = ss_memory_get(n, sizeof *grasp->node);
-    grasp->stiffness = ss_memory_get(n, sizeof *grasp->stiffness);
-    grasp->offset = ss_memory_get(n, sizeof *grasp->offset);
-    return grasp->node && grasp->stiffness && grasp->offset;
-}
-
-void ss_grasp_fini(ss_grasp *grasp)
-{
-    ss_memory_free(grasp->node);
-    ss_memory_free(grasp->stiffness);
-    ss_memory_free(grasp->offset);
-    *grasp = (ss_grasp){0};
+    grasp->node = ss_arena_get(arena, n, sizeof *grasp->node);
+    grasp->stiffness = ss_arena_get(arena, n, sizeof *grasp->stiffness);
+    grasp->offset = ss_arena_get(arena, n, sizeof *grasp->offset);
 }
 
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,

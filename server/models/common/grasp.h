@@ -9,9 +9,10 @@
  * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
  * potential gains share/2 sum k_i |P_i - X - R o_i|^2. On release the share falls to 0 in 20 ms,
  * which can only lose energy.
- * Memory: by init, freed by fini. Thread: those two set-up only; the rest RT-safe.
+ * Thread: ss_grasp_init set-up only; the rest RT-safe.
  */
 #include "models/model.h"
+#include "rt/arena.h"
 
 /* Stiffness of a grasp over that of contact, N/m^3 over N/m^3: it shares the stability bound. */
 #define SS_GRASP_SHARE 0.2
@@ -27,9 +28,8 @@ typedef struct ss_grasp {
     double (*offset)[3]; /* in the tool's frame */
 } ss_grasp;
 
-/* For at most `capacity` nodes; false when out of memory. */
-bool ss_grasp_init(ss_grasp *grasp, int32_t capacity);
-void ss_grasp_fini(ss_grasp *grasp);
+/* For at most `capacity` nodes. */
+void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena);
 /* Takes hold of the `count` nodes (increasing) of weight (m^2) times `stiffness` (N/m^3), as they
  * stand displaced by `u` from `rest`, unstretched. */
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,

@@ -40,14 +40,15 @@ static bool has_viscosity(const ss_model_plan *plan, const int row[3])
     return is_any;
 }
 
-bool ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
-                       const double *mu, double **out_phi, double **out_psi, double *out_time)
+void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
+                       const double *mu, ss_arena *arena, double **out_phi, double **out_psi,
+                       double *out_time)
 {
     const size_t n = (size_t)plan->mesh->tetrahedron_count;
     const double time = plan->param[row[2]].number;
     const bool is_any = has_viscosity(plan, row);
-    double *phi = is_any ? ss_memory_get(n, sizeof *phi) : NULL;
-    double *psi = is_any ? ss_memory_get(n, sizeof *psi) : NULL;
+    double *phi = is_any ? ss_arena_get(arena, n, sizeof *phi) : NULL;
+    double *psi = is_any ? ss_arena_get(arena, n, sizeof *psi) : NULL;
     *out_phi = phi;
     *out_psi = psi;
     *out_time = 0.0;
@@ -57,7 +58,6 @@ bool ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
         const double dilatation = (phi[e] + 2.0 / 3.0 * psi[e]) / (lambda[e] + 2.0 / 3.0 * mu[e]);
         *out_time = fmax(*out_time, fmax(dilatation, psi[e] / mu[e]));
     }
-    return !is_any || (phi && psi);
 }
 
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k)
@@ -80,19 +80,11 @@ double ss_plan_load_factor(const ss_load *load, double time)
 
 /* ---- driven sets ---- */
 
-bool ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan)
+void ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan, ss_arena *arena)
 {
     driven->plan = plan;
-    driven->from = ss_memory_get((size_t)plan->node_count, sizeof *driven->from);
-    driven->to = ss_memory_get((size_t)plan->node_count, sizeof *driven->to);
-    return driven->from && driven->to;
-}
-
-void ss_driven_set_fini(ss_driven_set *driven)
-{
-    ss_memory_free(driven->from);
-    ss_memory_free(driven->to);
-    *driven = (ss_driven_set){0};
+    driven->from = ss_arena_get(arena, (size_t)plan->node_count, sizeof *driven->from);
+    driven->to = ss_arena_get(arena, (size_t)plan->node_count, sizeof *driven->to);
 }
 
 double ss_plan_pool_gain(double pool, double gain, double most, double dt)
@@ -418,13 +410,13 @@ void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_pr
 /* ---- pressure ---- */
 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
-                                          int32_t which, int32_t **out_triangle, int32_t *out_count,
-                                          softsim_error *error)
+                                          int32_t which, ss_arena *arena, int32_t **out_triangle,
+                                          int32_t *out_count, softsim_error *error)
 {
     const ss_mesh *mesh = plan->mesh;
     const ss_load *load = &plan->load[which];
     uint8_t *is_in = ss_memory_get((size_t)mesh->node_count, 1);
-    int32_t *triangle = ss_memory_get((size_t)mesh->triangle_count, sizeof *triangle);
+    int32_t *triangle = ss_arena_get(arena, (size_t)mesh->triangle_count, sizeof *triangle);
     *out_triangle = triangle;
     *out_count = 0;
     if (!is_in || !triangle) {

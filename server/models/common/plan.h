@@ -7,6 +7,7 @@
  * refused. Thread: set-up only where marked; the rest any thread, RT-safe.
  */
 #include "models/model.h"
+#include "rt/arena.h"
 #include "rt/printer.h"
 
 /* The first few numbers of a fault, for its message: "3, 17, 20". */
@@ -21,11 +22,11 @@ double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
 
 /* Viscosity of every tetrahedron (Pa s), by three rows of the model's: phi and psi as given and a
  * time T of stiffness damping: phi = phi_given + T max(lambda, 0), psi = psi_given + T mu. lambda,
- * mu: Pa, one an element. out_phi and out_psi are NULL where nothing is given, and the caller's to
- * free in any case; out_time (s): the viscous stiffness is at most that times the elastic. False:
- * no memory. Thread: set-up only. */
-bool ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
-                       const double *mu, double **out_phi, double **out_psi, double *out_time);
+ * mu: Pa, one an element. out_phi and out_psi are NULL where nothing is given, or memory is short;
+ * out_time (s): the viscous stiffness is at most that times the elastic. Thread: set-up only. */
+void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double *lambda,
+                       const double *mu, ss_arena *arena, double **out_phi, double **out_psi,
+                       double *out_time);
 
 /* Is axis `k` of node `i` of a prescribed set driven? */
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
@@ -40,13 +41,13 @@ double ss_plan_load_factor(const ss_load *load, double time);
  */
 double ss_plan_pool_gain(double pool, double gain, double most, double dt);
 
-/* A prescribed set on its way through an outer step. Memory: by init, freed by fini. */
+/* A prescribed set on its way through an outer step. */
 typedef struct ss_driven_set {
     const ss_prescribed *plan;
     double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
 } ss_driven_set;
-bool ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan);
-void ss_driven_set_fini(ss_driven_set *driven);
+/* Thread: set-up only. */
+void ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan, ss_arena *arena);
 /* From where its nodes are to where they belong at `time`. */
 void ss_driven_set_aim(ss_driven_set *driven, const ss_real *u, double time);
 /* Puts its nodes at `path` (0..1) of the way, moving so that they cover `fraction` of it in `h`
@@ -63,11 +64,11 @@ double ss_driven_set_place(const ss_driven_set *driven, double path, double frac
 softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const double *size,
                              const char *outside, bool *out_is_held, softsim_error *error);
 
-/* The triangles whose nodes are all in the group of load `which`, a pressure; none is refused. The
- * caller frees *out_triangle. Thread: set-up only. */
+/* The triangles whose nodes are all in the group of load `which`, a pressure; none is refused.
+ * Thread: set-up only. */
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
-                                          int32_t which, int32_t **out_triangle, int32_t *out_count,
-                                          softsim_error *error);
+                                          int32_t which, ss_arena *arena, int32_t **out_triangle,
+                                          int32_t *out_count, softsim_error *error);
 /* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
 double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer

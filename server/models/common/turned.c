@@ -6,7 +6,6 @@
 
 #include "models/common/grasp.h"
 #include "rt/hash.h"
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* s, in which every tetrahedron is looked at. */

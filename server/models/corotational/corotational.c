@@ -16,6 +16,7 @@
 
 #include "models/common/dispatch.h"
 #include "models/common/grasp.h"
+#include "models/common/life.h"
 #include "models/common/tetrahedron.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -36,20 +37,8 @@ SS_KERNEL_PATHS(ss_corot_kernels)
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
     ss_body_destroy(&model->body);
-    ss_fem_blocks_fini(&model->blocks);
-    ss_corot_material_fini(&model->material);
-    void *const owned[] = {model->stiff,   model->viscous,  model->mass,    model->system,
-                           model->turned,  model->elastic,  model->old_u,   model->old_v,
-                           model->change,  model->velocity, model->away,    model->residual,
-                           model->scaled,  model->search,   model->product, model->step,
-                           model->inverse, model->last,     model->contact, model->evaluated_u};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
@@ -57,23 +46,20 @@ static softsim_status allocate(ss_model *model)
 {
     const size_t nodes = (size_t)model->scalar_count / 4;
     const size_t lanes = (size_t)model->blocks.count * SS_FEM_LANES;
+    ss_arena *arena = &model->arena;
     ss_real **const quads[] = {
         &model->mass,     &model->elastic, &model->old_u,    &model->old_v,  &model->change,
         &model->velocity, &model->away,    &model->residual, &model->scaled, &model->search,
         &model->product,  &model->step,    &model->inverse,  &model->last,   &model->evaluated_u};
-    bool is_good = true;
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
-        *quads[k] = ss_memory_get(4 * nodes, sizeof(ss_real));
-        is_good = is_good && *quads[k];
+        *quads[k] = ss_arena_get(arena, 4 * nodes, sizeof(ss_real));
     }
-    model->turned = ss_memory_get(lanes * SS_FEM_SHAPES, sizeof *model->turned);
-    model->system = ss_memory_get(lanes * SS_FEM_MODULI, sizeof *model->system);
-    model->stiff = ss_memory_get(nodes, sizeof *model->stiff);
-    model->viscous = ss_memory_get(nodes, sizeof *model->viscous);
-    model->contact = ss_memory_get(nodes, sizeof *model->contact);
-    is_good = is_good && model->turned && model->system && model->stiff && model->viscous &&
-              model->contact;
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    model->turned = ss_arena_get(arena, lanes * SS_FEM_SHAPES, sizeof *model->turned);
+    model->system = ss_arena_get(arena, lanes * SS_FEM_MODULI, sizeof *model->system);
+    model->stiff = ss_arena_get(arena, nodes, sizeof *model->stiff);
+    model->viscous = ss_arena_get(arena, nodes, sizeof *model->viscous);
+    model->contact = ss_arena_get(arena, nodes, sizeof *model->contact);
+    return ss_arena_status(arena);
 }
 
 /* A third of the trace of the diagonal blocks: V (lambda + 4 mu) |grad N|^2 / 3. */
@@ -113,7 +99,7 @@ static bool fill_blocks(ss_model *model)
                                 .mu = material->mu,
                                 .phi = material->phi,
                                 .psi = material->psi};
-    return ss_fem_blocks_create(&stuff, &model->blocks);
+    return ss_fem_blocks_create(&stuff, &model->arena, &model->blocks);
 }
 
 static void add_diagonal(void *owner, double *diagonal)
@@ -175,10 +161,11 @@ static softsim_status create_body(ss_model *model, softsim_error *error)
     return status;
 }
 
-static softsim_status build(ss_model *model, softsim_error *error)
+static softsim_status build_on(ss_model *model, softsim_error *error)
 {
     const ss_param_value *param = model->plan.param;
-    softsim_status status = ss_corot_material_create(&model->plan, &model->material, error);
+    softsim_status status =
+        ss_corot_material_create(&model->plan, &model->arena, &model->material, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -202,24 +189,19 @@ static softsim_status build(ss_model *model, softsim_error *error)
     return ss_body_start(model->body);
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    if (!model) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
     model->plan = *plan;
     model->node_count = plan->mesh->node_count;
     model->kernels = ss_corot_kernels_get();
-    const softsim_status status = build(model, error);
+    const softsim_status status = build_on(model, error);
     model->plan.param = NULL;
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */

@@ -46,6 +46,7 @@ typedef struct ss_corot_material {
 
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
+    ss_arena arena;
     ss_model_plan plan;
     const ss_corot_kernels *kernels;
     ss_fem_blocks blocks;
@@ -82,9 +83,8 @@ struct ss_model {
 /* ---- material.c ---- */
 
 /* Values of every element, and everything refused about them. Thread: set-up only. */
-softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_material *out_material,
-                                        softsim_error *error);
-void ss_corot_material_fini(ss_corot_material *material);
+softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_arena *arena,
+                                        ss_corot_material *out_material, softsim_error *error);
 
 /* ---- solve.c: what the body asks of the law; `owner` is the model ---- */
 

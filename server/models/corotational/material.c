@@ -7,7 +7,6 @@
 #include <math.h>
 
 #include "models/common/plan.h"
-#include "rt/memory.h"
 
 const ss_param_row ss_corot_rows[SS_COROT_ROW_COUNT] = {
     {.name = "material",
@@ -141,33 +140,22 @@ static softsim_status fill(const ss_model_plan *plan, ss_corot_material *materia
     return SOFTSIM_OK;
 }
 
-softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_corot_material *out_material,
-                                        softsim_error *error)
+softsim_status ss_corot_material_create(const ss_model_plan *plan, ss_arena *arena,
+                                        ss_corot_material *out_material, softsim_error *error)
 {
     const size_t count = (size_t)plan->mesh->tetrahedron_count;
     static const int viscosity[] = {SS_COROT_VISCOSITY_PHI, SS_COROT_VISCOSITY_PSI,
                                     SS_COROT_STIFFNESS_DAMPING};
-    ss_corot_material material = {.lambda = ss_memory_get(count, sizeof(double)),
-                                  .mu = ss_memory_get(count, sizeof(double)),
-                                  .density = ss_memory_get(count, sizeof(double)),
-                                  .mass_damping = plan->param[SS_COROT_MASS_DAMPING].number};
-    *out_material = material;
-    if (!material.lambda || !material.mu || !material.density) {
-        return SOFTSIM_ERROR_MEMORY;
+    *out_material = (ss_corot_material){.lambda = ss_arena_get(arena, count, sizeof(double)),
+                                        .mu = ss_arena_get(arena, count, sizeof(double)),
+                                        .density = ss_arena_get(arena, count, sizeof(double)),
+                                        .mass_damping = plan->param[SS_COROT_MASS_DAMPING].number};
+    softsim_status status = ss_arena_status(arena);
+    status = status == SOFTSIM_OK ? fill(plan, out_material, error) : status;
+    if (status == SOFTSIM_OK) {
+        ss_plan_viscosity(plan, viscosity, out_material->lambda, out_material->mu, arena,
+                          &out_material->phi, &out_material->psi, &out_material->viscous_time);
+        status = ss_arena_status(arena);
     }
-    const softsim_status status = fill(plan, out_material, error);
-    return status != SOFTSIM_OK || ss_plan_viscosity(plan, viscosity, material.lambda, material.mu,
-                                                     &out_material->phi, &out_material->psi,
-                                                     &out_material->viscous_time)
-               ? status
-               : SOFTSIM_ERROR_MEMORY;
-}
-
-void ss_corot_material_fini(ss_corot_material *material)
-{
-    ss_memory_free(material->lambda);
-    ss_memory_free(material->mu);
-    ss_memory_free(material->density);
-    ss_memory_free(material->phi);
-    ss_memory_free(material->psi);
+    return status;
 }

@@ -15,12 +15,14 @@
  */
 #include <math.h>
 
+#include "models/common/life.h"
 #include "models/common/tetrahedron.h"
 #include "models/common/turned.h"
 #include "rt/memory.h"
 
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
+    ss_arena arena;
     ss_fem *fem;
     ss_fem_material material;
     ss_turned turned; /* for the linear law, which does not know */
@@ -63,9 +65,10 @@ static double substeps_of_ms(const ss_model_plan *plan, const ss_fem_material *m
 
 static double step_cost_us(const ss_model_plan *plan)
 {
+    ss_arena arena = {0};
     ss_fem_material material;
     double cost = COST_STEP;
-    if (ss_fem_material_create(plan, "fem", &material, NULL) == SOFTSIM_OK) {
+    if (ss_fem_material_create(plan, "fem", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
                                (material.is_averaged ? COST_CURE : 0.0);
         const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
@@ -74,7 +77,7 @@ static double step_cost_us(const ss_model_plan *plan)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
     }
-    ss_fem_material_fini(&material);
+    ss_arena_free(&arena);
     return cost;
 }
 
@@ -82,19 +85,17 @@ static double step_cost_us(const ss_model_plan *plan)
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
     ss_body_destroy(&model->body);
     ss_fem_destroy(&model->fem);
-    ss_fem_material_fini(&model->material);
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
-static softsim_status build(ss_model *model, const ss_model_plan *plan, double *mass,
-                            softsim_error *error)
+static softsim_status build_on(ss_model *model, const ss_model_plan *plan, double *mass,
+                               softsim_error *error)
 {
-    softsim_status status = ss_fem_material_create(plan, "fem", &model->material, error);
+    softsim_status status =
+        ss_fem_material_create(plan, "fem", &model->arena, &model->material, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -134,22 +135,17 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, double *
     return status;
 }
 
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
+{
+    double *mass = ss_memory_get((size_t)plan->mesh->node_count, sizeof *mass);
+    const softsim_status status = mass ? build_on(model, plan, mass, error) : SOFTSIM_ERROR_MEMORY;
+    ss_memory_free(mass);
+    return status;
+}
+
 static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
 {
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    double *mass = ss_memory_get((size_t)plan->mesh->node_count, sizeof *mass);
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    *out_model = NULL;
-    if (model && mass) {
-        status = build(model, plan, mass, error);
-    }
-    ss_memory_free(mass);
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */

@@ -21,26 +21,15 @@
 
 #include "models/common/tetrahedron.h"
 #include "models/hybrid/point_grid.h"
-#include "rt/memory.h"
 
-bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out)
+bool ss_hybrid_create_blocks(ss_hybrid *hybrid, int32_t count, ss_fem_blocks *out)
 {
-    const size_t blocks = ((size_t)count + SS_FEM_LANES - 1) / SS_FEM_LANES;
-    const size_t values = blocks * SS_FEM_LANES;
-    *out = (ss_fem_blocks){
-        .element_count = count,
-        .node_count = 1 + 3 * count,
-        .node = ss_memory_get(values * 4, sizeof *out->node),
-        .shape = ss_memory_get(values * SS_FEM_SHAPES, sizeof *out->shape),
-        .modulus = ss_memory_get(values * SS_FEM_MODULI, sizeof *out->modulus),
-        .viscosity = is_viscous ? ss_memory_get(values * 2, sizeof *out->viscosity) : NULL,
-        .kappa = ss_memory_get(values, sizeof *out->kappa),
-        .volume = ss_memory_get(values, sizeof *out->volume),
-        .element = ss_memory_get(values, sizeof *out->element)};
-    if (out->node == NULL || out->shape == NULL || out->modulus == NULL || out->kappa == NULL ||
-        out->volume == NULL || out->element == NULL || (is_viscous && out->viscosity == NULL)) {
+    const bool is_viscous = hybrid->material.phi != NULL;
+    if (!ss_fem_blocks_reserve(count, 1 + 3 * count, is_viscous, &hybrid->arena, out)) {
         return false;
     }
+    const size_t values = (size_t)out->count * SS_FEM_LANES;
+    out->count = 0; /* none is filled */
     for (size_t k = 0; k < values; ++k) {
         const size_t b = k / SS_FEM_LANES;
         const size_t l = k % SS_FEM_LANES;
@@ -63,6 +52,7 @@ typedef struct builder {
     int32_t *mark;                  /* by node, -1 between uses */
     int32_t *list, *seen;           /* tetrahedra of a cell; by tetrahedron, 0 between uses */
     double (*x)[3];
+    ss_arena scratch;
 } builder;
 
 static bool list_around(builder *b)
@@ -70,15 +60,14 @@ static bool list_around(builder *b)
     const ss_mesh *mesh = b->mesh;
     const size_t nodes = (size_t)mesh->node_count;
     const size_t elements = (size_t)mesh->tetrahedron_count;
-    b->around_first = ss_memory_get(nodes + 2, sizeof *b->around_first);
-    b->around = ss_memory_get(4 * elements, sizeof *b->around);
-    b->centre = ss_memory_get(nodes, sizeof *b->centre);
-    b->mark = ss_memory_get(nodes, sizeof *b->mark);
-    b->list = ss_memory_get(elements, sizeof *b->list);
-    b->seen = ss_memory_get(elements, sizeof *b->seen);
-    b->x = ss_memory_get(nodes, sizeof *b->x);
-    if (b->around_first == NULL || b->around == NULL || b->centre == NULL || b->mark == NULL ||
-        b->list == NULL || b->seen == NULL || b->x == NULL) {
+    b->around_first = ss_arena_get(&b->scratch, nodes + 2, sizeof *b->around_first);
+    b->around = ss_arena_get(&b->scratch, 4 * elements, sizeof *b->around);
+    b->centre = ss_arena_get(&b->scratch, nodes, sizeof *b->centre);
+    b->mark = ss_arena_get(&b->scratch, nodes, sizeof *b->mark);
+    b->list = ss_arena_get(&b->scratch, elements, sizeof *b->list);
+    b->seen = ss_arena_get(&b->scratch, elements, sizeof *b->seen);
+    b->x = ss_arena_get(&b->scratch, nodes, sizeof *b->x);
+    if (ss_arena_status(&b->scratch) != SOFTSIM_OK) {
         return false;
     }
     for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {
@@ -94,35 +83,24 @@ static bool list_around(builder *b)
     return true;
 }
 
-static void builder_fini(builder *b)
-{
-    ss_memory_free(b->around_first);
-    ss_memory_free(b->around);
-    ss_memory_free(b->centre);
-    ss_memory_free(b->mark);
-    ss_memory_free(b->list);
-    ss_memory_free(b->seen);
-    ss_memory_free(b->x);
-}
-
 /* Nodes nearest to a guest become centres in the order of the guests, unless a neighbour is one. */
 static bool choose_centres(builder *b)
 {
     ss_hybrid *hybrid = b->hybrid;
     const ss_layer *layer = hybrid->layer;
-    int32_t *core = ss_memory_get((size_t)b->mesh->node_count, sizeof *core);
-    uint8_t *is_taken = ss_memory_get((size_t)b->mesh->node_count, 1);
+    int32_t *core = ss_arena_get(&b->scratch, (size_t)b->mesh->node_count, sizeof *core);
+    uint8_t *is_taken = ss_arena_get(&b->scratch, (size_t)b->mesh->node_count, 1);
     ss_point_grid grid = {0};
     int32_t count = 0;
-    bool is_good = core != NULL && is_taken != NULL;
+    bool is_good = ss_arena_status(&b->scratch) == SOFTSIM_OK;
     for (int32_t i = 0; is_good && i < b->mesh->node_count; ++i) {
         if (b->around_first[i + 1] > b->around_first[i]) {
             memcpy(b->x[count], b->mesh->position[i], sizeof *b->x);
             core[count++] = i;
         }
     }
-    is_good = is_good &&
-              ss_point_grid_init(&grid, count, (const double(*)[3])b->x, 2.0 * layer->spacing[0]);
+    is_good = is_good && ss_point_grid_init(&grid, count, (const double(*)[3])b->x,
+                                            2.0 * layer->spacing[0], &b->scratch);
     for (int32_t p = 0; is_good && p < layer->own_count; ++p) {
         int32_t nearest = 0;
         double square;
@@ -138,9 +116,6 @@ static bool choose_centres(builder *b)
             }
         }
     }
-    ss_point_grid_fini(&grid);
-    ss_memory_free(core);
-    ss_memory_free(is_taken);
     return is_good;
 }
 
@@ -154,7 +129,7 @@ static bool assign_guests(builder *b)
         memcpy(b->x[c], b->mesh->position[b->centre[c]], sizeof *b->x);
     }
     if (!ss_point_grid_init(&grid, hybrid->cells.count, (const double(*)[3])b->x,
-                            4.0 * layer->spacing[0])) {
+                            4.0 * layer->spacing[0], &b->scratch)) {
         return false;
     }
     for (int32_t p = 0; p < layer->count; ++p) {
@@ -167,7 +142,6 @@ static bool assign_guests(builder *b)
             hybrid->volume[layer->host[p]] -= share * layer->volume[p];
         }
     }
-    ss_point_grid_fini(&grid);
     return true;
 }
 
@@ -249,23 +223,19 @@ static bool reserve(ss_hybrid *hybrid, size_t entries)
     ss_layer_cells *cells = &hybrid->cells;
     const size_t count = (size_t)cells->count;
     const size_t columns = 8 * (1 + 3 * (count + SS_FEM_LANES));
-    cells->first = ss_memory_get(count + 1, sizeof *cells->first);
-    cells->node = ss_memory_get(entries, sizeof *cells->node);
-    cells->row = ss_memory_get(4 * entries, sizeof *cells->row);
-    cells->gradient = ss_memory_get(columns, sizeof *cells->gradient);
-    cells->stress = ss_memory_get(columns, sizeof *cells->stress);
-    hybrid->cell_volume = ss_memory_get(count, sizeof *hybrid->cell_volume);
-    hybrid->cell_asleep = ss_memory_get(count, sizeof *hybrid->cell_asleep);
-    hybrid->cell_lambda = ss_memory_get(count, sizeof *hybrid->cell_lambda);
-    hybrid->cell_mu = ss_memory_get(count, sizeof *hybrid->cell_mu);
-    hybrid->cell_phi = ss_memory_get(count, sizeof *hybrid->cell_phi);
-    hybrid->cell_psi = ss_memory_get(count, sizeof *hybrid->cell_psi);
-    return cells->first != NULL && cells->node != NULL && cells->row != NULL &&
-           cells->gradient != NULL && cells->stress != NULL && hybrid->cell_volume != NULL &&
-           hybrid->cell_asleep != NULL && hybrid->cell_lambda != NULL && hybrid->cell_mu != NULL &&
-           hybrid->cell_phi != NULL && hybrid->cell_psi != NULL &&
-           ss_hybrid_create_blocks(cells->count, hybrid->material.phi != NULL,
-                                   &hybrid->cell_blocks);
+    ss_arena *arena = &hybrid->arena;
+    cells->first = ss_arena_get(arena, count + 1, sizeof *cells->first);
+    cells->node = ss_arena_get(arena, entries, sizeof *cells->node);
+    cells->row = ss_arena_get(arena, 4 * entries, sizeof *cells->row);
+    cells->gradient = ss_arena_get(arena, columns, sizeof *cells->gradient);
+    cells->stress = ss_arena_get(arena, columns, sizeof *cells->stress);
+    hybrid->cell_volume = ss_arena_get(arena, count, sizeof *hybrid->cell_volume);
+    hybrid->cell_asleep = ss_arena_get(arena, count, sizeof *hybrid->cell_asleep);
+    hybrid->cell_lambda = ss_arena_get(arena, count, sizeof *hybrid->cell_lambda);
+    hybrid->cell_mu = ss_arena_get(arena, count, sizeof *hybrid->cell_mu);
+    hybrid->cell_phi = ss_arena_get(arena, count, sizeof *hybrid->cell_phi);
+    hybrid->cell_psi = ss_arena_get(arena, count, sizeof *hybrid->cell_psi);
+    return ss_hybrid_create_blocks(hybrid, cells->count, &hybrid->cell_blocks);
 }
 
 static bool fill_cells(builder *b)
@@ -294,22 +264,10 @@ static bool fill_cells(builder *b)
 bool ss_hybrid_create_cells(ss_hybrid *hybrid)
 {
     builder b = {.hybrid = hybrid, .mesh = hybrid->mesh};
-    hybrid->cell_of = ss_memory_get((size_t)hybrid->layer->count, sizeof *hybrid->cell_of);
+    const size_t particles = (size_t)hybrid->layer->count;
+    hybrid->cell_of = ss_arena_get(&hybrid->arena, particles, sizeof *hybrid->cell_of);
     const bool is_good =
         hybrid->cell_of != NULL && list_around(&b) && choose_centres(&b) && fill_cells(&b);
-    builder_fini(&b);
+    ss_arena_free(&b.scratch);
     return is_good;
-}
-
-void ss_hybrid_destroy_cells(ss_hybrid *hybrid)
-{
-    ss_layer_cells *cells = &hybrid->cells;
-    void *const owned[] = {cells->first,        cells->node,     cells->row,
-                           cells->gradient,     cells->stress,   hybrid->cell_volume,
-                           hybrid->cell_lambda, hybrid->cell_mu, hybrid->cell_phi,
-                           hybrid->cell_psi,    hybrid->cell_of, hybrid->cell_asleep};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    ss_fem_blocks_fini(&hybrid->cell_blocks);
 }

@@ -19,6 +19,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/common/life.h"
 #include "models/common/tetrahedron.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -96,9 +97,10 @@ static const ss_param_row rows[SS_HYBRID_ROW_COUNT] = {
 
 static double step_cost_us(const ss_model_plan *plan)
 {
+    ss_arena arena = {0};
     ss_fem_material material;
     double cost = COST_STEP;
-    if (ss_fem_material_create(plan, "hybrid", &material, NULL) == SOFTSIM_OK) {
+    if (ss_fem_material_create(plan, "hybrid", &arena, &material, NULL) == SOFTSIM_OK) {
         double rate = 0.0;
         const double spacing = plan->param[SS_HYBRID_SPACING].number;
         for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
@@ -117,7 +119,7 @@ static double step_cost_us(const ss_model_plan *plan)
                 (COST_ELEMENT * plan->mesh->tetrahedron_count +
                  COST_PARTICLE * plan->param[SS_HYBRID_MAX_ACTIVE].number);
     }
-    ss_fem_material_fini(&material);
+    ss_arena_free(&arena);
     return cost;
 }
 
@@ -253,10 +255,9 @@ static bool create_core(ss_hybrid *hybrid)
                                 .mu = hybrid->material.mu,
                                 .phi = hybrid->material.phi,
                                 .psi = hybrid->material.psi};
-    hybrid->volume = ss_memory_get(elements, sizeof *hybrid->volume);
-    hybrid->lane = ss_memory_get(elements, sizeof *hybrid->lane);
-    if (hybrid->volume == NULL || hybrid->lane == NULL ||
-        !ss_fem_blocks_create(&stuff, &hybrid->core)) {
+    hybrid->volume = ss_arena_get(&hybrid->arena, elements, sizeof *hybrid->volume);
+    hybrid->lane = ss_arena_get(&hybrid->arena, elements, sizeof *hybrid->lane);
+    if (!ss_fem_blocks_create(&stuff, &hybrid->arena, &hybrid->core)) {
         return false;
     }
     for (int32_t k = 0; k < hybrid->core.count * SS_FEM_LANES; ++k) {
@@ -277,35 +278,29 @@ static bool create_points(ss_hybrid *hybrid)
 {
     const size_t points = (size_t)hybrid->max_points;
     const size_t columns = 8 * (1 + 3 * (points + SS_FEM_LANES));
-    hybrid->point = ss_memory_get(points, sizeof *hybrid->point);
-    hybrid->coefficient = ss_memory_get(2 * points, sizeof *hybrid->coefficient);
-    hybrid->gradient = ss_memory_get(columns, sizeof *hybrid->gradient);
-    hybrid->stress = ss_memory_get(columns, sizeof *hybrid->stress);
-    hybrid->spread = ss_memory_get(8 * points, sizeof *hybrid->spread);
-    return hybrid->point != NULL && hybrid->coefficient != NULL && hybrid->gradient != NULL &&
-           hybrid->stress != NULL && hybrid->spread != NULL &&
-           ss_hybrid_create_blocks(hybrid->max_points, hybrid->material.phi != NULL,
-                                   &hybrid->points);
+    hybrid->point = ss_arena_get(&hybrid->arena, points, sizeof *hybrid->point);
+    hybrid->coefficient = ss_arena_get(&hybrid->arena, 2 * points, sizeof *hybrid->coefficient);
+    hybrid->gradient = ss_arena_get(&hybrid->arena, columns, sizeof *hybrid->gradient);
+    hybrid->stress = ss_arena_get(&hybrid->arena, columns, sizeof *hybrid->stress);
+    hybrid->spread = ss_arena_get(&hybrid->arena, 8 * points, sizeof *hybrid->spread);
+    return ss_hybrid_create_blocks(hybrid, hybrid->max_points, &hybrid->points);
 }
 
 static bool create_particles(ss_hybrid *hybrid)
 {
     const size_t n = (size_t)hybrid->layer->count;
     const size_t awake = (size_t)hybrid->max_awake;
-    hybrid->particle = ss_memory_get(n, sizeof *hybrid->particle);
-    hybrid->node_of = ss_memory_get(n, sizeof *hybrid->node_of);
-    hybrid->is_held = ss_memory_get(n, sizeof *hybrid->is_held);
-    hybrid->offset = ss_memory_get(4 * n, sizeof *hybrid->offset);
-    hybrid->near = ss_memory_get(n, sizeof *hybrid->near);
-    hybrid->wanted = ss_memory_get(awake, sizeof *hybrid->wanted);
-    hybrid->idle = ss_memory_get(awake, sizeof *hybrid->idle);
-    hybrid->drifting = ss_memory_get(n, sizeof *hybrid->drifting);
-    hybrid->distance = ss_memory_get(n, sizeof *hybrid->distance);
-    hybrid->found = ss_memory_get(n, sizeof *hybrid->found);
-    if (hybrid->particle == NULL || hybrid->node_of == NULL || hybrid->is_held == NULL ||
-        hybrid->offset == NULL || hybrid->near == NULL || hybrid->wanted == NULL ||
-        hybrid->idle == NULL || hybrid->drifting == NULL || hybrid->distance == NULL ||
-        hybrid->found == NULL) {
+    hybrid->particle = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->particle);
+    hybrid->node_of = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->node_of);
+    hybrid->is_held = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->is_held);
+    hybrid->offset = ss_arena_get(&hybrid->arena, 4 * n, sizeof *hybrid->offset);
+    hybrid->near = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->near);
+    hybrid->wanted = ss_arena_get(&hybrid->arena, awake, sizeof *hybrid->wanted);
+    hybrid->idle = ss_arena_get(&hybrid->arena, awake, sizeof *hybrid->idle);
+    hybrid->drifting = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->drifting);
+    hybrid->distance = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->distance);
+    hybrid->found = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->found);
+    if (ss_arena_status(&hybrid->arena) != SOFTSIM_OK) {
         return false;
     }
     for (size_t p = 0; p < n; ++p) {
@@ -316,7 +311,7 @@ static bool create_particles(ss_hybrid *hybrid)
     ss_hybrid_idle_all(hybrid);
     return ss_point_grid_init(&hybrid->grid, hybrid->layer->own_count,
                               (const double(*)[3])hybrid->layer->rest,
-                              GRID_SPACINGS * hybrid->layer->spacing[0]);
+                              GRID_SPACINGS * hybrid->layer->spacing[0], &hybrid->arena);
 }
 
 /* The contact's samples weigh a triangle's corners and the ring around them: the longest edge of a
@@ -382,9 +377,10 @@ static bool create_rides(ss_hybrid *hybrid)
             entries += (size_t)(particles + count_ties(hybrid, s));
         }
         if (pass == 0) {
-            hybrid->ride_node = ss_memory_get(entries, sizeof *hybrid->ride_node);
-            hybrid->ride_weight = ss_memory_get(entries, sizeof *hybrid->ride_weight);
-            if (hybrid->ride_node == NULL || hybrid->ride_weight == NULL) {
+            hybrid->ride_node = ss_arena_get(&hybrid->arena, entries, sizeof *hybrid->ride_node);
+            hybrid->ride_weight =
+                ss_arena_get(&hybrid->arena, entries, sizeof *hybrid->ride_weight);
+            if (ss_arena_status(&hybrid->arena) != SOFTSIM_OK) {
                 return false;
             }
         }
@@ -399,29 +395,30 @@ static bool create_skin(ss_hybrid *hybrid)
     const size_t skin = (size_t)layer->skin_count;
     const size_t nodes = (size_t)(hybrid->mesh->node_count + hybrid->max_awake);
     const int32_t entries = layer->skin_first[layer->skin_count];
-    hybrid->rider_first = ss_memory_get((size_t)layer->count + 2, sizeof *hybrid->rider_first);
-    hybrid->rider = ss_memory_get((size_t)entries, sizeof *hybrid->rider);
-    hybrid->ride = ss_memory_get(skin, sizeof *hybrid->ride);
-    hybrid->riding = ss_memory_get(skin, sizeof *hybrid->riding);
-    hybrid->riding_at = ss_memory_get(skin, sizeof *hybrid->riding_at);
-    hybrid->mark = ss_memory_get(nodes, sizeof *hybrid->mark);
-    hybrid->shown = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
-    hybrid->shown_v = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
-    hybrid->laid = ss_memory_get(4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
-    hybrid->span = ss_memory_get(skin, sizeof *hybrid->span);
-    hybrid->close = ss_memory_get(skin, sizeof *hybrid->close);
-    hybrid->around = ss_memory_get(skin, sizeof *hybrid->around);
-    hybrid->core_node = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
-    hybrid->load = ss_memory_get(nodes, sizeof *hybrid->load);
-    hybrid->swing = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *hybrid->swing);
-    hybrid->mode = ss_memory_get(4 * nodes, sizeof *hybrid->mode);
-    hybrid->product = ss_memory_get(4 * nodes, sizeof *hybrid->product);
-    if (hybrid->rider_first == NULL || hybrid->rider == NULL || hybrid->ride == NULL ||
-        hybrid->riding == NULL || hybrid->riding_at == NULL || hybrid->mark == NULL ||
-        hybrid->shown == NULL || hybrid->shown_v == NULL || hybrid->laid == NULL ||
-        hybrid->span == NULL || hybrid->close == NULL || hybrid->around == NULL ||
-        hybrid->core_node == NULL || hybrid->load == NULL || hybrid->swing == NULL ||
-        hybrid->mode == NULL || hybrid->product == NULL) {
+    hybrid->rider_first =
+        ss_arena_get(&hybrid->arena, (size_t)layer->count + 2, sizeof *hybrid->rider_first);
+    hybrid->rider = ss_arena_get(&hybrid->arena, (size_t)entries, sizeof *hybrid->rider);
+    hybrid->ride = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->ride);
+    hybrid->riding = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->riding);
+    hybrid->riding_at = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->riding_at);
+    hybrid->mark = ss_arena_get(&hybrid->arena, nodes, sizeof *hybrid->mark);
+    hybrid->shown =
+        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
+    hybrid->shown_v =
+        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
+    hybrid->laid =
+        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
+    hybrid->span = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->span);
+    hybrid->close = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->close);
+    hybrid->around = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->around);
+    hybrid->core_node =
+        ss_arena_get(&hybrid->arena, (size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
+    hybrid->load = ss_arena_get(&hybrid->arena, nodes, sizeof *hybrid->load);
+    hybrid->swing =
+        ss_arena_get(&hybrid->arena, (size_t)hybrid->mesh->node_count, sizeof *hybrid->swing);
+    hybrid->mode = ss_arena_get(&hybrid->arena, 4 * nodes, sizeof *hybrid->mode);
+    hybrid->product = ss_arena_get(&hybrid->arena, 4 * nodes, sizeof *hybrid->product);
+    if (ss_arena_status(&hybrid->arena) != SOFTSIM_OK) {
         return false;
     }
     for (int32_t i = 0; i < hybrid->mesh->node_count; ++i) {
@@ -572,9 +569,10 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
     return status;
 }
 
-static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsim_error *error)
+static softsim_status build_on(ss_hybrid *hybrid, const ss_model_plan *plan, softsim_error *error)
 {
-    softsim_status status = ss_fem_material_create(plan, "hybrid", &hybrid->material, error);
+    softsim_status status =
+        ss_fem_material_create(plan, "hybrid", &hybrid->arena, &hybrid->material, error);
     if (status == SOFTSIM_OK) {
         status = create_layer(hybrid, plan, error);
     }
@@ -589,9 +587,9 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
     }
     const size_t nodes = (size_t)plan->mesh->node_count;
     ss_model_plan own = *plan;
-    double *mass = ss_memory_get(nodes + (size_t)hybrid->max_awake, sizeof *mass);
+    double *mass = ss_arena_get(&hybrid->arena, nodes + (size_t)hybrid->max_awake, sizeof *mass);
     hybrid->mass_asleep = mass;
-    hybrid->fixed = ss_memory_get(nodes, 1);
+    hybrid->fixed = ss_arena_get(&hybrid->arena, nodes, 1);
     if (mass == NULL || hybrid->fixed == NULL || !create_core(hybrid) ||
         !ss_hybrid_create_cells(hybrid) || !create_points(hybrid) || !create_particles(hybrid) ||
         !ss_hybrid_create_near(hybrid) || !create_skin(hybrid)) {
@@ -614,61 +612,33 @@ static softsim_status build(ss_hybrid *hybrid, const ss_model_plan *plan, softsi
 static void destroy(ss_model *model)
 {
     ss_hybrid *hybrid = (ss_hybrid *)model;
-    if (hybrid == NULL) {
-        return;
-    }
     ss_body_destroy(&hybrid->body);
     ss_layer_destroy(&hybrid->layer);
-    ss_fem_material_fini(&hybrid->material);
-    ss_fem_blocks_fini(&hybrid->core);
-    ss_fem_blocks_fini(&hybrid->points);
-    ss_point_grid_fini(&hybrid->grid);
-    ss_hybrid_destroy_cells(hybrid);
-    ss_hybrid_destroy_near(hybrid);
-    void *const owned[] = {
-        hybrid->lane,      hybrid->volume,      hybrid->particle,  hybrid->node_of,
-        hybrid->is_held,   hybrid->offset,      hybrid->point,     hybrid->coefficient,
-        hybrid->gradient,  hybrid->spread,      hybrid->stress,    hybrid->near,
-        hybrid->wanted,    hybrid->idle,        hybrid->drifting,  hybrid->rider_first,
-        hybrid->rider,     hybrid->ride,        hybrid->riding,    hybrid->riding_at,
-        hybrid->mark,      hybrid->shown,       hybrid->shown_v,   hybrid->laid,
-        hybrid->distance,  hybrid->found,       hybrid->mode,      hybrid->product,
-        hybrid->fixed,     hybrid->mass_asleep, hybrid->load,      hybrid->swing,
-        hybrid->close,     hybrid->around,      hybrid->core_node, hybrid->span,
-        hybrid->ride_node, hybrid->ride_weight};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena_free(&hybrid->arena);
     ss_memory_free(hybrid);
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
-    ss_hybrid *hybrid = ss_memory_get(1, sizeof *hybrid);
-    softsim_error *own = ss_memory_get(1, sizeof *own); /* faults are counted, wanted or not */
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    *out_model = NULL;
-    if (hybrid != NULL && own != NULL) {
-        hybrid->mesh = plan->mesh;
-        ss_turned_init(&hybrid->turned, plan->mesh, plan->step);
-        hybrid->law = ss_fem_kernels_get();
-        hybrid->kernels = ss_layer_kernels_get();
-        status = build(hybrid, plan, error != NULL ? error : own);
-    }
-    ss_memory_free(own);
-    if (status != SOFTSIM_OK) {
-        destroy((ss_model *)hybrid);
-        return status;
-    }
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+    ss_hybrid *hybrid = (ss_hybrid *)model;
+    hybrid->mesh = plan->mesh;
+    ss_turned_init(&hybrid->turned, plan->mesh, plan->step);
+    hybrid->law = ss_fem_kernels_get();
+    hybrid->kernels = ss_layer_kernels_get();
+    const softsim_status status = build_on(hybrid, plan, error);
+    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (hybrid->shape[k].is_used) {
             const double radius = ss_shape_bounding_radius(&hybrid->shape[k].shape);
             hybrid->close_reach[k] = radius + 3.5 * hybrid->skin_edge;
             hybrid->around_reach[k] = radius + hybrid->sleep_reach + 1.5 * hybrid->skin_edge;
         }
     }
-    *out_model = (ss_model *)hybrid;
-    return SOFTSIM_OK;
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
+{
+    return ss_model_make(sizeof(ss_hybrid), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */

@@ -57,6 +57,7 @@ typedef struct ss_hybrid_ride {
 typedef struct ss_hybrid {
     ss_body *body;    /* first, as ss_body_model_... take it */
     const ss_real *u; /* of the last force */
+    ss_arena arena;
     const ss_mesh *mesh;
     ss_layer *layer;
     ss_fem_material material;
@@ -178,15 +179,13 @@ void ss_hybrid_tied(const ss_hybrid *hybrid, int32_t p, const ss_real *u, double
 
 /* Cells and their blocks; false when out of memory. Thread: set-up only. */
 bool ss_hybrid_create_cells(ss_hybrid *hybrid);
-void ss_hybrid_destroy_cells(ss_hybrid *hybrid);
 /* Blocks of `count` elements on three unit edges, nodes as ss_layer_pass numbers columns; empty. */
-bool ss_hybrid_create_blocks(int32_t count, bool is_viscous, ss_fem_blocks *out);
+bool ss_hybrid_create_blocks(ss_hybrid *hybrid, int32_t count, ss_fem_blocks *out);
 
 /* ---- near.c ---- */
 
 /* Room for the near particles; false when out of memory. Thread: set-up only. */
 bool ss_hybrid_create_near(ss_hybrid *hybrid);
-void ss_hybrid_destroy_near(ss_hybrid *hybrid);
 /* Particle p, near or not, changed its node or its offset. */
 void ss_hybrid_move_near(ss_hybrid *hybrid, int32_t p);
 /* Brings near_rows up to date. */

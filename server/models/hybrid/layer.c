@@ -127,18 +127,8 @@ typedef struct builder {
     int32_t *around_first; /* by core node: the tetrahedra around it */
     int32_t *around;
     ss_point_grid core_grid, grid; /* of core nodes, of particles */
+    ss_arena scratch;
 } builder;
-
-static void builder_fini(builder *b)
-{
-    ss_memory_free(b->sites.site);
-    ss_memory_free(b->core_node);
-    ss_memory_free(b->core_x);
-    ss_memory_free(b->around_first);
-    ss_memory_free(b->around);
-    ss_point_grid_fini(&b->core_grid);
-    ss_point_grid_fini(&b->grid);
-}
 
 /* Core nodes, the tetrahedra around each, and the skin's nodes; false when out of memory. */
 static bool sort_nodes(builder *b)
@@ -146,16 +136,16 @@ static bool sort_nodes(builder *b)
     const ss_mesh *mesh = b->mesh;
     ss_layer *layer = b->layer;
     const size_t nodes = (size_t)mesh->node_count;
-    int32_t *core_of = ss_memory_get(nodes, sizeof *core_of);
-    layer->skin_of = ss_memory_get(nodes, sizeof *layer->skin_of);
-    layer->skin_node = ss_memory_get(nodes, sizeof *layer->skin_node);
-    b->core_node = ss_memory_get(nodes, sizeof *b->core_node);
-    b->core_x = ss_memory_get(nodes, sizeof *b->core_x);
-    b->around_first = ss_memory_get(nodes + 2, sizeof *b->around_first);
-    b->around = ss_memory_get(4 * (size_t)mesh->tetrahedron_count, sizeof *b->around);
-    const bool is_good = core_of != NULL && layer->skin_of != NULL && layer->skin_node != NULL &&
-                         b->core_node != NULL && b->core_x != NULL && b->around_first != NULL &&
-                         b->around != NULL;
+    ss_arena *arena = &layer->arena, *scratch = &b->scratch;
+    int32_t *core_of = ss_arena_get(scratch, nodes, sizeof *core_of);
+    layer->skin_of = ss_arena_get(arena, nodes, sizeof *layer->skin_of);
+    layer->skin_node = ss_arena_get(arena, nodes, sizeof *layer->skin_node);
+    b->core_node = ss_arena_get(scratch, nodes, sizeof *b->core_node);
+    b->core_x = ss_arena_get(scratch, nodes, sizeof *b->core_x);
+    b->around_first = ss_arena_get(scratch, nodes + 2, sizeof *b->around_first);
+    b->around = ss_arena_get(scratch, 4 * (size_t)mesh->tetrahedron_count, sizeof *b->around);
+    const bool is_good =
+        ss_arena_status(arena) == SOFTSIM_OK && ss_arena_status(scratch) == SOFTSIM_OK;
     for (int32_t c = 0; is_good && c < 4 * mesh->tetrahedron_count; ++c) {
         core_of[mesh->tetrahedron[c / 4][c % 4]] = 1;
     }
@@ -178,9 +168,9 @@ static bool sort_nodes(builder *b)
     for (int32_t c = 0; is_good && c < 4 * mesh->tetrahedron_count; ++c) {
         b->around[b->around_first[core_of[mesh->tetrahedron[c / 4][c % 4]] + 1]++] = c / 4;
     }
-    ss_memory_free(core_of);
-    return is_good && ss_point_grid_init(&b->core_grid, b->core_count,
-                                         (const double(*)[3])b->core_x, 2.0 * b->plan->spacing);
+    return is_good &&
+           ss_point_grid_init(&b->core_grid, b->core_count, (const double(*)[3])b->core_x,
+                              2.0 * b->plan->spacing, scratch);
 }
 
 /* ---- particles ---- */
@@ -193,16 +183,15 @@ static double reach_of(double d_i, double d_j)
 static bool reserve_particles(ss_layer *layer, int32_t most)
 {
     const size_t n = (size_t)most;
-    layer->rest = ss_memory_get(n, sizeof *layer->rest);
-    layer->spacing = ss_memory_get(n, sizeof *layer->spacing);
-    layer->volume = ss_memory_get(n, sizeof *layer->volume);
-    layer->host = ss_memory_get(n, sizeof *layer->host);
-    layer->pair_first = ss_memory_get(n + 1, sizeof *layer->pair_first);
-    layer->moment = ss_memory_get(8 * n, sizeof *layer->moment);
-    layer->tie_first = ss_memory_get(n + 1, sizeof *layer->tie_first);
-    return layer->rest != NULL && layer->spacing != NULL && layer->volume != NULL &&
-           layer->host != NULL && layer->pair_first != NULL && layer->moment != NULL &&
-           layer->tie_first != NULL;
+    ss_arena *arena = &layer->arena;
+    layer->rest = ss_arena_get(arena, n, sizeof *layer->rest);
+    layer->spacing = ss_arena_get(arena, n, sizeof *layer->spacing);
+    layer->volume = ss_arena_get(arena, n, sizeof *layer->volume);
+    layer->host = ss_arena_get(arena, n, sizeof *layer->host);
+    layer->pair_first = ss_arena_get(arena, n + 1, sizeof *layer->pair_first);
+    layer->moment = ss_arena_get(arena, 8 * n, sizeof *layer->moment);
+    layer->tie_first = ss_arena_get(arena, n + 1, sizeof *layer->tie_first);
+    return ss_arena_status(arena) == SOFTSIM_OK;
 }
 
 static void add_particle(ss_layer *layer, const ss_layer_site *site)
@@ -227,7 +216,8 @@ static bool take_sites(builder *b)
         }
     }
     layer->own_count = layer->count;
-    if (!ss_point_grid_init(&own, layer->own_count, (const double(*)[3])layer->rest, far)) {
+    if (!ss_point_grid_init(&own, layer->own_count, (const double(*)[3])layer->rest, far,
+                            &b->scratch)) {
         return false;
     }
     for (int32_t s = 0; s < b->sites.count; ++s) {
@@ -240,7 +230,6 @@ static bool take_sites(builder *b)
             add_particle(layer, site);
         }
     }
-    ss_point_grid_fini(&own);
     return true;
 }
 
@@ -325,9 +314,8 @@ static bool drop_lonely(builder *b)
     double square[SS_LAYER_MAX_PAIRS];
     for (bool is_done = false; !is_done;) {
         is_done = true;
-        ss_point_grid_fini(&b->grid);
         if (!ss_point_grid_init(&b->grid, layer->count, (const double(*)[3])layer->rest,
-                                finest_reach(layer))) {
+                                finest_reach(layer), &b->scratch)) {
             return false;
         }
         int32_t kept = 0;
@@ -399,17 +387,18 @@ static bool join_neighbours(builder *b)
     ss_layer *layer = b->layer;
     int32_t neighbour[SS_LAYER_MAX_PAIRS];
     double square[SS_LAYER_MAX_PAIRS];
-    int32_t *first = ss_memory_get((size_t)layer->count + 1, sizeof *first);
+    ss_arena *arena = &layer->arena;
+    int32_t *first = ss_arena_get(&b->scratch, (size_t)layer->count + 1, sizeof *first);
     for (int32_t p = 0; first != NULL && p < layer->count; ++p) {
         first[p + 1] = first[p] + find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
     }
     const size_t pairs = first != NULL ? (size_t)first[layer->count] : 0;
-    int32_t *all = ss_memory_get(pairs, sizeof *all);
-    layer->neighbour = ss_memory_get(pairs, sizeof *layer->neighbour);
-    layer->pair = ss_memory_get(4 * pairs, sizeof *layer->pair);
-    layer->pair_scale = ss_memory_get(pairs, sizeof *layer->pair_scale);
-    const bool is_good = first != NULL && all != NULL && layer->neighbour != NULL &&
-                         layer->pair != NULL && layer->pair_scale != NULL;
+    int32_t *all = ss_arena_get(&b->scratch, pairs, sizeof *all);
+    layer->neighbour = ss_arena_get(arena, pairs, sizeof *layer->neighbour);
+    layer->pair = ss_arena_get(arena, 4 * pairs, sizeof *layer->pair);
+    layer->pair_scale = ss_arena_get(arena, pairs, sizeof *layer->pair_scale);
+    const bool is_good =
+        ss_arena_status(arena) == SOFTSIM_OK && ss_arena_status(&b->scratch) == SOFTSIM_OK;
     for (int32_t p = 0; is_good && p < layer->count; ++p) {
         const int32_t count = find_neighbours(b, p, SS_LAYER_CUT, neighbour, square);
         memcpy(all + first[p], neighbour, (size_t)count * sizeof *all);
@@ -420,8 +409,6 @@ static bool join_neighbours(builder *b)
         fill_moment(layer, p, count, neighbour, square, layer->moment + 8 * (int64_t)p);
         fill_pairs(layer, p, count, neighbour, square);
     }
-    ss_memory_free(first);
-    ss_memory_free(all);
     return is_good;
 }
 
@@ -513,14 +500,14 @@ static bool tie_all(builder *b)
     const size_t ghosts = (size_t)(layer->count - layer->own_count);
     const size_t most = SS_LAYER_TIE * (size_t)layer->own_count + 4 * ghosts;
     const size_t most_skin = SS_LAYER_TIE * (size_t)layer->skin_count;
-    layer->tie_node = ss_memory_get(most, sizeof *layer->tie_node);
-    layer->tie = ss_memory_get(most, sizeof *layer->tie);
+    ss_arena *arena = &layer->arena;
+    layer->tie_node = ss_arena_get(arena, most, sizeof *layer->tie_node);
+    layer->tie = ss_arena_get(arena, most, sizeof *layer->tie);
     layer->skin_tie_first =
-        ss_memory_get((size_t)layer->skin_count + 1, sizeof *layer->skin_tie_first);
-    layer->skin_tie_node = ss_memory_get(most_skin, sizeof *layer->skin_tie_node);
-    layer->skin_tie = ss_memory_get(most_skin, sizeof *layer->skin_tie);
-    if (layer->tie_node == NULL || layer->tie == NULL || layer->skin_tie_first == NULL ||
-        layer->skin_tie_node == NULL || layer->skin_tie == NULL) {
+        ss_arena_get(arena, (size_t)layer->skin_count + 1, sizeof *layer->skin_tie_first);
+    layer->skin_tie_node = ss_arena_get(arena, most_skin, sizeof *layer->skin_tie_node);
+    layer->skin_tie = ss_arena_get(arena, most_skin, sizeof *layer->skin_tie);
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return false;
     }
     tie_row at;
@@ -575,10 +562,12 @@ static softsim_status fit_all_skin(builder *b, softsim_error *error)
     ss_layer *layer = b->layer;
     const size_t most = SKIN_MOST * (size_t)layer->skin_count;
     int32_t lost = 0;
-    layer->skin_first = ss_memory_get((size_t)layer->skin_count + 1, sizeof *layer->skin_first);
-    layer->skin_particle = ss_memory_get(most, sizeof *layer->skin_particle);
-    layer->skin = ss_memory_get(most, sizeof *layer->skin);
-    if (layer->skin_first == NULL || layer->skin_particle == NULL || layer->skin == NULL) {
+    ss_arena *arena = &layer->arena;
+    layer->skin_first =
+        ss_arena_get(arena, (size_t)layer->skin_count + 1, sizeof *layer->skin_first);
+    layer->skin_particle = ss_arena_get(arena, most, sizeof *layer->skin_particle);
+    layer->skin = ss_arena_get(arena, most, sizeof *layer->skin);
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t s = 0; s < layer->skin_count; ++s) {
@@ -634,8 +623,8 @@ static softsim_status share_volume(builder *b, softsim_error *error)
 {
     ss_layer *layer = b->layer;
     const ss_mesh *mesh = b->mesh;
-    double *room = ss_memory_get((size_t)mesh->tetrahedron_count, sizeof *room);
-    double *taken = ss_memory_get((size_t)mesh->tetrahedron_count, sizeof *taken);
+    double *room = ss_arena_get(&b->scratch, (size_t)mesh->tetrahedron_count, sizeof *room);
+    double *taken = ss_arena_get(&b->scratch, (size_t)mesh->tetrahedron_count, sizeof *taken);
     double sum = 0.0;
     layer->layer_volume = enclosed_volume(mesh);
     for (int32_t e = 0; room != NULL && e < mesh->tetrahedron_count; ++e) {
@@ -645,7 +634,7 @@ static softsim_status share_volume(builder *b, softsim_error *error)
     for (int32_t p = 0; p < layer->own_count; ++p) {
         sum += layer->volume[p];
     }
-    softsim_status status = room != NULL && taken != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    softsim_status status = ss_arena_status(&b->scratch);
     const double scale = layer->layer_volume / sum;
     if (status == SOFTSIM_OK && !(scale > 0.5 && scale < 2.0)) {
         status = SOFTSIM_ERROR_SCENE;
@@ -664,8 +653,6 @@ static softsim_status share_volume(builder *b, softsim_error *error)
         const int32_t e = layer->host[p];
         layer->volume[p] *= fmin(1.0, GHOST_SHARE * room[e] / taken[e]);
     }
-    ss_memory_free(room);
-    ss_memory_free(taken);
     return status;
 }
 
@@ -714,7 +701,8 @@ softsim_status ss_layer_create(const ss_layer_plan *plan, ss_layer **out_layer,
     if (status == SOFTSIM_ERROR_MEMORY) {
         softsim_error_add(error, status, "out of memory for a layer of %d places", b.sites.count);
     }
-    builder_fini(&b);
+    ss_memory_free(b.sites.site);
+    ss_arena_free(&b.scratch);
     if (status != SOFTSIM_OK) {
         ss_layer_destroy(&b.layer);
     }
@@ -728,26 +716,7 @@ void ss_layer_destroy(ss_layer **layer_pointer)
     if (layer == NULL) {
         return;
     }
-    ss_memory_free(layer->rest);
-    ss_memory_free(layer->spacing);
-    ss_memory_free(layer->volume);
-    ss_memory_free(layer->host);
-    ss_memory_free(layer->pair_first);
-    ss_memory_free(layer->neighbour);
-    ss_memory_free(layer->pair);
-    ss_memory_free(layer->pair_scale);
-    ss_memory_free(layer->moment);
-    ss_memory_free(layer->tie_first);
-    ss_memory_free(layer->tie_node);
-    ss_memory_free(layer->tie);
-    ss_memory_free(layer->skin_node);
-    ss_memory_free(layer->skin_of);
-    ss_memory_free(layer->skin_first);
-    ss_memory_free(layer->skin_particle);
-    ss_memory_free(layer->skin);
-    ss_memory_free(layer->skin_tie_first);
-    ss_memory_free(layer->skin_tie_node);
-    ss_memory_free(layer->skin_tie);
+    ss_arena_free(&layer->arena);
     ss_memory_free(layer);
     *layer_pointer = NULL;
 }

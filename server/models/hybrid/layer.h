@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "mesh/mesh.h"
+#include "rt/arena.h"
 #include "rt/real.h"
 
 /* Support of the weights in spacings, and the share of it within which particles are neighbours.
@@ -37,6 +38,7 @@ typedef struct ss_layer_plan {
 } ss_layer_plan;
 
 typedef struct ss_layer {
+    ss_arena arena;
     int32_t count; /* of particles: the layer's own, then ghosts inside the core */
     int32_t own_count;
     double (*rest)[3];   /* m */

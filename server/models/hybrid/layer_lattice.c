@@ -224,6 +224,7 @@ static int choose_levels(lattice *l)
 {
     const ss_layer_plan *plan = l->plan;
     ss_point_grid grid;
+    ss_arena scratch = {0};
     memcpy(l->coarse_n, l->n, sizeof l->n);
     if (plan->spacing_of == NULL) {
         return 0;
@@ -232,7 +233,8 @@ static int choose_levels(lattice *l)
     l->level = ss_memory_get(cells, 1);
     if (l->level == NULL ||
         !ss_point_grid_init(&grid, l->mesh->node_count, (const double(*)[3])l->mesh->position,
-                            2.0 * l->spacing)) {
+                            2.0 * l->spacing, &scratch)) {
+        ss_arena_free(&scratch);
         return -1;
     }
     int finest = 0;
@@ -248,7 +250,7 @@ static int choose_levels(lattice *l)
         l->level[c] = (uint8_t)fmin(fmax(halvings, 0.0), MAX_LEVEL);
         finest = l->level[c] > finest ? l->level[c] : finest;
     }
-    ss_point_grid_fini(&grid);
+    ss_arena_free(&scratch);
     return finest;
 }
 

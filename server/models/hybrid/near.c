@@ -14,8 +14,6 @@
  */
 #include <string.h>
 
-#include "rt/memory.h"
-
 /* After the last pair: eight scales are read at a time. */
 enum { SPARE_PAIRS = 8 };
 
@@ -34,36 +32,21 @@ bool ss_hybrid_create_near(ss_hybrid *hybrid)
     const int64_t around = points * (most + 1);
     const size_t count = (size_t)(around < layer->count ? around : layer->count);
     const size_t ties = count * SS_LAYER_TIE;
-    near->node_of = ss_memory_get(count, sizeof *near->node_of);
-    near->offset = ss_memory_get(4 * count, sizeof *near->offset);
-    near->tie_first = ss_memory_get(count + 1, sizeof *near->tie_first);
-    near->tie_node = ss_memory_get(ties, sizeof *near->tie_node);
-    near->tie = ss_memory_get(ties, sizeof *near->tie);
-    near->pair_first = ss_memory_get((size_t)points + 1, sizeof *near->pair_first);
-    near->neighbour = ss_memory_get(pairs, sizeof *near->neighbour);
-    near->pair = ss_memory_get(4 * pairs, sizeof *near->pair);
-    near->pair_scale = ss_memory_get(pairs, sizeof *near->pair_scale);
-    near->moment = ss_memory_get(8 * (size_t)points, sizeof *near->moment);
-    hybrid->place_of = ss_memory_get((size_t)layer->count, sizeof *hybrid->place_of);
-    hybrid->state = ss_memory_get(8 * count, sizeof *hybrid->state);
-    hybrid->particle_force = ss_memory_get(4 * count, sizeof *hybrid->particle_force);
-    return near->node_of != NULL && near->offset != NULL && near->tie_first != NULL &&
-           near->tie_node != NULL && near->tie != NULL && near->pair_first != NULL &&
-           near->neighbour != NULL && near->pair != NULL && near->pair_scale != NULL &&
-           near->moment != NULL && hybrid->place_of != NULL && hybrid->state != NULL &&
-           hybrid->particle_force != NULL;
-}
-
-void ss_hybrid_destroy_near(ss_hybrid *hybrid)
-{
-    ss_layer_near *near = &hybrid->near_rows;
-    void *const owned[] = {
-        near->node_of,    near->offset,           near->tie_first, near->tie_node,   near->tie,
-        near->pair_first, near->neighbour,        near->pair,      near->pair_scale, near->moment,
-        hybrid->state,    hybrid->particle_force, hybrid->place_of};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena *arena = &hybrid->arena;
+    near->node_of = ss_arena_get(arena, count, sizeof *near->node_of);
+    near->offset = ss_arena_get(arena, 4 * count, sizeof *near->offset);
+    near->tie_first = ss_arena_get(arena, count + 1, sizeof *near->tie_first);
+    near->tie_node = ss_arena_get(arena, ties, sizeof *near->tie_node);
+    near->tie = ss_arena_get(arena, ties, sizeof *near->tie);
+    near->pair_first = ss_arena_get(arena, (size_t)points + 1, sizeof *near->pair_first);
+    near->neighbour = ss_arena_get(arena, pairs, sizeof *near->neighbour);
+    near->pair = ss_arena_get(arena, 4 * pairs, sizeof *near->pair);
+    near->pair_scale = ss_arena_get(arena, pairs, sizeof *near->pair_scale);
+    near->moment = ss_arena_get(arena, 8 * (size_t)points, sizeof *near->moment);
+    hybrid->place_of = ss_arena_get(arena, (size_t)layer->count, sizeof *hybrid->place_of);
+    hybrid->state = ss_arena_get(arena, 8 * count, sizeof *hybrid->state);
+    hybrid->particle_force = ss_arena_get(arena, 4 * count, sizeof *hybrid->particle_force);
+    return ss_arena_status(arena) == SOFTSIM_OK;
 }
 
 static void put_node(ss_hybrid *hybrid, int32_t p, int32_t place)

@@ -4,7 +4,6 @@
 
 #include <math.h>
 
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 static int32_t cell_of(const ss_point_grid *grid, const double x[3], int k)
@@ -23,7 +22,8 @@ static int32_t place_of(const ss_point_grid *grid, const double x[3])
     return place(grid, cell_of(grid, x, 0), cell_of(grid, x, 1), cell_of(grid, x, 2));
 }
 
-bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point)[3], double cell)
+bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point)[3], double cell,
+                        ss_arena *arena)
 {
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     *grid = (ss_point_grid){.point = point, .count = count, .cell = cell};
@@ -54,10 +54,9 @@ bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point
         grid->cells[k] = count > 0 ? (int32_t)floor((high[k] - grid->low[k]) / grid->cell) + 1 : 1;
     }
     const int32_t total = grid->cells[0] * grid->cells[1] * grid->cells[2];
-    grid->first = ss_memory_get((size_t)total + 2, sizeof *grid->first);
-    grid->member = ss_memory_get((size_t)count, sizeof *grid->member);
+    grid->first = ss_arena_get(arena, (size_t)total + 2, sizeof *grid->first);
+    grid->member = ss_arena_get(arena, (size_t)count, sizeof *grid->member);
     if (grid->first == NULL || grid->member == NULL) {
-        ss_point_grid_fini(grid);
         return false;
     }
     for (int32_t i = 0; i < count; ++i) {
@@ -70,13 +69,6 @@ bool ss_point_grid_init(ss_point_grid *grid, int32_t count, const double (*point
         grid->member[grid->first[place_of(grid, point[i]) + 1]++] = i;
     }
     return true;
-}
-
-void ss_point_grid_fini(ss_point_grid *grid)
-{
-    ss_memory_free(grid->first);
-    ss_memory_free(grid->member);
-    *grid = (ss_point_grid){0};
 }
 
 typedef struct search {

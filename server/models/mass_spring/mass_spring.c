@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/body.h"
 #include "models/common/grasp.h"
+#include "models/common/life.h"
 #include "models/common/turned.h"
 /*
  * mass-spring: the edges of a mesh as springs and dampers between point masses.
@@ -115,7 +116,8 @@ typedef struct edge {
 } edge;
 
 struct ss_model {
-    ss_body *body;       /* first, as ss_body_model_... take it */
+    ss_body *body; /* first, as ss_body_model_... take it */
+    ss_arena arena;
     const ss_mesh *mesh; /* borrowed */
     int32_t edge_count;
     edge *edge;
@@ -439,14 +441,14 @@ static softsim_status create_edges(ss_model *model, const ss_model_plan *plan)
         count += draft_element(plan, mesh->triangle[t], 3, draft + count);
     }
     count = join_edges(draft, count);
-    model->edge = ss_memory_get((size_t)count, sizeof *model->edge);
+    model->edge = ss_arena_get(&model->arena, (size_t)count, sizeof *model->edge);
     model->stiffness_min = (double)INFINITY;
     for (int32_t k = 0; model->edge && k < count; ++k) {
         set_edge(model, mesh, &draft[k], &model->edge[k]);
     }
     model->edge_count = count;
     ss_memory_free(draft);
-    return model->edge ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return ss_arena_status(&model->arena);
 }
 
 static softsim_status check_rows(const ss_model_plan *plan, bool is_volume, softsim_error *error)
@@ -471,9 +473,10 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
 {
     const ss_mesh *mesh = plan->mesh;
     const size_t n = (size_t)mesh->node_count;
-    double *density = ss_memory_get(n, sizeof *density);
-    double *mass = ss_memory_get(n, sizeof *mass);
-    softsim_status status = density && mass ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    ss_arena scratch = {0};
+    double *density = ss_arena_get(&scratch, n, sizeof *density);
+    double *mass = ss_arena_get(&scratch, n, sizeof *mass);
+    softsim_status status = ss_arena_status(&scratch);
     for (int32_t i = 0; status == SOFTSIM_OK && i < mesh->node_count; ++i) {
         density[i] = value_at(plan, ROW_DENSITY, i) *
                      (model->is_volume ? 1.0 : value_at(plan, ROW_THICKNESS, i));
@@ -502,19 +505,14 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
     }
-    ss_memory_free(density);
-    ss_memory_free(mass);
+    ss_arena_free(&scratch);
     return status;
 }
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
     ss_body_destroy(&model->body);
-    ss_memory_free(model->edge);
-    ss_memory_free(model->block);
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
@@ -527,26 +525,16 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     model->integrator =
         plan->param[ROW_INTEGRATOR].number != 0.0 ? SS_BODY_RK4 : SS_BODY_SYMPLECTIC_EULER;
     const softsim_status checked = check_rows(plan, model->is_volume, error);
+    const size_t blocks = (size_t)plan->mesh->node_count * 6;
+    model->block = ss_arena_get(&model->arena, blocks, sizeof *model->block);
     softsim_status status = checked == SOFTSIM_OK ? create_edges(model, plan) : checked;
-    model->block = ss_memory_get((size_t)plan->mesh->node_count * 6, sizeof *model->block);
-    if (status == SOFTSIM_OK && !model->block) {
-        status = SOFTSIM_ERROR_MEMORY;
-    }
     status = status == SOFTSIM_OK ? create_body(model, plan, error) : status;
     return status == SOFTSIM_OK ? ss_body_start(model->body) : status;
 }
 
 static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    const softsim_status status = model ? build(model, plan, error) : SOFTSIM_ERROR_MEMORY;
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */

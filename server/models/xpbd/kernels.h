@@ -27,8 +27,7 @@ typedef struct ss_xpbd_packs {
  * 1/kg by axis. False when out of memory. */
 bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
                           const double (*position)[3], const double *lambda, const double *mu,
-                          const ss_real *mobility, ss_xpbd_packs *out_packs);
-void ss_xpbd_packs_fini(ss_xpbd_packs *packs);
+                          const ss_real *mobility, ss_arena *arena, ss_xpbd_packs *out_packs);
 
 typedef struct ss_xpbd_pass {
     const ss_xpbd_packs *packs;

@@ -14,7 +14,6 @@
 
 #include "models/common/dispatch.h"
 #include "models/common/tetrahedron.h"
-#include "rt/memory.h"
 
 enum { OPEN = 48 }; /* packs that wait for elements */
 
@@ -109,27 +108,17 @@ static void fill(const ss_xpbd_packs *packs, ptrdiff_t b, int lane, const double
     modulus[SS_FEM_LANES] = (ss_real)(volume * mu);
 }
 
-void ss_xpbd_packs_fini(ss_xpbd_packs *packs)
-{
-    void *const owned[] = {packs->node,  packs->shape,  packs->modulus,
-                           packs->light, packs->spread, packs->is_partial};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    *packs = (ss_xpbd_packs){0};
-}
-
 bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
                           const double (*position)[3], const double *lambda, const double *mu,
-                          const ss_real *mobility, ss_xpbd_packs *out_packs)
+                          const ss_real *mobility, ss_arena *arena, ss_xpbd_packs *out_packs)
 {
     *out_packs = (ss_xpbd_packs){.element_count = element_count};
-    packer *p = ss_memory_get(1, sizeof *p);
+    ss_arena scratch = {0};
+    packer *p = ss_arena_get(&scratch, 1, sizeof *p);
     /* At worst every pack has one element. */
-    int32_t *packed = ss_memory_get((size_t)element_count * SS_FEM_LANES, sizeof *packed);
+    int32_t *packed = ss_arena_get(&scratch, (size_t)element_count * SS_FEM_LANES, sizeof *packed);
     if (!p || !packed) {
-        ss_memory_free(p);
-        ss_memory_free(packed);
+        ss_arena_free(&scratch);
         return false;
     }
     p->corner = corner;
@@ -142,18 +131,17 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
     }
     const int32_t count = p->pack_count;
     const size_t values = (size_t)count * SS_FEM_LANES;
-    ss_memory_free(p);
-    ss_xpbd_packs packs = {.count = count,
-                           .element_count = element_count,
-                           .node = ss_memory_get(values * 4, sizeof *packs.node),
-                           .shape = ss_memory_get(values * SS_FEM_SHAPES, sizeof *packs.shape),
-                           .modulus = ss_memory_get(values * SS_FEM_MODULI, sizeof *packs.modulus),
-                           .light = ss_memory_get(values * 4, sizeof *packs.light),
-                           .spread = ss_memory_get(values * 6, sizeof *packs.spread),
-                           .is_partial = ss_memory_get((size_t)count, 1)};
+    ss_xpbd_packs packs = {
+        .count = count,
+        .element_count = element_count,
+        .node = ss_arena_get(arena, values * 4, sizeof *packs.node),
+        .shape = ss_arena_get(arena, values * SS_FEM_SHAPES, sizeof *packs.shape),
+        .modulus = ss_arena_get(arena, values * SS_FEM_MODULI, sizeof *packs.modulus),
+        .light = ss_arena_get(arena, values * 4, sizeof *packs.light),
+        .spread = ss_arena_get(arena, values * 6, sizeof *packs.spread),
+        .is_partial = ss_arena_get(arena, (size_t)count, 1)};
     *out_packs = packs;
-    const bool is_good = packs.node && packs.shape && packs.modulus && packs.light &&
-                         packs.spread && packs.is_partial;
+    const bool is_good = ss_arena_status(arena) == SOFTSIM_OK;
     for (size_t k = 0; is_good && k < values; ++k) {
         const int32_t e = packed[k];
         if (e >= 0) {
@@ -161,10 +149,7 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
                  corner[e], lambda[e], mu[e], mobility);
         }
     }
-    ss_memory_free(packed);
-    if (!is_good) {
-        ss_xpbd_packs_fini(out_packs);
-    }
+    ss_arena_free(&scratch);
     return is_good;
 }
 

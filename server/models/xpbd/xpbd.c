@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/fem.h"
+#include "models/common/life.h"
 #include "models/common/turned.h"
 #include "models/xpbd/kernels.h"
 /*
@@ -75,7 +76,8 @@ static const ss_param_row rows[ROW_COUNT] = {
 
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
-    ss_fem *fem;   /* forces, energy and tangent of the law */
+    ss_arena arena;
+    ss_fem *fem; /* forces, energy and tangent of the law */
     ss_fem_material material;
     const ss_xpbd_kernels *kernels;
     ss_xpbd_packs packs;
@@ -173,14 +175,9 @@ static void step(ss_model *model, double time, double dt,
 
 static void destroy(ss_model *model)
 {
-    if (!model) {
-        return;
-    }
     ss_body_destroy(&model->body);
     ss_fem_destroy(&model->fem);
-    ss_fem_material_fini(&model->material);
-    ss_xpbd_packs_fini(&model->packs);
-    ss_memory_free(model->way);
+    ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
 
@@ -194,7 +191,7 @@ static softsim_status read_material(ss_model *model, const ss_model_plan *plan,
     value[SS_FEM_MATERIAL].number += FIRST_LAW;
     value[SS_FEM_LOCKING_CURE].number = 1.0; /* none */
     own.param = value;
-    return ss_fem_material_create(&own, "xpbd", &model->material, error);
+    return ss_fem_material_create(&own, "xpbd", &model->arena, &model->material, error);
 }
 
 static softsim_status create_body(ss_model *model, const ss_model_plan *plan, softsim_error *error)
@@ -249,11 +246,11 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return status;
     }
     const ss_body_nodes *nodes = ss_body_read_nodes(model->body);
-    model->way = ss_memory_get((size_t)nodes->padded_count * 4, sizeof *model->way);
+    model->way = ss_arena_get(&model->arena, (size_t)nodes->padded_count * 4, sizeof *model->way);
     if (!model->way ||
         !ss_xpbd_packs_create(mesh->tetrahedron_count, (const int32_t(*)[4])mesh->tetrahedron,
                               (const double(*)[3])mesh->position, model->material.lambda,
-                              model->material.mu, nodes->mobility, &model->packs)) {
+                              model->material.mu, nodes->mobility, &model->arena, &model->packs)) {
         return SOFTSIM_ERROR_MEMORY;
     }
     return ss_body_start(model->body);
@@ -261,15 +258,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 
 static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
 {
-    *out_model = NULL;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    const softsim_status status = model ? build(model, plan, error) : SOFTSIM_ERROR_MEMORY;
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out_model = model;
-    return SOFTSIM_OK;
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */

@@ -59,12 +59,14 @@ static double best_trace(const double f[3][3])
 
 /* Eight tetrahedra with a corner at the origin and edges along the axes, each displaced by H x. */
 typedef struct octet {
+    ss_arena arena;
     ss_fem_blocks blocks;
     ss_real *u, *turned, *force;
 } octet;
 
 static void octet_init(octet *o, double lambda, double mu)
 {
+    *o = (octet){0};
     vector position[32];
     int32_t corner[8][4];
     double lambdas[8], mus[8];
@@ -83,18 +85,15 @@ static void octet_init(octet *o, double lambda, double mu)
                                 .lambda_own = lambdas,
                                 .lambda = lambdas,
                                 .mu = mus};
-    assert_true(ss_fem_blocks_create(&stuff, &o->blocks));
-    o->u = ss_memory_get(128, sizeof *o->u);
-    o->turned = ss_memory_get(72, sizeof *o->turned);
-    o->force = ss_memory_get(128, sizeof *o->force);
+    assert_true(ss_fem_blocks_create(&stuff, &o->arena, &o->blocks));
+    o->u = ss_arena_get(&o->arena, 128, sizeof *o->u);
+    o->turned = ss_arena_get(&o->arena, 72, sizeof *o->turned);
+    o->force = ss_arena_get(&o->arena, 128, sizeof *o->force);
 }
 
 static void octet_fini(octet *o)
 {
-    ss_fem_blocks_fini(&o->blocks);
-    ss_memory_free(o->u);
-    ss_memory_free(o->turned);
-    ss_memory_free(o->force);
+    ss_arena_free(&o->arena);
 }
 
 /* Element t has F: its corner 1 + j goes to column j. */

@@ -15,6 +15,7 @@
 /* The model with its insides open, by open_elastic and open_up. */
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
+    ss_arena arena;
     ss_fem *fem;
     ss_fem_material material;
     double *mass;
@@ -45,7 +46,7 @@ static inline void open_destroy(ss_model *model)
 {
     ss_body_destroy(&model->body);
     ss_fem_destroy(&model->fem);
-    ss_fem_material_fini(&model->material);
+    ss_arena_free(&model->arena);
     free(model->mass);
     free(model);
 }
@@ -67,8 +68,9 @@ static inline void open_elastic(setup *s)
     ss_model *model = calloc(1, sizeof *model);
     s->class = &open_class;
     s->model = model;
-    assert_int_equal(ss_fem_material_create(&s->plan, "fem", &model->material, &s->error),
-                     SOFTSIM_OK);
+    assert_int_equal(
+        ss_fem_material_create(&s->plan, "fem", &model->arena, &model->material, &s->error),
+        SOFTSIM_OK);
     model->mass = calloc((size_t)s->mesh->node_count, sizeof *model->mass);
     ss_body_volume_masses(s->mesh, model->material.density, true, model->mass);
     const ss_fem_setup own = {.mesh = s->mesh,

@@ -372,19 +372,20 @@ typedef struct loose {
     ss_mesh *mesh;
     double *lambda, *mu;
     ss_real *mobility, *u, *step;
+    ss_arena arena;
     ss_xpbd_packs packs;
 } loose;
 
 static void loose_init(loose *l, int cells)
 {
-    l->mesh = make_block(cells, 0.06);
+    *l = (loose){.mesh = make_block(cells, 0.06)};
     const size_t n = ((size_t)l->mesh->node_count + 7) / 8 * 8;
     const size_t e = (size_t)l->mesh->tetrahedron_count;
     l->lambda = calloc(e, sizeof *l->lambda);
     l->mu = calloc(e, sizeof *l->mu);
-    l->mobility = ss_memory_get(4 * n, sizeof *l->mobility);
-    l->u = ss_memory_get(4 * n, sizeof *l->u);
-    l->step = ss_memory_get(4 * n, sizeof *l->step);
+    l->mobility = ss_arena_get(&l->arena, 4 * n, sizeof *l->mobility);
+    l->u = ss_arena_get(&l->arena, 4 * n, sizeof *l->u);
+    l->step = ss_arena_get(&l->arena, 4 * n, sizeof *l->step);
     for (size_t k = 0; k < e; ++k) {
         l->lambda[k] = 2e4;
         l->mu[k] = 2e3;
@@ -392,19 +393,17 @@ static void loose_init(loose *l, int cells)
     for (size_t k = 0; k < 4 * (size_t)l->mesh->node_count; ++k) {
         l->mobility[k] = k % 4 == 3 || k % 37 == 5 ? 0 : 200;
     }
-    assert_true(ss_xpbd_packs_create(
-        l->mesh->tetrahedron_count, (const int32_t(*)[4])l->mesh->tetrahedron,
-        (const double(*)[3])l->mesh->position, l->lambda, l->mu, l->mobility, &l->packs));
+    assert_true(ss_xpbd_packs_create(l->mesh->tetrahedron_count,
+                                     (const int32_t(*)[4])l->mesh->tetrahedron,
+                                     (const double(*)[3])l->mesh->position, l->lambda, l->mu,
+                                     l->mobility, &l->arena, &l->packs));
 }
 
 static void loose_fini(loose *l)
 {
-    ss_xpbd_packs_fini(&l->packs);
+    ss_arena_free(&l->arena);
     free(l->lambda);
     free(l->mu);
-    ss_memory_free(l->mobility);
-    ss_memory_free(l->u);
-    ss_memory_free(l->step);
     ss_mesh_destroy(&l->mesh);
 }
 
@@ -475,11 +474,12 @@ static void one_element_takes_its_implicit_step(void **state)
     const int32_t corner[1][4] = {{0, 1, 3, 2}};
     const double lambda = 2e4, mu = 2e3;
     _Alignas(64) ss_real mobility[32] = {0}, u[32] = {0}, step[32] = {0};
+    ss_arena arena = {0};
     ss_xpbd_packs packs;
     for (int k = 0; k < 16; ++k) {
         mobility[k] = k % 4 == 3 ? 0 : (ss_real)(100 * (1 + k / 4));
     }
-    assert_true(ss_xpbd_packs_create(1, corner, position, &lambda, &mu, mobility, &packs));
+    assert_true(ss_xpbd_packs_create(1, corner, position, &lambda, &mu, mobility, &arena, &packs));
     for (int m = 0; m < 2; ++m) {
         u[0] = (ss_real)2e-3;
         u[5] = (ss_real)-1e-3;
@@ -533,7 +533,7 @@ static void one_element_takes_its_implicit_step(void **state)
         assert_near(ss_norm3(sum), 0.0, 1e-9);
         assert_near(ss_tissue_energy(&law, h), 0.0, 1e-4 * mu);
     }
-    ss_xpbd_packs_fini(&packs);
+    ss_arena_free(&arena);
 }
 
 /* ---- refusals ---- */

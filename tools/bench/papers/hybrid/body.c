@@ -220,7 +220,7 @@ softsim_status ss_heart_start(ss_heart_body *body, softsim_error *error)
 
 void ss_heart_end(ss_heart_body *body)
 {
-    if (body->model_class != NULL) {
+    if (body->model != NULL) {
         body->model_class->destroy(body->model);
     }
     ss_mesh_destroy(&body->mesh);
