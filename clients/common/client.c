@@ -15,6 +15,7 @@
 
 #include "net/codec.h"
 #include "net/receiver.h"
+#include "net/status.h"
 #include "net/wire.h"
 #include "origin.h"
 #include "rt/clock.h"
@@ -22,7 +23,6 @@
 #include "softsim/log.h"
 #include "softsim_command_t.h"
 #include "softsim_reply_t.h"
-#include "softsim_server_status_t.h"
 
 enum {
     MAX_MESSAGE = 16384,     /* bytes, more than any status or reply has */
@@ -89,14 +89,6 @@ static void receive_force(void *context, const ss_packet *packet)
     }
 }
 
-/* Bytes of an encoded status before its three strings, type hash included. */
-static size_t status_fixed_size(void)
-{
-    static char empty[] = "";
-    const softsim_server_status_t status = {.scene = empty, .model = empty, .reason = empty};
-    return (size_t)softsim_server_status_t_encoded_size(&status) - 3 * (sizeof(int32_t) + 1);
-}
-
 /* Do `count` strings from byte `at` on fill the rest of the message exactly, each with its NUL? */
 static bool has_good_strings(const uint8_t *data, size_t size, size_t at, int count)
 {
@@ -120,13 +112,15 @@ static void receive_status(void *context, const ss_packet *packet)
     softsim_client *client = context;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_server_status_t status;
-    if (!has_good_strings(packet->data, (size_t)packet->size, status_fixed_size(), 3) ||
+    if (!has_good_strings(packet->data, (size_t)packet->size, (size_t)ss_status_texts_at, 3) ||
         softsim_server_status_t_decode(packet->data, 0, packet->size, &status) < 0) {
         ++client->counts.malformed;
         return;
     }
     if (ss_origin_take(&client->status_origin, packet->source, now_ns)) {
-        client->config.handle_status(client->config.context, &status, now_ns);
+        softsim_server_status report;
+        ss_status_from_wire(&status, &report);
+        client->config.handle_status(client->config.context, &report, now_ns);
     } else {
         ++client->counts.second;
     }

@@ -6,7 +6,6 @@
 #include <stdio.h>
 
 #include "process.h"
-#include "softsim_server_status_t.h"
 
 static const int64_t patience_ns = 1000000000; /* statuses come four times a second */
 
@@ -15,8 +14,7 @@ typedef struct heard {
     int64_t wrong_probe;
 } heard;
 
-static void take_status(void *context, const struct _softsim_server_status_t *status,
-                        int64_t receive_ns)
+static void take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
 {
     (void)receive_ns;
     heard *h = context;

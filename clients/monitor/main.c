@@ -51,8 +51,7 @@ static void take_force(void *context, const softsim_force *force, int64_t receiv
                        .flags = force->flags};
 }
 
-static void take_status(void *context, const struct _softsim_server_status_t *status,
-                        int64_t receive_ns)
+static void take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
 {
     monitor *m = context;
     m->received_ns = receive_ns;

@@ -4,15 +4,72 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
 #include "rt/plain.h"
-#include "softsim/types.h"
+
+/* ---- fields ---- */
+
+typedef enum field_type { TYPE_int32_t, TYPE_int64_t, TYPE_double, TYPE_text } field_type;
+
+/* One of a status, as softsim/status.h lists them. */
+typedef struct field {
+    const char *name;
+    field_type type;
+    int count; /* of an array; 0: a scalar */
+    size_t at; /* bytes into the struct */
+    const char *line, *text;
+} field;
+
+static const field fields[] = {
+#define SCALAR(type, name, line, text)                                                             \
+    {#name, TYPE_##type, 0, offsetof(softsim_server_status, name), line, text},
+#define ARRAY(type, name, count, line, text)                                                       \
+    {#name, TYPE_##type, count, offsetof(softsim_server_status, name), line, text},
+#define TEXT(name, line) {#name, TYPE_text, 0, offsetof(softsim_server_status, name), line, ""},
+    SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)
+#undef SCALAR
+#undef ARRAY
+#undef TEXT
+};
+enum { FIELD_COUNT = sizeof fields / sizeof *fields };
+
+/* Element `i` of a field; only the one that its type says is to be read. */
+typedef struct value {
+    int64_t integer;
+    double number;
+    const char *text;
+} value;
+
+static value read_field(const softsim_server_status *s, const field *f, int i)
+{
+    const char *at = (const char *)s + f->at;
+    int32_t integer = 0;
+    value v = {0, 0.0, ""};
+    switch (f->type) {
+    case TYPE_int32_t:
+        memcpy(&integer, at + (size_t)i * sizeof integer, sizeof integer);
+        v.integer = integer;
+        break;
+    case TYPE_int64_t:
+        memcpy(&v.integer, at + (size_t)i * sizeof v.integer, sizeof v.integer);
+        break;
+    case TYPE_double:
+        memcpy(&v.number, at + (size_t)i * sizeof v.number, sizeof v.number);
+        break;
+    case TYPE_text:
+        memcpy(&v.text, at, sizeof v.text);
+        break;
+    }
+    return v;
+}
 
 /* ---- JSON ---- */
 
-static void json_text(FILE *out, const char *name, const char *text)
+static void json_text(FILE *out, const char *text)
 {
-    fprintf(out, ", \"%s\": \"", name);
+    fputc('"', out);
     for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
         if (*at == '"' || *at == '\\') {
             fprintf(out, "\\%c", *at);
@@ -25,98 +82,31 @@ static void json_text(FILE *out, const char *name, const char *text)
     fputc('"', out);
 }
 
-static void json_integer(FILE *out, const char *name, int64_t value)
+static void json_value(FILE *out, const field *f, const value *v)
 {
-    fprintf(out, ", \"%s\": %" PRId64, name, value);
-}
-
-static void json_integers(FILE *out, const char *name, const int64_t *value, int count)
-{
-    fprintf(out, ", \"%s\": ", name);
-    for (int i = 0; i < count; ++i) {
-        fprintf(out, "%s%" PRId64, i == 0 ? "[" : ", ", value[i]);
-    }
-    fputc(']', out);
-}
-
-static void json_value(FILE *out, double value)
-{
-    if (isfinite(value)) {
-        fprintf(out, "%.17g", value);
+    if (f->type == TYPE_text) {
+        json_text(out, v->text);
+    } else if (f->type != TYPE_double) {
+        fprintf(out, "%" PRId64, v->integer);
+    } else if (isfinite(v->number)) {
+        fprintf(out, "%.17g", v->number);
     } else {
         fputs("null", out);
     }
 }
 
-static void json_number(FILE *out, const char *name, double value)
+void ss_show_json(FILE *out, const softsim_server_status *s)
 {
-    fprintf(out, ", \"%s\": ", name);
-    json_value(out, value);
-}
-
-static void json_numbers(FILE *out, const char *name, const double *value, int count)
-{
-    fprintf(out, ", \"%s\": ", name);
-    for (int i = 0; i < count; ++i) {
-        fputs(i == 0 ? "[" : ", ", out);
-        json_value(out, value[i]);
+    for (const field *f = fields; f < fields + FIELD_COUNT; ++f) {
+        fprintf(out, "%s\"%s\": %s", f == fields ? "{" : ", ", f->name, f->count > 0 ? "[" : "");
+        for (int i = 0; i < (f->count > 0 ? f->count : 1); ++i) {
+            const value v = read_field(s, f, i);
+            fputs(i > 0 ? ", " : "", out);
+            json_value(out, f, &v);
+        }
+        fputs(f->count > 0 ? "]" : "", out);
     }
-    fputc(']', out);
-}
-
-void ss_show_json(FILE *out, const softsim_server_status_t *s)
-{
-#define INTEGER(field)         json_integer(out, #field, s->field)
-#define INTEGERS(field, count) json_integers(out, #field, s->field, count)
-#define NUMBER(field)          json_number(out, #field, s->field)
-#define NUMBERS(field, count)  json_numbers(out, #field, s->field, count)
-#define TEXT(field)            json_text(out, #field, s->field)
-    fprintf(out, "{\"utime\": %" PRId64, s->utime);
-    INTEGER(seq);
-    INTEGER(verdict);
-    INTEGER(fault_bits);
-    INTEGER(threads);
-    INTEGER(nodes);
-    INTEGER(active_nodes);
-    INTEGER(elements);
-    INTEGER(worst_element);
-    INTEGER(substeps);
-    INTEGER(probes);
-    INTEGER(plan_hash);
-    INTEGER(state_hash);
-    INTEGER(step);
-    INTEGER(bytes_in_use);
-    INTEGER(poses_received);
-    INTEGER(poses_superseded);
-    INTEGERS(poses_refused, 8);
-    INTEGER(mesh_bytes_sent);
-    INTEGER(wire_dropped);
-    INTEGERS(probe_periods, 8);
-    INTEGERS(probe_forces, 8);
-    INTEGERS(probe_missed, 8);
-    NUMBER(uptime_s);
-    NUMBER(simulation_rate_hz);
-    NUMBER(stable_step_s);
-    NUMBERS(step_us, 3);
-    NUMBERS(lateness_us, 4);
-    NUMBER(kinetic_j);
-    NUMBER(elastic_j);
-    NUMBER(total_j);
-    NUMBER(energy_to_device_j);
-    NUMBER(energy_from_device_j);
-    NUMBERS(worst_contact_j, 8);
-    NUMBERS(loop_delay_ms, 2);
-    NUMBERS(stiffness_limit_n_per_m, 8);
-    INTEGER(stiffness_backoffs);
-    TEXT(scene);
-    TEXT(model);
-    TEXT(reason);
     fputs("}\n", out);
-#undef INTEGER
-#undef INTEGERS
-#undef NUMBER
-#undef NUMBERS
-#undef TEXT
 }
 
 /* ---- for people ---- */
@@ -126,18 +116,91 @@ typedef struct figure {
     char text[32];
 } figure;
 
-static figure fixed(double value, int decimals)
+static figure fixed(double number, int decimals)
 {
     figure f;
-    (void)snprintf(f.text, sizeof f.text, fabs(value) < 1e12 ? "%.*f" : "%.*g", decimals, value);
+    (void)snprintf(f.text, sizeof f.text, fabs(number) < 1e12 ? "%.*f" : "%.*g", decimals, number);
     return f;
 }
 
-static int64_t sum(const int64_t *value, int count)
+static figure short_number(double number)
+{
+    figure f;
+    (void)snprintf(f.text, sizeof f.text, "%.3g", number);
+    return f;
+}
+
+static figure seconds(double number)
+{
+    figure f;
+    (void)snprintf(f.text, sizeof f.text, "%.3g s", number);
+    return f;
+}
+
+static figure whole(int64_t number)
+{
+    figure f;
+    (void)snprintf(f.text, sizeof f.text, "%" PRId64, number);
+    return f;
+}
+
+/* As the letter of softsim/status.h says. */
+static figure format(char letter, const value *v)
+{
+    switch (letter) {
+    case 'd':
+        return whole(v->integer);
+    case 'n':
+        return v->integer >= 0 ? whole(v->integer) : (figure){"none"};
+    case 'M':
+        return fixed(1e-6 * (double)v->integer, 1);
+    case 'g':
+        return short_number(v->number);
+    case 'l':
+        return isfinite(v->number) ? seconds(v->number) : (figure){"any"};
+    default:
+        return fixed(v->number, letter - '0');
+    }
+}
+
+/* The words of a field with its elements in them, from element `first` on. */
+static void print_words(FILE *out, const softsim_server_status *s, const field *f, int first)
+{
+    int i = first;
+    for (const char *at = f->text; *at != '\0'; ++at) {
+        if (*at != '@') {
+            fputc(*at, out);
+            continue;
+        }
+        const value v = read_field(s, f, i++);
+        fputs(format(*++at, &v).text, out);
+    }
+}
+
+/* The fields of a line, in the list's order. */
+static void print_line(FILE *out, const softsim_server_status *s, const char *line)
+{
+    fprintf(out, "%-11s ", line);
+    bool is_first = true;
+    for (const field *f = fields; f < fields + FIELD_COUNT; ++f) {
+        if (strcmp(f->line, line) != 0) {
+            continue;
+        }
+        fputs(is_first ? "" : ", ", out);
+        is_first = false;
+        if (f->type == TYPE_text) {
+            ss_plain_print(out, "%s", read_field(s, f, 0).text);
+        } else {
+            print_words(out, s, f, 0);
+        }
+    }
+}
+
+static int64_t sum(const int64_t *values, int count)
 {
     uint64_t total = 0; /* wraps on nonsense instead of overflowing */
     for (int i = 0; i < count; ++i) {
-        total += (uint64_t)value[i];
+        total += (uint64_t)values[i];
     }
     return (int64_t)total;
 }
@@ -154,7 +217,7 @@ static const char *kind_of(int32_t flags)
                                                     : "";
 }
 
-void ss_show_line(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
+void ss_show_line(FILE *out, const softsim_server_status *s, const ss_show_hand *hand)
 {
     fprintf(out, "%s s %s: ", fixed(s->uptime_s, 1).text,
             softsim_verdict_name((softsim_verdict)s->verdict));
@@ -170,14 +233,16 @@ void ss_show_line(FILE *out, const softsim_server_status_t *s, const ss_show_han
             "; energy %.3g J",
             s->step, fixed(s->simulation_rate_hz, 0).text, fixed(s->step_us[0], 0).text,
             fixed(s->step_us[1], 0).text, fixed(s->lateness_us[1], 0).text, s->poses_received,
-            sum(s->poses_refused, 8), sum(s->probe_forces, 8), sum(s->probe_missed, 8), s->total_j);
+            sum(s->poses_refused, SOFTSIM_REFUSED_COUNT), sum(s->probe_forces, SOFTSIM_MAX_PROBES),
+            sum(s->probe_missed, SOFTSIM_MAX_PROBES), s->total_j);
     if (s->reason[0] != '\0') {
         ss_plain_print(out, " - %s", s->reason);
     }
     fputc('\n', out);
 }
 
-static void show_probes(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
+/* What is felt, then a row for each probe that has been served. */
+static void show_probes(FILE *out, const softsim_server_status *s, const ss_show_hand *hand)
 {
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (hand[p].is_here) {
@@ -186,56 +251,43 @@ static void show_probes(FILE *out, const softsim_server_status_t *s, const ss_sh
                     kind_of(hand[p].flags));
         }
     }
-    fputs("probe    periods     forces     missed   worst contact   stiffness limit\n", out);
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (s->probe_periods[p] != 0) {
-            fprintf(out, "%5d %10" PRId64 " %10" PRId64 " %10" PRId64 " %13.3g J %13s N/m\n", p,
-                    s->probe_periods[p], s->probe_forces[p], s->probe_missed[p],
-                    s->worst_contact_j[p], fixed(s->stiffness_limit_n_per_m[p], 0).text);
+        if (s->probe_periods[p] == 0) {
+            continue;
         }
+        fprintf(out, "probe %d     ", p);
+        bool is_first = true;
+        for (const field *f = fields; f < fields + FIELD_COUNT; ++f) {
+            if (strcmp(f->line, "probe") == 0) {
+                fputs(is_first ? "" : ", ", out);
+                is_first = false;
+                print_words(out, s, f, p);
+            }
+        }
+        fputc('\n', out);
     }
 }
 
-void ss_show_page(FILE *out, const softsim_server_status_t *s, const ss_show_hand *hand)
+void ss_show_page(FILE *out, const softsim_server_status *s, const ss_show_hand *hand)
 {
-    char limit[32] = "any", worst[16] = "none";
-    if (isfinite(s->stable_step_s)) {
-        (void)snprintf(limit, sizeof limit, "%.3g s", s->stable_step_s);
-    }
-    if (s->worst_element >= 0) {
-        (void)snprintf(worst, sizeof worst, "%d", s->worst_element);
-    }
-    ss_plain_print(out, "scene       %s\n", s->scene);
-    ss_plain_print(out, "model       %s\n", s->model);
-    ss_plain_print(out, "verdict     %s%s%s\n", softsim_verdict_name((softsim_verdict)s->verdict),
-                   s->reason[0] != '\0' ? ": " : "", s->reason);
-    fprintf(out,
-            "up          %s s, %d threads, %.1f MB\n"
-            "body        %d nodes (%d active), %d elements, worst element %s\n"
-            "simulation  step %" PRId64 " at %s Hz, %d substeps, stable step %s\n"
-            "step time   p50 %s  p99 %s  max %s us\n"
-            "lateness    p50 %s  p99 %s  p99.9 %s  max %s us\n"
-            "loop delay  p50 %s  p95 %s ms\n"
-            "energy      kinetic %.3g  elastic %.3g  total %.3g J\n"
-            "device      given %.3g  taken %.3g J, %" PRId64 " stiffness back-offs\n"
-            "wire        %.1f MB of mesh sent, %" PRId64 " messages dropped\n"
-            "poses       %" PRId64 " received, %" PRId64 " superseded",
-            fixed(s->uptime_s, 1).text, s->threads, 1e-6 * (double)s->bytes_in_use, s->nodes,
-            s->active_nodes, s->elements, worst, s->step, fixed(s->simulation_rate_hz, 1).text,
-            s->substeps, limit, fixed(s->step_us[0], 0).text, fixed(s->step_us[1], 0).text,
-            fixed(s->step_us[2], 0).text, fixed(s->lateness_us[0], 0).text,
-            fixed(s->lateness_us[1], 0).text, fixed(s->lateness_us[2], 0).text,
-            fixed(s->lateness_us[3], 0).text, fixed(s->loop_delay_ms[0], 2).text,
-            fixed(s->loop_delay_ms[1], 2).text, s->kinetic_j, s->elastic_j, s->total_j,
-            s->energy_to_device_j, s->energy_from_device_j, s->stiffness_backoffs,
-            1e-6 * (double)s->mesh_bytes_sent, s->wire_dropped, s->poses_received,
-            s->poses_superseded);
-    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
-        if (s->poses_refused[i] != 0) {
-            fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[i],
-                    softsim_refusal_name(i));
+    static const char *const lines[] = {
+        "scene",    "model",      "verdict", "up",     "body", "simulation", "step time",
+        "lateness", "loop delay", "energy",  "device", "wire", "poses"};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; ++i) {
+        print_line(out, s, lines[i]);
+        if (strcmp(lines[i], "verdict") == 0) {
+            ss_plain_print(out, "%s%s%s", softsim_verdict_name((softsim_verdict)s->verdict),
+                           s->reason[0] != '\0' ? ": " : "", s->reason);
+        } else if (strcmp(lines[i], "poses") == 0) {
+            for (int reason = 0; reason < SOFTSIM_REFUSED_COUNT; ++reason) {
+                if (s->poses_refused[reason] != 0) {
+                    fprintf(out, ", %" PRId64 " refused (%s)", s->poses_refused[reason],
+                            softsim_refusal_name((softsim_refusal)reason));
+                }
+            }
         }
+        fputc('\n', out);
     }
-    fputs("\n\n", out);
+    fputc('\n', out);
     show_probes(out, s, hand);
 }

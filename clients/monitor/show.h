@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "softsim_server_status_t.h"
+#include "softsim/status.h"
 
 /* What is felt at a probe now, as the newest force says. */
 typedef struct ss_show_hand {
@@ -17,8 +17,8 @@ typedef struct ss_show_hand {
 } ss_show_hand;
 
 /* One line of JSON: every field of the message by its name; null for what is not finite. */
-void ss_show_json(FILE *out, const softsim_server_status_t *status);
+void ss_show_json(FILE *out, const softsim_server_status *status);
 /* One line with the figures that tell health, and what is felt. `hand`: SOFTSIM_MAX_PROBES. */
-void ss_show_line(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
+void ss_show_line(FILE *out, const softsim_server_status *status, const ss_show_hand *hand);
 /* A screenful. */
-void ss_show_page(FILE *out, const softsim_server_status_t *status, const ss_show_hand *hand);
+void ss_show_page(FILE *out, const softsim_server_status *status, const ss_show_hand *hand);

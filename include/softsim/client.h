@@ -15,6 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "softsim/status.h"
 #include "softsim/types.h"
 
 #ifdef __cplusplus
@@ -24,8 +25,6 @@ extern "C" {
 
 #define SOFTSIM_DEFAULT_PREFIX "SOFTSIM"
 
-struct _softsim_server_status_t; /* generated from lcmtypes/server_status_t.lcm */
-
 typedef struct softsim_client_config {
     const char *lcm_url; /* NULL: LCM_DEFAULT_URL, else the local multicast group */
     const char *prefix;  /* of the channels; NULL: SOFTSIM_DEFAULT_PREFIX */
@@ -34,8 +33,7 @@ typedef struct softsim_client_config {
     void (*handle_force)(void *context, const softsim_force *force, int64_t receive_ns);
     bool hears_all; /* the forces that answer other clients too, for who only watches */
     /* The server's status, valid during the call. NULL: none wanted. */
-    void (*handle_status)(void *context, const struct _softsim_server_status_t *status,
-                          int64_t receive_ns);
+    void (*handle_status)(void *context, const softsim_server_status *status, int64_t receive_ns);
     /* The server's reply to a command of this client: its number, 0 done, 1 refused or 2 unknown
      * or bad, and a text that is valid during the call. NULL: none wanted. */
     void (*handle_reply)(void *context, int32_t id, int32_t code, const char *text);

@@ -50,14 +50,14 @@ static const char *probe_reason(const ss_loops *loops)
 }
 
 /* The model's verdict, or what else is wrong when the model is well. */
-static void judge(ss_loops *loops, ss_report *report)
+static void judge(ss_loops *loops, softsim_server_status *report)
 {
     const ss_model_info *info = &loops->simulation_stats.info;
     report->verdict = info->verdict;
     report->reason = info->reason ? info->reason : "";
     report->fault_bits = (int32_t)info->fault_bits;
     const ss_hand_verdict *hand = &loops->haptic_stats.hand;
-    if (hand->verdict > report->verdict) {
+    if ((int32_t)hand->verdict > report->verdict) {
         report->verdict = hand->verdict;
         report->reason = hand->reason;
     }
@@ -107,8 +107,8 @@ void ss_loops_send_status(ss_loops *loops)
     ss_gate_counts counts;
     ss_gate_read(world->gate, &counts);
     const int64_t utime_us = ss_clock_now_ns() / 1000;
-    ss_report report = {
-        .utime_us = utime_us,
+    softsim_server_status report = {
+        .utime = utime_us,
         .threads = world->threads,
         .nodes = scene->mesh->node_count,
         .active_nodes = info->active_nodes,

@@ -17,6 +17,7 @@
 #include "net/codec.h"
 #include "net/net.h"
 #include "net/receiver.h"
+#include "net/status.h"
 #include "net/wire.h"
 #include "rt/budget.h"
 #include "rt/clock.h"
@@ -27,7 +28,6 @@
 #include "softsim_contact_force_t.h"
 #include "softsim_probe_pose_t.h"
 #include "softsim_reply_t.h"
-#include "softsim_server_status_t.h"
 
 enum {
     MAX_MESSAGE = 2048,   /* bytes; poses have 148, commands at most 1096 */
@@ -119,56 +119,15 @@ static char *bounded_text(ss_net *net, int slot, const char *text)
     return net->status_text[slot];
 }
 
-bool ss_net_send_status(ss_net *net, const ss_report *report)
+bool ss_net_send_status(ss_net *net, const softsim_server_status *status)
 {
-    softsim_server_status_t wire = {
-        .utime = report->utime_us != 0 ? report->utime_us : now_us(),
-        .seq = ++net->status_seq,
-        .verdict = (int32_t)report->verdict,
-        .fault_bits = report->fault_bits,
-        .threads = report->threads,
-        .nodes = report->nodes,
-        .active_nodes = report->active_nodes,
-        .elements = report->elements,
-        .worst_element = report->worst_element,
-        .substeps = report->substeps,
-        .probes = report->probes,
-        .plan_hash = report->plan_hash,
-        .state_hash = report->state_hash,
-        .step = report->step,
-        .bytes_in_use = report->bytes_in_use,
-        .poses_received = report->poses_received,
-        .poses_superseded = report->poses_superseded,
-        .mesh_bytes_sent = report->mesh_bytes_sent,
-        .wire_dropped = report->wire_dropped,
-        .uptime_s = report->uptime_s,
-        .simulation_rate_hz = report->simulation_rate_hz,
-        .stable_step_s = report->stable_step_s,
-        .kinetic_j = report->kinetic_j,
-        .elastic_j = report->elastic_j,
-        .total_j = report->total_j,
-        .energy_to_device_j = report->energy_to_device_j,
-        .energy_from_device_j = report->energy_from_device_j,
-        .stiffness_backoffs = report->stiffness_backoffs,
-        .scene = bounded_text(net, 0, report->scene),
-        .model = bounded_text(net, 1, report->model),
-        .reason = bounded_text(net, 2, report->reason),
-    };
-    for (int i = 0; i < SOFTSIM_MAX_PROBES; ++i) {
-        wire.probe_periods[i] = report->probe_periods[i];
-        wire.probe_forces[i] = report->probe_forces[i];
-        wire.probe_missed[i] = report->probe_missed[i];
-        wire.worst_contact_j[i] = report->worst_contact_j[i];
-        wire.stiffness_limit_n_per_m[i] = report->stiffness_limit_n_per_m[i];
-    }
-    _Static_assert(sizeof wire.poses_refused / sizeof *wire.poses_refused == SOFTSIM_REFUSED_COUNT,
-                   "server_status_t.poses_refused");
-    for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
-        wire.poses_refused[i] = report->poses_refused[i];
-    }
-    ss_copy3(wire.step_us, report->step_us);
-    memcpy(wire.lateness_us, report->lateness_us, sizeof wire.lateness_us);
-    memcpy(wire.loop_delay_ms, report->loop_delay_ms, sizeof wire.loop_delay_ms);
+    softsim_server_status_t wire;
+    ss_status_to_wire(status, &wire);
+    wire.utime = status->utime != 0 ? status->utime : now_us();
+    wire.seq = ++net->status_seq;
+    wire.scene = bounded_text(net, 0, status->scene);
+    wire.model = bounded_text(net, 1, status->model);
+    wire.reason = bounded_text(net, 2, status->reason);
     net->status_utime[(uint32_t)wire.seq % STATUS_MEMORY] = wire.utime;
     const int size = softsim_server_status_t_encode(net->buffer, 0, sizeof net->buffer, &wire);
     return publish(net, net->status_channel, size);

@@ -15,6 +15,7 @@
 #include "rt/mailbox.h"
 #include "rt/ring.h"
 #include "rt/thread.h"
+#include "softsim/status.h"
 #include "softsim/types.h"
 
 /* ---- receive checks ---- */
@@ -178,22 +179,8 @@ void ss_net_forget_rival(ss_net *net);
 /* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
 void ss_net_send_command(ss_net *net, const char *name);
 
-/* The server's report: what server_status_t carries. */
-typedef struct ss_report {
-    int64_t utime_us; /* uptime_s counts up to then */
-    softsim_verdict verdict;
-    int32_t fault_bits, threads, nodes, active_nodes, elements, worst_element, substeps, probes;
-    int64_t plan_hash, state_hash, step, bytes_in_use, poses_received, poses_superseded;
-    int64_t poses_refused[SOFTSIM_REFUSED_COUNT];
-    int64_t mesh_bytes_sent, wire_dropped;
-    int64_t probe_periods[8], probe_forces[8], probe_missed[8];
-    double uptime_s, simulation_rate_hz, stable_step_s, step_us[3], lateness_us[4];
-    double kinetic_j, elastic_j, total_j, energy_to_device_j, energy_from_device_j;
-    double worst_contact_j[8], loop_delay_ms[2], stiffness_limit_n_per_m[8];
-    int64_t stiffness_backoffs;
-    const char *scene, *model, *reason;
-} ss_report;
-bool ss_net_send_status(ss_net *net, const ss_report *report);
+/* Sets `seq`, and `utime` where it is 0; texts may be NULL and of any length. Thread: net. */
+bool ss_net_send_status(ss_net *net, const softsim_server_status *status);
 
 /* ---- mesh publisher: an LCM object and a thread of its own ---- */
 

@@ -24,12 +24,12 @@
 #include <unistd.h>
 
 #include "net/codec.h"
+#include "net/status.h"
 #include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/plain.h"
 #include "softsim_command_t.h"
 #include "softsim_probe_pose_t.h"
-#include "softsim_server_status_t.h"
 
 enum {
     LCM_FILES = 8, /* that LCM opens at most: sockets and pipes */
@@ -312,8 +312,10 @@ static double read_double(reader *in)
     return value;
 }
 
-static void skip(reader *in, int64_t bytes)
+/* On to byte `at` of a message of `size` bytes. */
+static void skip_to(reader *in, int64_t size, int64_t at)
 {
+    const int64_t bytes = at - (size - in->left);
     in->has_failed = in->has_failed || in->left < bytes;
     in->at += in->has_failed ? 0 : bytes;
     in->left -= in->has_failed ? 0 : bytes;
@@ -321,7 +323,6 @@ static void skip(reader *in, int64_t bytes)
 
 softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_status *out_status)
 {
-    enum { BEFORE_UPTIME = 9 * 4 + 6 * 8 + 8 * 8 + 2 * 8 + 3 * 8 * 8, BEFORE_SCENE = 33 * 8 };
     reader in = {.at = data, .left = size};
     if (size < HASH_SIZE) {
         return SOFTSIM_REFUSED_MALFORMED;
@@ -332,9 +333,9 @@ softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_stat
     memset(out_status, 0, sizeof *out_status);
     out_status->utime_us = read_int64(&in);
     out_status->seq = read_int32(&in);
-    skip(&in, BEFORE_UPTIME);
+    skip_to(&in, size, ss_status_uptime_at);
     out_status->uptime_s = read_double(&in);
-    skip(&in, BEFORE_SCENE);
+    skip_to(&in, size, ss_status_texts_at);
     read_string(&in, out_status->scene, sizeof out_status->scene);
     return in.has_failed || !(out_status->uptime_s >= 0.0 && out_status->uptime_s < MAX_UPTIME)
                ? SOFTSIM_REFUSED_MALFORMED

@@ -440,7 +440,7 @@ static void json_is_well_formed(void **state)
     static char scene[] = "a \"quoted\" \\ \n \x01 name";
     static char model[] = "fem";
     static char reason[] = "";
-    softsim_server_status_t status = {.scene = scene, .model = model, .reason = reason};
+    softsim_server_status status = {.scene = scene, .model = model, .reason = reason};
     status.step = INT64_MIN;
     status.uptime_s = 1.5;
     status.stable_step_s = INFINITY;
@@ -481,7 +481,7 @@ static void figures_of_a_stranger_are_bounded(void **state)
     static char scene[] = "k\x1b\x9b\xc2\x9b.yaml", reason[] = "\xc2\x9bK", model[] = "fem\n";
     for (size_t f = 0; f < sizeof figure / sizeof *figure; ++f) {
         const double x = figure[f];
-        softsim_server_status_t s = {.scene = scene, .model = model, .reason = reason};
+        softsim_server_status s = {.scene = scene, .model = model, .reason = reason};
         s.seq = s.threads = s.nodes = s.active_nodes = s.elements = s.worst_element = INT32_MAX;
         s.substeps = s.probes = s.verdict = s.fault_bits = INT32_MIN;
         s.step = s.bytes_in_use = s.poses_received = s.poses_superseded = INT64_MIN;

@@ -29,6 +29,7 @@ grep -hoE '\bsoftsim_[a-z_]+\(' "${headers[@]}" | tr -d '(' | sort -u >"$work/de
 library=$(echo "$prefix"/lib*/libsoftsim.so.0 "$prefix"/lib*/*/libsoftsim.so.0 | tr ' ' '\n' | grep -v '\*')
 nm -D --defined-only "$library" | sed 's/.* //' | sort -u >"$work/exported"
 diff "$work/declared" "$work/exported" || fail "< is declared, > exported"
+! grep -nE 'lcm/|\<lcm_t\>|struct _softsim|softsim_[a-z_]+_t\>' "${headers[@]}" || fail "a header shows a type of LCM"
 for header in "${headers[@]}"; do
   echo "#include <softsim/$(basename "$header")>" >"$work/header.c"
   quiet cc -std=c11 -Wall -Wextra -Wpedantic -Werror -I"$prefix/include" -fsyntax-only "$work/header.c"

@@ -448,18 +448,18 @@ static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
     ss_net *net = net_make(&h, false, "T");
     lcm_subscribe(ss_net_lcm(net), "T_STATUS", hear_message, &h);
     memset(endless, 'r', sizeof endless - 1);
-    ss_report report = {.verdict = SOFTSIM_VERDICT_DEGRADED,
-                        .nodes = 1234,
-                        .state_hash = INT64_MIN,
-                        .poses_refused = {1, 2, 3, 4, 5, 6, 7, 8},
-                        .probe_periods = {9, 0, 0, 0, 0, 0, 0, 10},
-                        .step_us = {1.5, 2.5, 3.5},
-                        .lateness_us = {4, 5, 6, 7},
-                        .worst_contact_j = {-1e-3},
-                        .loop_delay_ms = {8, 9},
-                        .stiffness_limit_n_per_m = {0, 0, 0, 0, 0, 0, 0, 500},
-                        .scene = "liver",
-                        .reason = endless};
+    softsim_server_status report = {.verdict = SOFTSIM_VERDICT_DEGRADED,
+                                    .nodes = 1234,
+                                    .state_hash = INT64_MIN,
+                                    .poses_refused = {1, 2, 3, 4, 5, 6, 7, 8},
+                                    .probe_periods = {9, 0, 0, 0, 0, 0, 0, 10},
+                                    .step_us = {1.5, 2.5, 3.5},
+                                    .lateness_us = {4, 5, 6, 7},
+                                    .worst_contact_j = {-1e-3},
+                                    .loop_delay_ms = {8, 9},
+                                    .stiffness_limit_n_per_m = {0, 0, 0, 0, 0, 0, 0, 500},
+                                    .scene = "liver",
+                                    .reason = endless};
     assert_true(ss_net_send_status(net, &report));
     assert_true(ss_net_wait(net, -1, 0));
     softsim_server_status_t wire;
@@ -489,7 +489,7 @@ static void another_server_is_told_from_ourselves(void **state)
     (void)state;
     static heard h;
     ss_net *net = net_make(&h, false, "R");
-    const ss_report report = {.scene = "s", .model = "m", .reason = ""};
+    const softsim_server_status report = {.scene = "s", .model = "m", .reason = ""};
     for (int i = 0; i < 2000; ++i) { /* more than are remembered */
         assert_true(ss_net_send_status(net, &report));
         assert_true(ss_net_wait(net, -1, 1000));

@@ -86,11 +86,11 @@ static void a_server_starts_under_the_self_tests_of_others(void **state)
 /* By a client of ours: LCM's own receiver would not live through this. */
 typedef struct listener {
     softsim_client *client;
-    softsim_server_status_t status;
+    softsim_server_status status;
     int32_t replied_id, reply_code; /* of the newest reply */
 } listener;
 
-static void take_status(void *context, const struct _softsim_server_status_t *status, int64_t now)
+static void take_status(void *context, const softsim_server_status *status, int64_t now)
 {
     listener *l = context;
     (void)now;
@@ -115,7 +115,7 @@ static void listen_open(listener *l)
 }
 
 /* A status that was made after the call: one machine, one monotonic clock. Fails after a minute. */
-static const softsim_server_status_t *listen_next(listener *l)
+static const softsim_server_status *listen_next(listener *l)
 {
     const int64_t called_us = softsim_client_now_us();
     const int64_t deadline_ns = softsim_client_now_ns() + 60000000000;
@@ -126,7 +126,7 @@ static const softsim_server_status_t *listen_next(listener *l)
     return &l->status;
 }
 
-static int64_t accepted(const softsim_server_status_t *status)
+static int64_t accepted(const softsim_server_status *status)
 {
     int64_t count = status->poses_received;
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {

@@ -12,7 +12,6 @@
 #include "rt/clock.h"
 #include "rt/thread.h"
 #include "softsim/client.h"
-#include "softsim_server_status_t.h"
 
 enum { DAEMON, REPLAY, BRIDGE, MONITOR, CHILDREN };
 enum { PATH_SIZE = 4096, MAX_WORDS = 64, FIXED_WORDS = 12, LINE_SIZE = 512 };
@@ -36,8 +35,7 @@ typedef struct chain {
 
 /* ---- statuses ---- */
 
-static void take_status(void *context, const struct _softsim_server_status_t *from,
-                        int64_t receive_ns)
+static void take_status(void *context, const softsim_server_status *from, int64_t receive_ns)
 {
     ss_session *session = context;
     if (session->status_count == session->status_capacity) {
