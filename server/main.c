@@ -61,14 +61,10 @@ int main(int argc, char **argv)
     static softsim_error error;
     ss_options options;
     ss_program_begin();
-    switch (ss_options_parse(argc, argv, &options, &error)) {
-    case SS_ARGS_DONE:
-        return ss_program_finish(argv[0], 0);
-    case SS_ARGS_BAD:
-        ss_args_print_error(argv[0], &error);
-        return 2;
-    case SS_ARGS_RUN:
-        break;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], ss_options_parse(argc, argv, &options, &error), &error,
+                         &exit_code)) {
+        return ss_program_finish(argv[0], exit_code);
     }
     const ss_world_options world_options = {.scene_path = options.scene_path,
                                             .set = options.set.value,
@@ -85,7 +81,6 @@ int main(int argc, char **argv)
         ss_args_print_error(argv[0], &error);
         return 2;
     }
-    int exit_code = 0;
     warnings told = {.out = options.log_level >= SS_LOG_WARNING ? stderr : NULL};
     ss_world_doubt(world, warn, &told);
     if (options.check) {

@@ -18,7 +18,7 @@
 #include "silence.h"
 #include "softsim/client.h"
 
-enum { EXIT_BAD_INPUT = 2, DEFAULT_TICKS = 2000 };
+enum { DEFAULT_TICKS = 2000 };
 
 typedef enum device_name { DEVICE_NONE = -1, DEVICE_SIM, DEVICE_SCRIPT } device_name;
 
@@ -115,11 +115,9 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--ticks", SS_ARG_INTEGER, &o->ticks, 1, 1e9, "N",
          "ends after N periods (linear tissue: 2000)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
     const ss_args_result result =
-        ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]),
-                      &positional, 0, 0, &count, error);
+        ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL,
+                      0, 0, NULL, error);
     if (result != SS_ARGS_RUN) {
         return result;
     }
@@ -185,8 +183,7 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
     }
     const softsim_status status = softsim_client_open(&config, &client, &error);
     if (status != SOFTSIM_OK) {
-        ss_args_print_error(program, &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+        return ss_args_finish(program, status, &error);
     }
     ss_thread_lock_memory();
     const bool is_good = ss_bridge_run(bridge, client);
@@ -233,12 +230,12 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
     ss_device device;
     if (open_device(o, &device, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     if (o->csv != NULL && ss_output_record(&csv, o->csv, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
         device.destroy(device.state);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     const ss_bridge_config config = {
         .probe = (int32_t)o->probe,
@@ -288,7 +285,7 @@ int main(int argc, char **argv)
     ss_frame_init(&frame, o.axes, o.offset, o.scale, o.force_scale, &error);
     if (error.fault_count > 0) {
         ss_args_print_error(program, &error);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
     return ss_program_finish(program, run(program, &o, &frame, &error));

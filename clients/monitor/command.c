@@ -10,7 +10,7 @@
 #include "rt/args.h"
 #include "rt/plain.h"
 
-enum { EXIT_BAD_INPUT = 2, NAME_SIZE = 64 };
+enum { NAME_SIZE = 64 };
 static const int64_t patience_ns = 3000000000; /* a server replies within milliseconds */
 
 typedef struct answer {
@@ -48,7 +48,7 @@ static int await(const char *program, softsim_client *client, answer *a)
     if (!a->is_here) {
         return EXIT_FAILURE;
     }
-    return a->code == 0 ? EXIT_SUCCESS : a->code == 1 ? EXIT_FAILURE : EXIT_BAD_INPUT;
+    return a->code == 0 ? EXIT_SUCCESS : a->code == 1 ? EXIT_FAILURE : SS_EXIT_BAD_INPUT;
 }
 
 int ss_command_run(const char *program, const softsim_client_config *config, const char *text)
@@ -66,10 +66,9 @@ int ss_command_run(const char *program, const softsim_client_config *config, con
     const char *argument = begin + length + strspn(begin + length, " ");
     snprintf(name, sizeof name, "%.*s", (int)(length < NAME_SIZE ? length : NAME_SIZE - 1), begin);
     if (softsim_client_open(&asking, &client, &error) != SOFTSIM_OK) {
-        ss_args_print_error(program, &error);
-        return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+        return ss_args_finish(program, error.status, &error);
     }
-    int status = EXIT_BAD_INPUT;
+    int status = SS_EXIT_BAD_INPUT;
     a.id = softsim_client_send_command(client, name, argument);
     if (a.id != 0) {
         status = await(program, client, &a);

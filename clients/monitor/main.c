@@ -20,7 +20,6 @@
 #include "show.h"
 #include "softsim/client.h"
 
-enum { EXIT_BAD_INPUT = 2 };
 static const int64_t patience_ns = 2000000000; /* without a status: the server is gone */
 static const int64_t give_up_ns = 10000000000; /* --once: no server is coming */
 static const int64_t line_ns = 1000000000;
@@ -136,12 +135,11 @@ int main(int argc, char **argv)
         {"--prefix", SS_ARG_STRING, &config.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
     };
     softsim_error error = {.status = SOFTSIM_OK};
-    const char *positional = NULL, *program = program_invocation_short_name;
-    int32_t count = 0;
+    const char *program = program_invocation_short_name;
     ss_program_begin();
     const ss_args_result parsed = ss_args_parse(
         argc, argv, "[options]", "Shows the state of a softsimd, or sends it a command.", rows,
-        (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
+        (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, &error);
     if (parsed == SS_ARGS_DONE) {
         return ss_program_finish(program, EXIT_SUCCESS);
     }
@@ -158,8 +156,7 @@ int main(int argc, char **argv)
         return ss_program_finish(program, ss_command_run(program, &config, command));
     }
     if (checked == SS_ARGS_BAD || softsim_client_open(&config, &client, &error) != SOFTSIM_OK) {
-        ss_args_print_error(program, &error);
-        return error.status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+        return ss_args_finish(program, error.status, &error);
     }
     const int status = watch(program, &m, client, duration_s);
     softsim_client_close(&client);

@@ -16,7 +16,7 @@
 #include "softsim/client.h"
 #include "softsim/log.h"
 
-enum { EXIT_BAD_INPUT = 2, MAX_NOTES = 20 };
+enum { MAX_NOTES = 20 };
 
 typedef struct options {
     const char *lcm_url, *prefix, *record, *csv;
@@ -121,7 +121,7 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
     softsim_log_writer *writer = NULL;
     if (softsim_log_create(o->output, &writer, &error) != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     const char *prefix = o->prefix != NULL ? o->prefix : SOFTSIM_DEFAULT_PREFIX;
     softsim_pose_event event;
@@ -220,7 +220,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
         softsim_log_abandon(&replay.record);
         ss_output_abandon(&replay.csv);
         softsim_client_close(&replay.client);
-        return status == SOFTSIM_ERROR_ARGUMENT || status == SOFTSIM_ERROR_FILE ? EXIT_BAD_INPUT
+        return status == SOFTSIM_ERROR_ARGUMENT || status == SOFTSIM_ERROR_FILE ? SS_EXIT_BAD_INPUT
                                                                                 : EXIT_FAILURE;
     }
     if (replay.csv.file != NULL) {
@@ -278,11 +278,11 @@ int main(int argc, char **argv)
     if (parsed == SS_ARGS_BAD ||
         softsim_poses_open(o.input, o.rate_hz, &poses, &error) != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     const survey found = look_through(program, o.input, poses);
     ss_process_catch_stop(); /* nothing is lost when a long look is simply ended */
-    int status = EXIT_BAD_INPUT;
+    int status = SS_EXIT_BAD_INPUT;
     if (found.poses == 0) {
         ss_plain_print(stderr, "%s: %s: no probe poses: no record on a channel ..._PROBE_<n>\n",
                        program, o.input);

@@ -172,7 +172,9 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "something is missing; usage: %s %s",
                           program, usage);
     }
-    *out_positional_count = count < positional_max ? count : positional_max;
+    if (out_positional_count != NULL) {
+        *out_positional_count = count < positional_max ? count : positional_max;
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
@@ -196,4 +198,23 @@ void ss_args_print_error(const char *program, const softsim_error *error)
                 at);
         at = next;
     }
+}
+
+bool ss_args_may_run(const char *program, ss_args_result result, const softsim_error *error,
+                     int *out_exit)
+{
+    if (result == SS_ARGS_BAD) {
+        ss_args_print_error(program, error);
+    }
+    *out_exit = result == SS_ARGS_BAD ? SS_EXIT_BAD_INPUT : 0;
+    return result == SS_ARGS_RUN;
+}
+
+int ss_args_finish(const char *program, softsim_status status, const softsim_error *error)
+{
+    if (status == SOFTSIM_OK) {
+        return EXIT_SUCCESS;
+    }
+    ss_args_print_error(program, error);
+    return status == SOFTSIM_ERROR_ARGUMENT ? SS_EXIT_BAD_INPUT : EXIT_FAILURE;
 }

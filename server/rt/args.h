@@ -38,12 +38,25 @@ typedef struct ss_arg {
 typedef enum ss_args_result { SS_ARGS_RUN, SS_ARGS_DONE, SS_ARGS_BAD } ss_args_result;
 
 /* `usage` is the line after the program's name ("[options] SCENE.yaml"), `about` one sentence.
- * Positional arguments go to `positional`, at least `positional_min` and at most `positional_max`.
+ * Positional arguments go to `positional`, at least `positional_min` and at most `positional_max`;
+ * where there may be none it and `out_positional_count` may be NULL.
  * SS_ARGS_DONE after --help or --version; SS_ARGS_BAD with the faults in `error`. */
 ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const char *about,
                              const ss_arg *rows, int32_t row_count, const char **positional,
                              int32_t positional_min, int32_t positional_max,
                              int32_t *out_positional_count, softsim_error *error);
+
+/* What was asked for cannot be done, as against EXIT_FAILURE: it was tried. */
+enum { SS_EXIT_BAD_INPUT = 2 };
+
+/* True: run. Else *out_exit is the program's: 0 after SS_ARGS_DONE, SS_EXIT_BAD_INPUT after
+ * SS_ARGS_BAD, whose faults it prints. */
+bool ss_args_may_run(const char *program, ss_args_result result, const softsim_error *error,
+                     int *out_exit);
+
+/* The program's exit status after its work: prints the faults where `status` is not OK, and tells
+ * what cannot be asked for (SOFTSIM_ERROR_ARGUMENT) from what failed. */
+int ss_args_finish(const char *program, softsim_status status, const softsim_error *error);
 
 /* Prints `error` to stderr, one line per fault with the program's name before it; a quoted line of
  * a file and its caret follow as they are. */

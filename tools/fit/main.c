@@ -87,12 +87,10 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
         {"--fitted", SS_ARG_STRING, &o.fitted, 0, 0, "CSV",
          "the curves beside the model's: curve,at,force_n,fitted_n"},
     };
-    int32_t count = 0;
-    const char *none[1];
     const ss_args_result result = ss_args_parse(
         argc, argv,
         "--scene S.yaml (--curve CSV... | --case DIR) [--parameter PATH]... --out S2.yaml", about,
-        rows, (int32_t)(sizeof rows / sizeof *rows), none, 0, 0, &count, error);
+        rows, (int32_t)(sizeof rows / sizeof *rows), NULL, 0, 0, NULL, error);
     *out = o;
     if (result != SS_ARGS_RUN) {
         return result;
@@ -332,14 +330,9 @@ int main(int argc, char **argv)
     fit_options options;
     ss_output out = {0}, fitted = {0};
     ss_program_begin();
-    switch (parse(argc, argv, &options, &error)) {
-    case SS_ARGS_DONE:
-        return ss_program_finish(argv[0], 0);
-    case SS_ARGS_BAD:
-        ss_args_print_error(argv[0], &error);
-        return 2;
-    case SS_ARGS_RUN:
-        break;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parse(argc, argv, &options, &error), &error, &exit_code)) {
+        return ss_program_finish(argv[0], exit_code);
     }
     fit.progress = show_progress;
     ss_progress_begin("softsim-fit", "0 evaluations");
@@ -351,7 +344,7 @@ int main(int argc, char **argv)
     if (status == SOFTSIM_OK && options.fitted) {
         status = ss_output_open(&fitted, options.fitted, &error);
     }
-    int exit_code = status == SOFTSIM_OK ? 0 : 2;
+    exit_code = status == SOFTSIM_OK ? 0 : 2;
     if (status == SOFTSIM_OK) {
         status = ss_fit_run(&fit, &error);
         exit_code = status != SOFTSIM_OK && fit.solve.evaluations <= 1 ? 2 : 1;

@@ -15,6 +15,9 @@ int command_generate(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_tetrahedralize(int argc, char **argv);
 
+/* Prints the faults of a command that did not end well; its exit status. */
+int end_command(int exit_code, const softsim_error *error);
+
 /* "mm|cm|dm|m" for the option --units, and metres per unit by its index. */
 #define UNITS "mm|cm|dm|m"
 double metres_per_unit(int index);

@@ -142,9 +142,9 @@ int command_convert(int argc, char **argv)
     conversion c;
     softsim_error error = {0};
     const ss_args_result result = parse(argc, argv, &c, &error);
-    const int status = result == SS_ARGS_DONE ? 0 : result == SS_ARGS_RUN ? convert(&c, &error) : 2;
-    if (status != 0) {
-        ss_args_print_error("softsim-mesh", &error);
+    int exit_code = 0;
+    if (ss_args_may_run("softsim-mesh", result, &error, &exit_code)) {
+        exit_code = end_command(convert(&c, &error), &error);
     }
-    return status;
+    return exit_code;
 }

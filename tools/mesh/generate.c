@@ -365,12 +365,7 @@ int command_generate(int argc, char **argv)
             print_written(mesh, path, unit_name(q.units));
         }
         ss_mesh_destroy(&mesh);
-        if (status == SOFTSIM_OK) {
-            return 0;
-        }
-        ss_args_print_error("softsim-mesh", &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? 2 : 1;
+        return ss_args_finish("softsim-mesh", status, &error);
     }
-    ss_args_print_error("softsim-mesh", &error);
-    return 2;
+    return ss_args_finish("softsim-mesh", SOFTSIM_ERROR_ARGUMENT, &error);
 }

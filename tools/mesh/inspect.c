@@ -49,12 +49,9 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
     const ss_args_result result =
         ss_args_parse(argc, argv, "FILE [options]", about, rows, can_list ? 3 : 2, &in->path, 1, 1,
                       &count, &in->error);
-    if (result == SS_ARGS_DONE) {
-        return 0;
-    }
-    if (result == SS_ARGS_BAD) {
-        ss_args_print_error("softsim-mesh", &in->error);
-        return 2;
+    int exit_code = 0;
+    if (!ss_args_may_run("softsim-mesh", result, &in->error, &exit_code)) {
+        return exit_code;
     }
     const double unit = in->units >= 0 ? metres_per_unit(in->units) : 1.0;
     const int64_t bytes_before = resident_at_most();

@@ -4,6 +4,7 @@
  */
 #include "command.h"
 
+#include "rt/args.h"
 #include "rt/files.h"
 #include "rt/memory.h"
 #include "rt/plain.h"
@@ -11,6 +12,14 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+
+int end_command(int exit_code, const softsim_error *error)
+{
+    if (exit_code != 0) {
+        ss_args_print_error("softsim-mesh", error);
+    }
+    return exit_code;
+}
 
 double metres_per_unit(int index)
 {

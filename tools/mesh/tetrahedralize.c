@@ -168,11 +168,9 @@ int command_tetrahedralize(int argc, char **argv)
     request q;
     softsim_error error = {0};
     const ss_args_result result = parse(argc, argv, &q, &error);
-    const int status = result == SS_ARGS_DONE  ? 0
-                       : result == SS_ARGS_RUN ? tetrahedralize(&q, &error)
-                                               : 2;
-    if (status != 0) {
-        ss_args_print_error("softsim-mesh", &error);
+    int exit_code = 0;
+    if (ss_args_may_run("softsim-mesh", result, &error, &exit_code)) {
+        exit_code = end_command(tetrahedralize(&q, &error), &error);
     }
-    return status;
+    return exit_code;
 }

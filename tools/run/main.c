@@ -540,17 +540,11 @@ int main(int argc, char **argv)
     static softsim_error error;
     static run r;
     ss_program_begin();
-    switch (parse(argc, argv, &r.options, &error)) {
-    case SS_ARGS_DONE:
-        return ss_program_finish(argv[0], 0);
-    case SS_ARGS_BAD:
-        ss_args_print_error(argv[0], &error);
-        return 2;
-    case SS_ARGS_RUN:
-        break;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parse(argc, argv, &r.options, &error), &error, &exit_code)) {
+        return ss_program_finish(argv[0], exit_code);
     }
     r.sender = 1;
-    int exit_code = 0;
     ss_progress_begin("softsim-run", "loading %s", r.options.scene);
     const bool is_ready = open_poses(&r, &error) == SOFTSIM_OK && execute(&r, &error) == SOFTSIM_OK;
     ss_progress_end();

@@ -26,7 +26,7 @@
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 
-enum { EXIT_BAD_INPUT = 2, PATH_SIZE = 4352, WARM_TICKS = 100, TURN_TICKS = 50 };
+enum { PATH_SIZE = 4352, WARM_TICKS = 100, TURN_TICKS = 50 };
 static const double size_m = 0.1, tick_s = 1e-3;
 static const double tool_radius_m = 0.01, tool_depth_m = 0.003, tool_speed_m_s = 0.1;
 static const double run_timeout_s = 600.0;
@@ -463,29 +463,19 @@ static int run_report(int argc, char **argv)
     const ss_arg rows[] = {
         {"--out", SS_ARG_STRING, &r.out, 0, 0, "DIR", "for the report (ablation-report)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
     const ss_args_result parsed = ss_args_parse(
         argc, argv, "[options]", "Measures what the plan leaves out, with and without it.", rows,
-        (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, &error);
-    if (parsed != SS_ARGS_RUN) {
-        ss_args_print_error(argv[0], &error);
-        return parsed == SS_ARGS_DONE ? EXIT_SUCCESS : EXIT_BAD_INPUT;
+        (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, &error);
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
+        return exit_code;
     }
-    ss_process_catch_stop();
-    softsim_status status = ss_report_make_folder(r.out, &error);
-    if (status == SOFTSIM_OK) {
-        status = ss_scratch_make("softsim-bench", r.folder, &error);
-    }
+    softsim_status status = ss_report_begin(r.out, r.folder, &error);
     if (status == SOFTSIM_OK) {
         status = measure(&r, &error);
-        ss_scratch_remove(r.folder);
     }
-    if (status != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
-    }
-    return EXIT_SUCCESS;
+    ss_scratch_remove(r.folder);
+    return ss_args_finish(argv[0], status, &error);
 }
 
 const ss_report_class ss_report_ablation = {.name = "ablation",

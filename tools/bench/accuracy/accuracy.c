@@ -28,7 +28,7 @@
 #include "rt/hash.h"
 #include "world/world.h"
 
-enum { EXIT_BAD_INPUT = 2, MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
+enum { MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
 static const char standard_folder[] = "tests/reference";
 
@@ -95,14 +95,12 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
         {"--jobs", SS_ARG_INTEGER, &o.jobs, 1, SS_SWEEP_MAX_JOBS, "N", "processes at a time (1)"},
         {"--out", SS_ARG_STRING, &o.out, 0, 0, "DIR", "for the report (accuracy-report)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
-    const ss_args_result result = ss_args_parse(
-        argc, argv, "[options]",
-        "Measures the error of every model against its run time on problems with "
-        "trusted solutions. The same command goes on where it was killed, and runs "
-        "under mpirun.",
-        rows, (int32_t)(sizeof rows / sizeof *rows), &positional, 0, 0, &count, error);
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "[options]",
+                      "Measures the error of every model against its run time on problems with "
+                      "trusted solutions. The same command goes on where it was killed, and runs "
+                      "under mpirun.",
+                      rows, (int32_t)(sizeof rows / sizeof *rows), NULL, 0, 0, NULL, error);
     *out = o;
     if (result == SS_ARGS_RUN && strlen(o.out) > SS_ACCURACY_PATH - 300) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");
@@ -860,14 +858,14 @@ static int run_report(int argc, char **argv)
         check_sets(&r->o, &error);
         ss_process_catch_stop();
     }
-    int exit_status = parsed == SS_ARGS_DONE ? EXIT_SUCCESS : EXIT_BAD_INPUT;
+    int exit_status = parsed == SS_ARGS_DONE ? EXIT_SUCCESS : SS_EXIT_BAD_INPUT;
     if (parsed == SS_ARGS_RUN && error.fault_count == 0 && prepare(r, &error) == SOFTSIM_OK) {
         exit_status = make_report(r, &error) == SOFTSIM_OK ? EXIT_SUCCESS : EXIT_FAILURE;
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);
     }
-    if (exit_status == EXIT_BAD_INPUT && error.status != SOFTSIM_ERROR_ARGUMENT) {
+    if (exit_status == SS_EXIT_BAD_INPUT && error.status != SOFTSIM_ERROR_ARGUMENT) {
         softsim_error advice = {.status = SOFTSIM_OK};
         softsim_error_add(&advice, error.status,
                           "nothing was run: mend what is named, or leave it out of --case, --mesh "

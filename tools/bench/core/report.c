@@ -16,6 +16,8 @@
 #include <unistd.h>
 
 #include "bench/core/child.h"
+#include "case/scratch.h"
+#include "process.h"
 
 enum { MAX_PICTURE = 8 * 1024 * 1024, PATH_SIZE = 4096 };
 static const double gnuplot_timeout_s = 60.0;
@@ -45,6 +47,16 @@ static void warn_of_pictures(void)
                         "pictures: install gnuplot (Debian: gnuplot-nox)\n");
         is_said = true;
     }
+}
+
+softsim_status ss_report_begin(const char *folder, char *scratch, softsim_error *error)
+{
+    ss_process_catch_stop();
+    softsim_status status = ss_report_make_folder(folder, error);
+    if (status == SOFTSIM_OK && scratch != NULL) {
+        status = ss_scratch_make("softsim-bench", scratch, error);
+    }
+    return status;
 }
 
 softsim_status ss_report_make_folder(const char *folder, softsim_error *error)

@@ -23,6 +23,10 @@ typedef struct ss_page {
     int32_t missing_pictures; /* for want of gnuplot */
 } ss_page;
 
+/* What every report does first: a stop is caught from here on, `folder` is made, and a scratch
+ * folder where `scratch` is given (SS_SCRATCH_PATH). */
+softsim_status ss_report_begin(const char *folder, char *scratch, softsim_error *error);
+
 /* Makes `folder` and its parents where they are missing. Each report begins with it, so the first
  * call says on stderr when there is no gnuplot to draw with. */
 softsim_status ss_report_make_folder(const char *folder, softsim_error *error);

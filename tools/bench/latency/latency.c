@@ -22,7 +22,7 @@
 #include "rt/args.h"
 #include "softsim/log.h"
 
-enum { EXIT_BAD_INPUT = 2, PATH_SIZE = 4096, BINS_A_DECADE = 20, DECADES = 7, TAIL_POINTS = 240 };
+enum { PATH_SIZE = 4096, BINS_A_DECADE = 20, DECADES = 7, TAIL_POINTS = 240 };
 static const double standard_s = 60.0;
 static const double quick_s = 12.0; /* one window of lateness and what comes before it */
 
@@ -87,14 +87,12 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--contacts", SS_ARG_INTEGER, &o->contacts, 0, 1000, "N",
          "--log: contacts a second that the task itself makes (1)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
-    const ss_args_result result = ss_args_parse(
-        argc, argv, "[options]",
-        "Runs daemon, replay, bridge and monitor and measures pose to force, "
-        "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
-        "echo in the same run.",
-        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "[options]",
+                      "Runs daemon, replay, bridge and monitor and measures pose to force, "
+                      "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
+                      "echo in the same run.",
+                      rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
     if (result == SS_ARGS_RUN) {
         check_log_options(o, error);
     }
@@ -570,7 +568,7 @@ static int run_report(int argc, char **argv)
     }
     if (error.fault_count > 0) {
         ss_args_print_error(argv[0], &error);
-        return EXIT_BAD_INPUT;
+        return SS_EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
     bool is_good = false;

@@ -16,8 +16,6 @@
 #include "rt/args.h"
 #include "rt/clock.h"
 
-enum { EXIT_BAD_INPUT = 2 };
-
 static const struct {
     const char *name, *title;
     softsim_status (*run)(ss_paper *paper, softsim_error *error);
@@ -83,10 +81,7 @@ static void print_summary(const ss_paper *paper)
 static softsim_status make_report(ss_paper *paper, int which, softsim_error *error)
 {
     ss_yardstick yardstick;
-    softsim_status status = ss_report_make_folder(paper->folder, error);
-    if (status == SOFTSIM_OK) {
-        status = ss_scratch_make("softsim-paper", paper->temporary, error);
-    }
+    softsim_status status = ss_report_begin(paper->folder, paper->temporary, error);
     if (status == SOFTSIM_OK && !ss_child_own_folder(paper->bin, sizeof paper->bin)) {
         status = SOFTSIM_ERROR_SYSTEM;
         softsim_error_add(error, status, "cannot find this program's own folder");
@@ -115,14 +110,10 @@ static int run_report(int argc, char **argv)
     options o;
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
-    if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
+        return exit_code;
     }
-    if (parsed == SS_ARGS_BAD) {
-        ss_args_print_error(argv[0], &error);
-        return EXIT_BAD_INPUT;
-    }
-    ss_process_catch_stop();
     paper.name = papers[o.paper].name;
     paper.folder = o.out;
     paper.is_quick = o.is_quick;
@@ -131,12 +122,11 @@ static int run_report(int argc, char **argv)
     const softsim_status status = make_report(&paper, o.paper, &error);
     ss_page_abandon(&paper.page);
     ss_scratch_remove(paper.temporary);
-    if (status != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
-        return EXIT_FAILURE;
+    if (status == SOFTSIM_OK) {
+        print_summary(&paper);
     }
-    print_summary(&paper);
-    return ss_paper_count(&paper, SS_CLAIM_FAIL) > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+    exit_code = ss_args_finish(argv[0], status, &error);
+    return ss_paper_count(&paper, SS_CLAIM_FAIL) > 0 ? EXIT_FAILURE : exit_code;
 }
 
 const ss_report_class ss_report_paper = {

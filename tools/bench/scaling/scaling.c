@@ -27,7 +27,6 @@
 #include "rt/args.h"
 
 enum {
-    EXIT_BAD_INPUT = 2,
     MAX_SIZES = 32,
     LEAST_POINTS = 200,
     MOST_POINTS = 1000000,
@@ -147,13 +146,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
          "blocks at a time (1; more disturb one another's times)"},
         {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (scaling-report)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
-    const ss_args_result result = ss_args_parse(
-        argc, argv, "[options]",
-        "Measures step time, smoothness of a slide and the energy balance against "
-        "the number of nodes.",
-        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+    const ss_args_result result =
+        ss_args_parse(argc, argv, "[options]",
+                      "Measures step time, smoothness of a slide and the energy balance against "
+                      "the number of nodes.",
+                      rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
     if (result == SS_ARGS_RUN) {
         choose_sizes(o, error);
     }
@@ -360,12 +357,7 @@ static softsim_status measure_blocks(report *r, softsim_error *error)
                           .context = r,
                           .label = block_label,
                           .run = block_run};
-    softsim_status status = ss_scratch_make("softsim-bench", r->folder, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    status = ss_sweep_execute(&r->sweep, &r->blocks, error);
-    ss_scratch_remove(r->folder);
+    const softsim_status status = ss_sweep_execute(&r->sweep, &r->blocks, error);
     for (int32_t i = 0; status == SOFTSIM_OK && r->blocks.is_complete && i < r->blocks.count; ++i) {
         add_block(r, &r->blocks.run[i], i);
     }
@@ -785,19 +777,16 @@ static int run_report(int argc, char **argv)
     options o;
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
-    if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
+        return exit_code;
     }
-    if (parsed == SS_ARGS_BAD) {
-        ss_args_print_error(argv[0], &error);
-        return EXIT_BAD_INPUT;
-    }
-    ss_process_catch_stop();
     r.options = &o;
-    softsim_status status = ss_report_make_folder(o.out, &error);
+    softsim_status status = ss_report_begin(o.out, r.folder, &error);
     if (status == SOFTSIM_OK) {
         status = measure_blocks(&r, &error);
     }
+    ss_scratch_remove(r.folder);
     if (status == SOFTSIM_OK && !r.blocks.is_complete) { /* another rank writes the report */
         ss_sweep_result_fini(&r.blocks);
         return EXIT_SUCCESS;
@@ -817,12 +806,10 @@ static int run_report(int argc, char **argv)
         ss_sweep_forget(&r.sweep, &r.blocks);
     }
     ss_sweep_result_fini(&r.blocks);
-    if (status != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    if (status == SOFTSIM_OK) {
+        printf("%s/scaling.html\n", o.out);
     }
-    printf("%s/scaling.html\n", o.out);
-    return EXIT_SUCCESS;
+    return ss_args_finish(argv[0], status, &error);
 }
 
 const ss_report_class ss_report_scaling = {

@@ -22,7 +22,7 @@
 #include "process.h"
 #include "rt/args.h"
 
-enum { EXIT_BAD_INPUT = 2, MAX_AXIS = 12, MAX_VARIANTS = 12, QUICK_STRIDE = 3, TEXT_SIZE = 4096 };
+enum { MAX_AXIS = 12, MAX_VARIANTS = 12, QUICK_STRIDE = 3, TEXT_SIZE = 4096 };
 static const double run_timeout_s = 120.0;
 
 /* ---- the list ---- */
@@ -275,13 +275,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
          "runs at a time (one a processor)"},
         {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (stability-report)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",
         "Tries to break every model, and checks that the program says so. A report that was "
         "stopped goes on when the same command is given again; mpirun shares the runs.",
-        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
     if (result == SS_ARGS_RUN && o->models != NULL) {
         parse_models(o, error);
     }
@@ -324,34 +322,24 @@ static int run_report(int argc, char **argv)
     char scratch[SS_SCRATCH_PATH] = "";
     int32_t failures = 0;
     const ss_args_result parsed = parse_options(argc, argv, &o, &error);
-    if (parsed == SS_ARGS_DONE) {
-        return EXIT_SUCCESS;
+    int exit_code = 0;
+    if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
+        return exit_code;
     }
-    if (parsed == SS_ARGS_BAD) {
-        ss_args_print_error(argv[0], &error);
-        return EXIT_BAD_INPUT;
-    }
-    ss_process_catch_stop();
-    softsim_status status = ss_report_make_folder(o.out, &error);
+    softsim_status status = ss_report_begin(o.out, scratch, &error);
     if (status == SOFTSIM_OK && !ss_stability_list(&list, o.only, o.is_quick)) {
         status = SOFTSIM_ERROR_MEMORY;
         softsim_error_add(&error, status, "out of memory");
     }
     if (status == SOFTSIM_OK) {
-        status = ss_scratch_make("softsim-bench", scratch, &error);
-    }
-    if (status == SOFTSIM_OK) {
         list.folder = o.out;
         list.scratch = scratch;
         status = sweep_and_report(&list, (int32_t)o.jobs, &failures, &error);
-        ss_scratch_remove(scratch);
     }
+    ss_scratch_remove(scratch);
     ss_stability_list_fini(&list);
-    if (status != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
-    }
-    return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    exit_code = ss_args_finish(argv[0], status, &error);
+    return failures == 0 ? exit_code : EXIT_FAILURE;
 }
 
 const ss_report_class ss_report_stability = {
