@@ -1,0 +1,633 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-bench felt: what reaches the hand at a given rate of the simulation. The same path of the
+ * tool (path.h) is played to the same scene at several rates and delays of the bus (play.h), in
+ * lockstep, and each millisecond's force compared with the same scene's at 1000 Hz without delay;
+ * that one with 10,000 Hz, where the haptic loop too is ten times as fast. A press is held on for
+ * 3 s beside it: the model's own static solution.
+ *
+ * A run is one scene and one path, with all its rates: they share the references.
+ */
+#include <glob.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bench/bench.h"
+#include "bench/core/child.h"
+#include "bench/core/report.h"
+#include "bench/core/sweep.h"
+#include "bench/felt/play.h"
+#include "process.h"
+#include "rt/args.h"
+#include "rt/hash.h"
+#include "rt/vec.h"
+#include "world/world.h"
+
+enum { EXIT_BAD_INPUT = 2, MAX_SCENES = 64, MAX_RATES = 16, MAX_DELAYS = 8, PATH_SIZE = 4352 };
+static const double reference_hz = 1000.0, finest_hz = 1e4;
+static const double run_timeout_s = 1800.0;
+/* Just noticeable, and still usable: shares of the mean force; J. */
+static const double good_p99 = 0.07, fair_p99 = 0.2, good_held = 0.02, good_static = 0.03,
+                    good_net_j = -1e-3, fair_net_j = -1e-2;
+static const char head[] = "scene,model,rate_hz,path,delay_ms,p50,p99,max,impulse_error,peak_error,"
+                           "held_error,static_error,net_energy_j,verdict";
+
+typedef struct report {
+    const char *out;
+    ss_arg_list scene_list, set;
+    const char *rates, *delays;
+    bool is_quick;
+    int64_t jobs;
+    char scene[MAX_SCENES][PATH_SIZE];
+    int32_t scene_count;
+    bool is_bundled; /* no scene was asked for: those without a tool are left out */
+    double rate_hz[MAX_RATES];
+    int32_t rate_count;
+    int32_t delay_ms[MAX_DELAYS];
+    int32_t delay_count;
+} report;
+
+/* A scene's name: its file without folder and ending. */
+static void name_of(const char *path, char *out, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    snprintf(out, size, "%.*s", (int)strcspn(name, "."), name);
+}
+
+/* ---- one run ---- */
+
+typedef struct job {
+    const report *r;
+    const char *scene;
+    char name[128];
+    const char *model;
+    ss_felt_path path;
+    ss_felt_place place;
+    ss_felt_trace reference;
+    double static_n;                /* NAN but for a press */
+    ss_felt_trace shown[MAX_RATES]; /* without delay, for the picture */
+    FILE *out;
+} job;
+
+static softsim_status play(const job *j, double rate_hz, int32_t delay_ms, bool is_held,
+                           ss_felt_trace *out, softsim_error *error)
+{
+    const ss_felt_run run = {.rate_hz = rate_hz,
+                             .delay_ms = delay_ms,
+                             .is_held = is_held,
+                             .set = j->r->set.value,
+                             .set_count = j->r->set.count};
+    return ss_felt_play(j->scene, &j->place, j->path, &run, out, error);
+}
+
+static const char *judge(const ss_felt_errors *e, double static_error, double net_j)
+{
+    const bool is_held = isnan(e->held) || fabs(e->held) <= good_held;
+    const bool is_static = isnan(static_error) || fabs(static_error) <= good_static;
+    return isnan(e->p99)                                                       ? "no touch"
+           : e->p99 <= good_p99 && is_held && is_static && net_j >= good_net_j ? "good"
+           : e->p99 <= fair_p99 && net_j >= fair_net_j                         ? "fair"
+                                                                               : "bad";
+}
+
+static void put_number(FILE *file, double value)
+{
+    if (isfinite(value)) {
+        fprintf(file, "%.6g,", value);
+    } else {
+        fputc(',', file);
+    }
+}
+
+/* `error`: why there is no trace; NULL with one. */
+static bool write_row(job *j, double rate_hz, int32_t delay_ms, const ss_felt_trace *trace,
+                      const ss_felt_trace *truth, const softsim_error *error)
+{
+    ss_felt_errors e = {(double)NAN, (double)NAN, (double)NAN,
+                        (double)NAN, (double)NAN, (double)NAN};
+    char verdict[256];
+    double static_error = NAN, net_j = NAN;
+    if (trace) {
+        if (!ss_felt_compare(trace, truth, &e)) {
+            return false;
+        }
+        static_error = trace->held_n / j->static_n - 1.0;
+        net_j = trace->net_j;
+        const bool is_told = trace->verdict >= SOFTSIM_VERDICT_DEGRADED;
+        snprintf(verdict, sizeof verdict, "%s%s%s%s%s", judge(&e, static_error, net_j),
+                 is_told ? "; server " : "", is_told ? softsim_verdict_name(trace->verdict) : "",
+                 is_told ? ": " : "", is_told ? trace->reason : "");
+    } else {
+        const char *text = strstr(error->text, ": ");
+        snprintf(verdict, sizeof verdict, "refused%.*s", (int)strcspn(text ? text : "", "\n"),
+                 text ? text : "");
+    }
+    ss_csv_text(j->out, j->name);
+    fprintf(j->out, ",%s,%.6g,%s,%d,", j->model, rate_hz, ss_felt_path_name(j->path), delay_ms);
+    const double value[] = {e.p50,  e.p99,  e.largest,    e.impulse,
+                            e.peak, e.held, static_error, net_j};
+    for (size_t k = 0; k < sizeof value / sizeof *value; ++k) {
+        put_number(j->out, value[k]);
+    }
+    ss_csv_text(j->out, verdict);
+    fputc('\n', j->out);
+    return true;
+}
+
+/* The forces of all rates, for the picture: felt-SCENE-PATH.csv. */
+static softsim_status write_forces(const job *j, softsim_error *error)
+{
+    ss_output csv;
+    char name[256], columns[512];
+    int used = snprintf(columns, sizeof columns, "time_s,force_1000_n");
+    for (int32_t i = 0; i < j->r->rate_count; ++i) {
+        used += snprintf(columns + used, sizeof columns - (size_t)used, ",force_%g_n",
+                         j->r->rate_hz[i]);
+    }
+    snprintf(name, sizeof name, "felt-%s-%s", j->name, ss_felt_path_name(j->path));
+    const softsim_status status = ss_report_csv_open(&csv, j->r->out, name, columns, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int32_t k = 0; k < j->reference.count; ++k) {
+        fprintf(csv.file, "%.6g,%.6g", 1e-3 * k, ss_norm3(j->reference.force[k]));
+        for (int32_t i = 0; i < j->r->rate_count; ++i) {
+            if (k < j->shown[i].count) {
+                fprintf(csv.file, ",%.6g", ss_norm3(j->shown[i].force[k]));
+            } else {
+                fputs(",nan", csv.file);
+            }
+        }
+        fputc('\n', csv.file);
+    }
+    return ss_output_commit(&csv, error);
+}
+
+static softsim_status run_rates(job *j, softsim_error *error)
+{
+    const report *r = j->r;
+    bool is_good = true;
+    for (int32_t i = 0; i < r->rate_count && is_good; ++i) {
+        for (int32_t d = 0; d < r->delay_count && is_good; ++d) {
+            ss_felt_trace trace;
+            softsim_error refused = {.status = SOFTSIM_OK};
+            const bool is_played =
+                play(j, r->rate_hz[i], r->delay_ms[d], false, &trace, &refused) == SOFTSIM_OK;
+            is_good = write_row(j, r->rate_hz[i], r->delay_ms[d], is_played ? &trace : NULL,
+                                &j->reference, &refused);
+            if (is_played && r->delay_ms[d] == 0) {
+                j->shown[i] = trace;
+            } else if (is_played) {
+                ss_felt_trace_fini(&trace);
+            }
+        }
+    }
+    if (!is_good) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    return write_forces(j, error);
+}
+
+/* The reference's own error, against ten times its rates. */
+static softsim_status run_finest(job *j, softsim_error *error)
+{
+    ss_felt_trace finest;
+    softsim_error refused = {.status = SOFTSIM_OK};
+    if (play(j, finest_hz, 0, false, &finest, &refused) != SOFTSIM_OK) {
+        return SOFTSIM_OK; /* there is no such run */
+    }
+    const bool is_good = write_row(j, reference_hz, 0, &j->reference, &finest, NULL);
+    ss_felt_trace_fini(&finest);
+    if (!is_good) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    }
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
+
+static softsim_status run_references(job *j, softsim_error *error)
+{
+    softsim_status status = play(j, reference_hz, 0, false, &j->reference, error);
+    j->static_n = NAN;
+    if (status == SOFTSIM_OK && j->path == SS_FELT_PRESS) {
+        ss_felt_trace held;
+        status = play(j, reference_hz, 0, true, &held, error);
+        j->static_n = status == SOFTSIM_OK ? held.held_n : NAN;
+        if (status == SOFTSIM_OK) {
+            ss_felt_trace_fini(&held);
+        }
+    }
+    return status;
+}
+
+static softsim_status run_one(const void *context, int32_t index, FILE *out, softsim_error *error)
+{
+    const report *r = context;
+    ss_scene_model models[SS_MAX_MODELS];
+    const int32_t model_count = ss_world_scene_models(models);
+    ss_scene *scene = NULL;
+    job j = {.r = r,
+             .scene = r->scene[index / SS_FELT_PATHS],
+             .path = (ss_felt_path)(index % SS_FELT_PATHS),
+             .out = out};
+    name_of(j.scene, j.name, sizeof j.name);
+    softsim_status status = ss_scene_load(j.scene, r->set.value, r->set.count, models, model_count,
+                                          NULL, &scene, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    j.model = models[scene->model_index].name;
+    if (!ss_felt_find_place(scene, &j.place)) {
+        ss_scene_destroy(&scene);
+        if (r->is_bundled) {
+            return SOFTSIM_OK;
+        }
+        status = SOFTSIM_ERROR_SCENE;
+        softsim_error_add(error, status, "%s: has no tool, or no surface to press", j.scene);
+        return status;
+    }
+    ss_scene_destroy(&scene);
+    status = run_references(&j, error);
+    status = status == SOFTSIM_OK ? run_rates(&j, error) : status;
+    status = status == SOFTSIM_OK && !r->is_quick ? run_finest(&j, error) : status;
+    for (int32_t i = 0; i < r->rate_count; ++i) {
+        ss_felt_trace_fini(&j.shown[i]);
+    }
+    ss_felt_trace_fini(&j.reference);
+    return status;
+}
+
+/* All that a run depends on. */
+static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
+{
+    const report *r = context;
+    uint64_t hash = SS_HASH_START;
+    hash = ss_hash_bytes(hash, r->rates, strlen(r->rates));
+    hash = ss_hash_bytes(hash, r->delays, strlen(r->delays));
+    for (int32_t i = 0; i < r->set.count; ++i) {
+        hash = ss_hash_bytes(hash, r->set.value[i], strlen(r->set.value[i]));
+    }
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%d,%016llx", r->scene[index / SS_FELT_PATHS],
+             ss_felt_path_name((ss_felt_path)(index % SS_FELT_PATHS)), r->is_quick,
+             (unsigned long long)hash);
+}
+
+/* ---- files ---- */
+
+static softsim_status write_csv(const report *r, const ss_sweep_result *result,
+                                softsim_error *error)
+{
+    ss_output csv;
+    const softsim_status status = ss_report_csv_open(&csv, r->out, "felt", head, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int32_t i = 0; i < result->count; ++i) {
+        if (!result->run[i].is_lost) {
+            fputs(result->run[i].text, csv.file);
+        }
+    }
+    return ss_output_commit(&csv, error);
+}
+
+static bool has_rows(const ss_sweep_run *run)
+{
+    return !run->is_lost && run->text[0] != '\0';
+}
+
+static softsim_status plot_scene(const report *r, const ss_sweep_result *result, int32_t scene,
+                                 ss_page *page, softsim_error *error)
+{
+    ss_output script;
+    char name[128], picture[160];
+    int32_t panels = 0;
+    name_of(r->scene[scene], name, sizeof name);
+    for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
+        panels += has_rows(&result->run[scene * SS_FELT_PATHS + p]);
+    }
+    if (panels == 0) {
+        return SOFTSIM_OK;
+    }
+    snprintf(picture, sizeof picture, "felt-%s", name);
+    const softsim_status status =
+        ss_plot_open_sized(&script, r->out, picture, 900, 60 + 230 * panels, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    fprintf(script.file,
+            "set datafile separator ','\nset multiplot layout %d,1\nset grid\n"
+            "set ylabel 'force, N'\nset key outside right top\n",
+            panels);
+    for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
+        if (!has_rows(&result->run[scene * SS_FELT_PATHS + p])) {
+            continue;
+        }
+        const char *path = ss_felt_path_name((ss_felt_path)p);
+        fprintf(script.file,
+                "set title '%s'\nset xlabel 'time, s'\nplot 'felt-%s-%s.csv' skip 1 using 1:2 "
+                "with lines lw 3 lc rgb '#bbbbbb' title '1000 Hz'",
+                path, name, path);
+        for (int32_t i = 0; i < r->rate_count; ++i) {
+            fprintf(script.file, ", '' skip 1 using 1:%d with lines lc %d title '%g Hz'", i + 3,
+                    i + 1, r->rate_hz[i]);
+        }
+        fputc('\n', script.file);
+    }
+    fputs("unset multiplot\n", script.file);
+    return ss_page_plot(page, &script, picture,
+                        "The force on the hand while the simulation runs at each rate; grey: at "
+                        "1000 Hz.",
+                        error);
+}
+
+/* The rows of one run as a table's. */
+static void add_rows(ss_page *page, const char *text)
+{
+    while (*text != '\0') {
+        const size_t length = strcspn(text, "\n");
+        char line[1024], *at = line;
+        ss_row cells = {.count = 0};
+        snprintf(line, sizeof line, "%.*s", (int)length, text);
+        for (int column = 0; at != NULL && column < 14; ++column) {
+            char *cell = column == 13 ? at : strsep(&at, ",");
+            char *end = NULL;
+            const double value = strtod(cell, &end);
+            const bool is_share = column >= 5 && column <= 11 && end != cell;
+            if (is_share) {
+                ss_row_add(&cells, "%.1f", 100.0 * value);
+            } else if (column == 12 && end != cell) {
+                ss_row_add(&cells, "%.2f", 1e3 * value);
+            } else if (column > 1) {
+                const int from = cell[0] == '"'; /* without the advice */
+                const size_t words = strcspn(cell + from, ":");
+                const char *more = strchr(cell, ':');
+                const size_t end_of_reason = more ? strcspn(more + 1, ":\"") + 1 : 0;
+                ss_row_add(&cells, "%.*s", (int)(words + end_of_reason), cell + from);
+            }
+        }
+        ss_page_table_row(page, cells.count, cells.cell);
+        text += length + (text[length] == '\n');
+    }
+}
+
+static softsim_status write_page(const report *r, const ss_sweep_result *result,
+                                 softsim_error *error)
+{
+    static const char *const columns[] = {"rate, Hz", "path",   "delay, ms", "p50",
+                                          "p99",      "max",    "impulse",   "peak",
+                                          "held",     "static", "net, mJ",   "verdict"};
+    ss_page page;
+    softsim_status status =
+        ss_page_open(&page, r->out, "felt", "softsim: what a hand feels", error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    ss_page_text(
+        &page, "The same path of a tool, played to the same scene while its simulation runs at "
+               "each rate, in lockstep and without a clock; the force on the hand a thousand times "
+               "a second, compared with that of the simulation at 1000 Hz without delay. p50, p99, "
+               "max: the difference over the milliseconds of contact, in %% of the mean force "
+               "there; a difference of 7 %% is just noticeable. Impulse and peak: of the force's "
+               "size over the whole path. Held: a press of 6 mm (or 15 %% of the body's least "
+               "extent), the last 100 ms of 0.4 s. Static: the same against the same press held "
+               "for 3 s. Net: the least energy that a contact took from the hand; negative, the "
+               "hand was driven. Rows of 1000 Hz without delay are compared with 10,000 Hz. Good: "
+               "p99 up to 7 %%, held within 2 %%, static within 3 %%, net from -1 mJ. Fair: 20 %% "
+               "and -10 mJ. The device's path is given: how a hand gives way is not in here.");
+    for (int32_t s = 0; s < r->scene_count && status == SOFTSIM_OK; ++s) {
+        char name[128];
+        if (r->is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
+            !has_rows(&result->run[s * SS_FELT_PATHS])) {
+            continue; /* without a tool */
+        }
+        name_of(r->scene[s], name, sizeof name);
+        ss_page_heading(&page, name);
+        ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
+        for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
+            const ss_sweep_run *run = &result->run[s * SS_FELT_PATHS + p];
+            if (!run->is_lost) {
+                add_rows(&page, run->text);
+            }
+        }
+        ss_page_table_end(&page);
+        for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
+            const ss_sweep_run *run = &result->run[s * SS_FELT_PATHS + p];
+            if (run->is_lost) {
+                ss_page_text(&page, "%s: not run: %s", ss_felt_path_name((ss_felt_path)p),
+                             run->text);
+            }
+        }
+        status = plot_scene(r, result, s, &page, error);
+    }
+    ss_page_link(&page, "felt.csv");
+    if (status == SOFTSIM_OK) {
+        status = ss_page_close(&page, error);
+    }
+    ss_page_abandon(&page);
+    return status;
+}
+
+static void print_rows(const report *r, const ss_sweep_result *result)
+{
+    puts(head);
+    for (int32_t i = 0; i < result->count; ++i) {
+        if (result->run[i].is_lost) {
+            char name[128];
+            name_of(r->scene[i / SS_FELT_PATHS], name, sizeof name);
+            printf("%s, %s: not run: %s\n", name,
+                   ss_felt_path_name((ss_felt_path)(i % SS_FELT_PATHS)), result->run[i].text);
+        } else {
+            fputs(result->run[i].text, stdout);
+        }
+    }
+    printf("%s/felt.html\n", r->out);
+}
+
+/* ---- options ---- */
+
+static void add_scene(report *r, const char *path)
+{
+    if (r->scene_count < MAX_SCENES) {
+        snprintf(r->scene[r->scene_count++], PATH_SIZE, "%s", path);
+    }
+}
+
+/* Every scene of a folder; true when there was one. */
+static bool add_folder(report *r, const char *folder)
+{
+    char pattern[PATH_SIZE];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%s/*.yaml", folder);
+    const bool is_good = glob(pattern, 0, NULL, &found) == 0;
+    for (size_t i = 0; is_good && i < found.gl_pathc; ++i) {
+        add_scene(r, found.gl_pathv[i]);
+    }
+    if (is_good) {
+        globfree(&found);
+    }
+    return r->scene_count > 0;
+}
+
+/* The bundled ones: of the source tree here or above the program, or as installed beside it. */
+static void add_bundled(report *r)
+{
+    char own[PATH_SIZE - 64], folder[PATH_SIZE];
+    if (add_folder(r, "server/scenes") || !ss_child_own_folder(own, sizeof own)) {
+        return;
+    }
+    for (char *slash = own + strlen(own); slash != NULL; slash = strrchr(own, '/')) {
+        *slash = '\0';
+        snprintf(folder, sizeof folder, "%s/server/scenes", own);
+        if (add_folder(r, folder)) {
+            return;
+        }
+        snprintf(folder, sizeof folder, "%s/share/softsim/scenes", own);
+        if (add_folder(r, folder)) {
+            return;
+        }
+    }
+}
+
+/* Numbers with commas between them; -1 when one is none, or out of range. */
+static int32_t parse_numbers(const char *text, double low, double high, int32_t most, double *out)
+{
+    int32_t count = 0;
+    while (count < most) {
+        char *end = NULL;
+        out[count] = strtod(text, &end);
+        if (end == text || !(out[count] >= low && out[count] <= high)) {
+            return -1;
+        }
+        ++count;
+        if (*end == '\0') {
+            return count;
+        }
+        if (*end != ',') {
+            return -1;
+        }
+        text = end + 1;
+    }
+    return -1;
+}
+
+static ss_args_result parse_options(int argc, char **argv, report *r, softsim_error *error)
+{
+    *r = (report){.out = "felt-report", .delays = "0", .jobs = 1};
+    const ss_arg rows[] = {
+        {"--scene", SS_ARG_LIST, &r->scene_list, 0, 0, "SCENE.yaml",
+         "a scene with a tool; may be given again (all bundled scenes)"},
+        {"--rates", SS_ARG_STRING, &r->rates, 0, 0, "N,N",
+         "of the simulation, Hz, 10 to 1000 (30,60,120,300,500; quick: 60,300)"},
+        {"--delays-ms", SS_ARG_STRING, &r->delays, 0, 0, "N,N",
+         "of the bus, one way, whole ms, 0 to 20 (0)"},
+        {"--set", SS_ARG_LIST, &r->set, 0, 0, "PATH=VALUE",
+         "overrides one value of the scenes; may be given again"},
+        {"--quick", SS_ARG_FLAG, &r->is_quick, 0, 0, NULL,
+         "two rates, and not the run at 10,000 Hz"},
+        {"--jobs", SS_ARG_INTEGER, &r->jobs, 1, SS_SWEEP_MAX_JOBS, "N", "runs at a time (1)"},
+        {"--out", SS_ARG_STRING, &r->out, 0, 0, "DIR", "for the report (felt-report)"},
+    };
+    int32_t count = 0;
+    const char *positional = NULL;
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "[options]",
+        "Measures what a hand feels when the simulation is slower than the haptic loop: press, "
+        "poke, tap and slide at several rates and delays, against the same scene at 1000 Hz.\n"
+        "felt.csv: p50, p99, max: difference of the force in contact over its mean; impulse_error, "
+        "peak_error, held_error, static_error: shares, signed; net_energy_j: least balance of a "
+        "contact, negative where the hand was driven.",
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+    if (result != SS_ARGS_RUN) {
+        return result;
+    }
+    r->rates = r->rates ? r->rates : r->is_quick ? "60,300" : "30,60,120,300,500";
+    double delay[MAX_DELAYS];
+    r->rate_count = parse_numbers(r->rates, 10.0, reference_hz, MAX_RATES, r->rate_hz);
+    r->delay_count = parse_numbers(r->delays, 0.0, 20.0, MAX_DELAYS, delay);
+    if (r->rate_count < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--rates: '%s' is not up to %d numbers from 10 to 1000 with commas "
+                          "between them",
+                          r->rates, MAX_RATES);
+    }
+    for (int32_t i = 0; i < r->delay_count; ++i) {
+        r->delay_ms[i] = (int32_t)delay[i];
+        r->delay_count = r->delay_ms[i] == delay[i] ? r->delay_count : -1;
+    }
+    if (r->delay_count < 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--delays-ms: '%s' is not up to %d whole numbers from 0 to 20 with "
+                          "commas between them",
+                          r->delays, MAX_DELAYS);
+    }
+    for (int32_t i = 0; i < r->scene_list.count; ++i) {
+        add_scene(r, r->scene_list.value[i]);
+    }
+    if (r->scene_count == 0) {
+        r->is_bundled = true;
+        add_bundled(r);
+    }
+    if (r->scene_count == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "no bundled scenes beside this program; give one with --scene");
+    }
+    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+}
+
+static int run_report(int argc, char **argv)
+{
+    report *r = calloc(1, sizeof *r);
+    softsim_error error = {.status = SOFTSIM_OK};
+    if (r == NULL) {
+        fputs("softsim-bench felt: out of memory\n", stderr);
+        return EXIT_FAILURE;
+    }
+    const ss_args_result parsed = parse_options(argc, argv, r, &error);
+    if (parsed != SS_ARGS_RUN) {
+        if (parsed == SS_ARGS_BAD) {
+            ss_args_print_error(argv[0], &error);
+        }
+        free(r);
+        return parsed == SS_ARGS_BAD ? EXIT_BAD_INPUT : EXIT_SUCCESS;
+    }
+    ss_process_catch_stop();
+    const ss_sweep sweep = {.folder = r->out,
+                            .name = "felt",
+                            .count = r->scene_count * SS_FELT_PATHS,
+                            .jobs = (int32_t)r->jobs,
+                            .timeout_s = run_timeout_s,
+                            .context = r,
+                            .label = label,
+                            .run = run_one};
+    ss_sweep_result result = {.is_complete = false};
+    softsim_status status = ss_report_make_folder(r->out, &error);
+    if (status == SOFTSIM_OK) {
+        status = ss_sweep_execute(&sweep, &result, &error);
+        if (status == SOFTSIM_OK && result.is_complete) {
+            status = write_csv(r, &result, &error);
+            status = status == SOFTSIM_OK ? write_page(r, &result, &error) : status;
+            if (status == SOFTSIM_OK) {
+                print_rows(r, &result);
+                ss_sweep_forget(&sweep, &result);
+            }
+        }
+    }
+    const int32_t lost = result.lost;
+    ss_sweep_result_fini(&result);
+    free(r);
+    if (status != SOFTSIM_OK) {
+        ss_args_print_error(argv[0], &error);
+        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    }
+    return lost == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+const ss_report_class ss_report_felt = {.name = "felt",
+                                        .about =
+                                            "what a hand feels at a given rate of the simulation",
+                                        .run = run_report};
