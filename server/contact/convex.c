@@ -243,12 +243,8 @@ static double measure(ss_convex *convex)
 static int32_t find_plane(ss_convex *convex, int32_t t, double size, double winding)
 {
     const int32_t *v = convex->triangle[t];
-    double a[3];
-    double b[3];
     double plane[4];
-    ss_sub3(a, convex->vertex[v[1]], convex->vertex[v[0]]);
-    ss_sub3(b, convex->vertex[v[2]], convex->vertex[v[0]]);
-    ss_cross3(plane, a, b);
+    ss_normal3(plane, convex->vertex[v[0]], convex->vertex[v[1]], convex->vertex[v[2]]);
     ss_scale3(plane, plane, winding);
     if (ss_normalize3(plane) <= 1e-12 * size * size) {
         return 0;

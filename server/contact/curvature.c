@@ -91,12 +91,8 @@ static void set_normals(ss_surface *surface, const ss_mesh *mesh)
 {
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *v = mesh->triangle[t];
-        double a[3];
-        double b[3];
         double area[3];
-        ss_sub3(a, mesh->position[v[1]], mesh->position[v[0]]);
-        ss_sub3(b, mesh->position[v[2]], mesh->position[v[0]]);
-        ss_cross3(area, a, b);
+        ss_normal3(area, mesh->position[v[0]], mesh->position[v[1]], mesh->position[v[2]]);
         for (int k = 0; k < 9; ++k) {
             surface->node_normal[v[k / 3]][k % 3] += (ss_real)area[k % 3];
         }

@@ -76,16 +76,14 @@ static double angle_at(const double q[3], const double *const corner[3])
 
 static void visit(const double p[3], const double *const corner[3], nearest *best)
 {
-    double point[3], way[3], e[3], f[3], normal[3];
+    double point[3], way[3], normal[3];
     ss_contact_closest(p, corner[0], corner[1], corner[2], point);
     ss_sub3(way, point, p);
     const double square = ss_dot3(way, way);
     if (!(square <= best->square * (1.0 + SHARED))) {
         return;
     }
-    ss_sub3(e, corner[1], corner[0]);
-    ss_sub3(f, corner[2], corner[0]);
-    ss_cross3(normal, e, f);
+    ss_normal3(normal, corner[0], corner[1], corner[2]);
     if (ss_normalize3(normal) == 0.0) {
         return;
     }

@@ -429,12 +429,8 @@ static void set_rest(ss_surface *surface, const ss_mesh *mesh)
 static double triangle_area(const ss_mesh *mesh, int32_t t)
 {
     const int32_t *v = mesh->triangle[t];
-    double a[3];
-    double b[3];
     double cross[3];
-    ss_sub3(a, mesh->position[v[1]], mesh->position[v[0]]);
-    ss_sub3(b, mesh->position[v[2]], mesh->position[v[0]]);
-    ss_cross3(cross, a, b);
+    ss_normal3(cross, mesh->position[v[0]], mesh->position[v[1]], mesh->position[v[2]]);
     return 0.5 * ss_norm3(cross);
 }
 

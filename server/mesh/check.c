@@ -352,15 +352,9 @@ static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
             add_fault(&report->bad_index, e);
             continue;
         }
-        double a[3];
-        double b[3];
-        double c[3];
-        double bc[3];
-        ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
-        ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
-        ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
-        ss_cross3(bc, b, c);
-        const double volume = ss_dot3(a, bc) / 6.0;
+        const double volume = ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
+                                              mesh->position[node[2]], mesh->position[node[3]]) /
+                              6.0;
         if (volume < -least) {
             add_fault(&report->inverted_tetrahedron, e);
         } else if (volume <= least) {

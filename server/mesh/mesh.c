@@ -174,12 +174,8 @@ static int share(const ss_mesh *mesh, const int32_t *node, double out_area[4],
         ss_mesh_share_quad(mesh, node, out_area, out_vector);
         return corners;
     }
-    double ab[3];
-    double ac[3];
     double third[3];
-    ss_sub3(ab, mesh->position[node[1]], mesh->position[node[0]]);
-    ss_sub3(ac, mesh->position[node[2]], mesh->position[node[0]]);
-    ss_cross3(third, ab, ac);
+    ss_normal3(third, mesh->position[node[0]], mesh->position[node[1]], mesh->position[node[2]]);
     ss_scale3(third, third, 1.0 / 6.0);
     for (int k = 0; k < 3; ++k) {
         out_area[k] = ss_norm3(third);

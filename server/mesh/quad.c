@@ -31,11 +31,8 @@
 static void corner_vectors(const ss_mesh *mesh, const int32_t *quad, double out_vector[4][3])
 {
     for (int k = 0; k < 4; ++k) {
-        double next[3];
-        double last[3];
-        ss_sub3(next, mesh->position[quad[(k + 1) % 4]], mesh->position[quad[k]]);
-        ss_sub3(last, mesh->position[quad[(k + 3) % 4]], mesh->position[quad[k]]);
-        ss_cross3(out_vector[k], next, last);
+        ss_normal3(out_vector[k], mesh->position[quad[k]], mesh->position[quad[(k + 1) % 4]],
+                   mesh->position[quad[(k + 3) % 4]]);
         ss_scale3(out_vector[k], out_vector[k], 0.5);
     }
 }

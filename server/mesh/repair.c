@@ -45,13 +45,10 @@ static double double_area(const ss_mesh *mesh, const int32_t *node, int corners)
 {
     double area[4];
     for (int c = 0; c < corners; ++c) {
-        double u[3];
-        double v[3];
         double across[3];
         const double *x = mesh->position[node[c]];
-        ss_sub3(u, mesh->position[node[(c + 1) % corners]], x);
-        ss_sub3(v, mesh->position[node[(c + corners - 1) % corners]], x);
-        ss_cross3(across, u, v);
+        ss_normal3(across, x, mesh->position[node[(c + 1) % corners]],
+                   mesh->position[node[(c + corners - 1) % corners]]);
         area[c] = ss_norm3(across);
     }
     return corners == 3 ? area[0] : fmax(fmin(area[1], area[3]), fmin(area[0], area[2]));
@@ -59,15 +56,9 @@ static double double_area(const ss_mesh *mesh, const int32_t *node, int corners)
 
 static double volume_of(const ss_mesh *mesh, const int32_t *node)
 {
-    double a[3];
-    double b[3];
-    double c[3];
-    double bc[3];
-    ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
-    ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
-    ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
-    ss_cross3(bc, b, c);
-    return ss_dot3(a, bc) / 6.0;
+    return ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
+                           mesh->position[node[2]], mesh->position[node[3]]) /
+           6.0;
 }
 
 /* Welds, drops and turns one element; true when it stays. */

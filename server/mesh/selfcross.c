@@ -124,13 +124,9 @@ static bool are_in_one_plane(const corners *a, const corners *b)
 
 static bool overlap_in_plane(const corners *a, const corners *b)
 {
-    double u[3];
-    double v[3];
     double normal[3];
     double above[3];
-    ss_sub3(u, a->x[1], a->x[0]);
-    ss_sub3(v, a->x[2], a->x[0]);
-    ss_cross3(normal, u, v);
+    ss_normal3(normal, a->x[0], a->x[1], a->x[2]);
     const double size = ss_normalize3(normal);
     if (!(size > 0.0)) {
         return false; /* flat: a fault of its own */

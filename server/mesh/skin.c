@@ -149,15 +149,12 @@ static bool is_covered(const builder *b, int32_t face)
 {
     const int32_t *node = b->core->triangle[face];
     double centre[3] = {0};
-    double d1[3];
-    double d2[3];
     double normal[3];
     for (int k = 0; k < 3; ++k) {
         ss_madd3(centre, centre, 1.0 / 3.0, b->core->position[node[k]]);
     }
-    ss_sub3(d1, b->core->position[node[1]], b->core->position[node[0]]);
-    ss_sub3(d2, b->core->position[node[2]], b->core->position[node[0]]);
-    ss_cross3(normal, d1, d2);
+    ss_normal3(normal, b->core->position[node[0]], b->core->position[node[1]],
+               b->core->position[node[2]]);
     ss_normalize3(normal);
     double reach = INFINITY;
     for (int32_t t = 0; t < b->outer->triangle_count; ++t) {
@@ -352,11 +349,7 @@ softsim_status ss_mesh_add_skin(const ss_mesh *core, const ss_mesh *outer, ss_me
 
 static void area_vector(const double (*x)[3], const int32_t *node, double out[3])
 {
-    double d1[3];
-    double d2[3];
-    ss_sub3(d1, x[node[1]], x[node[0]]);
-    ss_sub3(d2, x[node[2]], x[node[0]]);
-    ss_cross3(out, d1, d2);
+    ss_normal3(out, x[node[0]], x[node[1]], x[node[2]]);
 }
 
 /* Marks the triangles of cavities in `covered`; false when out of memory. */

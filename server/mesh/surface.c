@@ -139,15 +139,8 @@ static int32_t mark_bucket(extractor *x, int32_t node)
 
 static double six_volumes(const ss_mesh *mesh, const int32_t *node)
 {
-    double a[3];
-    double b[3];
-    double c[3];
-    double bc[3];
-    ss_sub3(a, mesh->position[node[1]], mesh->position[node[0]]);
-    ss_sub3(b, mesh->position[node[2]], mesh->position[node[0]]);
-    ss_sub3(c, mesh->position[node[3]], mesh->position[node[0]]);
-    ss_cross3(bc, b, c);
-    return ss_dot3(a, bc);
+    return ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
+                           mesh->position[node[2]], mesh->position[node[3]]);
 }
 
 bool ss_mesh_extract_surface(ss_mesh *mesh)

@@ -288,15 +288,7 @@ static bool is_inside_out(const ss_mesh_part *parts, int32_t count, int32_t inde
  * the origin lose no digits. */
 static void add_triangle(ss_mesh_part *part, const double origin[3], const double *const x[3])
 {
-    double a[3];
-    double b[3];
-    double c[3];
-    double bc[3];
-    ss_sub3(a, x[0], origin);
-    ss_sub3(b, x[1], origin);
-    ss_sub3(c, x[2], origin);
-    ss_cross3(bc, b, c);
-    part->volume += ss_dot3(a, bc) / 6.0;
+    part->volume += ss_six_volumes3(origin, x[0], x[1], x[2]) / 6.0;
     for (int corner = 0; corner < 3; ++corner) {
         for (int k = 0; k < 3; ++k) {
             part->box_min[k] = fmin(part->box_min[k], x[corner][k]);

@@ -48,6 +48,26 @@ static inline void ss_cross3(double out[3], const double a[3], const double b[3]
     ss_set3(out, a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
+/* out = (b - a) x (c - a): the normal of a triangle, twice its area long. */
+static inline void ss_normal3(double out[3], const double a[3], const double b[3],
+                              const double c[3])
+{
+    double ab[3], ac[3];
+    ss_sub3(ab, b, a);
+    ss_sub3(ac, c, a);
+    ss_cross3(out, ab, ac);
+}
+
+/* (b - a) . (c - a) x (d - a): six times the volume of a tetrahedron. */
+static inline double ss_six_volumes3(const double a[3], const double b[3], const double c[3],
+                                     const double d[3])
+{
+    double ab[3], normal[3];
+    ss_sub3(ab, b, a);
+    ss_normal3(normal, a, c, d);
+    return ss_dot3(ab, normal);
+}
+
 static inline double ss_norm3(const double a[3])
 {
     return sqrt(ss_dot3(a, a));

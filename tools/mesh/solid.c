@@ -63,20 +63,6 @@ bool solid_add_node(solid *s, const double x[3], int32_t *out_node)
     return is_good;
 }
 
-static double six_volumes(const double a[3], const double b[3], const double c[3],
-                          const double d[3])
-{
-    double ab[3];
-    double ac[3];
-    double ad[3];
-    double normal[3];
-    ss_sub3(ab, b, a);
-    ss_sub3(ac, c, a);
-    ss_sub3(ad, d, a);
-    ss_cross3(normal, ac, ad);
-    return ss_dot3(ab, normal);
-}
-
 bool solid_add_tetrahedron(solid *s, int32_t a, int32_t b, int32_t c, int32_t d)
 {
     void *array = s->tetrahedron;
@@ -85,7 +71,7 @@ bool solid_add_tetrahedron(solid *s, int32_t a, int32_t b, int32_t c, int32_t d)
     s->tetrahedron = array;
     if (is_good) {
         const bool is_turned =
-            six_volumes(s->position[a], s->position[b], s->position[c], s->position[d]) < 0.0;
+            ss_six_volumes3(s->position[a], s->position[b], s->position[c], s->position[d]) < 0.0;
         const int32_t node[4] = {a, b, is_turned ? d : c, is_turned ? c : d};
         memcpy(s->tetrahedron[s->tetrahedron_count++], node, sizeof node);
     }
@@ -95,7 +81,7 @@ bool solid_add_tetrahedron(solid *s, int32_t a, int32_t b, int32_t c, int32_t d)
 double solid_badness(const double a[3], const double b[3], const double c[3], const double d[3],
                      double height)
 {
-    const double volumes = six_volumes(a, b, c, d);
+    const double volumes = ss_six_volumes3(a, b, c, d);
     if (!(volumes > 0.0)) {
         return 2.0;
     }
@@ -103,12 +89,8 @@ double solid_badness(const double a[3], const double b[3], const double c[3], co
     const double *const corner[4] = {a, b, c, d};
     double normal[4][3];
     for (int f = 0; f < 4; ++f) {
-        double u[3];
-        double v[3];
         const double *origin = corner[(f + 1) % 4];
-        ss_sub3(u, corner[(f + 2) % 4], origin);
-        ss_sub3(v, corner[(f + 3) % 4], origin);
-        ss_cross3(normal[f], u, v);
+        ss_normal3(normal[f], origin, corner[(f + 2) % 4], corner[(f + 3) % 4]);
         const double size = ss_normalize3(normal[f]);
         area = size > area ? size : area;
     }

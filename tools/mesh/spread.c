@@ -58,12 +58,8 @@ static void place(const organ *o, int row, int column, double out[3])
 
 static double triangle_area(const double a[3], const double b[3], const double c[3])
 {
-    double ab[3];
-    double ac[3];
     double normal[3];
-    ss_sub3(ab, b, a);
-    ss_sub3(ac, c, a);
-    ss_cross3(normal, ab, ac);
+    ss_normal3(normal, a, b, c);
     return 0.5 * ss_norm3(normal);
 }
 
@@ -369,12 +365,8 @@ static void sum_rings(const net *t, ring *rings)
         const double *a = t->x[node[0]];
         const double *b = t->x[node[1]];
         const double *c = t->x[node[2]];
-        double ab[3];
-        double ac[3];
         double normal[3];
-        ss_sub3(ab, b, a);
-        ss_sub3(ac, c, a);
-        ss_cross3(normal, ab, ac);
+        ss_normal3(normal, a, b, c);
         const double area = ss_norm3(normal);
         for (int corner = 0; corner < 3; ++corner) {
             ring *r = &rings[node[corner]];

@@ -131,14 +131,10 @@ static bool write_ball(const char *path)
 static softsim_status write_scene(const omission *o, const char *mesh, int32_t node, bool is_with,
                                   const char *path, softsim_error *error)
 {
-    FILE *file = fopen(path, "we");
+    FILE *file = ss_block_scene(path, mesh, error);
     if (file == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be written", path);
         return SOFTSIM_ERROR_FILE;
     }
-    fprintf(file, "softsim: 1\nobject:\n  mesh: %s\n  units: mm\n", mesh);
-    fprintf(file, "  fixed: [{plane: {point_m: [0, 0, %.9g], normal: [0, 0, 1]}}]\n",
-            -0.499 * size_m);
     fprintf(file, "model:\n  name: %s\n%s%s", o->model, o->common,
             is_with ? o->model_with : o->model_without);
     fprintf(file, "simulation: {rate_hz: 1000}\n%s", is_with ? o->scene_with : o->scene_without);

@@ -80,6 +80,18 @@ static char *model_text(work *w)
     return text;
 }
 
+/* But for the frequency. */
+static ss_static_plan plan_level(const work *w, const char *text, double level)
+{
+    return (ss_static_plan){.c = w->c,
+                            .body = &w->body,
+                            .folder = w->folder,
+                            .model = text,
+                            .level = level,
+                            .step_s = step_s,
+                            .longest_cpu_s = w->longest_cpu_s};
+}
+
 static softsim_status run_level(work *w, double level, ss_static_run *out)
 {
     w->omega = w->model->hints->omega != NULL ? w->model->hints->omega(&w->setting) : w->omega;
@@ -88,14 +100,8 @@ static softsim_status run_level(work *w, double level, ss_static_run *out)
     if (text == NULL) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    const ss_static_plan plan = {.c = w->c,
-                                 .body = &w->body,
-                                 .folder = w->folder,
-                                 .model = text,
-                                 .level = level,
-                                 .omega = w->omega,
-                                 .step_s = step_s,
-                                 .longest_cpu_s = w->longest_cpu_s};
+    ss_static_plan plan = plan_level(w, text, level);
+    plan.omega = w->omega;
     const softsim_status status = ss_static_execute(&plan, out, w->error);
     free(text);
     return status;
@@ -112,13 +118,8 @@ static softsim_status find_omega(work *w)
     if (text == NULL) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    const ss_static_plan plan = {.c = w->c,
-                                 .body = &w->body,
-                                 .folder = w->folder,
-                                 .model = text,
-                                 .level = w->c->level[w->first].value,
-                                 .step_s = step_s,
-                                 .longest_cpu_s = 0.5 * w->plan->longest_cpu_s};
+    ss_static_plan plan = plan_level(w, text, w->c->level[w->first].value);
+    plan.longest_cpu_s = 0.5 * w->plan->longest_cpu_s;
     double omega = (double)NAN;
     const softsim_status status = ss_static_measure(&plan, &omega, w->error);
     free(text);

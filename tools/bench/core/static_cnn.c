@@ -256,10 +256,8 @@ static void take_triangles(state *s)
     const ss_static_cnn_problem *p = s->problem;
     for (int32_t t = 0; t < p->triangle_count; ++t) {
         const int32_t *c = p->triangle[t];
-        double u[3], v[3], n[3], centroid[3] = {0.0};
-        ss_sub3(u, p->rest[c[1]], p->rest[c[0]]);
-        ss_sub3(v, p->rest[c[2]], p->rest[c[0]]);
-        ss_cross3(n, u, v);
+        double n[3], centroid[3] = {0.0};
+        ss_normal3(n, p->rest[c[0]], p->rest[c[1]], p->rest[c[2]]);
         s->volume += ss_dot3(n, p->rest[c[0]]) / 6.0;
         for (int k = 0; k < 3; ++k) {
             ss_madd3(centroid, centroid, 1.0 / 3.0, p->rest[c[k]]);

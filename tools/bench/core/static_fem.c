@@ -77,14 +77,12 @@ static void add_pressure(const state *s, const vector *u)
 {
     const ss_static_problem *problem = s->problem;
     for (int32_t t = 0; t < problem->pressed_count; ++t) {
-        double x[3][3], e1[3], e2[3], n[3];
+        double x[3][3], n[3];
         for (int k = 0; k < 3; ++k) {
             const int32_t i = problem->pressed[t][k];
             ss_add3(x[k], problem->mesh->position[i], u[i]);
         }
-        ss_sub3(e1, x[1], x[0]);
-        ss_sub3(e2, x[2], x[0]);
-        ss_cross3(n, e1, e2);
+        ss_normal3(n, x[0], x[1], x[2]);
         for (int k = 0; k < 3; ++k) {
             double *r = s->residual[problem->pressed[t][k]];
             ss_madd3(r, r, -s->factor * problem->pressure / 6.0, n);

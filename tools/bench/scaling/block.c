@@ -78,20 +78,29 @@ int32_t ss_block_top(const char *path)
     return best;
 }
 
-/* `spacing` of its nodes, m; `node` is pushed. */
-static softsim_status write_scene(const char *path, const char *mesh, int32_t subject,
-                                  double spacing, int32_t node, softsim_error *error)
+FILE *ss_block_scene(const char *path, const char *mesh, softsim_error *error)
 {
     FILE *file = fopen(path, "we");
-    const ss_assay assay = {
-        .subject = subject, .kind = SS_ASSAY_CONTROL, .stiffness_pa = stiffness_pa};
     if (file == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be written", path);
-        return SOFTSIM_ERROR_FILE;
+        return NULL;
     }
     fprintf(file, "softsim: 1\nobject:\n  mesh: %s\n  units: mm\n", mesh);
     fprintf(file, "  fixed: [{plane: {point_m: [0, 0, %.9g], normal: [0, 0, 1]}}]\n",
             -0.499 * size_m);
+    return file;
+}
+
+/* `spacing` of its nodes, m; `node` is pushed. */
+static softsim_status write_scene(const char *path, const char *mesh, int32_t subject,
+                                  double spacing, int32_t node, softsim_error *error)
+{
+    FILE *file = ss_block_scene(path, mesh, error);
+    const ss_assay assay = {
+        .subject = subject, .kind = SS_ASSAY_CONTROL, .stiffness_pa = stiffness_pa};
+    if (file == NULL) {
+        return SOFTSIM_ERROR_FILE;
+    }
     ss_assay_subject_write(&assay, file);
     fputs("simulation: {rate_hz: 1000}\npublish: {mesh_rate_hz: 0}\n", file);
     if (ss_assay_is_plastic(subject)) {

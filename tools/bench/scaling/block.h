@@ -10,6 +10,7 @@
  */
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "softsim/types.h"
 
@@ -33,5 +34,8 @@ softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t poi
 /* Makes the block's mesh, unless it is there already; `out_name` is in `folder`. In mm. */
 softsim_status ss_block_mesh(const char *folder, bool is_surface, int32_t points, char out_name[64],
                              softsim_error *error);
+/* Opens a scene with the mesh, fixed at its bottom; the rest is the caller's to write. NULL: a
+ * fault. */
+FILE *ss_block_scene(const char *path, const char *mesh, softsim_error *error);
 /* The node nearest to the middle of the top, by the file's numbers from 0; -1: none. */
 int32_t ss_block_top(const char *path);

@@ -40,6 +40,19 @@ void ss_zhang_plane_fini(ss_zhang_plane *plane)
     ss_mesh_destroy(&plane->mesh);
 }
 
+ss_zhang_setup ss_zhang_plane_setup(ss_zhang_plane *plane, const char *model, double depth,
+                                    double step_s)
+{
+    return (ss_zhang_setup){.model = model,
+                            .mesh = plane->mesh,
+                            .fixed = plane->fixed,
+                            .pushed = plane->pushed,
+                            .pushed_count = 1,
+                            .direction = {0.0, 0.0, -1.0},
+                            .depth = depth,
+                            .step_s = step_s};
+}
+
 softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rule,
                                   const double *stiffness_of, ss_zhang_own *out,
                                   softsim_error *error)

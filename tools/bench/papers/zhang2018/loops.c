@@ -143,16 +143,11 @@ static softsim_status on_plane(ss_zhang *zhang, loop *l, softsim_error *error)
         double step_s;
         ss_zhang_own own;
         snprintf(rule, sizeof rule, "unloading=%s", rule_name[r]);
-        const ss_zhang_setup setup = {
-            .model = "cnn-chainmail",
-            .param = {"alpha=0.02", "link_stiffness_n_per_m=1", "capacitance_s=1", rule},
-            .mesh = zhang->plane.mesh,
-            .fixed = zhang->plane.fixed,
-            .pushed = zhang->plane.pushed,
-            .pushed_count = 1,
-            .direction = {0.0, 0.0, -1.0},
-            .depth = plane_depth,
-            .step_s = plane_step_s};
+        const char *const param[] = {"alpha=0.02", "link_stiffness_n_per_m=1", "capacitance_s=1",
+                                     rule};
+        ss_zhang_setup setup =
+            ss_zhang_plane_setup(&zhang->plane, "cnn-chainmail", plane_depth, plane_step_s);
+        memcpy(setup.param, param, sizeof param);
         status = go_round(&setup, plane_pace, &l[r], &step_s, reason, error);
         if (status == SOFTSIM_OK && reason[0] == '\0') {
             status = ss_zhang_plane_own(&zhang->plane, own_rule[r], NULL, &own, error);

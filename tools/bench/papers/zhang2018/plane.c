@@ -22,21 +22,9 @@ static const double settled_s = 20000.0; /* C: what is left then is below 1e-3 *
 static const double close_by = 1e-3;     /* of two codes for one equation, one of them single */
 static const double threshold_m = 2.01;  /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
 
-static ss_zhang_setup plane_setup(ss_zhang *zhang, const char *model)
-{
-    return (ss_zhang_setup){.model = model,
-                            .mesh = zhang->plane.mesh,
-                            .fixed = zhang->plane.fixed,
-                            .pushed = zhang->plane.pushed,
-                            .pushed_count = 1,
-                            .direction = {0.0, 0.0, -1.0},
-                            .depth = depth_m,
-                            .step_s = step_s};
-}
-
 static ss_zhang_setup network_setup(ss_zhang *zhang)
 {
-    ss_zhang_setup setup = plane_setup(zhang, "cnn-chainmail");
+    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "cnn-chainmail", depth_m, step_s);
     const char *const param[] = {SLACK, "link_stiffness_n_per_m=1", "capacitance_s=1"};
     memcpy(setup.param, param, sizeof param);
     return setup;
@@ -75,7 +63,7 @@ static softsim_status run_chainmail(ss_zhang *zhang, const char *band, plane_fie
                                     char out_reason[256], softsim_error *error)
 {
     ss_zhang_run run;
-    ss_zhang_setup setup = plane_setup(zhang, "chainmail");
+    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "chainmail", depth_m, step_s);
     const char *const param[] = {SLACK, band, "beta=0.5"};
     memcpy(setup.param, param, sizeof param);
     setup.step_s = 1.0;

@@ -21,16 +21,11 @@ static softsim_status run_model(ss_zhang *zhang, double *stiffness, double *out_
                                 softsim_error *error)
 {
     ss_zhang_run run;
-    const ss_zhang_setup setup = {.model = "cnn-chainmail",
-                                  .param = {"alpha=0.02", "capacitance_s=1"},
-                                  .stiffness_of = stiffness,
-                                  .mesh = zhang->plane.mesh,
-                                  .fixed = zhang->plane.fixed,
-                                  .pushed = zhang->plane.pushed,
-                                  .pushed_count = 1,
-                                  .direction = {0.0, 0.0, -1.0},
-                                  .depth = depth_m,
-                                  .step_s = 0.125}; /* below what the stiff half allows */
+    const double short_s = 0.125; /* below what the stiff half allows */
+    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "cnn-chainmail", depth_m, short_s);
+    setup.param[0] = "alpha=0.02";
+    setup.param[1] = "capacitance_s=1";
+    setup.stiffness_of = stiffness;
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     snprintf(out_reason, 256, "%s", run.reason);
     *out_step_s = run.step_s;

@@ -44,6 +44,9 @@ typedef struct ss_zhang {
 
 softsim_status ss_zhang_plane_init(ss_zhang_plane *plane, softsim_error *error);
 void ss_zhang_plane_fini(ss_zhang_plane *plane);
+/* A setup on it: its middle pushed down. */
+ss_zhang_setup ss_zhang_plane_setup(ss_zhang_plane *plane, const char *model, double depth,
+                                    double step_s);
 /* The report's own network of it, alpha 0.02; stiffness_of NULL: 1 N/m. SOFTSIM_ERROR_MEMORY. */
 softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rule,
                                   const double *stiffness_of, ss_zhang_own *out,

@@ -160,27 +160,15 @@ static softsim_status try_reading(ss_paper *paper, const ss_zhong_net *net, cons
 static double hexagon_share(double force, double ks, bool is_length_current)
 {
     static const double edge_m = 0.3;
-    double position[7][3] = {{0.0, 0.0, 0.0}};
     int32_t triangle[6][3];
-    for (int k = 0; k < 6; ++k) {
-        const double angle = k * 3.14159265358979323846 / 3.0;
-        const int32_t corner[3] = {0, 1 + k, 1 + (k + 1) % 6};
-        ss_set3(position[1 + k], edge_m * cos(angle), edge_m * sin(angle), 0.0);
-        memcpy(triangle[k], corner, sizeof corner);
-    }
     const ss_zhong_law law = {.source = SS_ZHONG_WORK,
                               .is_length_current = is_length_current,
                               .mass = 1.0,
                               .damping = 2.0,
                               .rest_stiffness = ks};
     ss_zhong_motion motion = {.net = NULL};
-    ss_zhong_net *net = ss_zhong_net_triangles(7, (const double(*)[3])position, 6,
-                                               (const int32_t(*)[3])triangle, NULL, 0.0);
+    ss_zhong_net *net = ss_zhong_net_hexagon(edge_m, triangle);
     double share = (double)NAN;
-    for (int32_t i = 0; net != NULL && i < 7; ++i) {
-        net->is_held[i] = i > 0;
-        net->is_source[i] = i == 0;
-    }
     if (net != NULL && ss_zhong_net_solve(net) &&
         ss_zhong_motion_init(&motion, net, &law, 0, 6, (const int32_t(*)[3])triangle)) {
         motion.force[2] = force;

@@ -128,14 +128,12 @@ ss_zhong_net *ss_zhong_net_triangles(int32_t node_count, const double (*position
     ss_zhong_net *net = make(node_count, 3 * triangle_count, position);
     for (int32_t t = 0; net != NULL && t < triangle_count; ++t) {
         const double *p[3];
-        double centroid[3] = {0.0, 0.0, 0.0}, u[3], v[3], n[3];
+        double centroid[3] = {0.0, 0.0, 0.0}, n[3];
         for (int k = 0; k < 3; ++k) {
             p[k] = net->rest[triangle[t][k]];
             ss_madd3(centroid, centroid, 1.0 / 3.0, p[k]);
         }
-        ss_sub3(u, p[1], p[0]);
-        ss_sub3(v, p[2], p[0]);
-        ss_cross3(n, u, v);
+        ss_normal3(n, p[0], p[1], p[2]);
         for (int k = 0; k < 3; ++k) {
             double middle[3], half[3];
             const int32_t e = edge_between(net, triangle[t][k], triangle[t][(k + 1) % 3]);
@@ -151,6 +149,24 @@ ss_zhong_net *ss_zhong_net_triangles(int32_t node_count, const double (*position
             net->conductance[e] += net->ratio[e] * ss_norm3(half) / net->length[e];
             net->area[triangle[t][k]] += ss_norm3(n) / 6.0;
         }
+    }
+    return net;
+}
+
+ss_zhong_net *ss_zhong_net_hexagon(double edge_m, int32_t out_triangle[6][3])
+{
+    double position[7][3] = {{0.0, 0.0, 0.0}};
+    for (int k = 0; k < 6; ++k) {
+        const double angle = k * 3.14159265358979323846 / 3.0;
+        const int32_t corner[3] = {0, 1 + k, 1 + (k + 1) % 6};
+        ss_set3(position[1 + k], edge_m * cos(angle), edge_m * sin(angle), 0.0);
+        memcpy(out_triangle[k], corner, sizeof corner);
+    }
+    ss_zhong_net *net = ss_zhong_net_triangles(7, (const double(*)[3])position, 6,
+                                               (const int32_t(*)[3])out_triangle, NULL, 0.0);
+    for (int32_t i = 0; net != NULL && i < 7; ++i) {
+        net->is_held[i] = i > 0;
+        net->is_source[i] = i == 0;
     }
     return net;
 }

@@ -44,6 +44,8 @@ ss_zhong_net *ss_zhong_net_tube(int32_t rows, int32_t columns, const double (*po
 ss_zhong_net *ss_zhong_net_triangles(int32_t node_count, const double (*position)[3],
                                      int32_t triangle_count, const int32_t (*triangle)[3],
                                      const double axis[3], double across);
+/* Six triangles round node 0, which is the source; the others are held. NULL: out of memory. */
+ss_zhong_net *ss_zhong_net_hexagon(double edge_m, int32_t out_triangle[6][3]);
 /* Tetrahedra, the volume that the paper's conclusion asks for: (17) with the face that parts the
  * two cells in place of their common line, S the volume of a cell. */
 ss_zhong_net *ss_zhong_net_tetrahedra(int32_t node_count, const double (*position)[3],
