@@ -3,13 +3,15 @@
 #pragma once
 /*
  * What the bridge asks of a device: where it is now, and to exert a force for one period. All in
- * the device's own frame, metres and newtons; frame.h places it in the world. A backend fills one
- * ss_device; the bridge's loop knows nothing else of it.
- * Thread: the bridge's loop.
+ * the device's own frame, metres and newtons; frame.h places it in the world. A backend is one file
+ * in devices/, or in a folder of your own, which defines an ss_device_class, and one row in its
+ * CMakeLists.txt, ss_device(); nothing else names it.
+ * Thread: the bridge's loop; a class's functions are called before it.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "rt/args.h"
 #include "softsim/types.h"
 
 typedef struct ss_device_sample {
@@ -31,33 +33,28 @@ typedef struct ss_device {
     void (*destroy)(void *state);
 } ss_device;
 
-/* ---- sim: a simulated device in a simulated hand (sim.c) ---- */
-
-typedef enum ss_sim_body { SS_BODY_LIGHT, SS_BODY_MEDIUM, SS_BODY_HEAVY } ss_sim_body;
-typedef enum ss_sim_grip { SS_GRIP_SOFT, SS_GRIP_MEDIUM, SS_GRIP_FIRM } ss_sim_grip;
-typedef enum ss_sim_script {
-    SS_SCRIPT_PRESS,
-    SS_SCRIPT_POKE,
-    SS_SCRIPT_TAP,
-    SS_SCRIPT_SLIDE,
-    SS_SCRIPT_GRASP
-} ss_sim_script;
-#define SS_SIM_BODIES  "light|medium|heavy"
-#define SS_SIM_GRIPS   "soft|medium|firm"
-#define SS_SIM_SCRIPTS "press|poke|tap|slide|grasp"
-
-typedef struct ss_sim_config {
-    ss_sim_body body;
-    ss_sim_grip grip;
-    ss_sim_script script;
-    uint64_t seed; /* of the tremor */
+/* What every device is told. */
+typedef struct ss_device_setup {
     double period_s;
-} ss_sim_config;
+    uint64_t seed; /* of what is random in it */
+} ss_device_setup;
 
-softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
+/* One kind of device. */
+typedef struct ss_device_class {
+    const char *name;     /* for --device */
+    const char *help;     /* what it is, in a few words */
+    const ss_arg *option; /* its own, into its own variables; for --help they begin with its name */
+    int32_t option_count;
+    const char *const *input; /* a file that an option names and it reads; NULL: none */
+    bool ends;                /* of itself, as a recording does */
+    bool is_hand; /* with a hand of its own: it moves as forces push it, about the contact */
+    /* Adds what is wrong with its options, given or missing; `is_chosen`: it is the one that runs.
+     * NULL: nothing can be. */
+    void (*check)(bool is_chosen, softsim_error *error);
+    /* Opens it: fills the device, or adds why not. What it allocates, it allocates here. */
+    softsim_status (*create)(const ss_device_setup *setup, ss_device *out_device,
                              softsim_error *error);
+} ss_device_class;
 
-/* ---- script: a pose path file (script.c) ---- */
-
-softsim_status ss_script_create(const char *csv_path, double period_s, ss_device *out_device,
-                                softsim_error *error);
+/* The kinds built in. Thread: any. */
+const ss_device_class *const *ss_device_table(int32_t *out_count);

@@ -18,36 +18,39 @@
 #include "silence.h"
 #include "softsim/client.h"
 
-enum { DEFAULT_TICKS = 2000 };
-
-typedef enum device_name { DEVICE_NONE = -1, DEVICE_SIM, DEVICE_SCRIPT } device_name;
+enum { DEFAULT_TICKS = 2000, MAX_OPTIONS = 64, MAX_NAMES = 256 };
 
 typedef struct options {
-    const char *lcm_url, *prefix, *csv, *path, *axes, *offset;
-    int32_t device, correct, body, grip, script;
+    const char *lcm_url, *prefix, *csv, *axes, *offset;
+    int32_t device, correct;
+    const ss_device_class *kind; /* of the device */
     int64_t probe, seed, delay_ticks, ticks;
     double rate_hz, scale, force_scale, duration_s, damping;
     double delay_ms, jitter_ms, loss, outlier, linear_tissue;
 } options;
 
-static const char usage[] = "--device sim|script [options]";
+static const char usage[] = "--device NAME [options]";
 static const char about[] =
     "Connects a device to a softsimd: poses at 1 kHz, forces corrected to the present position.";
 
 /* Options that only one device or one mode knows are faults elsewhere. */
-static void check_options(const options *o, softsim_error *error)
+static void check_options(const options *o, const char *names, softsim_error *error)
 {
-    const ss_named_file in = {"the --path file", o->path}, out = {"--csv", o->csv};
+    const ss_device_class *kind = o->kind;
+    const ss_named_file in = {"the device's file", kind && kind->input ? *kind->input : NULL};
+    const ss_named_file out = {"--csv", o->csv};
     const bool is_linear = !isnan(o->linear_tissue);
-    if (o->device == DEVICE_NONE) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--device is missing; give sim or script");
+    if (!kind) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--device is missing; give %s", names);
     }
-    if ((o->device == DEVICE_SCRIPT) != (o->path != NULL)) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          o->path != NULL ? "--path: only --device script follows a path"
-                                          : "--device script needs --path POSES.csv");
+    int32_t count = 0;
+    const ss_device_class *const *table = ss_device_table(&count);
+    for (int32_t i = 0; i < count; ++i) {
+        if (table[i]->check) {
+            table[i]->check(table[i] == kind, error);
+        }
     }
-    if (is_linear && (o->device != DEVICE_SIM || o->scale != 1.0 || o->force_scale != 1.0 ||
+    if (is_linear && ((kind && !kind->is_hand) || o->scale != 1.0 || o->force_scale != 1.0 ||
                       strcmp(o->axes, "x,y,z") != 0 || strcmp(o->offset, "0,0,0") != 0 ||
                       o->delay_ms + o->jitter_ms + o->loss + o->outlier > 0.0)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -61,11 +64,23 @@ static void check_options(const options *o, softsim_error *error)
     (void)ss_files_check(&in, 1, &out, 1, error);
 }
 
+/* Appends `text` to `list`, `before` before it. */
+static void join(char list[MAX_NAMES], const char *before, const char *text)
+{
+    const size_t length = strlen(list);
+    (void)snprintf(list + length, MAX_NAMES - length, "%s%s", before, text);
+}
+
 static ss_args_result parse_options(int argc, char **argv, options *o, softsim_error *error)
 {
-    *o = (options){.device = DEVICE_NONE,
-                   .body = SS_BODY_MEDIUM,
-                   .grip = SS_GRIP_MEDIUM,
+    int32_t kinds = 0;
+    const ss_device_class *const *table = ss_device_table(&kinds);
+    char names[MAX_NAMES] = "", help[MAX_NAMES] = "";
+    for (int32_t i = 0; i < kinds; ++i) {
+        join(names, i > 0 ? "|" : "", table[i]->name);
+        join(help, i > 0 ? ", or " : "", table[i]->help);
+    }
+    *o = (options){.device = -1,
                    .seed = 1,
                    .rate_hz = 1000.0,
                    .scale = 1.0,
@@ -73,9 +88,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
                    .axes = "x,y,z",
                    .offset = "0,0,0",
                    .linear_tissue = NAN};
-    const ss_arg rows[] = {
-        {"--device", SS_ARG_CHOICE, &o->device, 0, 0, "sim|script",
-         "simulated device and hand, or a pose path"},
+    const ss_arg common[] = {
+        {"--device", SS_ARG_CHOICE, &o->device, 0, 0, names, help},
         {"--probe", SS_ARG_INTEGER, &o->probe, 0, SOFTSIM_MAX_PROBES - 1, "N", "its number (0)"},
         {"--rate", SS_ARG_NUMBER, &o->rate_hz, 100, 4000, "HZ", "poses a second (1000)"},
         {"--duration", SS_ARG_NUMBER, &o->duration_s, 1e-3, 1e6, "S",
@@ -96,12 +110,6 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
          "LCM network (LCM_DEFAULT_URL, else local multicast)"},
         {"--prefix", SS_ARG_STRING, &o->prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
-        {"--path", SS_ARG_STRING, &o->path, 0, 0, "POSES.csv",
-         "script: time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
-        {"--body", SS_ARG_CHOICE, &o->body, 0, 0, SS_SIM_BODIES, "sim: the device (medium)"},
-        {"--grip", SS_ARG_CHOICE, &o->grip, 0, 0, SS_SIM_GRIPS, "sim: the hand (medium)"},
-        {"--script", SS_ARG_CHOICE, &o->script, 0, 0, SS_SIM_SCRIPTS,
-         "sim: what the hand does, z out of the tissue (press)"},
         {"--seed", SS_ARG_INTEGER, &o->seed, 0, 9007199254740992.0, "N", "sim: tremor, bus (1)"},
         {"--delay-ms", SS_ARG_NUMBER, &o->delay_ms, 0, 200, "MS", "bus, one way (0)"},
         {"--jitter-ms", SS_ARG_NUMBER, &o->jitter_ms, 0, 50, "MS", "bus: mean further delay (0)"},
@@ -115,28 +123,27 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         {"--ticks", SS_ARG_INTEGER, &o->ticks, 1, 1e9, "N",
          "ends after N periods (linear tissue: 2000)"},
     };
+    ss_arg rows[MAX_OPTIONS];
+    int32_t row_count = sizeof common / sizeof *common;
+    memcpy(rows, common, sizeof common);
+    for (int32_t i = 0; i < kinds; ++i) {
+        if (row_count + table[i]->option_count > MAX_OPTIONS) {
+            softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
+                              "device %s has too many options: raise MAX_OPTIONS in %s",
+                              table[i]->name, __FILE__);
+            return SS_ARGS_BAD;
+        }
+        memcpy(rows + row_count, table[i]->option, (size_t)table[i]->option_count * sizeof *rows);
+        row_count += table[i]->option_count;
+    }
     const ss_args_result result =
-        ss_args_parse(argc, argv, usage, about, rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL,
-                      0, 0, NULL, error);
+        ss_args_parse(argc, argv, usage, about, rows, row_count, NULL, 0, 0, NULL, error);
     if (result != SS_ARGS_RUN) {
         return result;
     }
-    check_options(o, error);
+    o->kind = o->device >= 0 ? table[o->device] : NULL;
+    check_options(o, names, error);
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
-}
-
-static softsim_status open_device(const options *o, ss_device *out_device, softsim_error *error)
-{
-    const double period_s = 1.0 / o->rate_hz;
-    if (o->device == DEVICE_SCRIPT) {
-        return ss_script_create(o->path, period_s, out_device, error);
-    }
-    const ss_sim_config config = {.body = (ss_sim_body)o->body,
-                                  .grip = (ss_sim_grip)o->grip,
-                                  .script = (ss_sim_script)o->script,
-                                  .seed = (uint64_t)o->seed,
-                                  .period_s = period_s};
-    return ss_sim_create(&config, out_device, error);
 }
 
 static int64_t tick_count(const options *o)
@@ -195,7 +202,7 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                 bridge->summary.other_s);
     } else if (bridge->summary.forces == 0) {
         ss_silence_explain(program, &config, (int32_t)o->probe, "no force came");
-    } else if (o->device == DEVICE_SIM && bridge->summary.was_inside) {
+    } else if (o->kind->is_hand && bridge->summary.was_inside) {
         fprintf(stderr,
                 "%s: the hand started inside the tissue, so its first half second was faded in; "
                 "move --offset-m out along the surface's normal, or begin once the server is "
@@ -228,7 +235,8 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
     static ss_bridge bridge; /* large */
     ss_output csv = {0};
     ss_device device;
-    if (open_device(o, &device, error) != SOFTSIM_OK) {
+    const ss_device_setup setup = {1.0 / o->rate_hz, (uint64_t)o->seed};
+    if (o->kind->create(&setup, &device, error) != SOFTSIM_OK) {
         ss_args_print_error(program, error);
         return SS_EXIT_BAD_INPUT;
     }
@@ -242,7 +250,7 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         .is_correcting = o->correct == 0,
         .damping_n_s_per_m = o->damping,
         .tick_count = tick_count(o),
-        .is_endless = o->device != DEVICE_SCRIPT && tick_count(o) == INT64_MAX,
+        .is_endless = !o->kind->ends && tick_count(o) == INT64_MAX,
         .bus = {o->delay_ms, o->jitter_ms, o->loss, o->outlier, (uint64_t)o->seed},
         .csv = csv.file != NULL ? &csv : NULL,
         .program = program};

@@ -345,18 +345,17 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
     return status;
 }
 
-softsim_status ss_mesh_import(const char *path, double metres_per_unit, const char *import_program,
-                              ss_mesh **out_mesh, softsim_error *error)
+static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
 {
     char program[PATH_MAX] = "";
-    if (!find_program(import_program, program)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SYSTEM,
+    if (!find_program(file->import_program, program)) {
+        softsim_error_add(file->error, SOFTSIM_ERROR_SYSTEM,
                           "%s: the helper program softsim-import is not there (looked for %s): "
                           "install it, or give the mesh as MSH",
-                          path, program);
+                          file->path, program);
         return SOFTSIM_ERROR_SYSTEM;
     }
-import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error };
+import im = {.path = file->path, .metres_per_unit = file->metres_per_unit, .error = file->error };
     im.out.limit = SS_IMPORT_MAX_BYTES;
     bool is_complete = false;
     int exit_status = 0;
@@ -370,3 +369,8 @@ import im = {.path = path, .metres_per_unit = metres_per_unit, .error = error };
     free(im.out.data);
     return status;
 }
+
+extern const ss_mesh_reader ss_mesh_reader_import;
+const ss_mesh_reader ss_mesh_reader_import = {.name = "OBJ, STL, PLY, GLB or glTF (by the ending)",
+                                              .extensions = ".obj .stl .ply .glb .gltf",
+                                              .read = read_mesh};

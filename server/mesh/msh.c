@@ -511,3 +511,17 @@ softsim_status ss_mesh_read_msh(const char *text, size_t size, const char *name,
     ss_text_init(&source, text, size, name, error);
     return ss_mesh_parse_msh(&source, metres_per_unit, out_mesh);
 }
+
+static bool sniff(const char *start)
+{
+    return *start == '$';
+}
+
+static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
+{
+    return ss_mesh_read_text(file, ss_mesh_parse_msh, out_mesh);
+}
+
+extern const ss_mesh_reader ss_mesh_reader_msh;
+const ss_mesh_reader ss_mesh_reader_msh = {
+    .name = "Gmsh MSH (ASCII)", .sniff = sniff, .read = read_mesh};

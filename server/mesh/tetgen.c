@@ -14,8 +14,12 @@
 #include "mesh/draft.h"
 #include "mesh/readers.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 enum {
     MIN_NODE = 7,    /* bytes of the shortest line, "1 0 0 0" */
@@ -274,3 +278,54 @@ softsim_status ss_mesh_parse_tetgen(ss_text *nodes, ss_text *elements, double me
     ss_draft_destroy(&r.draft);
     return nodes->status != SOFTSIM_OK ? nodes->status : elements->status;
 }
+
+/* ---- the pair of files ---- */
+
+bool ss_mesh_name_pair(const char *path, char *out, size_t size)
+{
+    const char *extension = ss_mesh_extension(path);
+    const bool is_node = strcasecmp(extension, ".node") == 0;
+    const bool is_upper = extension[0] == '.' && (extension[1] == 'N' || extension[1] == 'E');
+    if (!is_node && strcasecmp(extension, ".ele") != 0) {
+        return false;
+    }
+    const int length =
+        snprintf(out, size, "%.*s%s", (int)(extension - path), path,
+                 is_node ? (is_upper ? ".ELE" : ".ele") : (is_upper ? ".NODE" : ".node"));
+    return length > 0 && (size_t)length < size;
+}
+
+/* Reads the pair of which the file is one. */
+static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
+{
+    char other_path[PATH_MAX];
+    if (!ss_mesh_name_pair(file->path, other_path, sizeof other_path)) {
+        softsim_error_add(file->error, SOFTSIM_ERROR_FILE,
+                          "%s: cannot read it (its name is too long): check its name and rights",
+                          file->path);
+        return SOFTSIM_ERROR_FILE;
+    }
+    int64_t other_size = 0;
+    softsim_status status = SOFTSIM_OK;
+    const int other = ss_mesh_open_file(other_path, &other_size, &status, file->error);
+    if (other < 0) {
+        return status;
+    }
+    const bool is_node = strcasecmp(ss_mesh_extension(file->path), ".node") == 0;
+    ss_text mine, others = {0};
+    status = SOFTSIM_ERROR_MEMORY;
+    if (ss_text_open(&mine, file->fd, file->size, SS_TEXT_WINDOW, file->path, file->error) &&
+        ss_text_open(&others, other, other_size, SS_TEXT_WINDOW, other_path, file->error)) {
+        status = ss_mesh_parse_tetgen(is_node ? &mine : &others, is_node ? &others : &mine,
+                                      file->metres_per_unit, out_mesh);
+    }
+    ss_text_fini(&mine);
+    ss_text_fini(&others);
+    (void)close(other);
+    return status;
+}
+
+extern const ss_mesh_reader ss_mesh_reader_tetgen;
+const ss_mesh_reader ss_mesh_reader_tetgen = {.name = "TetGen's .node and .ele (by the ending)",
+                                              .extensions = ".node .ele",
+                                              .read = read_mesh};

@@ -509,3 +509,18 @@ softsim_status ss_mesh_parse_vtk(ss_text *text, double metres_per_unit, ss_mesh 
     ss_vtk_destroy(&r.grid);
     return text->status;
 }
+
+static bool sniff(const char *start)
+{
+    static const char head[] = "# vtk DataFile";
+    return strncasecmp(start, head, sizeof head - 1) == 0;
+}
+
+static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
+{
+    return ss_mesh_read_text(file, ss_mesh_parse_vtk, out_mesh);
+}
+
+extern const ss_mesh_reader ss_mesh_reader_vtk;
+const ss_mesh_reader ss_mesh_reader_vtk = {
+    .name = "VTK (legacy)", .sniff = sniff, .read = read_mesh};

@@ -426,3 +426,17 @@ softsim_status ss_mesh_parse_vtu(ss_text *text, double metres_per_unit, ss_mesh 
     ss_vtk_destroy(&r.grid);
     return text->status;
 }
+
+static bool sniff(const char *start)
+{
+    return *start == '<' && strstr(start, "<VTKFile") != NULL;
+}
+
+static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
+{
+    return ss_mesh_read_text(file, ss_mesh_parse_vtu, out_mesh);
+}
+
+extern const ss_mesh_reader ss_mesh_reader_vtu;
+const ss_mesh_reader ss_mesh_reader_vtu = {
+    .name = "VTK's .vtu (ASCII)", .sniff = sniff, .read = read_mesh};

@@ -17,6 +17,8 @@
 #include "bridge.h"
 #include "common/folder_fixture.h"
 #include "common/number_fixture.h"
+#include "devices/script.h"
+#include "devices/sim.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 #include "show.h"

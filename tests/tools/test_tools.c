@@ -54,7 +54,7 @@ static void no_output_is_an_input_or_another_output(void **state)
         {"softsim-replay", "--record poses.csv poses.csv", "--record: 'poses.csv'"},
         {"softsim-replay", "--csv hard poses.csv", "--csv: 'hard'"},
         {"softsim-replay", "--csv a --record a poses.csv", "what --record writes"},
-        {"softsim-bridge", "--device script --path poses.csv --csv link", "is the --path file"},
+        {"softsim-bridge", "--device script --path poses.csv --csv link", "is the device's file"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out scene.yaml", "is the scene,"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out curve.csv", "is a --curve"},
         {"softsim-fit", "--scene scene.yaml --curve curve.csv --out none/f.yaml",

@@ -16,7 +16,7 @@
 
 #include "bench/latency/felt.h"
 #include "common/effort.h"
-#include "device.h"
+#include "devices/sim.h"
 #include "oracles/limit_judge.h"
 #include "press_fixture.h"
 #include "world/world.h"

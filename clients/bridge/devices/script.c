@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "device.h"
+#include "devices/script.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
@@ -75,3 +75,36 @@ softsim_status ss_script_create(const char *csv_path, double period_s, ss_device
                               .destroy = script_destroy};
     return SOFTSIM_OK;
 }
+
+/* ---- on the command line ---- */
+
+static const char *chosen_path;
+static const ss_arg options[] = {
+    {"--path", SS_ARG_STRING, &chosen_path, 0, 0, "POSES.csv",
+     "script: time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
+};
+
+static void check(bool is_chosen, softsim_error *error)
+{
+    if (is_chosen != (chosen_path != NULL)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          is_chosen ? "--device script needs --path POSES.csv"
+                                    : "--path: only --device script follows a path");
+    }
+}
+
+static softsim_status create(const ss_device_setup *setup, ss_device *out_device,
+                             softsim_error *error)
+{
+    return ss_script_create(chosen_path, setup->period_s, out_device, error);
+}
+
+extern const ss_device_class ss_device_script;
+const ss_device_class ss_device_script = {.name = "script",
+                                          .help = "a pose path",
+                                          .option = options,
+                                          .option_count = sizeof options / sizeof *options,
+                                          .input = &chosen_path,
+                                          .ends = true,
+                                          .check = check,
+                                          .create = create};

@@ -25,7 +25,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "device.h"
+#include "devices/sim.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -174,3 +174,32 @@ softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
                               .destroy = free};
     return SOFTSIM_OK;
 }
+
+/* ---- on the command line ---- */
+
+static int32_t chosen_body = SS_BODY_MEDIUM, chosen_grip = SS_GRIP_MEDIUM, chosen_script;
+static const ss_arg options[] = {
+    {"--body", SS_ARG_CHOICE, &chosen_body, 0, 0, "light|medium|heavy", "sim: the device (medium)"},
+    {"--grip", SS_ARG_CHOICE, &chosen_grip, 0, 0, "soft|medium|firm", "sim: the hand (medium)"},
+    {"--script", SS_ARG_CHOICE, &chosen_script, 0, 0, "press|poke|tap|slide|grasp",
+     "sim: what the hand does, z out of the tissue (press)"},
+};
+
+static softsim_status create(const ss_device_setup *setup, ss_device *out_device,
+                             softsim_error *error)
+{
+    const ss_sim_config config = {.body = (ss_sim_body)chosen_body,
+                                  .grip = (ss_sim_grip)chosen_grip,
+                                  .script = (ss_sim_script)chosen_script,
+                                  .seed = setup->seed,
+                                  .period_s = setup->period_s};
+    return ss_sim_create(&config, out_device, error);
+}
+
+extern const ss_device_class ss_device_sim;
+const ss_device_class ss_device_sim = {.name = "sim",
+                                       .help = "simulated device and hand",
+                                       .option = options,
+                                       .option_count = sizeof options / sizeof *options,
+                                       .is_hand = true,
+                                       .create = create};
