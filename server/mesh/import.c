@@ -51,10 +51,12 @@ typedef struct import {
 
 /* The file that this code was loaded from, program or library, at its absolute path: of the folder
  * it was installed to, or moved to since. dladdr() was rejected: of a program it gives the name
- * that the caller chose, which may be that of another file in the working directory. */
-static bool find_own_file(char out[PATH_MAX])
+ * that the caller chose, which may be that of another file in the working directory.
+ * Returns 0 or an errno value. */
+static int find_own_file(char out[PATH_MAX])
 {
     FILE *maps = fopen("/proc/self/maps", "re");
+    const int reason = maps != NULL ? ENOENT : errno;
     char line[PATH_MAX + 128];
     bool is_found = false;
     while (maps != NULL && !is_found && fgets(line, sizeof line, maps) != NULL) {
@@ -70,30 +72,34 @@ static bool find_own_file(char out[PATH_MAX])
     if (maps != NULL) {
         (void)fclose(maps);
     }
-    return is_found;
+    return is_found ? 0 : reason;
 }
 
 /* The helper that was given, else the one beside this code's own file, as built, or where it is
- * installed by that file's place: never by an absolute path of the build. */
-static bool find_program(const char *given, char out[PATH_MAX])
+ * installed by that file's place: never by an absolute path of the build. Returns 0 or an errno
+ * value. */
+static int find_program(const char *given, char out[PATH_MAX])
 {
     static const char *const place[] = {"softsim-import", SOFTSIM_IMPORT_FROM_BIN,
                                         SOFTSIM_IMPORT_FROM_LIB};
     if (given != NULL) {
-        return snprintf(out, PATH_MAX, "%s", given) < PATH_MAX && access(out, X_OK) == 0;
+        return snprintf(out, PATH_MAX, "%s", given) >= PATH_MAX ? ENAMETOOLONG
+               : access(out, X_OK) == 0                         ? 0
+                                                                : errno;
     }
     char own[PATH_MAX] = "";
-    if (!find_own_file(own)) {
-        return false;
+    const int reason = find_own_file(own);
+    if (reason != 0) {
+        return reason;
     }
     const int folder = (int)(strrchr(own, '/') + 1 - own);
     for (size_t i = 0; i < sizeof place / sizeof *place; ++i) {
         if (snprintf(out, PATH_MAX, "%.*s%s", folder, own, place[i]) < PATH_MAX &&
             access(out, X_OK) == 0) {
-            return true;
+            return 0;
         }
     }
-    return false;
+    return ENOENT;
 }
 
 /* Starts it with /dev/null as stdin and pipes for the rest; our ends close on exec. Returns 0 or
@@ -348,7 +354,14 @@ static softsim_status unpack(import *im, ss_mesh **out_mesh)
 static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
 {
     char program[PATH_MAX] = "";
-    if (!find_program(file->import_program, program)) {
+    const int reason = find_program(file->import_program, program);
+    if (reason != 0 && program[0] == '\0') {
+        softsim_error_add(file->error, SOFTSIM_ERROR_SYSTEM,
+                          "%s: cannot look for softsim-import (%s)", file->path,
+                          ss_files_reason(reason));
+        return SOFTSIM_ERROR_SYSTEM;
+    }
+    if (reason != 0) {
         softsim_error_add(file->error, SOFTSIM_ERROR_SYSTEM,
                           "%s: the helper program softsim-import is not there (looked for %s): "
                           "install it, or give the mesh as MSH",
