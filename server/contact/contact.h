@@ -238,6 +238,9 @@ typedef struct ss_local_model {
     double proxy[3];  /* p_k, the (predicted) proxy position stepped to */
     double orientation[4];
     double velocity[3]; /* v_k = (p_k - p_{k-1}) / h */
+    bool has_stored;    /* the model knows what it has stored */
+    double stored;      /* J, kinetic and elastic, after that step */
+    double load_work;   /* J, of loads, gravity and supports since start */
     ss_contact_set set;
 } ss_local_model;
 

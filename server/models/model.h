@@ -104,6 +104,7 @@ typedef struct ss_model_class {
     const ss_param_row *row;
     int32_t row_count;
     bool needs_volume;
+    bool has_no_energy; /* a rule for shapes: the energies that info tells are 0 */
     /* Estimated cost of one step in microseconds on the reference core, from counts alone. */
     double (*step_cost_us)(const ss_model_plan *plan);
     softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);

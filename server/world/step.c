@@ -168,7 +168,7 @@ static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_m
 }
 
 static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
-                          const double velocity[3], bool is_fault)
+                          const double velocity[3], const ss_model_info *info)
 {
     ss_world_probe *probe = &world->probe[p];
     ss_local_model *out = &probe->computed;
@@ -177,7 +177,10 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     out->period = world->step_period;
     out->pose_seq = probe->stepped_to.pose_seq;
     out->starts = world->simulation_starts;
-    out->is_fault = is_fault;
+    out->is_fault = info->verdict == SOFTSIM_VERDICT_FAULT;
+    out->has_stored = !world->model_class->has_no_energy && !out->is_fault;
+    out->stored = info->kinetic + info->elastic;
+    out->load_work = info->load_work;
     memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
     ss_set3(out->velocity, 0.0, 0.0, 0.0);
     if (probe->is_waiting) {
@@ -229,7 +232,7 @@ void ss_world_step_compute(ss_world *world)
     ss_energy_watch_judge(&world->energy, &info);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
-            read_contacts(world, p, &tool[p], velocity[p], info.verdict == SOFTSIM_VERDICT_FAULT);
+            read_contacts(world, p, &tool[p], velocity[p], &info);
         }
     }
     ss_world_judge_sinking(world, &info);

@@ -94,11 +94,15 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
                                .pose = input.pose_count > 0 ? &pose[input.pose_count - 1] : NULL,
                                .sender_epoch = input.sender_epoch,
                                .sent = &output.force,
+                               .result = input.is_result_new ? input.result : NULL,
                                .contact_j = output.contact_j,
+                               .device_j = output.energy_to_device_j - output.energy_from_device_j,
+                               .others_j = world->taken_j - probe->taken_j,
                                .let_in_j = output.let_in_j,
                                .is_lockstep = world->haptic_config.is_lockstep};
     ss_hand_watch_tick(&probe->hand, &hand);
     stats->hand = ss_hand_verdict_worse(stats->hand, ss_hand_watch_verdict(&probe->hand, tick));
+    probe->taken_j = output.energy_from_device_j;
     stats->worst_contact_j[p] = output.worst_contact_j;
     stats->stiffness_limit[p] = output.stiffness_limit;
     stats->energy_to_device_j += output.energy_to_device_j;
@@ -120,6 +124,7 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
             tick_probe(world, p, tick, due_ns, &stats);
         }
     }
+    world->taken_j = stats.energy_from_device_j;
     world->hand = stats.hand;
     world->worst_hand = ss_hand_verdict_worse(world->worst_hand, stats.hand);
     if (due_ns != 0) {

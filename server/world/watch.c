@@ -72,25 +72,33 @@ static bool is_spell_on(const ss_hand_watch *watch, const ss_hand_tick *now)
            ((double)released - 0.5) * now->period < release_time;
 }
 
-/* The hand moves against the forces that it was given; returns the most that the contact has handed
- * out. */
-static double move_hand(ss_hand_watch *watch, const ss_hand_tick *now, bool is_spell)
+/* The hand moves against the forces that it was given, which gives it `out_given`. */
+static void move_hand(ss_hand_watch *watch, const ss_hand_tick *now,
+                      double out_given[SS_HAND_WATCH_DELAYS])
 {
-    double way[3] = {0.0}, turn[3] = {0.0}, most = 0.0;
+    double way[3] = {0.0}, turn[3] = {0.0};
     if (watch->has_pose) {
         ss_sub3(way, now->pose->position, watch->position);
         ss_turn_between(watch->orientation, now->pose->orientation, turn);
     }
     for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
-        const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
-        const double given = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
-        watch->energy[d] = is_touched ? watch->energy[d] + given : 0.0;
-        watch->spell[d] = is_spell ? watch->spell[d] + given : 0.0;
-        most = fmax(most, fmax(watch->energy[d], watch->spell[d]));
+        out_given[d] = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
     }
     ss_copy3(watch->position, now->pose->position);
     memcpy(watch->orientation, now->pose->orientation, sizeof watch->orientation);
     watch->has_pose = true;
+}
+
+/* Returns the most that the contact has handed out. */
+static double add_up(ss_hand_watch *watch, const double given[SS_HAND_WATCH_DELAYS], bool is_spell)
+{
+    double most = 0.0;
+    for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
+        const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
+        watch->energy[d] = is_touched ? watch->energy[d] + given[d] : 0.0;
+        watch->spell[d] = is_spell ? watch->spell[d] + given[d] : 0.0;
+        most = fmax(most, fmax(watch->energy[d], watch->spell[d]));
+    }
     return most;
 }
 
@@ -102,10 +110,43 @@ static void take_answer(ss_hand_watch *watch, const ss_hand_tick *now)
     ss_copy3(watch->torque[0], now->sent->torque);
 }
 
-/* Of what a contact has handed out, some of which may have been let in. */
-static ss_hand_verdict judge_hand(double handed_out, double let_in)
+/* What nobody had of what the hand is given in a part of the contact, as far as results tell. Other
+ * hands, loads and the entry explain what they put in; what they take out is not looked at, for
+ * what they took the tissue may have had from anyone. */
+static double judge_parts(ss_hand_watch *watch, const ss_hand_tick *now,
+                          const double given[SS_SUPPLY_DEVICES], bool is_counted)
+{
+    ss_supply *supply = &watch->supply;
+    const ss_local_model *result = now->result;
+    double made = 0.0;
+    double others = fmax(0.0, now->let_in_j) + fmax(0.0, now->others_j - watch->others_j);
+    watch->others_j = now->others_j;
+    if (result) {
+        made = ss_supply_take(supply, result->stored, result->has_stored);
+        others += fmax(0.0, result->load_work - watch->load_work);
+        watch->load_work = result->load_work;
+    }
+    if (!is_counted) {
+        return fmax(made, ss_supply_clear(supply));
+    }
+    double slip[3];
+    ss_sub3(slip, now->sent->proxy, watch->position);
+    ss_supply_tick(supply, given, others, ss_norm3(now->sent->force) * ss_norm3(slip));
+    return made;
+}
+
+/* Of what a contact has handed out, some of which may have been let in, and what nobody had. */
+static ss_hand_verdict judge_hand(double handed_out, double let_in, double made)
 {
     const double driven = handed_out - fmax(0.0, let_in);
+    if (made > most_handed_out && made > driven) {
+        return (ss_hand_verdict){made > most_guarded ? SOFTSIM_VERDICT_DEGRADED
+                                                     : SOFTSIM_VERDICT_GUARDED,
+                                 "more than 10 mJ were handed to the hand that neither it nor the "
+                                 "tissue had: it moves or "
+                                 "shakes faster than forces can follow; steady it, or lower "
+                                 "haptic.coupling.stiffness_n_per_m"};
+    }
     if (driven > most_handed_out) {
         return (ss_hand_verdict){
             driven > most_guarded ? SOFTSIM_VERDICT_DEGRADED : SOFTSIM_VERDICT_GUARDED,
@@ -123,18 +164,25 @@ static ss_hand_verdict judge_hand(double handed_out, double let_in)
 
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
-    double handed_out = 0.0;
+    double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
     if (now->pose && watch->sender_epoch != now->sender_epoch) {
         /* Another device, or the same from elsewhere: what lies between is nobody's way. */
-        *watch = (ss_hand_watch){
-            .sender_epoch = now->sender_epoch, .told = watch->told, .until = watch->until};
+        *watch = (ss_hand_watch){.sender_epoch = now->sender_epoch,
+                                 .told = watch->told,
+                                 .until = watch->until,
+                                 .device_j = now->device_j,
+                                 .others_j = now->others_j,
+                                 .load_work = watch->load_work};
     }
     const bool is_spell = is_spell_on(watch, now);
     const bool is_counted = is_spell || now->contact_j != 0.0;
     watch->let_in = (is_counted ? watch->let_in : 0.0) + now->let_in_j;
     if (now->pose && now->is_lockstep) {
-        handed_out = move_hand(watch, now, is_spell);
+        move_hand(watch, now, given);
+        handed_out = add_up(watch, given, is_spell);
         take_answer(watch, now);
+    } else if (now->pose) {
+        ss_copy3(watch->position, now->pose->position);
     }
     if (ss_norm3(now->sent->force) + ss_norm3(now->sent->torque) > 0.0) {
         watch->touched = now->tick;
@@ -143,7 +191,10 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
     handed_out = is_named ? fmax(handed_out, -now->contact_j) : handed_out;
-    const ss_hand_verdict found = judge_hand(handed_out, watch->let_in);
+    given[SS_HAND_WATCH_DELAYS] = is_named ? now->device_j - watch->device_j : 0.0;
+    watch->device_j = now->device_j;
+    const double made = judge_parts(watch, now, given, is_counted);
+    const ss_hand_verdict found = judge_hand(handed_out, watch->let_in, made);
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
         watch->told = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);

@@ -25,6 +25,10 @@
  * found inside the tissue is taken off, for as long as energy is added up that it may be part of:
  * until 20 ms after the last force, and with a clock until the client has named that one. Where
  * that alone is handed back, guarded for that reason.
+ *
+ * A contact as a whole excuses what tissue hands out late by what it swallowed before. So each part
+ * of a contact is judged too, by the same two limits, where the model tells what it has stored:
+ * supply.h. What an entry, loads and the hands of other tools put in explains what this hand gets.
  * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
  *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
@@ -35,6 +39,7 @@
 #include "contact/contact.h"
 #include "models/model.h"
 #include "softsim/types.h"
+#include "world/supply.h"
 
 /* Thread: simulation. Start from zero, with `limit` and `size` set. */
 typedef struct ss_energy_watch {
@@ -72,18 +77,23 @@ typedef struct ss_hand_watch {
     double spell[SS_HAND_WATCH_DELAYS];  /* J, since the first after 20 ms without */
     double let_in;                       /* J, over the spell, or as long as contact_j is not 0 */
     int64_t touched;                     /* tick of the last force */
+    ss_supply supply;
+    double device_j, others_j, load_work; /* as of the last tick, and result */
     ss_hand_verdict told;
     int64_t until; /* tick: it holds before it */
 } ss_hand_watch;
 
 typedef struct ss_hand_tick {
     int64_t tick;
-    double period;             /* s */
-    const softsim_pose *pose;  /* the newest, NULL: none came */
-    uint32_t sender_epoch;     /* of that pose */
-    const softsim_force *sent; /* the answer of this tick */
-    double contact_j;          /* of the present contact, of the haptic loop's observer */
-    double let_in_j;           /* by the haptic loop, in this tick */
+    double period;                /* s */
+    const softsim_pose *pose;     /* the newest, NULL: none came */
+    uint32_t sender_epoch;        /* of that pose */
+    const softsim_force *sent;    /* the answer of this tick */
+    const ss_local_model *result; /* that came in this tick, or NULL */
+    double contact_j;             /* of the present contact, of the haptic loop's observer */
+    double device_j;              /* given to the device in all contacts so far, by the same */
+    double others_j;              /* put in so far by the hands of other probes */
+    double let_in_j;              /* by the haptic loop, in this tick */
     bool is_lockstep;
 } ss_hand_tick;
 

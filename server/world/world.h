@@ -76,6 +76,7 @@ typedef struct ss_world_probe {
     bool is_used;
     ss_haptic *haptic;  /* haptic thread */
     ss_hand_watch hand; /* haptic thread */
+    double taken_j;     /* J, from its device so far; haptic thread */
     ss_ring *poses;     /* net -> haptic */
     ss_mailbox *result; /* simulation -> haptic: ss_local_model */
     ss_mailbox *target; /* haptic -> simulation: ss_proxy_target */
@@ -130,6 +131,7 @@ typedef struct ss_world {
     double lateness_us[4]; /* p50, p99, p99.9, max, renewed 4 times a second */
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
+    double taken_j; /* J, from all devices up to the last tick */
     bool haptic_paused;
     uint32_t haptic_starts;           /* resets and resumes heard of */
     ss_hand_verdict hand, worst_hand; /* lately; ever. Read by the lockstep thread too */

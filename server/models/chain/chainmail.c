@@ -874,6 +874,7 @@ const ss_model_class ss_model_chainmail = {
     .row = rows,
     .row_count = ROW_COUNT,
     .needs_volume = false,
+    .has_no_energy = true,
     .step_cost_us = step_cost_us,
     .create = create,
     .destroy = destroy,
