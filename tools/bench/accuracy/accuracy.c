@@ -13,8 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bench/accuracy/accuracy.h"
-#include "bench/accuracy/scene.h"
+#include "bench/accuracy/report.h"
 #include "bench/bench.h"
 #include "bench/core/child.h"
 #include "bench/core/sweep.h"
@@ -28,33 +27,14 @@
 #include "rt/hash.h"
 #include "world/world.h"
 
-enum { MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000, ROW_CELLS = 11 };
+enum { MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
 static const char standard_folder[] = "tests/reference";
-
-typedef struct options {
-    ss_arg_list cases, compare, set;
-    const char *scene, *model, *mesh, *out;
-    double budget_us;
-    int64_t jobs;
-    bool is_quick;
-} options;
-
-typedef struct report {
-    options o;
-    ss_accuracy_plan plan, dynamic; /* share their cases */
-    ss_accuracy_rows rows;
-    char *dynamics; /* lines of dynamics.csv */
-    ss_yardstick yardstick;
-    char found[SS_ACCURACY_MAX_CASES][SS_CASE_PATH]; /* folders of the standard cases */
-    int32_t found_count;
-    ss_accuracy_worth worth; /* of a scene's reference */
-} report;
 
 /* ---- options ---- */
 
 /* The report may be no file that the command names. */
-static void check_outputs(const options *o, softsim_error *error)
+static void check_outputs(const ss_accuracy_options *o, softsim_error *error)
 {
     static const char *const names[] = {"accuracy.csv", "accuracy.html", "dynamics.csv",
                                         "case/case.yaml"};
@@ -71,9 +51,9 @@ static void check_outputs(const options *o, softsim_error *error)
     (void)ss_files_check(in, o->compare.count + 1, out, COUNT, error);
 }
 
-static ss_args_result parse(int argc, char **argv, options *out, softsim_error *error)
+static ss_args_result parse(int argc, char **argv, ss_accuracy_options *out, softsim_error *error)
 {
-    options o = {.out = "accuracy-report", .jobs = 1};
+    ss_accuracy_options o = {.out = "accuracy-report", .jobs = 1};
     const ss_arg rows[] = {
         {"--case", SS_ARG_LIST, &o.cases, 0, 0, "DIR",
          "a reference problem, a folder with a case.yaml; may be given again (all of "
@@ -115,8 +95,7 @@ static ss_args_result parse(int argc, char **argv, options *out, softsim_error *
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-/* Is `name` in the list "a,b,c"? No list: everything is. */
-static bool is_listed(const char *list, const char *name)
+bool ss_accuracy_is_listed(const char *list, const char *name)
 {
     const size_t length = strlen(name);
     for (const char *at = list; at != NULL; at = *at == ',' ? at + 1 : NULL) {
@@ -128,7 +107,7 @@ static bool is_listed(const char *list, const char *name)
     return list == NULL;
 }
 
-static void check_models(const options *o, softsim_error *error)
+static void check_models(const ss_accuracy_options *o, softsim_error *error)
 {
     for (const char *at = o->model; at != NULL;) {
         char name[64];
@@ -151,7 +130,7 @@ static void check_models(const options *o, softsim_error *error)
 }
 
 /* Each must be a parameter of a model that is to run. */
-static void check_sets(const options *o, softsim_error *error)
+static void check_sets(const ss_accuracy_options *o, softsim_error *error)
 {
     for (int32_t i = 0; i < o->set.count; ++i) {
         const char *set = o->set.value[i];
@@ -160,7 +139,7 @@ static void check_sets(const options *o, softsim_error *error)
         const ss_model_class *const *table = ss_model_table(&count);
         for (int32_t k = 0; k < count; ++k) {
             const ss_model_class *model = ss_accuracy_model_find(table[k]->name);
-            takers += model != NULL && is_listed(o->model, model->name) &&
+            takers += model != NULL && ss_accuracy_is_listed(o->model, model->name) &&
                       ss_accuracy_model_takes(model, set);
         }
         if (equals == NULL || equals[1] == '\0' || strpbrk(set, "\n\r#") != NULL || takers == 0) {
@@ -181,7 +160,7 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Every folder of `parent` with a case.yaml. */
-static void find_cases(report *r, const char *parent)
+static void find_cases(ss_accuracy *r, const char *parent)
 {
     DIR *folder = opendir(parent);
     if (folder == NULL) {
@@ -200,7 +179,7 @@ static void find_cases(report *r, const char *parent)
 }
 
 /* tests/reference here, or in a folder above the program: of the source tree it was built in. */
-static void find_standard_cases(report *r)
+static void find_standard_cases(ss_accuracy *r)
 {
     char own[SS_CASE_PATH], path[SS_CASE_PATH + 32];
     find_cases(r, standard_folder);
@@ -216,7 +195,7 @@ static void find_standard_cases(report *r)
 }
 
 /* The scene as a case of the report's own. */
-static softsim_status make_scene_case(report *r, softsim_error *error)
+static softsim_status make_scene_case(ss_accuracy *r, softsim_error *error)
 {
     char *path = r->found[r->found_count++];
     if (snprintf(path, SS_CASE_PATH, "%s/case", r->o.out) >= SS_CASE_PATH) {
@@ -279,7 +258,7 @@ static uint64_t digest_of(const ss_case *c, bool has_solution, const ss_arg_list
     return hash;
 }
 
-static softsim_status load_cases(report *r, softsim_error *error)
+static softsim_status load_cases(ss_accuracy *r, softsim_error *error)
 {
     if (r->o.scene != NULL) {
         const softsim_status status = make_scene_case(r, error);
@@ -350,7 +329,7 @@ static bool is_quick_mesh(const ss_case *c, const ss_case_mesh *mesh, int32_t in
     return is_small;
 }
 
-static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_error *error)
+static softsim_status add_jobs(ss_accuracy *r, int32_t k, const char *name, softsim_error *error)
 {
     const ss_case *c = &r->plan.c[k];
     const ss_model_class *model = ss_accuracy_model_find(name);
@@ -360,7 +339,8 @@ static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_e
     ss_accuracy_plan *plan = c->is_dynamic ? &r->dynamic : &r->plan;
     softsim_status status = SOFTSIM_OK;
     for (int32_t i = 0; i < mesh_count && status == SOFTSIM_OK; ++i) {
-        if (!is_listed(r->o.mesh, mesh[i].name) || !ss_case_has_body(&mesh[i], on_surface) ||
+        if (!ss_accuracy_is_listed(r->o.mesh, mesh[i].name) ||
+            !ss_case_has_body(&mesh[i], on_surface) ||
             (r->o.mesh == NULL && r->o.is_quick && !is_quick_mesh(c, &mesh[i], i, on_surface))) {
             continue;
         }
@@ -376,7 +356,7 @@ static softsim_status add_jobs(report *r, int32_t k, const char *name, softsim_e
     return status;
 }
 
-static bool has_mesh(const report *r, const char *name)
+static bool has_mesh(const ss_accuracy *r, const char *name)
 {
     for (int32_t k = 0; k < r->plan.case_count; ++k) {
         for (int on_surface = 0; on_surface < 2; ++on_surface) {
@@ -392,7 +372,7 @@ static bool has_mesh(const report *r, const char *name)
     return false;
 }
 
-static void check_meshes(const report *r, softsim_error *error)
+static void check_meshes(const ss_accuracy *r, softsim_error *error)
 {
     for (const char *at = r->o.mesh; at != NULL;) {
         char name[64];
@@ -406,7 +386,7 @@ static void check_meshes(const report *r, softsim_error *error)
     }
 }
 
-static softsim_status list_jobs(report *r, softsim_error *error)
+static softsim_status list_jobs(ss_accuracy *r, softsim_error *error)
 {
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
@@ -418,7 +398,7 @@ static softsim_status list_jobs(report *r, softsim_error *error)
     r->dynamic = r->plan;
     for (int32_t k = 0; k < r->plan.case_count; ++k) {
         for (int32_t i = 0; i < count && status == SOFTSIM_OK; ++i) {
-            if (is_listed(r->o.model, table[i]->name)) {
+            if (ss_accuracy_is_listed(r->o.model, table[i]->name)) {
                 status = add_jobs(r, k, table[i]->name, error);
             }
         }
@@ -433,7 +413,8 @@ static softsim_status list_jobs(report *r, softsim_error *error)
 
 /* Files of others are read for the pictures, when the runs are over: their faults are told before.
  */
-static void check_compared(const options *o, const ss_accuracy_plan *plan, softsim_error *error)
+static void check_compared(const ss_accuracy_options *o, const ss_accuracy_plan *plan,
+                           softsim_error *error)
 {
     ss_accuracy_rows rows = {.row = NULL};
     const int32_t faults = error->fault_count;
@@ -447,7 +428,7 @@ static void check_compared(const options *o, const ss_accuracy_plan *plan, softs
 }
 
 /* All that can be wrong with what the command names, before anything is written or run. */
-static softsim_status prepare(report *r, softsim_error *error)
+static softsim_status prepare(ss_accuracy *r, softsim_error *error)
 {
     if (r->o.scene != NULL) {
         ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
@@ -522,7 +503,7 @@ static void lose_dynamic(const ss_accuracy_plan *plan, int32_t index, const char
 }
 
 /* False in *out_is_complete: another rank writes the report. */
-static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *out_is_complete,
+static softsim_status run_sweep(ss_accuracy *r, const ss_accuracy_plan *plan, bool *out_is_complete,
                                 ss_sweep *sweep, ss_sweep_result *result, softsim_error *error)
 {
     const bool is_dynamic = plan == &r->dynamic;
@@ -544,230 +525,9 @@ static softsim_status run_sweep(report *r, const ss_accuracy_plan *plan, bool *o
     return status;
 }
 
-/* ---- the page ---- */
-
-static softsim_status write_dynamics(report *r, softsim_error *error)
-{
-    ss_output output;
-    const softsim_status status = ss_report_csv_open(
-        &output, r->o.out, "dynamics",
-        "case,model,mesh,f1_error,first_minimum_error,rms_first_period,verdict", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    fputs(r->dynamics != NULL ? r->dynamics : "", output.file);
-    return ss_output_commit(&output, error);
-}
-
-static void put_means(const ss_accuracy_means *means, ss_page *page)
-{
-    static const char *const head[ROW_CELLS] = {
-        "model",       "mesh",      "nodes",           "field error",
-        "force error", "us a step", "times real time", "ms to within 1 %",
-        "calibrated",  "front",     "verdict"};
-    for (int32_t k = 0; k < means->count; ++k) {
-        means->time[k] = 1.0 / means->mean[k].realtime;
-        means->error[k] = means->mean[k].is_other ? (double)NAN : means->mean[k].error_l2;
-    }
-    ss_accuracy_pareto(means->count, means->time, means->error, means->is_front);
-    ss_page_table_begin(page, ROW_CELLS, head);
-    for (int32_t k = 0; k < means->count; ++k) {
-        const ss_accuracy_mean *m = &means->mean[k];
-        ss_row cells = {.count = 0};
-        ss_row_add(&cells, "%s%s", m->first->model, m->first->source > 0 ? " *" : "");
-        ss_row_add(&cells, "%s", m->first->mesh);
-        ss_row_add(&cells, "%d", m->first->nodes);
-        ss_row_add_number(&cells, m->error_l2);
-        ss_row_add_number(&cells, m->error_force);
-        ss_row_add_number(&cells, m->p50_us);
-        ss_row_add_number(&cells, m->realtime);
-        ss_row_add_number(&cells, m->to_1pct_ms);
-        ss_row_add(&cells, "%s", m->is_calibrated ? "yes" : "");
-        ss_row_add(&cells, "%s", means->is_front[k] ? "*" : "");
-        ss_row_add(&cells, "%s", strcmp(m->verdict, "good") != 0 ? m->verdict : "");
-        ss_page_table_row(page, cells.count, cells.cell);
-    }
-    ss_page_table_end(page);
-}
-
-static char *read_snippet(const report *r, const ss_accuracy_mean *m)
-{
-    char path[SS_ACCURACY_PATH + 400];
-    softsim_error missing = {.status = SOFTSIM_OK};
-    size_t size = 0;
-    snprintf(path, sizeof path, "%s/scenes/%s_%s_%s_%s.yaml", r->o.out, m->first->case_name,
-             m->first->material, m->first->model, m->first->mesh);
-    return m->first->source == 0 ? ss_table_read_file(path, &size, &missing) : NULL;
-}
-
-/* The best choice within the budget, onto the page and the terminal. */
-static void put_budget(const report *r, ss_page *page, const char *case_name, const char *material,
-                       const ss_accuracy_means *means)
-{
-    if (r->o.budget_us <= 0.0) {
-        return;
-    }
-    const ss_accuracy_mean *best = ss_accuracy_choose(means->mean, means->count, r->o.budget_us);
-    char text[600], force[64] = "";
-    if (best == NULL) {
-        snprintf(text, sizeof text, "%s, %s: no model takes %g us a step or less", case_name,
-                 material, r->o.budget_us);
-    } else {
-        if (!isnan(best->error_force)) {
-            snprintf(force, sizeof force, ", force error %.3g", best->error_force);
-        }
-        snprintf(
-            text, sizeof text,
-            "%s, %s, %g us: %s on mesh %s (%d nodes): field error %.3g%s%s, %.4g us a step, %.3g "
-            "times real time%s",
-            case_name, material, r->o.budget_us, best->first->model, best->first->mesh,
-            best->first->nodes, best->error_l2, force,
-            best->is_calibrated ? " (fitted on the first of these levels)" : "", best->p50_us,
-            best->realtime, best->realtime < 1.0 ? " (slower: not for the hand)" : "");
-    }
-    char *snippet = best != NULL ? read_snippet(r, best) : NULL;
-    printf("%s\n%s", text, snippet != NULL ? snippet : "");
-    ss_page_text(page, "%s", text);
-    if (snippet != NULL) {
-        ss_page_code(page, snippet);
-    }
-    free(snippet);
-}
-
-static bool has_rows(const ss_case *c, int32_t material, const ss_accuracy_rows *rows)
-{
-    for (int32_t i = 0; i < rows->count; ++i) {
-        if (strcmp(rows->row[i].case_name, c->name) == 0 &&
-            strcmp(rows->row[i].material, c->material[material]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static softsim_status put_case(const report *r, ss_page *page, const ss_case *c,
-                               softsim_error *error)
-{
-    softsim_status status = SOFTSIM_OK;
-    int32_t shaped = -1; /* nh where there is one: it goes furthest */
-    for (int32_t m = 0; m < c->material_count; ++m) {
-        if (has_rows(c, m, &r->rows) && (shaped < 0 || strcmp(c->material[shaped], "nh") != 0)) {
-            shaped = m;
-        }
-    }
-    for (int32_t m = 0; m < c->material_count && status == SOFTSIM_OK; ++m) {
-        char title[128];
-        if (!has_rows(c, m, &r->rows)) {
-            continue;
-        }
-        snprintf(title, sizeof title, "%s, %s", c->name, c->material[m]);
-        ss_page_heading(page, title);
-        ss_accuracy_means means;
-        status = ss_accuracy_means_find(&r->rows, c->name, c->material[m], &means, error);
-        if (status == SOFTSIM_OK) {
-            put_budget(r, page, c->name, c->material[m], &means);
-            put_means(&means, page);
-        }
-        ss_accuracy_means_fini(&means);
-        status = status != SOFTSIM_OK
-                     ? status
-                     : ss_accuracy_draw(page, &r->plan, c, m, m == shaped, &r->rows, error);
-    }
-    return status;
-}
-
-static void put_dynamics(const report *r, ss_page *page)
-{
-    static const char *const head[] = {
-        "case",   "model", "mesh", "first frequency", "first minimum", "rms of the first period",
-        "verdict"};
-    ss_page_heading(page, "Motion");
-    ss_page_text(page, "Gravity switched on, undamped: errors as fractions, the worst of the "
-                       "steps.");
-    ss_page_table_begin(page, 7, head);
-    char *copy = strdup(r->dynamics);
-    for (char *at = copy, *line = NULL; copy != NULL && (line = strsep(&at, "\n")) != NULL;) {
-        ss_row cells = {.count = 0};
-        for (int k = 0; k < 6 && line != NULL && *line != '\0'; ++k) {
-            ss_row_add(&cells, "%s", strsep(&line, ","));
-        }
-        if (cells.count == 6) {
-            /* The rest, which may have commas and then is quoted. */
-            const char *verdict = line != NULL ? line + (*line == '"') : "";
-            const size_t length = strlen(verdict);
-            const bool is_quoted = length > 0 && verdict[length - 1] == '"';
-            ss_row_add(&cells, "%.*s", (int)(length - is_quoted), verdict);
-            ss_page_table_row(page, cells.count, cells.cell);
-        }
-    }
-    free(copy);
-    ss_page_table_end(page);
-}
-
-static void put_places(const report *r, ss_page *page)
-{
-    int32_t count = 0;
-    const ss_model_class *const *table = ss_model_table(&count);
-    ss_page_heading(page, "What each model is for");
-    for (int32_t i = 0; i < count; ++i) {
-        const ss_model_class *model = ss_accuracy_model_find(table[i]->name);
-        if (model != NULL && is_listed(r->o.model, model->name)) {
-            ss_page_text(page, "%s: %s.", model->name, model->hints->about);
-        }
-    }
-}
-
-static softsim_status write_page(report *r, softsim_error *error)
-{
-    ss_page page;
-    softsim_status status =
-        ss_page_open(&page, r->o.out, "accuracy", "softsim: error against run time", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    ss_page_text(
-        &page,
-        "Every model on problems with trusted solutions, through the scene loader and the "
-        "world of the server, without LCM, in steps of 1 ms on one thread. Errors are "
-        "fractions: of the field sqrt(sum w |u - u_ref|^2 / sum w |u_ref|^2), of the "
-        "force |F - F_ref| / |F_ref| along the push; times are thread CPU time. Loads "
-        "come over a ramp, and the body is damped until it has settled. Tables hold means "
-        "over a material's levels. A verdict is the program's own, on how a run went: 'good' "
-        "is stable, not near; where half of the field or more is wrong it says so.");
-    ss_page_text(&page, "Calibrated: what a model leaves free was fitted on the first level of "
-                        "each material and mesh, the field first, then the force; its other levels "
-                        "are predictions, its first is not.");
-    for (int32_t i = 0; i < r->o.set.count; ++i) {
-        ss_page_text(&page, "Set, for models that have it: %s", r->o.set.value[i]);
-    }
-    if (r->o.scene != NULL) {
-        printf("%s\n", r->worth.text);
-        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.taken);
-        ss_page_text(&page, "%s: %s", r->o.scene, r->worth.text);
-    }
-    ss_page_link(&page, "accuracy.csv");
-    put_places(r, &page);
-    for (int32_t k = 0; k < r->plan.case_count && status == SOFTSIM_OK; ++k) {
-        status = put_case(r, &page, &r->plan.c[k], error);
-    }
-    if (r->dynamic.job_count > 0) {
-        put_dynamics(r, &page);
-        ss_page_link(&page, "dynamics.csv");
-    }
-    for (int32_t k = 1; k <= r->rows.source_count; ++k) {
-        ss_page_text(&page, "*: from %s.", r->rows.source[k]);
-    }
-    ss_page_yardstick(&page, &r->yardstick);
-    if (status == SOFTSIM_OK) {
-        return ss_page_close(&page, error);
-    }
-    ss_page_abandon(&page);
-    return status;
-}
-
 /* ---- all ---- */
 
-static softsim_status make_folders(const report *r, softsim_error *error)
+static softsim_status make_folders(const ss_accuracy *r, softsim_error *error)
 {
     static const char *const parts[] = {"", "/fields", "/scenes"};
     softsim_status status = SOFTSIM_OK;
@@ -779,19 +539,19 @@ static softsim_status make_folders(const report *r, softsim_error *error)
     return status;
 }
 
-static softsim_status write_all(report *r, softsim_error *error)
+static softsim_status write_all(ss_accuracy *r, softsim_error *error)
 {
     const int32_t own_count = r->rows.count;
     softsim_status status = ss_accuracy_rows_write(&r->rows, r->o.out, error);
     if (status == SOFTSIM_OK && r->dynamic.job_count > 0) {
-        status = write_dynamics(r, error);
+        status = ss_accuracy_write_dynamics(r, error);
     }
     for (int32_t k = 0; k < r->o.compare.count && status == SOFTSIM_OK; ++k) {
         status = ss_accuracy_rows_compare(&r->rows, r->o.compare.value[k], error);
     }
     if (status == SOFTSIM_OK) {
         ss_yardstick_measure(&r->yardstick);
-        status = write_page(r, error);
+        status = ss_accuracy_write_page(r, error);
     }
     if (status == SOFTSIM_OK) {
         printf("%d rows in %s/accuracy.csv; %s/accuracy.html\n", own_count, r->o.out, r->o.out);
@@ -799,7 +559,7 @@ static softsim_status write_all(report *r, softsim_error *error)
     return status;
 }
 
-static softsim_status make_report(report *r, softsim_error *error)
+static softsim_status make_report(ss_accuracy *r, softsim_error *error)
 {
     ss_sweep sweep[2];
     ss_sweep_result result[2] = {{.count = 0}, {.count = 0}};
@@ -832,7 +592,7 @@ static softsim_status make_report(report *r, softsim_error *error)
     return status;
 }
 
-static void fini(report *r)
+static void fini(ss_accuracy *r)
 {
     for (int32_t k = 0; k < r->plan.case_count; ++k) {
         ss_case_fini(&r->plan.c[k]);
@@ -848,7 +608,7 @@ static void fini(report *r)
 static int run_report(int argc, char **argv)
 {
     softsim_error error = {.status = SOFTSIM_OK};
-    report *r = calloc(1, sizeof *r);
+    ss_accuracy *r = calloc(1, sizeof *r);
     if (r == NULL) {
         return EXIT_FAILURE;
     }
