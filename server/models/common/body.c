@@ -364,6 +364,7 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
         const ss_body_tool *tool = &body->tool[k];
         if (tool->is_used) {
             hash = ss_hash_bytes(hash, tool->shape_y, ss_body_bytes(body));
+            hash = ss_hash_bytes(hash, tool->shape_step, ss_body_bytes(body));
             hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
             hash = ss_hash_bytes(hash, &tool->age, sizeof tool->age);
             hash = ss_grasp_hash(&tool->grasp, hash);

@@ -73,6 +73,7 @@ static softsim_status create_tool(ss_body *body, ss_body_tool *tool, const ss_sh
     const softsim_status status = ss_touch_create(body->surface, shape, &options, &tool->touch);
     const size_t quads = (size_t)body->nodes.padded_count * 4;
     tool->shape_y = ss_arena_get(&body->arena, quads, sizeof *tool->shape_y);
+    tool->shape_step = ss_arena_get(&body->arena, quads, sizeof *tool->shape_step);
     ss_grasp_init(&tool->grasp, body->skin->node_count, &body->arena);
     return status == SOFTSIM_OK ? ss_arena_status(&body->arena) : status;
 }
@@ -157,6 +158,7 @@ void ss_body_tools_reset(ss_body *body)
         ss_set3(tool->torque, 0.0, 0.0, 0.0);
         if (tool->is_used) {
             memset(tool->shape_y, 0, ss_body_bytes(body));
+            memset(tool->shape_step, 0, ss_body_bytes(body));
         }
     }
 }

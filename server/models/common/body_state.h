@@ -23,7 +23,8 @@ typedef struct ss_body_tool {
     double force[3], torque[3];
     double penalty; /* J */
     /* stiffness as the tool feels it */
-    ss_real *shape_y; /* motion of the nodes per unit motion of the tool along its push */
+    ss_real *shape_y;    /* motion of the nodes per unit motion of the tool along its push, */
+    ss_real *shape_step; /* and how it was last improved */
     double push_normal[3];
     bool was_touching;
     int32_t age;            /* calls since the estimate was last improved */
