@@ -105,7 +105,8 @@ typedef struct ss_model_class {
     int32_t row_count;
     bool needs_volume;
     bool has_no_energy; /* a rule for shapes: the energies that info tells are 0 */
-    /* Estimated cost of one step in microseconds on the reference core, from counts alone. */
+    /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a
+     * plan->step of 0, which is not chosen yet, of a short one. */
     double (*step_cost_us)(const ss_model_plan *plan);
     softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);
     void (*destroy)(ss_model *model); /* not NULL */

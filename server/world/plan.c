@@ -136,6 +136,7 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
         step_s > 0.0 ? 1 : choose_step_ticks(scene, world->period, world->step_cost_us);
     world->step_period = world->step_ticks * world->period;
     plan.step = world->step_period;
+    world->step_cost_us = world->model_class->step_cost_us(&plan);
     softsim_error fault = {.status = SOFTSIM_OK};
     ss_progress_part("setting up %s on %d nodes", world->model_class->name,
                      scene->mesh->node_count);

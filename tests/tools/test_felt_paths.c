@@ -227,6 +227,38 @@ static void a_rate_compared_with_itself_differs_in_nothing(void **state)
     assert_int_equal(system(line), 0);
 }
 
+/* Contact stiffness is the scene's: 60 Hz gave a third of the force at 1000 Hz. */
+static void a_held_press_is_the_same_at_every_rate(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double rate_hz, most;
+    } cases[] = {{"kidney", 60.0, 0.03}, {"kidney", 120.0, 0.01}, {"liver", 60.0, 0.01}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        char path[4096];
+        ss_felt_place place;
+        ss_felt_trace at[2];
+        ss_felt_errors e;
+        softsim_error error = {.status = SOFTSIM_OK};
+        snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s.yaml", cases[k].name);
+        ss_scene *scene = load(path);
+        assert_true(ss_felt_find_place(scene, &place));
+        ss_scene_destroy(&scene);
+        for (int i = 0; i < 2; ++i) {
+            const ss_felt_run run = {.rate_hz = i == 0 ? cases[k].rate_hz : 1000.0,
+                                     .import_program = BIN_DIR "/softsim-import"};
+            assert_int_equal(ss_felt_play(path, &place, SS_FELT_PRESS, &run, &at[i], &error),
+                             SOFTSIM_OK);
+            assert_true(at[i].held_n > 0.1);
+        }
+        assert_true(ss_felt_compare(&at[0], &at[1], &e));
+        assert_true(fabs(e.held) <= cases[k].most);
+        ss_felt_trace_fini(&at[0]);
+        ss_felt_trace_fini(&at[1]);
+    }
+}
+
 static void wrong_arguments_are_named(void **state)
 {
     (void)state;
@@ -253,6 +285,7 @@ int main(void)
         cmocka_unit_test(paths_have_the_speeds_of_their_names),
         cmocka_unit_test(a_force_that_is_a_tenth_more_is_a_tenth_off),
         cmocka_unit_test(a_rate_compared_with_itself_differs_in_nothing),
+        cmocka_unit_test(a_held_press_is_the_same_at_every_rate),
         cmocka_unit_test(wrong_arguments_are_named),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

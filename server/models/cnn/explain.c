@@ -13,19 +13,21 @@
 #include "rt/vec.h"
 
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
- * sub-step, of which a step in contact is planned to take five: one would leave the contact so soft
- * that the surface slips past a tool at a few newtons. */
-#define CONTACT_SHARE    0.3
-#define CONTACT_SUBSTEPS 5.0
-#define RK4_RADIUS       2.6
+ * sub-step. A contact that is softer at a lower rate would be another scene, and the surface slips
+ * past a tool at a few newtons: a step in contact is planned to take a sub-step each 0.2 ms, as far
+ * as half of its time has room for them by the costs below. Rejected: five whatever the step, which
+ * left a kidney at 60 Hz a 260th of the stiffness and a third of the force. At least five, since
+ * contact costs little more than one; at most 60, and 0.6 of what simulation.max_substeps allows,
+ * since a firm press takes half as many again. */
+#define CONTACT_SHARE         0.3
+#define CONTACT_SUBSTEP_S     2e-4
+#define CONTACT_SUBSTEPS      5.0
+#define CONTACT_MOST_SUBSTEPS 60.0
+#define CONTACT_BUDGET_SHARE  0.6
+#define CONTACT_TIME_SHARE    0.5
+#define RK4_RADIUS            2.6
 /* rho beside rho under a tool, where the contact starts to soften. */
 #define RHO_RATIO_WARNING 4.0
-
-double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius)
-{
-    const double rate = RK4_RADIUS * CONTACT_SUBSTEPS / plan->step;
-    return ss_plan_contact_stiffness(plan, CONTACT_SHARE * sigma * rate * rate, radius);
-}
 
 /* Microseconds a step, a node in it, an edge of each source, a tool and an edge under it: medians
  * of 422 to 1192 nodes, with one load, and with a sphere of R = 5 mm that slides and is asked for
@@ -35,8 +37,9 @@ double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double 
 #define COST_SOURCE_EDGE 0.0025
 #define COST_TOOL        12.0
 #define COST_TOOL_EDGE   0.0234
-/* The planned sub-steps of a contact, against one: weights, columns and contacts once a step. */
-#define COST_CONTACT 2.3
+/* Each further sub-step of a contact, against the first: weights, columns and contacts once a step;
+ * five take 2.3 times one. */
+#define COST_SUBSTEP 0.325
 
 enum { MOST_BODIES = 8 }; /* with an enclosed volume: told one by one */
 
@@ -97,7 +100,8 @@ static double network_cost_us(const ss_model_plan *plan)
            (COST_COLUMN + COST_NETWORK_STEP * plan->param[SS_CNN_RELAXATION_STEPS].number);
 }
 
-double ss_cnn_step_cost_us(const ss_model_plan *plan)
+/* A step without its contacts, and what contacts add: a first sub-step, and each further one. */
+static double free_cost_us(const ss_model_plan *plan, double *out_contact, double *out_substep)
 {
     const double nodes = plan->mesh->node_count, edges = edge_count(plan);
     int tools = 0;
@@ -106,10 +110,34 @@ double ss_cnn_step_cost_us(const ss_model_plan *plan)
     }
     const double sources = plan->load_count + plan->prescribed_count;
     const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
-    const double network =
-        is_relaxed ? network_cost_us(plan) * (tools > 0 ? CONTACT_SUBSTEPS : 1.0) : 0.0;
-    return network + COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources +
-           COST_CONTACT * tools * (COST_TOOL + COST_TOOL_EDGE * edges);
+    const double network = is_relaxed ? network_cost_us(plan) : 0.0;
+    *out_contact = tools * (COST_TOOL + COST_TOOL_EDGE * edges);
+    *out_substep = tools > 0 ? network + COST_SUBSTEP * *out_contact : 0.0;
+    return network + COST_STEP + COST_NODE * nodes + COST_SOURCE_EDGE * edges * sources;
+}
+
+/* Sub-steps that a step in contact is planned to take. */
+static double contact_substeps(const ss_model_plan *plan)
+{
+    double contact = 0.0, substep = 0.0;
+    const double rest = free_cost_us(plan, &contact, &substep);
+    const double room_us = CONTACT_TIME_SHARE * 1e6 * plan->step - rest - contact;
+    const double affordable = substep > 0.0 ? 1.0 + room_us / substep : CONTACT_MOST_SUBSTEPS;
+    const double most = fmin(CONTACT_MOST_SUBSTEPS, CONTACT_BUDGET_SHARE * plan->max_substeps);
+    return fmax(CONTACT_SUBSTEPS, fmin(fmin(plan->step / CONTACT_SUBSTEP_S, affordable), most));
+}
+
+double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius)
+{
+    const double rate = RK4_RADIUS * contact_substeps(plan) / plan->step;
+    return ss_plan_contact_stiffness(plan, CONTACT_SHARE * sigma * rate * rate, radius);
+}
+
+double ss_cnn_step_cost_us(const ss_model_plan *plan)
+{
+    double contact = 0.0, substep = 0.0;
+    const double rest = free_cost_us(plan, &contact, &substep);
+    return rest + contact + (contact_substeps(plan) - 1.0) * substep;
 }
 
 /* ---- lines ---- */

@@ -35,6 +35,7 @@ static softsim_world *create(const char *scene, const ss_felt_run *run, softsim_
     }
     config.set = set;
     config.set_count = count;
+    config.import_program = run->import_program;
     return softsim_create(scene, &config, error);
 }
 

@@ -18,6 +18,7 @@ typedef struct ss_felt_run {
     bool is_held;           /* a press goes on for 3 s: towards the static solution */
     const char *const *set; /* overrides of the scene */
     int32_t set_count;
+    const char *import_program; /* as of softsim_config */
 } ss_felt_run;
 
 typedef struct ss_felt_trace {
