@@ -231,6 +231,23 @@ static void too_few_descriptors_are_named(void **state)
 
 /* ---- what is recorded ---- */
 
+/* What is said has no room: the pipe is full, and who holds its other end does not read. Under the
+ * limit a run that waits for it ends by a signal. */
+static void a_reader_who_stalls_holds_up_no_run(void **state)
+{
+    (void)state;
+    char out[1024];
+    assert_int_equal(run("mkfifo stalled && exec 3<>stalled && "
+                         "dd if=/dev/zero of=stalled bs=4096 oflag=nonblock 2>/dev/null; "
+                         "rm -f run.csv; timeout 60 " BIN_DIR
+                         "/softsim-run --duration 1.2 --csv run.csv --hash scene.yaml 2>stalled; "
+                         "status=$?; wc -l <run.csv; exit $status",
+                         out, sizeof out),
+                     0);
+    assert_int_equal(strspn(out, "0123456789abcdef"), 16); /* the hash */
+    assert_string_equal(out + 16, "\n1201\n");
+}
+
 static void a_full_disk_leaves_the_rows_of_a_run(void **state)
 {
     (void)state;
@@ -321,6 +338,7 @@ int main(void)
         cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(too_few_descriptors_are_named),
+        cmocka_unit_test(a_reader_who_stalls_holds_up_no_run),
         cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
         cmocka_unit_test(a_full_disk_is_named_by_each_result),
         cmocka_unit_test(a_stopped_run_leaves_its_rows),

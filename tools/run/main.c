@@ -381,8 +381,7 @@ static softsim_status run_ticks(run *r, softsim_error *error)
     int32_t channel[SOFTSIM_MAX_PROBES];
     softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_read(r->world, &r->state);
-    const bool shows_progress = isatty(STDERR_FILENO);
-    const bool reads_each = r->csv.file || r->reactions.file || r->options.vtk || shows_progress;
+    const bool reads_each = r->csv.file || r->reactions.file || r->options.vtk;
     while (r->options.duration_s <= 0.0 || (double)(r->state.tick + 1) * r->state.period_s <=
                                                r->options.duration_s + 0.5 * r->state.period_s) {
         const int32_t count = next_poses(r, pose, channel);
@@ -403,6 +402,10 @@ static softsim_status run_ticks(run *r, softsim_error *error)
             const double *f = force[p].force;
             r->peak_force = fmax(r->peak_force, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
         }
+        if (r->state.tick % 500 == 0) {
+            ss_progress_stage("simulated %.2f s, %.3f N peak",
+                              (double)r->state.tick * r->state.period_s, r->peak_force);
+        }
         if (!reads_each) {
             continue;
         }
@@ -420,14 +423,8 @@ static softsim_status run_ticks(run *r, softsim_error *error)
             write_vtk(r, error) != SOFTSIM_OK) {
             return error->status;
         }
-        if (shows_progress && r->state.tick % 500 == 0 && ss_program_can_tell()) {
-            fprintf(stderr, "\r%.2f s, %.3f N peak ", r->state.time_s, r->peak_force);
-        }
     }
     softsim_read(r->world, &r->state);
-    if (shows_progress && ss_program_can_tell()) {
-        fputc('\r', stderr);
-    }
     return SOFTSIM_OK;
 }
 
@@ -547,18 +544,21 @@ int main(int argc, char **argv)
     r.sender = 1;
     ss_progress_begin("softsim-run", "loading %s", r.options.scene);
     const bool is_ready = open_poses(&r, &error) == SOFTSIM_OK && execute(&r, &error) == SOFTSIM_OK;
-    ss_progress_end();
     ss_process_catch_stop(); /* from here on: a long load is simply ended */
     if (!is_ready) {
         exit_code = 2;
     } else if (finish(&r, run_ticks(&r, &error), &error) != SOFTSIM_OK) {
         exit_code = 1;
-    } else {
+    }
+    ss_progress_end();
+    if (exit_code == 0 && r.options.hash) {
+        printf("%016llx\n", (unsigned long long)softsim_hash(r.world));
+        (void)fflush(stdout); /* a failure stays: ss_program_finish tells it */
+    }
+    /* Results are out: one who does not read the rest holds up nothing. */
+    if (exit_code == 0 && ss_program_can_tell()) {
         print_summary(&r);
         tell_turns(&r);
-        if (r.options.hash) {
-            printf("%016llx\n", (unsigned long long)softsim_hash(r.world));
-        }
     }
     if (exit_code != 0) {
         ss_args_print_error(argv[0], &error);
