@@ -634,7 +634,7 @@ static void live_values_change_the_body_and_the_ledger_knows(void **state)
     setup_whole(&s, &top);
     assert_int_equal(setup_create(&s), SOFTSIM_OK);
     drive(&s, 100);
-    const double before = s.model->tool[0].force[2];
+    const double before = s.model->tools.tool[0].force[2];
     s.class->set(s.model, SS_CNN_PRETENSION_J, 0.4);
     s.class->set(s.model, SS_CNN_MODULUS_J, -3.0); /* refused */
     s.class->set(s.model, SS_CNN_RHO, 7.0);        /* not live */
@@ -642,11 +642,11 @@ static void live_values_change_the_body_and_the_ledger_knows(void **state)
     assert_true(s.model->material.modulus == 5.0);
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     tool[0].is_present = true;
-    tool[0].from = tool[0].to = s.model->tool[0].pose;
+    tool[0].from = tool[0].to = s.model->tools.tool[0].pose;
     for (int k = 0; k < 200; ++k) {
         s.class->step(s.model, s.time, 1e-3, tool);
     }
-    assert_true(s.model->tool[0].force[2] > 1.3 * before);
+    assert_true(s.model->tools.tool[0].force[2] > 1.3 * before);
     const ss_model_info info = info_of(&s);
     assert_true(fabs(info.elastic + info.kinetic - info.work + info.dissipated) <
                 0.02 * info.elastic);

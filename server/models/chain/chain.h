@@ -12,7 +12,9 @@
  * tension is k w ex, so energy is 2 k W and a force f is a current f/(2 k).
  */
 #include "models/chain/kernels.h"
-#include "models/common/grasp.h"
+#include "models/common/loads.h"
+#include "models/common/plan.h"
+#include "models/common/tools.h"
 #include "models/common/turned.h"
 #include "models/model.h"
 
@@ -45,32 +47,16 @@ typedef struct ss_chain_drive {
     bool is_falling;
 } ss_chain_drive;
 
+/* What a tool is to the chain, beside what every tool is. */
 typedef struct ss_chain_tool {
-    bool is_used, is_present, is_touching, was_touching;
-    bool grasp_wish; /* the button is down */
-    const ss_shape *shape;
-    double radius;    /* m, of the way it may go in a sub-step */
-    double stiffness; /* N/m^3, of contact */
-    double rest_felt; /* N/m, told before it touches */
-    double felt;      /* N/m, of the last touch */
-    double energy;    /* J, of the contact's potential */
-    ss_touch *touch;
-    ss_grasp grasp;
-    ss_tool_pose from, to, pose;
-    double force[3], torque[3]; /* on the tool */
+    ss_tool *base;
+    bool is_touching; /* at the last sub-step */
+    bool grasp_wish;  /* the button is down */
     ss_chain_drive drive;
 } ss_chain_tool;
 
-typedef struct ss_chain_load {
-    const ss_load *plan;
-    double factor;
-    int32_t *triangle;
-    int32_t triangle_count;
-} ss_chain_load;
-
 typedef struct ss_chain_driven {
-    const ss_prescribed *plan;
-    double (*from)[3], (*to)[3]; /* m, over the outer step */
+    ss_driven_set set;
     bool is_moving;
     double reaction[3]; /* N, of the support on the body */
     ss_chain_drive drive;
@@ -86,7 +72,6 @@ struct ss_model {
     int32_t padded; /* nodes of arrays: one more, and an even number */
     const ss_chain_kernels *kernels;
     ss_chain_net *net;
-    ss_surface *surface; /* NULL without tools */
     /* material */
     double k;            /* N/m: what weights refer to */
     double capacitance;  /* s, the mean */
@@ -110,10 +95,9 @@ struct ss_model {
     ss_chain_coarse *coarse; /* NULL: none */
     ss_chain_guard *guard;   /* NULL: none */
     /* what acts */
+    ss_tools tools;
     ss_chain_tool tool[SOFTSIM_MAX_PROBES];
-    ss_chain_load *load;
-    int32_t *loaded; /* nodes that loads push */
-    int32_t loaded_count;
+    ss_loads loads;
     ss_chain_driven *driven;
     ss_real *current; /* of loads, m, quads */
     bool has_current;
@@ -189,11 +173,8 @@ double ss_chain_loads_work(const ss_model *model, double sign);
 
 /* ---- contact.c ---- */
 softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error);
-void ss_chain_tools_fini(ss_model *model);
 void ss_chain_tools_reset(ss_model *model);
 void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
-/* What the contact and a grasp store, J. */
-double ss_chain_tool_energy(const ss_chain_tool *tool);
 /* Sub-steps that the tools' motion asks for. */
 int32_t ss_chain_tools_substeps(ss_model *model);
 /* Moves the tools on to `path` of the step: contact forces, firmness and work. */

@@ -129,15 +129,13 @@ static void reset(ss_model *model)
     model->is_all_awake = model->is_crowded = model->has_current = model->is_saturated = false;
     model->stride = 1;
     model->age = 0;
-    for (int32_t k = 0; k < model->plan.load_count; ++k) {
-        model->load[k].factor = 0.0;
-    }
+    ss_loads_reset(&model->loads);
     for (int32_t k = 0; k < model->plan.prescribed_count; ++k) {
         model->driven[k].drive = (ss_chain_drive){0};
         ss_set3(model->driven[k].reaction, 0.0, 0.0, 0.0);
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
-    if (model->surface) {
+    if (model->tools.surface) {
         ss_chain_tools_reset(model);
     }
     if (model->coarse) {
@@ -158,7 +156,7 @@ static void reset(ss_model *model)
 
 static void destroy(ss_model *model)
 {
-    ss_chain_tools_fini(model);
+    ss_tools_fini(&model->tools);
     ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
@@ -269,9 +267,9 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         hash = hash_drive(hash, &model->driven[s].drive);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_chain_tool *tool = &model->tool[k];
+        const ss_tool *tool = &model->tools.tool[k];
         if (tool->is_used) {
-            hash = hash_drive(hash, &tool->drive);
+            hash = hash_drive(hash, &model->tool[k].drive);
             hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
             hash = ss_grasp_hash(&tool->grasp, hash);
         }

@@ -820,7 +820,7 @@ static void own_driven(ss_model *model)
     const ss_chain_net *net = model->net;
     int32_t first = 0, count = 0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        const ss_prescribed *set = model->driven[s].plan;
+        const ss_prescribed *set = model->driven[s].set.plan;
         for (int32_t i = 0; model->driven[s].is_moving && i < set->node_count; ++i) {
             if (coarse->own[set->node[i]] != OWN_LINGER) {
                 own(model, set->node[i]);
@@ -853,7 +853,7 @@ void ss_chain_refine(ss_model *model)
     }
     own_driven(model); /* first: it knows by the count what it has seen */
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_chain_tool *tool = &model->tool[k];
+        const ss_tool *tool = &model->tools.tool[k];
         if (tool->is_present) {
             own_around(model, tool->to.position, ss_shape_bounding_radius(tool->shape) + reach);
         }

@@ -80,13 +80,14 @@ static double contact_stiffness(const ss_model *model, double radius, double are
     return fmax(working / (0.03 * radius * radius * radius), 2.0 * model->k * valence / area);
 }
 
-static softsim_status create_tool(ss_model *model, ss_chain_tool *tool, const ss_shape *shape,
-                                  double area)
+static softsim_status create_tool(ss_model *model, int index, double area)
 {
+    const ss_model_plan *plan = &model->plan;
+    const ss_shape *shape = &plan->tool[index].shape;
     const double radius = ss_shape_curvature_radius(shape);
-    tool->is_used = true;
-    tool->shape = shape;
+    ss_tool *tool = &model->tools.tool[index];
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
+    tool->reach = ss_surface_mean_edge(model->tools.surface);
     tool->stiffness = contact_stiffness(model, tool->radius, area);
     /* The contact a tenth of R deep, in series with the links of one cell. */
     const double contact = 0.2 * PI * tool->stiffness * tool->radius * tool->radius;
@@ -95,11 +96,7 @@ static softsim_status create_tool(ss_model *model, ss_chain_tool *tool, const ss
         valence += model->valence[i] / model->node_count;
     }
     tool->rest_felt = 1.0 / (1.0 / contact + 1.0 / (model->k * valence));
-    const ss_touch_options options = {.delta = ss_surface_mean_edge(model->surface),
-                                      .stiffness = tool->stiffness};
-    const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    ss_grasp_init(&tool->grasp, model->node_count, &model->arena);
-    return status == SOFTSIM_OK ? ss_arena_status(&model->arena) : status;
+    return ss_tools_open(&model->tools, plan, index, &model->arena);
 }
 
 static softsim_status allocate(ss_model *model)
@@ -122,29 +119,22 @@ static softsim_status allocate(ss_model *model)
 softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    const double smallest = ss_plan_smallest_tool(plan);
-    if (isinf(smallest)) {
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].base = &model->tools.tool[k];
+    }
+    if (!ss_plan_has_tools(plan)) {
         return SOFTSIM_OK;
     }
-    softsim_status status =
-        ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
+    softsim_status status = ss_tools_create(&model->tools, plan->mesh, plan, error);
     status = status == SOFTSIM_OK ? allocate(model) : status;
     const double area = status == SOFTSIM_OK ? mean_area(plan->mesh) : 0.0;
     status = area < 0.0 ? SOFTSIM_ERROR_MEMORY : status;
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
-            status = create_tool(model, &model->tool[k], &plan->tool[k].shape, area);
+            status = create_tool(model, k, area);
         }
     }
     return status;
-}
-
-void ss_chain_tools_fini(ss_model *model)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_touch_destroy(&model->tool[k].touch);
-    }
-    ss_surface_destroy(&model->surface);
 }
 
 /* ---- where tools are ---- */
@@ -153,20 +143,20 @@ void ss_chain_tools_fini(ss_model *model)
 static void refit(ss_model *model)
 {
     if (model->fitted_step != model->step) {
-        ss_surface_refit(model->surface, model->u);
+        ss_surface_refit(model->tools.surface, model->u);
         model->fitted_step = model->step;
     }
 }
 
+/* What was felt and pressed, and how deep; what was grasped is let go already. */
 static void let_go(ss_chain_tool *tool)
 {
-    tool->grasp.count = 0;
-    tool->grasp.is_pressed = false;
-    tool->is_touching = tool->was_touching = false;
-    tool->energy = tool->felt = 0.0;
+    tool->is_touching = tool->base->was_touching = false;
+    tool->base->grasp.is_pressed = false;
+    tool->base->penalty = tool->base->felt = 0.0;
     tool->drive = (ss_chain_drive){0};
-    ss_set3(tool->force, 0.0, 0.0, 0.0);
-    ss_set3(tool->torque, 0.0, 0.0, 0.0);
+    ss_set3(tool->base->force, 0.0, 0.0, 0.0);
+    ss_set3(tool->base->torque, 0.0, 0.0, 0.0);
 }
 
 /* Forgets which cells the tools held at the last sub-step. */
@@ -187,29 +177,19 @@ void ss_chain_tools_reset(ss_model *model)
     memset(model->push, 0, 4 * n * sizeof *model->push);
     memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
     memset(model->firmness, 0, n * sizeof *model->firmness);
+    ss_tools_reset(&model->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        model->tool[k].is_present = false;
         let_go(&model->tool[k]);
     }
 }
 
 /* What a tool stores and feels as it stands; its triangles are gathered. */
-static void evaluate(ss_model *model, ss_chain_tool *tool)
+static void evaluate(ss_model *model, ss_tool *tool)
 {
-    ss_set3(tool->force, 0.0, 0.0, 0.0);
-    ss_set3(tool->torque, 0.0, 0.0, 0.0);
-    tool->energy =
-        ss_touch_penalty(tool->touch, model->u, &tool->pose, NULL, tool->force, tool->torque);
-    ss_grasp_add_forces(&tool->grasp, (const double(*)[3])model->plan.mesh->position, model->u,
-                        &tool->pose, model->push, tool->force, tool->torque);
+    ss_tools_press(&model->tools, tool, model->u, NULL, model->push);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         memset(model->push + 4 * (ptrdiff_t)tool->grasp.node[i], 0, 4 * sizeof(ss_real));
     }
-}
-
-double ss_chain_tool_energy(const ss_chain_tool *tool)
-{
-    return tool->energy + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
 }
 
 void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
@@ -217,32 +197,26 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
     bool is_any = false;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_chain_tool *own = &model->tool[k];
-        const bool is_present = own->is_used && tool && tool[k].is_present;
-        const bool is_moved =
-            is_present && memcmp(&tool[k].from, &own->pose, sizeof own->pose) != 0;
-        if (is_present && !is_any) {
+        ss_tool *base = own->base;
+        const double before = ss_tool_energy(base);
+        const ss_tool_news news = ss_tool_take(base, tool ? &tool[k] : NULL);
+        if (base->is_present && !is_any) {
             refit(model);
             is_any = true;
         }
-        const double before = ss_chain_tool_energy(own);
-        if (!is_present ||
-            (is_moved && own->is_present &&
-             ss_tool_motion_bound(own->shape, &own->pose, &tool[k].from) > 0.25 * own->radius)) {
-            let_go(own); /* what jumps lets go */
+        if (news == SS_TOOL_LOST || !base->is_present) {
+            let_go(own);
         }
-        if (is_present) {
-            own->from = tool[k].from;
-            own->to = tool[k].to;
-            own->pose = own->from;
+        if (base->is_present) {
+            base->pose = base->from;
         }
-        if (is_present && (is_moved || !own->is_present)) {
-            ss_touch_gather(own->touch, model->u, &own->pose, &own->pose);
-            evaluate(model, own);
+        if (base->is_present && news != SS_TOOL_KEPT) {
+            ss_touch_gather(base->touch, model->u, &base->pose, &base->pose);
+            evaluate(model, base);
         }
         /* A jump's energy is the tool's work. */
-        model->work += ss_chain_tool_energy(own) - before;
-        own->is_present = is_present;
-        own->grasp_wish = is_present && tool[k].is_grasping;
+        model->work += ss_tool_energy(base) - before;
+        own->grasp_wish = base->is_present && tool[k].is_grasping;
     }
 }
 
@@ -250,7 +224,7 @@ int32_t ss_chain_tools_substeps(ss_model *model)
 {
     double steps = 1.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_chain_tool *tool = &model->tool[k];
+        const ss_tool *tool = &model->tools.tool[k];
         if (!tool->is_present) {
             continue;
         }
@@ -284,9 +258,10 @@ static double depth_of(const ss_model *model, const int32_t *node, int32_t count
 }
 
 /* The button's press takes hold of the cells that are touched. */
-static void take_grasp(ss_model *model, ss_chain_tool *tool, const int32_t *node, int32_t count)
+static void take_grasp(ss_model *model, ss_chain_tool *own, const int32_t *node, int32_t count)
 {
-    if (tool->grasp_wish && !tool->grasp.is_pressed) {
+    ss_tool *tool = own->base;
+    if (own->grasp_wish && !tool->grasp.is_pressed) {
         int32_t held = 0;
         for (int32_t k = 0; k < count; ++k) {
             if (model->firmness[node[k]] > 0.0 && held < model->node_count) {
@@ -298,7 +273,7 @@ static void take_grasp(ss_model *model, ss_chain_tool *tool, const int32_t *node
                       SS_GRASP_SHARE * tool->stiffness,
                       (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
     }
-    tool->grasp.is_pressed = tool->grasp_wish;
+    tool->grasp.is_pressed = own->grasp_wish;
 }
 
 static void list_touched(ss_model *model, const int32_t *node, int32_t count)
@@ -312,9 +287,9 @@ static void list_touched(ss_model *model, const int32_t *node, int32_t count)
 }
 
 /* Moves the tool on to `path`; what it stores more with all cells where they are is its work. */
-static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double path)
+static void touch(ss_model *model, ss_chain_tool *own, bool is_first, double path)
 {
-    const double(*rest)[3] = (const double(*)[3])model->plan.mesh->position;
+    ss_tool *tool = own->base;
     ss_tool_pose start;
     const int32_t *node;
     start = tool->pose;
@@ -326,19 +301,14 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
         evaluate(model, tool);
         tool->pose = next;
     }
-    const double before = ss_chain_tool_energy(tool);
-    ss_set3(tool->force, 0.0, 0.0, 0.0);
-    ss_set3(tool->torque, 0.0, 0.0, 0.0);
-    tool->energy = ss_touch_penalty(tool->touch, model->u, &tool->pose, model->contact, tool->force,
-                                    tool->torque);
+    const double before = ss_tool_energy(tool);
+    ss_tools_press(&model->tools, tool, model->u, model->contact, model->contact);
     ss_touch_diagonal(tool->touch, model->firmness);
     const int32_t count = ss_touch_reach(tool->touch, &node);
-    ss_grasp_add_forces(&tool->grasp, rest, model->u, &tool->pose, model->contact, tool->force,
-                        tool->torque);
-    model->work += ss_chain_tool_energy(tool) - before;
-    tool->is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
-    tool->drive.depth = tool->is_touching ? depth_of(model, node, count) : 0.0;
-    take_grasp(model, tool, node, count);
+    model->work += ss_tool_energy(tool) - before;
+    own->is_touching = ss_tool_is_touching(tool);
+    own->drive.depth = own->is_touching ? depth_of(model, node, count) : 0.0;
+    take_grasp(model, own, node, count);
     for (int32_t k = 0; k < count; ++k) {
         model->diagonal_of[node[k]] += model->firmness[node[k]];
         model->firmness[node[k]] = 0.0;
@@ -352,12 +322,12 @@ static void touch(ss_model *model, ss_chain_tool *tool, bool is_first, double pa
 
 void ss_chain_tools_touch(ss_model *model, bool is_first, double path)
 {
-    if (!model->surface) {
+    if (!model->tools.surface) {
         return;
     }
     forget_touched(model);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (model->tool[k].is_present) {
+        if (model->tools.tool[k].is_present) {
             touch(model, &model->tool[k], is_first, path);
         }
     }
@@ -382,7 +352,7 @@ void ss_chain_tools_apply(ss_model *model, double h)
         ss_chain_set_add(&model->front.moving, i);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_chain_tool *tool = &model->tool[k];
+        ss_tool *tool = &model->tools.tool[k];
         if (tool->is_present && tool->grasp.count > 0) {
             ss_grasp_fade(&tool->grasp, h);
             (void)ss_grasp_settle(&tool->grasp, true); /* what it let go of is lost */
@@ -395,29 +365,18 @@ void ss_chain_tools_apply(ss_model *model, double h)
 void ss_chain_tools_sample(ss_model *model)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (model->tool[k].is_present) {
-            evaluate(model, &model->tool[k]);
+        if (model->tools.tool[k].is_present) {
+            evaluate(model, &model->tools.tool[k]);
         }
     }
 }
 
 /* Nodes under the tool now, with D in model->diagonal_of and c, the force on them for a push of 1 m
  * along the normal, in model->push; returns k_cc. */
-static double push_along(ss_model *model, const ss_chain_tool *tool, const double normal[3])
+static double push_along(ss_model *model, const ss_tool *tool, const double normal[3])
 {
-    double on_tool[3] = {0.0, 0.0, 0.0};
-    ss_touch_tangent(tool->touch, NULL, normal, model->push, on_tool);
-    ss_touch_diagonal(tool->touch, model->diagonal_of);
-    double stiffness = -ss_dot3(on_tool, normal);
-    for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        const double k = tool->grasp.share * tool->grasp.stiffness[i];
-        for (int a = 0; a < 3; ++a) {
-            model->push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
-        }
-        model->diagonal_of[tool->grasp.node[i]] += k;
-        stiffness += k;
-    }
-    return stiffness;
+    ss_tool_add_diagonal(tool, model->diagonal_of);
+    return ss_tool_push(tool, normal, model->push);
 }
 
 /* z.Kz of a link for a difference z of its ends' motions, over k w: n n' as if it were taut, and
@@ -458,8 +417,7 @@ static double resist(const ss_model *model, int32_t node)
 }
 
 /* The best y in the direction c_i/(D_i + k s_i/3). Clears what it used of push, answer and D. */
-static void feel(ss_model *model, ss_chain_tool *tool, const double normal[3],
-                 double *out_viscosity)
+static void feel(ss_model *model, ss_tool *tool, const double normal[3], double *out_viscosity)
 {
     const double k_cc = push_along(model, tool, normal);
     const int32_t *reach;
@@ -512,27 +470,15 @@ static void feel(ss_model *model, ss_chain_tool *tool, const double normal[3],
 
 void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
 {
-    memset(out, 0, sizeof *out);
-    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->tool[probe].is_present) {
+    ss_tool *tool = ss_tools_find(&model->tools, probe, out);
+    if (!tool) {
         return;
     }
-    ss_chain_tool *tool = &model->tool[probe];
+    double normal[3], viscosity;
     refit(model);
-    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
-    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
-    ss_copy3(out->force, tool->force);
-    ss_copy3(out->torque, tool->torque);
-    const bool is_touching = tool->energy > 0.0 || tool->grasp.count > 0;
-    if (out->count > 0 && is_touching) {
-        double normal[3], viscosity;
-        ss_contact_set_direction(out, tool->force, normal);
+    if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
         feel(model, tool, normal, &viscosity);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
-    } else {
-        for (int32_t k = 0; k < out->count; ++k) {
-            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
-            out->contact[k].tangential = out->contact[k].stiffness;
-        }
     }
-    tool->was_touching = is_touching;
+    tool->was_touching = ss_tool_is_touching(tool);
 }

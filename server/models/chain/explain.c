@@ -158,14 +158,14 @@ void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char
     explain_net(model, &out);
     explain_material(model, &out);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_chain_tool *tool = &model->tool[k];
+        const ss_tool *tool = &model->tools.tool[k];
         if (tool->is_used) {
             ss_say(&out, "tool %d: %s, contact %.4g N/m^3, %.4g N/m at first touch", k,
                    model->is_current ? "a current source" : "holds the cells it touches",
                    tool->stiffness, tool->rest_felt);
         }
     }
-    if (!model->surface) {
+    if (!model->tools.surface) {
         ss_say(&out, "left out: contact (no tool)");
     }
 }

@@ -13,36 +13,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/plan.h"
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* ---- set-up ---- */
 
-static softsim_status create_load(ss_model *model, int32_t which, uint8_t *mark,
-                                  softsim_error *error)
+static void create_driven(ss_model *model, int32_t which)
 {
-    ss_chain_load *load = &model->load[which];
-    load->plan = &model->plan.load[which];
-    for (int32_t k = 0; k < load->plan->node_count; ++k) {
-        mark[load->plan->node[k]] = 1;
-    }
-    return load->plan->is_pressure
-               ? ss_plan_pressure_triangles(&model->plan, "cnn-chainmail", which, &model->arena,
-                                            &load->triangle, &load->triangle_count, error)
-               : SOFTSIM_OK;
-}
-
-static softsim_status create_driven(ss_model *model, int32_t which)
-{
-    ss_chain_driven *driven = &model->driven[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
-    driven->plan = set;
-    driven->from = ss_arena_get(&model->arena, (size_t)set->node_count, sizeof *driven->from);
-    driven->to = ss_arena_get(&model->arena, (size_t)set->node_count, sizeof *driven->to);
-    if (!driven->from || !driven->to) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
+    ss_driven_set_init(&model->driven[which].set, set, &model->arena);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
             if (ss_plan_is_driven(set, i, k)) {
@@ -51,7 +29,6 @@ static softsim_status create_driven(ss_model *model, int32_t which)
             }
         }
     }
-    return SOFTSIM_OK;
 }
 
 static softsim_status set_fixed(ss_model *model)
@@ -76,88 +53,45 @@ static softsim_status set_fixed(ss_model *model)
 softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
-    model->load = ss_arena_get(&model->arena, (size_t)plan->load_count, sizeof *model->load);
-    model->driven =
-        ss_arena_get(&model->arena, (size_t)plan->prescribed_count, sizeof *model->driven);
-    model->loaded = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->loaded);
-    softsim_status status = mark && model->load && model->driven && model->loaded
-                                ? set_fixed(model)
-                                : SOFTSIM_ERROR_MEMORY;
-    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
-        status = create_load(model, k, mark, error);
+    ss_arena *arena = &model->arena;
+    softsim_status status =
+        ss_loads_create(&model->loads, plan, "cnn-chainmail", false, arena, error);
+    model->driven = ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->driven);
+    status = status == SOFTSIM_OK ? set_fixed(model) : status;
+    for (int32_t k = 0; model->driven && k < plan->prescribed_count; ++k) {
+        create_driven(model, k);
     }
-    for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
-        status = create_driven(model, k);
-    }
-    for (int32_t i = 0; status == SOFTSIM_OK && i < model->node_count; ++i) {
-        if (mark[i]) {
-            model->loaded[model->loaded_count++] = i;
-        }
-    }
-    ss_memory_free(mark);
-    return status;
+    return status == SOFTSIM_OK ? ss_arena_status(arena) : status;
 }
 
 /* ---- loads ---- */
 
-/* Forces into currents on the loaded nodes. */
-static void build(ss_model *model)
-{
-    ss_real *current = model->current;
-    for (int32_t k = 0; k < model->loaded_count; ++k) {
-        memset(current + 4 * (ptrdiff_t)model->loaded[k], 0, 4 * sizeof *current);
-    }
-    for (int32_t l = 0; l < model->plan.load_count; ++l) {
-        const ss_chain_load *load = &model->load[l];
-        const ss_load *plan = load->plan;
-        if (load->factor != 0.0 && plan->is_pressure) {
-            ss_plan_add_pressure(model->plan.mesh, load->triangle_count, load->triangle, model->u,
-                                 load->factor * plan->pressure / (2.0 * model->k), current);
-        } else if (load->factor != 0.0) {
-            const double scale = load->factor / (2.0 * model->k * plan->node_count);
-            for (int32_t k = 0; k < plan->node_count; ++k) {
-                for (int a = 0; a < 3; ++a) {
-                    current[4 * (ptrdiff_t)plan->node[k] + a] += (ss_real)(scale * plan->force[a]);
-                }
-            }
-        }
-    }
-}
-
 void ss_chain_loads_update(ss_model *model, double time)
 {
-    bool is_changed = false;
-    model->has_current = false;
-    for (int32_t l = 0; l < model->plan.load_count; ++l) {
-        ss_chain_load *load = &model->load[l];
-        const double factor = ss_plan_load_factor(load->plan, time);
-        is_changed =
-            is_changed || factor != load->factor || (load->plan->is_pressure && factor != 0.0);
-        load->factor = factor;
-        model->has_current = model->has_current || factor != 0.0;
-    }
+    const bool is_changed = ss_loads_update(&model->loads, time);
+    model->has_current = ss_loads_is_any_acting(&model->loads);
     if (is_changed) {
-        build(model);
+        ss_loads_clear(&model->loads, model->current);
+        ss_loads_add(&model->loads, model->u, 2.0 * model->k, model->current);
     }
 }
 
 void ss_chain_loads_apply(ss_model *model)
 {
-    for (int32_t k = 0; model->has_current && k < model->loaded_count; ++k) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+    for (int32_t k = 0; model->has_current && k < model->loads.node_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loads.node[k];
         for (int a = 0; a < 3; ++a) {
             model->pull[at + a] += model->current[at + a];
         }
-        ss_chain_set_add(&model->front.moving, model->loaded[k]);
+        ss_chain_set_add(&model->front.moving, model->loads.node[k]);
     }
 }
 
 double ss_chain_loads_work(const ss_model *model, double sign)
 {
     double work = 0.0;
-    for (int32_t k = 0; model->has_current && k < model->loaded_count; ++k) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+    for (int32_t k = 0; model->has_current && k < model->loads.node_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loads.node[k];
         for (int a = 0; a < 3; ++a) {
             work += (double)model->current[at + a] * (double)model->u[at + a];
         }
@@ -171,19 +105,18 @@ void ss_chain_driven_update(ss_model *model, double time)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         ss_chain_driven *driven = &model->driven[s];
-        const ss_prescribed *set = driven->plan;
-        const double share = ss_plan_ramp(set->from, set->ramp, time);
+        const ss_prescribed *set = driven->set.plan;
         double middle[3] = {0.0, 0.0, 0.0};
         driven->is_moving = false;
+        ss_driven_set_aim(&driven->set, model->u, time);
         for (int32_t i = 0; i < set->node_count; ++i) {
+            double *from = driven->set.from[i], *to = driven->set.to[i];
             for (int k = 0; k < 3; ++k) {
-                if (!ss_plan_is_driven(set, i, k)) {
-                    continue;
+                if (ss_plan_is_driven(set, i, k)) {
+                    to[k] = (double)(ss_real)to[k];
+                    driven->is_moving = driven->is_moving || from[k] != to[k];
+                    middle[k] += to[k] / set->node_count;
                 }
-                driven->from[i][k] = (double)model->u[4 * (ptrdiff_t)set->node[i] + k];
-                driven->to[i][k] = (double)(ss_real)(share * set->displacement[i][k]);
-                driven->is_moving = driven->is_moving || driven->from[i][k] != driven->to[i][k];
-                middle[k] += driven->to[i][k] / set->node_count;
             }
         }
         driven->drive.depth = ss_norm3(middle);
@@ -244,17 +177,16 @@ void ss_chain_driven_place(ss_model *model, double path)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         ss_chain_driven *driven = &model->driven[s];
-        const ss_prescribed *set = driven->plan;
+        const ss_prescribed *set = driven->set.plan;
         if (!driven->is_moving) {
             continue;
         }
         const double before = ss_chain_energy_around(model, set->node_count, set->node);
         for (int32_t i = 0; i < set->node_count; ++i) {
+            const double *from = driven->set.from[i], *to = driven->set.to[i];
             for (int k = 0; k < 3; ++k) {
                 if (ss_plan_is_driven(set, i, k)) {
-                    const double way = driven->to[i][k] - driven->from[i][k];
-                    const double at =
-                        path < 1.0 ? driven->from[i][k] + path * way : driven->to[i][k];
+                    const double at = path < 1.0 ? from[k] + path * (to[k] - from[k]) : to[k];
                     model->u[4 * (ptrdiff_t)set->node[i] + k] = (ss_real)at;
                 }
             }
@@ -267,10 +199,10 @@ void ss_chain_driven_place(ss_model *model, double path)
 }
 
 /* -(2 k dP + f) on the axes that `axes` has bits for. */
-static void add_support(const ss_model *model, int32_t node, const bool axis[3], double out[3])
+static void add_support(const ss_model *model, int32_t node, uint8_t axes, double out[3])
 {
     for (int k = 0; k < 3; ++k) {
-        if (axis[k]) {
+        if ((axes & (1 << k)) != 0) {
             out[k] -= 2.0 * model->k * (double)model->pull[4 * (ptrdiff_t)node + k];
         }
     }
@@ -278,21 +210,17 @@ static void add_support(const ss_model *model, int32_t node, const bool axis[3],
 
 static void add_fixed(ss_model *model, int32_t node)
 {
-    const uint8_t axes = model->plan.fixed[node];
-    const bool axis[3] = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
-    add_support(model, node, axis, model->fixed_reaction);
+    add_support(model, node, model->plan.fixed[node], model->fixed_reaction);
 }
 
 void ss_chain_sample_reactions(ss_model *model, bool is_full)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         ss_chain_driven *driven = &model->driven[s];
+        const ss_prescribed *set = driven->set.plan;
         ss_set3(driven->reaction, 0.0, 0.0, 0.0);
-        for (int32_t i = 0; i < driven->plan->node_count; ++i) {
-            const bool axis[3] = {ss_plan_is_driven(driven->plan, i, 0),
-                                  ss_plan_is_driven(driven->plan, i, 1),
-                                  ss_plan_is_driven(driven->plan, i, 2)};
-            add_support(model, driven->plan->node[i], axis, driven->reaction);
+        for (int32_t i = 0; i < set->node_count; ++i) {
+            add_support(model, set->node[i], ss_plan_driven_axes(set, i), driven->reaction);
         }
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);

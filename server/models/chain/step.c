@@ -30,7 +30,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/plan.h"
 #include "rt/vec.h"
 
 /* Groups awake beyond which plain loops are quicker, and sub-steps until the front is sought. */
@@ -70,7 +69,7 @@ static void fault(ss_model *model)
         ss_set3(model->driven[k].reaction, 0.0, 0.0, 0.0);
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
-    if (model->surface) {
+    if (model->tools.surface) {
         ss_chain_tools_reset(model);
     }
     model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
@@ -100,7 +99,7 @@ static double wanted_ratio(ss_model *model)
     double wish = -1.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_chain_tool *tool = &model->tool[k];
-        if (tool->is_present && tool->is_touching) {
+        if (tool->base->is_present && tool->is_touching) {
             wish = fmax(wish, share_of(model, &tool->drive));
         } else {
             tool->drive = (ss_chain_drive){0};
@@ -239,7 +238,7 @@ static void balance(ss_model *model)
 {
     double elastic = 2.0 * model->k * (model->network + leak_energy(model));
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        elastic += model->tool[k].is_present ? ss_chain_tool_energy(&model->tool[k]) : 0.0;
+        elastic += model->tools.tool[k].is_present ? ss_tool_energy(&model->tools.tool[k]) : 0.0;
     }
     const double lost = model->work + model->gained - elastic - model->dissipated;
     if (lost >= 0.0) {
@@ -258,7 +257,7 @@ static bool is_finite_now(const ss_model *model)
 {
     double sum = model->network;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        sum += model->tool[k].is_present ? model->tool[k].energy : 0.0;
+        sum += model->tools.tool[k].is_present ? model->tools.tool[k].penalty : 0.0;
     }
     return isfinite(sum);
 }
@@ -399,7 +398,7 @@ static void keep_volumes(ss_model *model)
         is_held = is_held && !model->driven[s].is_moving;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        is_alone = is_alone && !model->tool[k].is_present;
+        is_alone = is_alone && !model->tools.tool[k].is_present;
     }
     ss_chain_guard_step(model);
     if (model->guarded == 0 || !is_alone) {
@@ -440,9 +439,9 @@ static double driven_substeps(ss_model *model)
     double way = 0.0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         const ss_chain_driven *driven = &model->driven[s];
-        for (int32_t i = 0; driven->is_moving && i < driven->plan->node_count; ++i) {
+        for (int32_t i = 0; driven->is_moving && i < driven->set.plan->node_count; ++i) {
             double d[3];
-            ss_sub3(d, driven->to[i], driven->from[i]);
+            ss_sub3(d, driven->set.to[i], driven->set.from[i]);
             way = fmax(way, ss_norm3(d));
         }
     }

@@ -125,7 +125,7 @@ static void pin(ss_cnn_window *window, int32_t count, const int32_t *node)
 
 static void pin_blocks(const ss_model *model, ss_cnn_window *window)
 {
-    pin(window, model->loaded_count, model->loaded);
+    pin(window, model->loads.node_count, model->loads.node);
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
         pin(window, model->plan.prescribed[p].node_count, model->plan.prescribed[p].node);
     }

@@ -14,8 +14,9 @@
 #include "models/cnn/kernels.h"
 #include "models/cnn/network.h"
 #include "models/cnn/relax.h"
-#include "models/common/grasp.h"
+#include "models/common/loads.h"
 #include "models/common/plan.h"
+#include "models/common/tools.h"
 #include "models/common/turned.h"
 #include "models/model.h"
 
@@ -112,18 +113,11 @@ typedef struct ss_cnn_contact_cell {
     bool has_pressed;
 } ss_cnn_contact_cell;
 
+/* What a tool is to the network, beside what every tool is. */
 typedef struct ss_cnn_tool {
-    bool is_used; /* has a row in the scene */
-    const ss_shape *shape;
-    ss_touch *touch;
-    double radius, reach, full_weight, stiffness; /* R, delta, W1, kc */
+    ss_tool *base;
+    double full_weight; /* W1 */
     ss_cnn_source source;
-    ss_grasp grasp;
-    /* state */
-    bool is_present;
-    ss_tool_pose pose;     /* where the forces below were evaluated */
-    ss_tool_pose from, to; /* of the outer step */
-    double turn[3];        /* rotation vector from `from` to `to` */
     /* weights at the last preparation */
     int32_t count;
     const int32_t *node;
@@ -136,23 +130,9 @@ typedef struct ss_cnn_tool {
     double *fading_mu;     /* da/dW psi of every touched cell */
     ss_real *weight_slope; /* -dW/dP, quads */
     double mu_largest;     /* of the frozen mu, J/m^2 */
-    /* forces on the tool */
-    double frozen_force[3], frozen_torque[3]; /* through the weights */
-    double force[3], torque[3];               /* all of them */
-    double penalty;                           /* J */
-    /* stiffness as the tool feels it */
-    ss_real *shape_y; /* motion of the nodes per unit motion of the tool */
-    bool was_touching;
-    double felt, rest_felt; /* N/m: last in contact, and at rest */
+    double frozen_force[3], frozen_torque[3]; /* on the tool, through the weights */
+    ss_real *shape_y;                         /* motion of the nodes per unit motion of the tool */
 } ss_cnn_tool;
-
-typedef struct ss_cnn_load {
-    const ss_load *plan;
-    int32_t source;
-    int32_t triangle_count; /* pressure */
-    int32_t *triangle;
-    double factor; /* now acting */
-} ss_cnn_load;
 
 typedef struct ss_cnn_driven {
     ss_driven_set set;
@@ -211,7 +191,6 @@ struct ss_model {
     const ss_cnn_kernels *kernels;
     ss_cnn_material material;
     ss_cnn_network *network;
-    ss_surface *surface;
     bool is_held; /* supports stop every rigid motion: P* = P0 */
     bool has_gravity;
     bool is_one_cell;      /* a source is the contact cell alone, equation (10) */
@@ -236,14 +215,13 @@ struct ss_model {
     ss_real *mobility, *normal; /* quads; normal NULL without B */
     double *mobility_max;       /* 1/m, 0 where no axis is free */
     /* tools, loads, driven nodes */
+    ss_tools tools;
     ss_cnn_tool tool[SOFTSIM_MAX_PROBES];
-    ss_cnn_load *load;
+    ss_loads loads;
     ss_cnn_driven *driven;
     ss_cnn_source *source; /* of loads and driven patches */
     int32_t source_count;
     ss_cnn_saturation *saturation; /* NULL: none, or too few sources to share cells */
-    int32_t *loaded;               /* nodes that loads or gravity push */
-    int32_t loaded_count;
     /* state */
     ss_real *u, *v, *u_low;
     int64_t step;

@@ -164,20 +164,18 @@ static void set_geometry(ss_model *model)
     }
 }
 
-static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_shape *shape)
+static softsim_status create_tool(ss_model *model, int index)
 {
     const ss_model_plan *plan = &model->plan;
     const size_t n = (size_t)model->node_count;
-    const double radius = ss_shape_curvature_radius(shape), h = model->network->mean_edge;
-    tool->is_used = true;
-    tool->shape = shape;
-    tool->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
-    tool->radius = radius > 0.0 ? radius : tool->reach;
-    tool->full_weight = 3.14159265358979323846 * tool->radius * tool->reach / 3.0;
-    tool->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, tool->radius);
-    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
-    softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    status = status == SOFTSIM_OK ? ss_cnn_source_init(model, &tool->source) : status;
+    const double radius = ss_shape_curvature_radius(&plan->tool[index].shape);
+    const double h = model->network->mean_edge;
+    ss_tool *base = &model->tools.tool[index];
+    ss_cnn_tool *tool = &model->tool[index];
+    base->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
+    base->radius = radius > 0.0 ? radius : base->reach;
+    base->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, base->radius);
+    tool->full_weight = 3.14159265358979323846 * base->radius * base->reach / 3.0;
     tool->source.is_tool = true;
     ss_arena *arena = &model->arena;
     tool->mu = ss_arena_get(arena, n, sizeof *tool->mu);
@@ -187,25 +185,26 @@ static softsim_status create_tool(ss_model *model, ss_cnn_tool *tool, const ss_s
     tool->share = ss_arena_get(arena, n, sizeof *tool->share);
     tool->shape_y = get_quads(model);
     tool->weight_slope = get_quads(model);
-    ss_grasp_init(&tool->grasp, model->node_count, arena);
-    return status != SOFTSIM_OK ? status : ss_arena_status(arena);
+    const softsim_status status = ss_cnn_source_init(model, &tool->source);
+    return status == SOFTSIM_OK ? ss_tools_open(&model->tools, plan, index, arena) : status;
 }
 
 static softsim_status create_tools(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
-    const double smallest = ss_plan_smallest_tool(plan);
-    if (isinf(smallest)) {
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        model->tool[k].base = &model->tools.tool[k];
+    }
+    if (!ss_plan_has_tools(plan)) {
         return SOFTSIM_OK;
     }
-    softsim_status status =
-        ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error);
+    softsim_status status = ss_tools_create(&model->tools, plan->mesh, plan, error);
     if (status == SOFTSIM_OK) {
         status = ss_cnn_network_solve_all(model->network, !model->is_relaxed, plan->threads, error);
     }
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
-            status = create_tool(model, &model->tool[k], &model->plan.tool[k].shape);
+            status = create_tool(model, k);
         }
     }
     return status;
@@ -252,19 +251,14 @@ static void reset(ss_model *model)
     for (int32_t k = 0; k < model->source_count; ++k) {
         model->source[k].is_on = false;
     }
-    for (int32_t k = 0; k < model->plan.load_count; ++k) {
-        model->load[k].factor = 0.0;
-    }
+    ss_loads_reset(&model->loads);
+    ss_tools_reset(&model->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        tool->is_present = tool->was_touching = false;
-        tool->grasp.is_pressed = false;
-        tool->grasp.count = tool->count = 0;
+        tool->count = 0;
         ss_cnn_source_let_go(tool);
         tool->source.is_on = false;
-        tool->felt = 0.0;
-        tool->penalty = 0.0;
-        if (tool->is_used) {
+        if (tool->base->is_used) {
             memset(tool->shape_y, 0, bytes);
         }
     }
@@ -294,10 +288,7 @@ static void reset(ss_model *model)
 
 static void destroy(ss_model *model)
 {
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_touch_destroy(&model->tool[k].touch);
-    }
-    ss_surface_destroy(&model->surface);
+    ss_tools_fini(&model->tools);
     ss_cnn_relax_destroy(&model->relax);
     ss_cnn_network_destroy(&model->network);
     ss_arena_free(&model->arena);
@@ -446,15 +437,16 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
-        if (!tool->is_used) {
+        const ss_tool *base = tool->base;
+        if (!base->is_used) {
             continue;
         }
         hash = ss_hash_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
         hash = ss_hash_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
         hash = ss_hash_bytes(hash, tool->shape_y, quads);
-        hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
+        hash = ss_hash_bytes(hash, &base->felt, sizeof base->felt);
         hash = ss_hash_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
-        hash = ss_grasp_hash(&tool->grasp, hash);
+        hash = ss_grasp_hash(&base->grasp, hash);
     }
     return hash;
 }

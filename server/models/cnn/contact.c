@@ -42,22 +42,12 @@ enum { ITERATIONS = 2, FIRST_ITERATIONS = 12, REST_ITERATIONS = 300 };
 /* out = H x; returns x.out. */
 static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
 {
-    static const double still[3] = {0.0, 0.0, 0.0};
     const ss_cnn_kernels *kernels = model->kernels;
     const ss_cnn_part *part = model->part;
     memset(out, 0, (size_t)model->node_count * 4 * sizeof *out);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* minus the contact's part */
-        const ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present && tool->penalty > 0.0) {
-            double unused[3] = {0.0, 0.0, 0.0};
-            ss_touch_tangent(tool->touch, x, still, out, unused);
-        }
-        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
-            const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
-            for (int a = 0; a < 3; ++a) {
-                out[at + a] -= stiffness * x[at + a];
-            }
+        if (model->tools.tool[k].is_present) {
+            ss_tool_add_change(&model->tools.tool[k], x, out);
         }
     }
     double square = 0.0;
@@ -132,23 +122,6 @@ static void solve_some(ss_model *model, ss_real *y, int iterations)
 
 /* ---- in contact ---- */
 
-/* c into model->push; returns k_cc. */
-static double push_along(ss_model *model, const ss_cnn_tool *tool, const double normal[3])
-{
-    double on_tool[3] = {0.0, 0.0, 0.0};
-    memset(model->push, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
-    ss_touch_tangent(tool->touch, NULL, normal, model->push, on_tool);
-    double stiffness = -ss_dot3(on_tool, normal);
-    for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        const double k = tool->grasp.share * tool->grasp.stiffness[i];
-        for (int a = 0; a < 3; ++a) {
-            model->push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
-        }
-        stiffness += k;
-    }
-    return stiffness;
-}
-
 /* sum gamma |y|^2 */
 static double damping_met(const ss_model *model, const ss_real *y)
 {
@@ -157,50 +130,38 @@ static double damping_met(const ss_model *model, const ss_real *y)
     return totals.kinetic;
 }
 
-/* Fills tool->felt for a push along `normal`; returns the viscosity. */
+/* Fills tool->base->felt for a push along `normal`; returns the viscosity. */
 static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
 {
     const ss_cnn_part *part = model->part;
-    const double k_cc = push_along(model, tool, normal);
+    memset(model->push, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
+    const double k_cc = ss_tool_push(tool->base, normal, model->push);
     set_inverse(model);
-    if (!tool->was_touching) {
+    if (!tool->base->was_touching) {
         memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
     }
-    solve_some(model, tool->shape_y, tool->was_touching ? ITERATIONS : FIRST_ITERATIONS);
+    solve_some(model, tool->shape_y, tool->base->was_touching ? ITERATIONS : FIRST_ITERATIONS);
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
     const double felt = k_cc - model->kernels->dot(part, tool->shape_y, model->push) -
                         model->kernels->dot(part, tool->shape_y, model->residual);
-    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
-    const double viscosity = tool->was_touching ? damping_met(model, tool->shape_y) : 0.0;
-    return fmin(viscosity, MAX_VISCOUS_TIME * tool->felt);
+    tool->base->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
+    const double viscosity = tool->base->was_touching ? damping_met(model, tool->shape_y) : 0.0;
+    return fmin(viscosity, MAX_VISCOUS_TIME * tool->base->felt);
 }
 
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
 {
-    memset(out, 0, sizeof *out);
-    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->is_ready ||
-        !model->tool[probe].is_present) {
+    ss_tool *tool = ss_tools_find(&model->tools, probe, out);
+    if (!tool || !model->is_ready) {
         return;
     }
-    ss_cnn_tool *tool = &model->tool[probe];
-    ss_surface_refit(model->surface, model->u);
-    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
-    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
-    ss_copy3(out->force, tool->force);
-    ss_copy3(out->torque, tool->torque);
-    const bool is_touching = tool->penalty > 0.0 || tool->grasp.count > 0;
-    if (out->count > 0 && is_touching) {
-        double normal[3];
-        ss_contact_set_direction(out, tool->force, normal);
-        const double viscosity = feel(model, tool, normal);
+    double normal[3];
+    ss_surface_refit(model->tools.surface, model->u);
+    if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
+        const double viscosity = feel(model, &model->tool[probe], normal);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
-    } else {
-        for (int32_t k = 0; k < out->count; ++k) {
-            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
-            out->contact[k].tangential = out->contact[k].stiffness;
-        }
     }
-    tool->was_touching = is_touching;
+    tool->was_touching = ss_tool_is_touching(tool);
 }
 
 /* ---- at rest ---- */
@@ -280,7 +241,7 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, const double *
 
 softsim_status ss_cnn_set_rest_felt(ss_model *model)
 {
-    if (!model->surface) {
+    if (!model->tools.surface) {
         return SOFTSIM_OK;
     }
     const double one = 1.0;
@@ -292,17 +253,11 @@ softsim_status ss_cnn_set_rest_felt(ss_model *model)
                    : ss_cnn_network_superpose(model->network, 1, &cell, &one, kap);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (!tool->is_used || status != SOFTSIM_OK) {
+        if (!tool->base->is_used || status != SOFTSIM_OK) {
             continue;
         }
-        /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
-        const double contact =
-            0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
-        tool->rest_felt = contact;
-        if (cell >= 0 && push_cell(model, cell)) {
-            const double compliance = rest_compliance(model, tool, kap);
-            tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
-        }
+        const bool is_pushed = cell >= 0 && push_cell(model, cell);
+        ss_tool_set_rest_felt(tool->base, is_pushed ? rest_compliance(model, tool, kap) : 0.0);
         memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
     }
     ss_memory_free(kap);

@@ -317,7 +317,7 @@ static void explain_tools(const ss_model *model, const ss_printer *out)
 {
     const ss_model_plan *plan = &model->plan;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_cnn_tool *tool = &model->tool[k];
+        const ss_tool *tool = &model->tools.tool[k];
         if (!tool->is_used) {
             continue;
         }
@@ -327,22 +327,11 @@ static void explain_tools(const ss_model *model, const ss_printer *out)
                "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
                "%.4g N/m at rest",
                k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
-        if (depth > 0.2 * tool->radius) {
-            ss_say(out,
-                   "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
-                   k, depth / tool->radius,
-                   ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
-        }
-        if (tool->radius < 0.5 * model->network->mean_edge) {
-            ss_say(
-                out,
-                "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
-                "force will ripple; refine the mesh",
-                k, tool->radius, model->network->mean_edge);
-        }
+        ss_tool_say_limits(tool, k, plan, model->network->mean_edge, out);
     }
-    if (model->surface) {
-        ss_say(out, "contact: %lld samples", (long long)ss_surface_sample_count(model->surface));
+    if (model->tools.surface) {
+        ss_say(out, "contact: %lld samples",
+               (long long)ss_surface_sample_count(model->tools.surface));
     } else {
         ss_say(out, "left out: contact (no tool)");
     }

@@ -83,7 +83,7 @@ static void fill_patch(const ss_model *model, const double *raw, patch *out)
 }
 
 /* The areas of the triangles under pressure as weights. */
-static void weigh_triangles(const ss_model *model, const ss_cnn_load *load, double *raw)
+static void weigh_triangles(const ss_model *model, const ss_acting_load *load, double *raw)
 {
     const ss_mesh *mesh = model->plan.mesh;
     for (int32_t t = 0; t < load->triangle_count; ++t) {
@@ -145,16 +145,10 @@ static softsim_status find_source(ss_model *model, const patch *cells, double fr
 static softsim_status create_load(ss_model *model, int32_t which, patch *cells, double *raw,
                                   softsim_error *error)
 {
-    ss_cnn_load *load = &model->load[which];
-    load->plan = &model->plan.load[which];
+    const ss_acting_load *load = &model->loads.load[which];
+    int32_t unused;
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     if (load->plan->is_pressure) {
-        const softsim_status status =
-            ss_plan_pressure_triangles(&model->plan, "cnn-energy", which, &model->arena,
-                                       &load->triangle, &load->triangle_count, error);
-        if (status != SOFTSIM_OK) {
-            return status;
-        }
         weigh_triangles(model, load, raw);
     } else {
         for (int32_t k = 0; k < load->plan->node_count; ++k) {
@@ -169,7 +163,7 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
         return SOFTSIM_ERROR_SCENE;
     }
     check_rho(model, cells, which, error);
-    return find_source(model, cells, load->plan->from, &load->source);
+    return find_source(model, cells, load->plan->from, &unused);
 }
 
 static softsim_status create_driven(ss_model *model, int32_t which, patch *cells, double *raw)
@@ -190,28 +184,6 @@ static softsim_status create_driven(ss_model *model, int32_t which, patch *cells
     return find_source(model, cells, set->from, &driven->source);
 }
 
-static softsim_status list_loaded(ss_model *model)
-{
-    uint8_t *mark = ss_memory_get((size_t)model->node_count, 1);
-    model->loaded = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *model->loaded);
-    if (!mark || !model->loaded) {
-        ss_memory_free(mark);
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t l = 0; l < model->plan.load_count; ++l) {
-        for (int32_t k = 0; k < model->plan.load[l].node_count; ++k) {
-            mark[model->plan.load[l].node[k]] = 1;
-        }
-    }
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        if (mark[i] || model->has_gravity) {
-            model->loaded[model->loaded_count++] = i;
-        }
-    }
-    ss_memory_free(mark);
-    return SOFTSIM_OK;
-}
-
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
 {
     const ss_model_plan *plan = &model->plan;
@@ -223,11 +195,12 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
                    .weight = ss_arena_get(&scratch, n, sizeof *cells.weight)};
     double *raw = ss_arena_get(&scratch, n, sizeof *raw);
     ss_arena *arena = &model->arena;
-    model->load = ss_arena_get(arena, (size_t)plan->load_count, sizeof *model->load);
     model->driven = ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->driven);
     model->source = ss_arena_get(arena, limit, sizeof *model->source);
     softsim_status status = ss_arena_status(&scratch);
-    status = status == SOFTSIM_OK ? ss_arena_status(arena) : status;
+    status = status == SOFTSIM_OK ? ss_loads_create(&model->loads, plan, "cnn-energy",
+                                                    model->has_gravity, arena, error)
+                                  : status;
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->load_count; ++k) {
         status = create_load(model, k, &cells, raw, error);
     }
@@ -236,7 +209,6 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
     }
     ss_arena_free(&scratch);
     status = status == SOFTSIM_OK ? ss_arena_status(arena) : status;
-    status = status == SOFTSIM_OK ? list_loaded(model) : status;
     return status == SOFTSIM_OK && error->fault_count > before ? SOFTSIM_ERROR_SCENE : status;
 }
 
@@ -251,14 +223,6 @@ static void add_node_force(ss_real *force, int32_t node, const double f[3])
 
 bool ss_cnn_loads_update(ss_model *model, double time)
 {
-    bool is_changed = false;
-    for (int32_t l = 0; l < model->plan.load_count; ++l) {
-        ss_cnn_load *load = &model->load[l];
-        const ss_load *plan = load->plan;
-        const double factor = ss_plan_load_factor(plan, time);
-        is_changed = is_changed || factor != load->factor || (plan->is_pressure && factor != 0.0);
-        load->factor = factor;
-    }
     for (int32_t k = 0; k < model->source_count; ++k) {
         ss_cnn_source *source = &model->source[k];
         if (!source->is_on && time >= source->from) {
@@ -266,39 +230,25 @@ bool ss_cnn_loads_update(ss_model *model, double time)
             model->is_ready = false;
         }
     }
-    return is_changed;
+    return ss_loads_update(&model->loads, time);
 }
 
 void ss_cnn_loads_build(ss_model *model)
 {
-    for (int32_t k = 0; k < model->loaded_count; ++k) {
-        memset(model->load_force + 4 * (ptrdiff_t)model->loaded[k], 0, 4 * sizeof(ss_real));
-    }
+    ss_loads_clear(&model->loads, model->load_force);
     for (int32_t i = 0; model->has_gravity && i < model->node_count; ++i) {
         double f[3];
         ss_scale3(f, model->plan.gravity, model->material.mass[i]);
         add_node_force(model->load_force, i, f);
     }
-    for (int32_t l = 0; l < model->plan.load_count; ++l) {
-        const ss_cnn_load *load = &model->load[l];
-        if (load->factor != 0.0 && load->plan->is_pressure) {
-            ss_plan_add_pressure(model->plan.mesh, load->triangle_count, load->triangle, model->u,
-                                 load->factor * load->plan->pressure, model->load_force);
-        } else if (load->factor != 0.0) {
-            double f[3];
-            ss_scale3(f, load->plan->force, load->factor / load->plan->node_count);
-            for (int32_t k = 0; k < load->plan->node_count; ++k) {
-                add_node_force(model->load_force, load->plan->node[k], f);
-            }
-        }
-    }
+    ss_loads_add(&model->loads, model->u, 1.0, model->load_force);
 }
 
 double ss_cnn_loads_work(const ss_model *model)
 {
     double work = 0.0;
-    for (int32_t k = 0; k < model->loaded_count; ++k) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)model->loaded[k];
+    for (int32_t k = 0; k < model->loads.node_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)model->loads.node[k];
         for (ptrdiff_t a = at; a < at + 3; ++a) {
             const double moved = ((double)model->u[a] - (double)model->old_u[a]) +
                                  ((double)model->u_low[a] - (double)model->old_low[a]);

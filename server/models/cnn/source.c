@@ -118,7 +118,7 @@ void ss_cnn_source_moduli(ss_model *model)
         }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        has_tool = has_tool || model->tool[k].is_used;
+        has_tool = has_tool || model->tools.tool[k].is_used;
         model->tool[k].source.modulus =
             m->is_modulus_energy ? m->modulus : m->modulus * model->network->median_qhat;
     }
@@ -361,7 +361,7 @@ static void set_amplitude(ss_cnn_tool *tool)
 void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
                         const ss_tool_pose *pose)
 {
-    tool->count = ss_touch_weigh(tool->touch, u, model->network->is_source, pose, &tool->node,
+    tool->count = ss_touch_weigh(tool->base->touch, u, model->network->is_source, pose, &tool->node,
                                  &tool->weight, &tool->weight_sum);
     set_amplitude(tool);
 }
@@ -373,7 +373,8 @@ void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = mu;
     }
-    ss_touch_weight_forces(tool->touch, tool->fading_mu, model->force, tool->force, tool->torque);
+    ss_touch_weight_forces(tool->base->touch, tool->fading_mu, model->force, tool->base->force,
+                           tool->base->torque);
 }
 
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
@@ -384,13 +385,13 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     double force[3] = {0.0}, torque[3] = {0.0};
     const ss_cnn_source *source = &tool->source;
     const double psi = fabs(psi_of(model, source));
-    const double bend = 3.0 / tool->full_weight / (tool->reach * tool->reach) * psi;
+    const double bend = 3.0 / tool->full_weight / (tool->base->reach * tool->base->reach) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = 1.0;
         model->stiff[tool->node[k]] += bend * model->network->surface_area[tool->node[k]];
     }
-    ss_touch_weight_forces(tool->touch, tool->fading_mu, tool->weight_slope, force, torque);
+    ss_touch_weight_forces(tool->base->touch, tool->fading_mu, tool->weight_slope, force, torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *
            model->kernels->weighted_square(model->part, tool->weight_slope, model->mobility);
 }
@@ -406,7 +407,7 @@ void ss_cnn_source_keep(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell_before = model->tool[k].cell;
         model->tool[k].reference_before = model->tool[k].source.reference;
-        model->tool[k].penalty_before = model->tool[k].penalty;
+        model->tool[k].penalty_before = model->tools.tool[k].penalty;
     }
 }
 
@@ -415,7 +416,7 @@ void ss_cnn_source_restore(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell = model->tool[k].cell_before;
         model->tool[k].source.reference = model->tool[k].reference_before;
-        model->tool[k].penalty = model->tool[k].penalty_before;
+        model->tools.tool[k].penalty = model->tool[k].penalty_before;
     }
 }
 
@@ -436,7 +437,7 @@ static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
 static void weigh_one_cell(ss_model *model, ss_cnn_tool *tool)
 {
     ss_cnn_contact_cell *cell = &tool->cell;
-    cell->has_pressed = cell->node >= 0 && (cell->has_pressed || tool->penalty > 0.0);
+    cell->has_pressed = cell->node >= 0 && (cell->has_pressed || tool->base->penalty > 0.0);
     int32_t best = 0;
     for (int32_t k = 1; k < tool->count; ++k) {
         best = tool->weight[k] > tool->weight[best] ? k : best;
@@ -461,7 +462,7 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
 {
     ss_set3(tool->frozen_force, 0.0, 0.0, 0.0);
     ss_set3(tool->frozen_torque, 0.0, 0.0, 0.0);
-    tool->count = ss_touch_weigh(tool->touch, model->u, model->network->is_source, pose,
+    tool->count = ss_touch_weigh(tool->base->touch, model->u, model->network->is_source, pose,
                                  &tool->node, &tool->weight, &tool->weight_sum);
     tool->source.is_on = tool->count > 0 && tool->weight_sum > 0.0;
     tool->is_fading = false;
@@ -482,6 +483,6 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     }
     superpose_touched(model, tool);
     set_mu(model, tool);
-    ss_touch_weight_forces(tool->touch, tool->mu, model->base, tool->frozen_force,
+    ss_touch_weight_forces(tool->base->touch, tool->mu, model->base, tool->frozen_force,
                            tool->frozen_torque);
 }

@@ -105,9 +105,9 @@ static double frozen_limit(const ss_model *model)
     double limit = (double)INFINITY;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present && tool->source.is_on && tool->mu_largest > 0.0) {
-            const double rate2 =
-                2.0 * tool->mu_largest / (tool->reach * tool->reach * model->smallest_sigma);
+        if (tool->base->is_present && tool->source.is_on && tool->mu_largest > 0.0) {
+            const double rate2 = 2.0 * tool->mu_largest /
+                                 (tool->base->reach * tool->base->reach * model->smallest_sigma);
             limit = fmin(limit,
                          fmax(2.0 * model->damping_rate_min / rate2, FROZEN_SHARE / sqrt(rate2)));
         }
@@ -132,14 +132,11 @@ void ss_cnn_set_bound(ss_model *model)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (!tool->is_present) {
+        if (!tool->base->is_present) {
             continue;
         }
         omega2 += tool->is_fading ? ss_cnn_source_fading_stiffness(model, tool) : 0.0;
-        ss_touch_diagonal(tool->touch, model->stiff);
-        for (int32_t i = 0; i < tool->grasp.count; ++i) {
-            model->stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
-        }
+        ss_tool_add_diagonal(tool->base, model->stiff);
     }
     omega2 += fmax(model->kernels->largest(model->part, model->stiff, model->mobility_max),
                    model->window ? model->window->rate2 : 0.0);
@@ -149,28 +146,18 @@ void ss_cnn_set_bound(ss_model *model)
 
 /* ---- forces ---- */
 
-/* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
-static void pose_at(const ss_cnn_tool *tool, double path, ss_tool_pose *out)
-{
-    if (path > 0.0 && path < 1.0) {
-        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
-    } else {
-        *out = path > 0.0 ? tool->to : tool->from;
-    }
-}
-
 static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, double path)
 {
-    pose_at(tool, path, &tool->pose);
-    ss_copy3(tool->force, tool->frozen_force);
-    ss_copy3(tool->torque, tool->frozen_torque);
-    tool->penalty =
-        ss_touch_penalty(tool->touch, u, &tool->pose, model->force, tool->force, tool->torque);
+    ss_tool_at(tool->base, path, &tool->base->pose);
+    ss_copy3(tool->base->force, tool->frozen_force);
+    ss_copy3(tool->base->torque, tool->frozen_torque);
+    tool->base->penalty = ss_touch_penalty(tool->base->touch, u, &tool->base->pose, model->force,
+                                           tool->base->force, tool->base->torque);
     if (tool->is_fading) {
         ss_cnn_source_add_fading(model, tool);
     }
-    ss_grasp_add_forces(&tool->grasp, (const double(*)[3])model->plan.mesh->position, u,
-                        &tool->pose, model->force, tool->force, tool->torque);
+    ss_grasp_add_forces(&tool->base->grasp, (const double(*)[3])model->plan.mesh->position, u,
+                        &tool->base->pose, model->force, tool->base->force, tool->base->torque);
 }
 
 /* Takes the last contact and grasp forces out of model->force. */
@@ -179,16 +166,16 @@ static void clear_contact(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
         const int32_t *node;
-        const int32_t count = tool->is_present ? ss_touch_reach(tool->touch, &node) : 0;
+        const int32_t count = tool->base->is_present ? ss_touch_reach(tool->base->touch, &node) : 0;
         for (int32_t i = 0; i < count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
         }
-        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+        for (int32_t i = 0; tool->base->is_present && i < tool->base->grasp.count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)tool->base->grasp.node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
         }
-        for (int32_t i = 0; tool->is_present && tool->is_fading && i < tool->count; ++i) {
+        for (int32_t i = 0; tool->base->is_present && tool->is_fading && i < tool->count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)tool->node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
         }
@@ -254,16 +241,16 @@ static void evaluate(ss_model *model, ss_real *u, double path)
     const double far_change = ss_cnn_window_evaluate(model, u);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present && tool->is_fading) {
+        if (tool->base->is_present && tool->is_fading) {
             ss_tool_pose pose;
-            pose_at(tool, path, &pose);
+            ss_tool_at(tool->base, path, &pose);
             ss_cnn_source_fade(model, tool, u, &pose);
         }
     }
     evaluate_sources(model);
     ss_cnn_enclosed_evaluate(model, u, far_change);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (model->tool[k].is_present) {
+        if (model->tools.tool[k].is_present) {
             add_contact(model, &model->tool[k], u, path);
         }
     }
@@ -278,17 +265,17 @@ static int32_t gather(ss_model *model, double path, double next)
     bool is_refitted = false;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (!tool->is_present) {
+        if (!tool->base->is_present) {
             continue;
         }
         if (!is_refitted) {
-            ss_surface_refit(model->surface, model->u);
+            ss_surface_refit(model->tools.surface, model->u);
             is_refitted = true;
         }
         ss_tool_pose from, to;
-        pose_at(tool, path, &from);
-        pose_at(tool, next, &to);
-        count += ss_touch_gather(tool->touch, model->u, &from, &to);
+        ss_tool_at(tool->base, path, &from);
+        ss_tool_at(tool->base, next, &to);
+        count += ss_touch_gather(tool->base->touch, model->u, &from, &to);
     }
     return count;
 }
@@ -319,8 +306,8 @@ static void set_energies(ss_model *model)
         elastic += source ? ss_cnn_source_energy(model, source) : 0.0;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_cnn_tool *tool = &model->tool[k];
-        elastic += tool->is_present ? tool->penalty + tool->grasp.share * tool->grasp.square : 0.0;
+        const ss_tool *tool = &model->tools.tool[k];
+        elastic += tool->is_present ? ss_tool_energy(tool) : 0.0;
     }
     model->elastic = elastic + ss_cnn_enclosed_energy(model);
 }
@@ -328,10 +315,7 @@ static void set_energies(ss_model *model)
 /* Everything at the present state with the tools at `path`: weights, forces, energies, bound. */
 static void prepare(ss_model *model, double path)
 {
-    bool has_tool = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        has_tool = has_tool || model->tool[k].is_present;
-    }
+    const bool has_tool = ss_tools_is_any(&model->tools);
     model->has_strain = false;
     model->d = ss_cnn_fit(model, model->u);
     ss_cnn_source_relax(model);
@@ -340,9 +324,9 @@ static void prepare(ss_model *model, double path)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present) {
-            pose_at(tool, path, &tool->pose);
-            ss_cnn_source_weigh(model, tool, &tool->pose);
+        if (tool->base->is_present) {
+            ss_tool_at(tool->base, path, &tool->base->pose);
+            ss_cnn_source_weigh(model, tool, &tool->base->pose);
         }
     }
     if (has_tool || !model->has_loads_only) {
@@ -361,21 +345,6 @@ static void prepare(ss_model *model, double path)
 }
 
 /* ---- one sub-step ---- */
-
-/* The work of tools that move on by `fraction` of their paths, at one stage of weight `share`. */
-static double tool_work(const ss_model *model, double fraction, double share)
-{
-    double work = 0.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present) {
-            double way[3];
-            ss_sub3(way, tool->to.position, tool->from.position);
-            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
-        }
-    }
-    return work * fraction * share;
-}
 
 /* After the first stage: what the tools reach on the way, and no contact left in the forces. */
 static void ready_contact(ss_model *model, double path, double next)
@@ -433,7 +402,7 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         stage.c1 = first ? first->c1 : 0.0;
         stage.c2 = first ? first->c2 : 0.0;
         stage.pressure = stage.normal ? model->enclosed[0].pressure : 0.0;
-        model->work += tool_work(model, fraction, share[s]);
+        model->work += ss_tools_work(&model->tools) * fraction * share[s];
         if (model->plan.prescribed_count > 0) {
             const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
             const double work = ss_cnn_driven_work(model, stage.d, v, h, share[s]);
@@ -458,20 +427,6 @@ static bool is_finite_state(const ss_model *model)
 {
     return isfinite(model->totals.kinetic) && isfinite(model->totals.rest) &&
            isfinite(model->totals.largest);
-}
-
-static void fade_grasps(ss_model *model, double h)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_grasp_fade(&model->tool[k].grasp, h);
-    }
-}
-
-static void settle_grasps(ss_model *model, bool is_accepted)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        model->dissipated += ss_grasp_settle(&model->tool[k].grasp, is_accepted);
-    }
 }
 
 /* Energy that came from nowhere in an accepted sub-step goes out of the motion again: strains far
@@ -558,30 +513,15 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *own = &model->tool[k];
-        const bool is_present = own->is_used && tool && tool[k].is_present;
-        if (is_present) {
-            own->from = tool[k].from;
-            own->to = tool[k].to;
-            ss_tool_turn(&own->from, &own->to, own->turn);
-        }
-        if (is_present != own->is_present ||
-            (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
-            model->is_ready = false;
-            /* What jumps lets go: springs stretched at once across the jump are no grasp. */
-            if (!is_present ||
-                ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
-                own->grasp.count = 0;
-                ss_cnn_source_let_go(own);
-            }
-        }
-        if (!is_present) {
-            own->grasp.count = 0;
-            own->grasp.is_pressed = false;
+        const ss_tool_news news = ss_tool_take(own->base, tool ? &tool[k] : NULL);
+        model->is_ready = model->is_ready && news == SS_TOOL_KEPT;
+        if (news == SS_TOOL_LOST || !own->base->is_present) {
             ss_cnn_source_let_go(own);
+        }
+        if (!own->base->is_present) {
             own->source.is_on = false;
             own->count = 0;
         }
-        own->is_present = is_present;
     }
 }
 
@@ -589,7 +529,7 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
 static void take_loads(ss_model *model, double time)
 {
     const ss_cnn_part *part = model->part;
-    if (model->loaded_count == 0 && model->source_count == 0) {
+    if (model->loads.node_count == 0 && model->source_count == 0) {
         return;
     }
     if (ss_cnn_loads_update(model, time)) {
@@ -605,7 +545,7 @@ static void take_loads(ss_model *model, double time)
 /* The button's press stores where the touched nodes are in the tool's frame. */
 static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
 {
-    ss_grasp *grasp = &tool->grasp;
+    ss_grasp *grasp = &tool->base->grasp;
     if (is_grasping && !grasp->is_pressed) {
         if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
             model->dissipated += grasp->share * grasp->square;
@@ -614,8 +554,8 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
             prepare(model, 0.0);
         }
         ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
-                      SS_GRASP_SHARE * tool->stiffness,
-                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
+                      SS_GRASP_SHARE * tool->base->stiffness,
+                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->base->pose);
         ss_cnn_set_bound(model);
     }
     grasp->is_pressed = is_grasping;
@@ -624,14 +564,7 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
 /* Sub-steps that the tools' motion asks for: at most R/4 each, if anything is in the way. */
 static int32_t motion_steps(ss_model *model)
 {
-    double steps = 1.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_cnn_tool *tool = &model->tool[k];
-        if (tool->is_present) {
-            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
-            steps = fmax(steps, ceil(4.0 * way / tool->radius - 1e-9));
-        }
-    }
+    const double steps = ss_tools_parts(&model->tools);
     if (steps > 1.0 && gather(model, 0.0, 1.0) == 0) {
         return 1;
     }
@@ -687,7 +620,7 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     ++p->rejected;
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
-    settle_grasps(model, false);
+    ss_tools_settle(&model->tools, false, &model->dissipated);
     ss_cnn_source_restore(model);
     gather(model, p->path, p->path);
     model->has_totals = false;
@@ -735,7 +668,7 @@ static bool try_substep(ss_model *model, progress *p)
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->path, fraction);
     ++p->attempts;
-    fade_grasps(model, h);
+    ss_tools_fade(&model->tools, h);
     bool is_good = is_finite_state(model);
     double loads = 0.0, gain = 0.0;
     const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
@@ -755,7 +688,7 @@ static bool try_substep(ss_model *model, progress *p)
         }
         return p->rejected < MAX_REJECTED;
     }
-    settle_grasps(model, true);
+    ss_tools_settle(&model->tools, true, &model->dissipated);
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;
@@ -806,7 +739,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         model->work = model->elastic + model->dissipated - before;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (model->tool[k].is_present) {
+        if (model->tools.tool[k].is_present) {
             take_grasp(model, &model->tool[k], tool[k].is_grasping);
         }
     }

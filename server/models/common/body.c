@@ -102,15 +102,6 @@ double ss_body_step_limit(ss_body_integrator integrator, double rate2, double vi
 
 /* ---- set-up ---- */
 
-static bool has_tools(const ss_model_plan *plan)
-{
-    bool is_any = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        is_any = is_any || plan->tool[k].is_used;
-    }
-    return is_any;
-}
-
 static ss_real *get_quads(ss_body *body)
 {
     return ss_arena_get(&body->arena, (size_t)body->nodes.padded_count * 4, sizeof(ss_real));
@@ -233,7 +224,7 @@ static softsim_status build(ss_body *body, softsim_error *error)
         const ss_real *mobility = body->nodes.mobility + 4 * (ptrdiff_t)i;
         body->is_source[i] = mobility[0] > 0 || mobility[1] > 0 || mobility[2] > 0;
     }
-    if (status == SOFTSIM_OK && has_tools(&body->plan)) {
+    if (status == SOFTSIM_OK && ss_plan_has_tools(&body->plan)) {
         status = ss_body_tools_create(body, error);
     }
     return status;
@@ -291,7 +282,7 @@ void ss_body_destroy(ss_body **body)
     if (!gone) {
         return;
     }
-    ss_body_tools_fini(gone);
+    ss_tools_fini(&gone->tools);
     ss_arena_free(&gone->arena);
     ss_memory_free(gone);
 }
@@ -361,12 +352,13 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
     hash = ss_hash_bytes(hash, &body->pool, sizeof body->pool);
     hash = ss_hash_bytes(hash, &body->is_slowed, sizeof body->is_slowed);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k];
+        const ss_tool *tool = &body->tools.tool[k];
+        const ss_body_touch *felt = &body->felt[k];
         if (tool->is_used) {
-            hash = ss_hash_bytes(hash, tool->shape_y, ss_body_bytes(body));
-            hash = ss_hash_bytes(hash, tool->shape_step, ss_body_bytes(body));
+            hash = ss_hash_bytes(hash, felt->shape_y, ss_body_bytes(body));
+            hash = ss_hash_bytes(hash, felt->shape_step, ss_body_bytes(body));
             hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
-            hash = ss_hash_bytes(hash, &tool->age, sizeof tool->age);
+            hash = ss_hash_bytes(hash, &felt->age, sizeof felt->age);
             hash = ss_grasp_hash(&tool->grasp, hash);
         }
     }
@@ -404,23 +396,12 @@ void ss_body_reset(ss_body *body)
 
 static void explain_tool(const ss_body *body, int index, const ss_printer *out)
 {
-    const ss_body_tool *tool = &body->tool[index];
+    const ss_tool *tool = &body->tools.tool[index];
     const double depth =
         sqrt(body->plan.max_force / (3.14159265358979 * tool->stiffness * tool->radius));
     ss_say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
            index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
-    if (depth > 0.2 * tool->radius) {
-        ss_say(out, "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
-               index, depth / tool->radius,
-               ss_plan_contact_remedy(&body->plan, tool->stiffness, tool->radius));
-    }
-    const double edge = ss_surface_mean_edge(body->surface);
-    if (tool->radius < 0.5 * edge) {
-        ss_say(out,
-               "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
-               "force will ripple; refine the mesh",
-               index, tool->radius, edge);
-    }
+    ss_tool_say_limits(tool, index, &body->plan, ss_surface_mean_edge(body->tools.surface), out);
 }
 
 void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *text), void *sink)
@@ -443,7 +424,7 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
     }
     if (!body->is_held && body->has_gravity) {
         ss_say(&out, "warning: gravity acts and supports do not hold the body: it falls");
-    } else if (!body->is_held && body->surface) {
+    } else if (!body->is_held && body->tools.surface) {
         ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
                      "of it with object.fixed");
     }
@@ -454,12 +435,13 @@ void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *t
         ss_say(&out, "left out: gravity");
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (body->tool[k].is_used) {
+        if (body->tools.tool[k].is_used) {
             explain_tool(body, k, &out);
         }
     }
-    if (body->surface) {
-        ss_say(&out, "contact: %lld samples", (long long)ss_surface_sample_count(body->surface));
+    if (body->tools.surface) {
+        ss_say(&out, "contact: %lld samples",
+               (long long)ss_surface_sample_count(body->tools.surface));
     } else {
         ss_say(&out, "left out: contact (no tool)");
     }

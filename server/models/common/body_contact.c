@@ -59,23 +59,20 @@ static double mean_sigma(const ss_body *body)
     return sum > 0.0 ? mass / sum : (double)INFINITY;
 }
 
-static softsim_status create_tool(ss_body *body, ss_body_tool *tool, const ss_shape *shape)
+static softsim_status create_tool(ss_body *body, int index)
 {
     const ss_model_plan *plan = &body->plan;
-    const double radius = ss_shape_curvature_radius(shape);
-    tool->is_used = true;
-    tool->shape = shape;
+    ss_tool *tool = &body->tools.tool[index];
+    const double radius = ss_shape_curvature_radius(&plan->tool[index].shape);
+    const size_t quads = (size_t)body->nodes.padded_count * 4;
     tool->reach = plan->contact_reach > 0.0
                       ? plan->contact_reach
-                      : fmax(ss_surface_mean_edge(body->surface), 0.5 * radius);
+                      : fmax(ss_surface_mean_edge(body->tools.surface), 0.5 * radius);
     tool->radius = radius > 0.0 ? radius : tool->reach;
-    const ss_touch_options options = {.delta = tool->reach, .stiffness = 1.0};
-    const softsim_status status = ss_touch_create(body->surface, shape, &options, &tool->touch);
-    const size_t quads = (size_t)body->nodes.padded_count * 4;
-    tool->shape_y = ss_arena_get(&body->arena, quads, sizeof *tool->shape_y);
-    tool->shape_step = ss_arena_get(&body->arena, quads, sizeof *tool->shape_step);
-    ss_grasp_init(&tool->grasp, body->skin->node_count, &body->arena);
-    return status == SOFTSIM_OK ? ss_arena_status(&body->arena) : status;
+    tool->stiffness = 1.0; /* until the planned step is known */
+    body->felt[index].shape_y = ss_arena_get(&body->arena, quads, sizeof(ss_real));
+    body->felt[index].shape_step = ss_arena_get(&body->arena, quads, sizeof(ss_real));
+    return ss_tools_open(&body->tools, plan, index, &body->arena);
 }
 
 static softsim_status allocate(ss_body *body)
@@ -102,16 +99,15 @@ static softsim_status allocate(ss_body *body)
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
 {
     const ss_model_plan *plan = &body->plan;
-    const double smallest = ss_plan_smallest_tool(plan);
     softsim_status status = allocate(body);
     body->sigma = body->has_skin ? body->own.skin.sigma : mean_sigma(body);
     if (status != SOFTSIM_OK || body->sigma < 0.0) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    status = ss_surface_create(body->skin, smallest, plan->contact_parts, &body->surface, error);
+    status = ss_tools_create(&body->tools, body->skin, plan, error);
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
-            status = create_tool(body, &body->tool[k], &body->plan.tool[k].shape);
+            status = create_tool(body, k);
         }
     }
     return status;
@@ -121,11 +117,12 @@ void ss_body_set_contact_stiffness(ss_body *body)
 {
     const double h = body->own.planned_step;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
+        ss_tool *tool = &body->tools.tool[k];
         if (tool->is_used) {
             const double wanted =
-                body->has_skin ? MIN_CONTACT_SHARE
-                               : CONTACT_SHARE * ss_surface_mean_edge(body->surface) / tool->radius;
+                body->has_skin
+                    ? MIN_CONTACT_SHARE
+                    : CONTACT_SHARE * ss_surface_mean_edge(body->tools.surface) / tool->radius;
             const double share = fmin(fmax(wanted, MIN_CONTACT_SHARE), MAX_CONTACT_SHARE);
             const double stable = isfinite(h) ? share * body->sigma / (h * h) : (double)INFINITY;
             tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);
@@ -134,52 +131,28 @@ void ss_body_set_contact_stiffness(ss_body *body)
     }
 }
 
-void ss_body_tools_fini(ss_body *body)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_touch_destroy(&body->tool[k].touch);
-    }
-    ss_surface_destroy(&body->surface);
-}
-
 void ss_body_tools_reset(ss_body *body)
 {
     body->fitted_step = -1;
+    ss_tools_reset(&body->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
-        tool->is_present = tool->was_touching = false;
-        tool->grasp.is_pressed = false;
-        tool->grasp.count = 0;
-        tool->grasp.square = 0.0;
-        tool->felt = tool->viscosity = tool->penalty = 0.0;
-        tool->age = 0;
-        ss_set3(tool->push_normal, 0.0, 0.0, 0.0);
-        ss_set3(tool->force, 0.0, 0.0, 0.0);
-        ss_set3(tool->torque, 0.0, 0.0, 0.0);
-        if (tool->is_used) {
-            memset(tool->shape_y, 0, ss_body_bytes(body));
-            memset(tool->shape_step, 0, ss_body_bytes(body));
+        ss_body_touch *felt = &body->felt[k];
+        felt->viscosity = 0.0;
+        felt->age = 0;
+        if (body->tools.tool[k].is_used) {
+            memset(felt->shape_y, 0, ss_body_bytes(body));
+            memset(felt->shape_step, 0, ss_body_bytes(body));
         }
     }
 }
 
 /* ---- on the way ---- */
 
-/* Where a tool is on its way; exactly at both ends, so that the next step finds it there. */
-static void pose_at(const ss_body_tool *tool, double path, ss_tool_pose *out)
-{
-    if (path > 0.0 && path < 1.0) {
-        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
-    } else {
-        *out = path > 0.0 ? tool->to : tool->from;
-    }
-}
-
 /* The contact surface at the displacements that a step begins or ends with. Once for both: the end
  * of one is the beginning of the next. */
 static void refit(ss_body *body, const ss_real *u)
 {
-    ss_surface_refit(body->surface, u);
+    ss_surface_refit(body->tools.surface, u);
     body->fitted_step = body->step;
 }
 
@@ -191,12 +164,12 @@ static int32_t gather(ss_body *body, const ss_real *u, double path)
     int32_t count = 0;
     bool is_refitted = false;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
+        ss_tool *tool = &body->tools.tool[k];
         if (!tool->is_present) {
             continue;
         }
         ss_tool_pose from;
-        pose_at(tool, path, &from);
+        ss_tool_at(tool, path, &from);
         if (!is_refitted && (body->fitted_step != body->step ||
                              !ss_touch_is_gathered(tool->touch, u, &from, &tool->to))) {
             refit(body, u);
@@ -218,35 +191,21 @@ static const ss_real *lay_skin(ss_body *body, const ss_real *u)
 void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *own = &body->tool[k];
-        const bool is_present = own->is_used && tool && tool[k].is_present;
-        if (is_present) {
-            own->from = tool[k].from;
-            own->to = tool[k].to;
-            ss_tool_turn(&own->from, &own->to, own->turn);
-        }
-        if (is_present != own->is_present ||
-            (is_present && memcmp(&own->from, &own->pose, sizeof own->pose) != 0)) {
+        ss_tool *own = &body->tools.tool[k];
+        if (ss_tool_take(own, tool ? &tool[k] : NULL) != SS_TOOL_KEPT) {
             body->is_ready = false;
-            /* What jumps lets go: springs stretched at once across the jump are no grasp. */
-            if (!is_present ||
-                ss_tool_motion_bound(own->shape, &own->pose, &own->from) > 0.25 * own->radius) {
-                own->grasp.count = 0;
-            }
         }
-        if (!is_present) {
-            own->grasp.is_pressed = false;
+        if (!own->is_present) {
             own->was_touching = false;
             own->penalty = 0.0;
         }
-        own->is_present = is_present;
     }
 }
 
 void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *own = &body->tool[k];
+        ss_tool *own = &body->tools.tool[k];
         if (!own->is_present) {
             continue;
         }
@@ -264,7 +223,7 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
                 ss_touch_weigh(own->touch, u, body->has_skin ? NULL : body->is_source, &own->pose,
                                &node, &weight, &total);
             ss_grasp_take(&own->grasp, count, node, weight, SS_GRASP_SHARE * own->stiffness,
-                          (const double(*)[3])body->skin->position, u, &own->pose);
+                          body->tools.rest, u, &own->pose);
         }
         own->grasp.is_pressed = tool[k].is_grasping;
     }
@@ -272,14 +231,7 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
 
 int32_t ss_body_motion_steps(ss_body *body)
 {
-    double steps = 1.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k];
-        if (tool->is_present) {
-            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
-            steps = fmax(steps, ceil(4.0 * way / tool->radius - 1e-9));
-        }
-    }
+    const double steps = ss_tools_parts(&body->tools);
     if (steps > 1.0 && gather(body, lay_skin(body, body->nodes.u), 0.0) == 0) {
         return 1;
     }
@@ -288,11 +240,7 @@ int32_t ss_body_motion_steps(ss_body *body)
 
 bool ss_body_has_contact(const ss_body *body)
 {
-    bool is_any = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        is_any = is_any || body->tool[k].is_present;
-    }
-    return is_any;
+    return ss_tools_is_any(&body->tools);
 }
 
 /* Skin forces of the `count` nodes go to the body's and are cleared. */
@@ -313,17 +261,12 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
     ss_real *target = body->has_skin ? body->skin_force : force;
     gather(body, skin_u, path);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
+        ss_tool *tool = &body->tools.tool[k];
         if (!tool->is_present) {
             continue;
         }
-        pose_at(tool, path, &tool->pose);
-        ss_set3(tool->force, 0.0, 0.0, 0.0);
-        ss_set3(tool->torque, 0.0, 0.0, 0.0);
-        tool->penalty =
-            ss_touch_penalty(tool->touch, skin_u, &tool->pose, target, tool->force, tool->torque);
-        ss_grasp_add_forces(&tool->grasp, (const double(*)[3])body->skin->position, skin_u,
-                            &tool->pose, target, tool->force, tool->torque);
+        ss_tool_at(tool, path, &tool->pose);
+        ss_tools_press(&body->tools, tool, skin_u, target, target);
         if (body->has_skin) {
             const int32_t *node;
             const int32_t count = ss_touch_reach(tool->touch, &node);
@@ -333,42 +276,14 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
     }
 }
 
-double ss_body_contact_energy(const ss_body *body)
-{
-    double energy = 0.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k];
-        energy += tool->is_present ? tool->penalty : 0.0;
-        energy += tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0;
-    }
-    return energy;
-}
-
-double ss_body_tool_work(const ss_body *body)
-{
-    double work = 0.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k];
-        if (tool->is_present) {
-            double way[3];
-            ss_sub3(way, tool->to.position, tool->from.position);
-            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
-        }
-    }
-    return work;
-}
-
 /* ---- stiffness ---- */
 
 /* The contact's and the grasp's rows of one tool onto skin_stiff; then to `diagonal`, clearing. */
-static void add_tool_diagonal(ss_body *body, ss_body_tool *tool, double *diagonal)
+static void add_tool_diagonal(ss_body *body, const ss_tool *tool, double *diagonal)
 {
     const int32_t *node;
     const int32_t count = ss_touch_reach(tool->touch, &node);
-    ss_touch_diagonal(tool->touch, body->skin_stiff);
-    for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        body->skin_stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
-    }
+    ss_tool_add_diagonal(tool, body->skin_stiff);
     for (int part = 0; part < 2; ++part) {
         const int32_t *list = part == 0 ? node : tool->grasp.node;
         const int32_t length = part == 0 ? count : tool->grasp.count;
@@ -386,8 +301,8 @@ static void add_tool_diagonal(ss_body *body, ss_body_tool *tool, double *diagona
 void ss_body_contact_diagonal(ss_body *body, double *diagonal)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (body->tool[k].is_present) {
-            add_tool_diagonal(body, &body->tool[k], diagonal);
+        if (body->tools.tool[k].is_present) {
+            add_tool_diagonal(body, &body->tools.tool[k], diagonal);
         }
     }
 }
@@ -397,16 +312,12 @@ static int32_t list_stiff(ss_body *body)
 {
     int32_t count = 0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k];
-        if (tool->is_present) {
-            ss_touch_diagonal(tool->touch, body->skin_stiff);
-        }
-        for (int32_t i = 0; tool->is_present && i < tool->grasp.count; ++i) {
-            body->skin_stiff[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+        if (body->tools.tool[k].is_present) {
+            ss_tool_add_diagonal(&body->tools.tool[k], body->skin_stiff);
         }
     }
     for (int k = 0; k < 2 * SOFTSIM_MAX_PROBES; ++k) {
-        const ss_body_tool *tool = &body->tool[k / 2];
+        const ss_tool *tool = &body->tools.tool[k / 2];
         const int32_t *node = tool->grasp.node;
         const int32_t length = !tool->is_present ? 0
                                : k % 2 == 0      ? ss_touch_reach(tool->touch, &node)
@@ -428,9 +339,9 @@ double ss_body_contact_rate2(ss_body *body)
     bool is_held = false;
     double largest = 0.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        is_held = is_held || body->tool[k].grasp.count > 0;
+        is_held = is_held || body->tools.tool[k].grasp.count > 0;
     }
-    if (!is_held && (!ss_body_has_contact(body) || ss_body_contact_energy(body) == 0.0)) {
+    if (!is_held && (!ss_body_has_contact(body) || ss_tools_energy(&body->tools) == 0.0)) {
         return 0.0;
     }
     const int32_t count = list_stiff(body);
@@ -453,30 +364,19 @@ double ss_body_contact_rate2(ss_body *body)
 
 void ss_body_contact_tangent(ss_body *body, const ss_real *x, ss_real *out)
 {
-    static const double still[3] = {0.0, 0.0, 0.0};
     if (!ss_body_has_contact(body)) {
         return;
     }
     /* The motion of the skin is linear in that of the nodes, so that `lay` serves both. */
     const ss_real *skin_x = lay_skin(body, x);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
+        ss_tool *tool = &body->tools.tool[k];
         if (!tool->is_present) {
             continue;
         }
         const int32_t *node;
         const int32_t count = ss_touch_reach(tool->touch, &node);
-        double unused[3] = {0.0, 0.0, 0.0};
-        if (tool->penalty > 0.0) {
-            ss_touch_tangent(tool->touch, skin_x, still, body->skin_force, unused);
-        }
-        for (int32_t i = 0; i < tool->grasp.count; ++i) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
-            const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
-            for (int a = 0; a < 3; ++a) {
-                body->skin_force[at + a] -= stiffness * skin_x[at + a];
-            }
-        }
+        ss_tool_add_change(tool, skin_x, body->skin_force);
         for (int part = 0; part < 2; ++part) {
             const int32_t *list = part == 0 ? node : tool->grasp.node;
             const int32_t length = part == 0 ? count : tool->grasp.count;
@@ -515,31 +415,18 @@ double ss_body_path_start(const ss_body *body)
 
 void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
 {
-    memset(out, 0, sizeof *out);
-    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !body->is_ready ||
-        !body->tool[probe].is_present) {
+    ss_tool *tool = ss_tools_find(&body->tools, probe, out);
+    if (!tool || !body->is_ready) {
         return;
     }
-    ss_body_tool *tool = &body->tool[probe];
     const ss_real *u = lay_skin(body, body->nodes.u);
     if (body->fitted_step != body->step) {
         refit(body, u);
     }
-    ss_touch_contacts(tool->touch, u, &tool->pose, near, out);
-    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
-    ss_copy3(out->force, tool->force);
-    ss_copy3(out->torque, tool->torque);
-    const bool is_touching = tool->penalty > 0.0 || tool->grasp.count > 0;
-    if (out->count > 0 && is_touching) {
-        double normal[3];
-        ss_contact_set_direction(out, tool->force, normal);
-        ss_body_feel(body, tool, normal);
-        ss_contact_set_share(out, normal, tool->felt, tool->viscosity);
-    } else {
-        for (int32_t k = 0; k < out->count; ++k) {
-            out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
-            out->contact[k].tangential = out->contact[k].stiffness;
-        }
+    double normal[3];
+    if (ss_tool_fill_contacts(tool, u, near, out, normal)) {
+        ss_body_feel(body, probe, normal);
+        ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
     }
-    tool->was_touching = is_touching;
+    tool->was_touching = ss_tool_is_touching(tool);
 }

@@ -139,10 +139,10 @@ static void solve_some(ss_body *body, ss_real *y, int iterations)
  * moved since: least over the preconditioned residual and the step before together, which is
  * conjugate gradients where nothing moved. Each call for itself would be steepest descent, which
  * never got there: a ventricle pressed 14 mm deep was felt with 194 N/m for ever, of 55. */
-static void solve_on(ss_body *body, ss_body_tool *tool)
+static void solve_on(ss_body *body, const ss_body_touch *felt)
 {
     ss_body_solver *solver = &body->solver;
-    ss_real *y = tool->shape_y, *step = tool->shape_step;
+    ss_real *y = felt->shape_y, *step = felt->shape_step;
     const int32_t n = body->nodes.padded_count;
     precondition(body);
     apply(body, solver->scaled, solver->product);
@@ -188,21 +188,12 @@ static void carry_push(ss_body *body, int32_t count, const int32_t *node)
 }
 
 /* c into solver.push; returns k_cc. */
-static double push_along(ss_body *body, const ss_body_tool *tool, const double normal[3])
+static double push_along(ss_body *body, const ss_tool *tool, const double normal[3])
 {
-    double on_tool[3] = {0.0, 0.0, 0.0};
     const int32_t *node;
     const int32_t count = ss_touch_reach(tool->touch, &node);
     memset(body->solver.push, 0, ss_body_bytes(body));
-    ss_touch_tangent(tool->touch, NULL, normal, body->skin_force, on_tool);
-    double stiffness = -ss_dot3(on_tool, normal);
-    for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        const double k = tool->grasp.share * tool->grasp.stiffness[i];
-        for (int a = 0; a < 3; ++a) {
-            body->skin_force[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
-        }
-        stiffness += k;
-    }
+    const double stiffness = ss_tool_push(tool, normal, body->skin_force);
     carry_push(body, count, node);
     carry_push(body, tool->grasp.count, tool->grasp.node);
     return stiffness;
@@ -226,38 +217,40 @@ static double damping_met(ss_body *body, const ss_real *y)
     return body->own.mass_damping * mass + viscous * stiff;
 }
 
-void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3])
+void ss_body_feel(ss_body *body, int probe, const double normal[3])
 {
+    ss_tool *tool = &body->tools.tool[probe];
+    ss_body_touch *touch = &body->felt[probe];
     if (!tool->was_touching) {
-        memset(tool->shape_y, 0, ss_body_bytes(body));
-        memset(tool->shape_step, 0, ss_body_bytes(body));
-        tool->age = 0;
+        memset(touch->shape_y, 0, ss_body_bytes(body));
+        memset(touch->shape_step, 0, ss_body_bytes(body));
+        touch->age = 0;
     }
-    const bool is_due = tool->age < YOUNG || tool->age % EVERY == 0;
-    ++tool->age;
+    const bool is_due = touch->age < YOUNG || touch->age % EVERY == 0;
+    ++touch->age;
     if (!is_due) {
         return;
     }
     const int32_t n = body->nodes.padded_count;
     const double k_cc = push_along(body, tool, normal);
     set_inverse(body);
-    set_residual(body, tool->shape_y);
-    follow_displacement(body, tool->shape_y);
+    set_residual(body, touch->shape_y);
+    follow_displacement(body, touch->shape_y);
     if (tool->was_touching) {
-        solve_on(body, tool);
+        solve_on(body, touch);
     } else {
-        solve_some(body, tool->shape_y, FIRST_ITERATIONS);
+        solve_some(body, touch->shape_y, FIRST_ITERATIONS);
     }
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
-    const double felt = k_cc - ss_body_dot(n, tool->shape_y, body->solver.push) -
-                        ss_body_dot(n, tool->shape_y, body->solver.residual);
+    const double felt = k_cc - ss_body_dot(n, touch->shape_y, body->solver.push) -
+                        ss_body_dot(n, touch->shape_y, body->solver.residual);
     tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
     if (!isfinite(felt)) {
-        memset(tool->shape_y, 0, ss_body_bytes(body));
-        memset(tool->shape_step, 0, ss_body_bytes(body));
+        memset(touch->shape_y, 0, ss_body_bytes(body));
+        memset(touch->shape_step, 0, ss_body_bytes(body));
     }
-    const double viscosity = damping_met(body, tool->shape_y);
-    tool->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+    const double viscosity = damping_met(body, touch->shape_y);
+    touch->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
 }
 
 /* ---- at rest ---- */
@@ -322,7 +315,7 @@ static void push_node(ss_body *body, int32_t node)
 
 softsim_status ss_body_set_rest_felt(ss_body *body)
 {
-    if (!body->surface) {
+    if (!body->tools.surface) {
         return SOFTSIM_OK;
     }
     double *area = ss_memory_get((size_t)body->skin->node_count, sizeof *area);
@@ -341,12 +334,12 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
     double compliance = 0.0;
     ss_real *y = NULL;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_body_tool *tool = &body->tool[k];
+        ss_tool *tool = &body->tools.tool[k];
         if (!tool->is_used) {
             continue;
         }
         if (!y && node >= 0) { /* the body is the same for all tools */
-            y = tool->shape_y;
+            y = body->felt[k].shape_y;
             push_node(body, node);
             set_inverse(body);
             set_residual(body, y);
@@ -354,10 +347,7 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
             compliance = ss_body_dot(body->nodes.padded_count, y, body->solver.push);
             memset(y, 0, ss_body_bytes(body));
         }
-        /* The contact itself, a tenth of R deep: F = pi kc R p^2. */
-        const double contact =
-            0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
-        tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
+        ss_tool_set_rest_felt(tool, compliance);
     }
     return SOFTSIM_OK;
 }

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* ---- set-up ---- */
@@ -29,52 +28,17 @@ static void take_driven_mobility(ss_body *body, const ss_prescribed *set)
     }
 }
 
-static softsim_status list_loaded(ss_body *body)
-{
-    uint8_t *mark = ss_memory_get((size_t)body->mesh_count, 1);
-    body->loaded = ss_arena_get(&body->arena, (size_t)body->mesh_count, sizeof *body->loaded);
-    if (!mark || !body->loaded) {
-        ss_memory_free(mark);
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t l = 0; l < body->plan.load_count; ++l) {
-        for (int32_t k = 0; k < body->plan.load[l].node_count; ++k) {
-            mark[body->plan.load[l].node[k]] = 1;
-        }
-    }
-    for (int32_t i = 0; i < body->mesh_count; ++i) {
-        if (mark[i]) {
-            body->loaded[body->loaded_count++] = i;
-        }
-    }
-    ss_memory_free(mark);
-    return SOFTSIM_OK;
-}
-
 softsim_status ss_body_loads_create(ss_body *body, softsim_error *error)
 {
     const ss_model_plan *plan = &body->plan;
-    softsim_status status = SOFTSIM_OK;
-    body->load = ss_arena_get(&body->arena, (size_t)plan->load_count, sizeof *body->load);
+    const softsim_status status =
+        ss_loads_create(&body->loads, plan, body->own.name, false, &body->arena, error);
     body->driven = ss_arena_get(&body->arena, (size_t)plan->prescribed_count, sizeof *body->driven);
-    if (!body->load || !body->driven) {
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t k = 0; k < plan->load_count; ++k) {
-        ss_body_load *load = &body->load[k];
-        load->plan = &plan->load[k];
-        if (load->plan->is_pressure) {
-            const softsim_status found =
-                ss_plan_pressure_triangles(plan, body->own.name, k, &body->arena, &load->triangle,
-                                           &load->triangle_count, error);
-            status = status == SOFTSIM_OK ? found : status;
-        }
-    }
-    for (int32_t k = 0; k < plan->prescribed_count; ++k) {
+    for (int32_t k = 0; body->driven && k < plan->prescribed_count; ++k) {
         ss_driven_set_init(&body->driven[k], &plan->prescribed[k], &body->arena);
         take_driven_mobility(body, &plan->prescribed[k]);
     }
-    return status == SOFTSIM_OK ? list_loaded(body) : status;
+    return status == SOFTSIM_OK ? ss_arena_status(&body->arena) : status;
 }
 
 /* ---- forces ---- */
@@ -90,44 +54,19 @@ static void add_gravity(ss_body *body, int32_t node)
 /* Everything on the loaded nodes anew; gravity on the others does not change. */
 static void build_loads(ss_body *body)
 {
-    for (int32_t k = 0; k < body->loaded_count; ++k) {
-        memset(body->load_force + 4 * (ptrdiff_t)body->loaded[k], 0, 4 * sizeof(ss_real));
-        if (body->has_gravity) {
-            add_gravity(body, body->loaded[k]);
-        }
+    ss_loads_clear(&body->loads, body->load_force);
+    for (int32_t k = 0; body->has_gravity && k < body->loads.node_count; ++k) {
+        add_gravity(body, body->loads.node[k]);
     }
-    for (int32_t l = 0; l < body->plan.load_count; ++l) {
-        const ss_body_load *load = &body->load[l];
-        const ss_load *plan = load->plan;
-        if (load->factor != 0.0 && plan->is_pressure) {
-            ss_plan_add_pressure(body->plan.mesh, load->triangle_count, load->triangle,
-                                 body->nodes.u, load->factor * plan->pressure, body->load_force);
-        } else if (load->factor != 0.0) {
-            double f[3];
-            ss_scale3(f, plan->force, load->factor / plan->node_count);
-            for (int32_t k = 0; k < plan->node_count; ++k) {
-                ss_real *at = body->load_force + 4 * (ptrdiff_t)plan->node[k];
-                for (int a = 0; a < 3; ++a) {
-                    at[a] += (ss_real)f[a];
-                }
-            }
-        }
-    }
+    ss_loads_add(&body->loads, body->nodes.u, 1.0, body->load_force);
 }
 
 bool ss_body_loads_update(ss_body *body, double time)
 {
-    bool is_changed = false;
-    for (int32_t l = 0; l < body->plan.load_count; ++l) {
-        ss_body_load *load = &body->load[l];
-        const double factor = ss_plan_load_factor(load->plan, time);
-        is_changed =
-            is_changed || factor != load->factor || (load->plan->is_pressure && factor != 0.0);
-        load->factor = factor;
-    }
+    const bool is_changed = ss_loads_update(&body->loads, time);
     if (is_changed) {
-        for (int32_t k = 0; k < body->loaded_count; ++k) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)body->loaded[k];
+        for (int32_t k = 0; k < body->loads.node_count; ++k) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)body->loads.node[k];
             memcpy(body->old_load + at, body->load_force + at, 4 * sizeof(ss_real));
         }
         build_loads(body);
@@ -139,9 +78,7 @@ bool ss_body_loads_update(ss_body *body, double time)
 void ss_body_loads_reset(ss_body *body)
 {
     memset(body->load_force, 0, ss_body_bytes(body));
-    for (int32_t l = 0; l < body->plan.load_count; ++l) {
-        body->load[l].factor = 0.0;
-    }
+    ss_loads_reset(&body->loads);
     for (int32_t i = 0; body->has_gravity && i < body->nodes.count; ++i) {
         add_gravity(body, i);
     }
@@ -196,8 +133,8 @@ double ss_body_loads_work(const ss_body *body)
     for (int32_t i = 0; body->has_gravity && i < body->nodes.count; ++i) {
         work += work_at(body, i);
     }
-    for (int32_t k = 0; !body->has_gravity && k < body->loaded_count; ++k) {
-        work += work_at(body, body->loaded[k]);
+    for (int32_t k = 0; !body->has_gravity && k < body->loads.node_count; ++k) {
+        work += work_at(body, body->loads.node[k]);
     }
     return work;
 }
@@ -206,8 +143,8 @@ double ss_body_loads_lag_work(const ss_body *body)
 {
     const double lag = body->nodes.kick_lag;
     double power = 0.0;
-    for (int32_t k = 0; lag > 0.0 && k < body->loaded_count; ++k) {
-        const ptrdiff_t at = 4 * (ptrdiff_t)body->loaded[k];
+    for (int32_t k = 0; lag > 0.0 && k < body->loads.node_count; ++k) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)body->loads.node[k];
         for (ptrdiff_t a = at; a < at + 3; ++a) {
             const double change = (double)body->load_force[a] - (double)body->old_load[a];
             power += body->nodes.mobility[a] > 0 ? change * (double)body->nodes.v[a] : 0.0;

@@ -6,38 +6,17 @@
  * Thread: as body.h says.
  */
 #include "models/common/body.h"
-#include "models/common/grasp.h"
+#include "models/common/loads.h"
 #include "models/common/plan.h"
+#include "models/common/tools.h"
 
-typedef struct ss_body_tool {
-    bool is_used; /* has a row in the scene */
-    const ss_shape *shape;
-    ss_touch *touch;
-    double radius, reach, stiffness; /* R, delta (m), kc (N/m^3) */
-    ss_grasp grasp;
-    /* state */
-    bool is_present;
-    ss_tool_pose pose;     /* where the forces below were evaluated */
-    ss_tool_pose from, to; /* of the outer step */
-    double turn[3];        /* rotation vector from `from` to `to` */
-    double force[3], torque[3];
-    double penalty; /* J */
-    /* stiffness as the tool feels it */
+/* How stiff a tool feels the body, kept from step to step. */
+typedef struct ss_body_touch {
     ss_real *shape_y;    /* motion of the nodes per unit motion of the tool along its push, */
     ss_real *shape_step; /* and how it was last improved */
-    double push_normal[3];
-    bool was_touching;
-    int32_t age;            /* calls since the estimate was last improved */
-    double felt, rest_felt; /* N/m: last in contact, and at rest */
-    double viscosity;       /* N s/m */
-} ss_body_tool;
-
-typedef struct ss_body_load {
-    const ss_load *plan;
-    int32_t triangle_count; /* pressure */
-    int32_t *triangle;
-    double factor; /* now acting */
-} ss_body_load;
+    int32_t age;         /* calls since the estimate was last improved */
+    double viscosity;    /* N s/m */
+} ss_body_touch;
 
 /* Conjugate gradients of the tangent, node arrays. */
 typedef struct ss_body_solver {
@@ -56,7 +35,6 @@ struct ss_body {
     ss_model_plan plan; /* `param` is NULL */
     ss_body_nodes nodes;
     int32_t mesh_count;
-    ss_surface *surface;
     const ss_mesh *skin; /* what the contact acts on: the mesh, or the model's own surface */
     bool has_skin;       /* the model's own */
     bool is_held;        /* supports, or its own law, stop every rigid motion */
@@ -71,11 +49,10 @@ struct ss_body {
     ss_real *mass;      /* nodes.mass, for the kernels */
     uint8_t *is_idle;   /* by block of nodes: none has a mass */
     uint8_t *is_source; /* nodes that a grasp may take hold of */
-    ss_body_tool tool[SOFTSIM_MAX_PROBES];
-    ss_body_load *load;
+    ss_tools tools;
+    ss_body_touch felt[SOFTSIM_MAX_PROBES];
+    ss_loads loads;
     ss_driven_set *driven;
-    int32_t *loaded; /* nodes that loads push */
-    int32_t loaded_count;
     ss_real *load_force, *old_load; /* N; loads and gravity, and those of the step before */
     /* state beside nodes.u and nodes.v */
     int64_t step;
@@ -193,7 +170,6 @@ double ss_body_driven_power(const ss_body *body);
 softsim_status ss_body_tools_create(ss_body *body, softsim_error *error);
 /* kc of all tools, for the planned step. Thread: set-up only. */
 void ss_body_set_contact_stiffness(ss_body *body);
-void ss_body_tools_fini(ss_body *body);
 void ss_body_tools_reset(ss_body *body);
 /* Takes over where the tools go: not ready where one came, left or jumped. */
 void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
@@ -203,10 +179,6 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
 int32_t ss_body_motion_steps(ss_body *body);
 /* Adds contact and grasps at displacements `u`, tools at `path`, to `force`. */
 void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *force);
-/* J: penalty and grasps at the last evaluation. */
-double ss_body_contact_energy(const ss_body *body);
-/* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
-double ss_body_tool_work(const ss_body *body);
 /* An upper bound of omega^2 of the contact alone, 1/s^2, at the last evaluation. */
 double ss_body_contact_rate2(ss_body *body);
 /* Fills tool->rest_felt. Thread: set-up only. */
@@ -214,5 +186,5 @@ softsim_status ss_body_set_rest_felt(ss_body *body);
 
 /* ---- body_felt.c: how stiff a tool feels it ---- */
 
-/* Improves tool->felt and tool->viscosity for a push along `normal`. */
-void ss_body_feel(ss_body *body, ss_body_tool *tool, const double normal[3]);
+/* Improves felt and viscosity of tool `probe` for a push along `normal`. */
+void ss_body_feel(ss_body *body, int probe, const double normal[3]);

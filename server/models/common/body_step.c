@@ -93,7 +93,7 @@ static void evaluate(ss_body *body, double path, bool has_energies)
     body->has_elastic = has_law;
     body->power = energy.power;
     if (has_energies) {
-        body->elastic = energy.elastic + ss_body_contact_energy(body);
+        body->elastic = energy.elastic + ss_tools_energy(&body->tools);
         body->is_above = energy.is_above;
         set_motion(body);
     }
@@ -341,20 +341,6 @@ static void place_driven(ss_body *body, double path, double fraction, double h, 
     }
 }
 
-static void fade_grasps(ss_body *body, double h)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_grasp_fade(&body->tool[k].grasp, h);
-    }
-}
-
-static void settle_grasps(ss_body *body)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        body->dissipated += ss_grasp_settle(&body->tool[k].grasp, true);
-    }
-}
-
 /* False when a number is not finite. */
 static bool advance(ss_body *body, double h, double path, double fraction, double next)
 {
@@ -374,9 +360,9 @@ static bool advance(ss_body *body, double h, double path, double fraction, doubl
 static void move_tools(ss_body *body, double path)
 {
     if (ss_body_has_contact(body)) {
-        const double before = ss_body_contact_energy(body);
+        const double before = ss_tools_energy(&body->tools);
         ss_body_external(body, body->nodes.u, path);
-        body->work += ss_body_contact_energy(body) - before;
+        body->work += ss_tools_energy(&body->tools) - before;
     }
 }
 
@@ -404,11 +390,11 @@ static bool substep(ss_body *body, progress *p)
     if (has_implicit_contact(body)) {
         move_tools(body, next);
     } else {
-        body->work += 0.5 * fraction * ss_body_tool_work(body);
+        body->work += 0.5 * fraction * ss_tools_work(&body->tools);
     }
     const bool is_finite = advance(body, h, p->path, fraction, next);
     place_driven(body, next, fraction, h, false);
-    fade_grasps(body, h);
+    ss_tools_fade(&body->tools, h);
     if (is_finite && law->after_substep) {
         law->after_substep(law->owner, body, h);
     }
@@ -417,10 +403,10 @@ static bool substep(ss_body *body, progress *p)
     p->path = next;
     if (is_finite) {
         evaluate(body, next, !goes_on(body, p));
-        settle_grasps(body);
+        ss_tools_settle(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_driven_power(body));
         if (!has_implicit_contact(body)) {
-            body->work += 0.5 * fraction * ss_body_tool_work(body);
+            body->work += 0.5 * fraction * ss_tools_work(&body->tools);
         }
         set_bound(body);
     } else {
@@ -437,8 +423,8 @@ static void ready(ss_body *body, bool has_new_loads)
         evaluate(body, 0.0, true);
         body->work += body->elastic + body->kinetic - body->shadow + body->dissipated - before;
     } else if (has_new_loads) {
-        for (int32_t k = 0; k < body->loaded_count; ++k) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)body->loaded[k];
+        for (int32_t k = 0; k < body->loads.node_count; ++k) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)body->loads.node[k];
             for (ptrdiff_t a = at; a < at + 3; ++a) {
                 body->nodes.force[a] += body->load_force[a] - body->old_load[a];
             }

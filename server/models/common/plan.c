@@ -65,6 +65,12 @@ bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k)
     return set->axis[k] && isfinite(set->displacement[i][k]);
 }
 
+uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i)
+{
+    return (uint8_t)(ss_plan_is_driven(set, i, 0) | ss_plan_is_driven(set, i, 1) << 1 |
+                     ss_plan_is_driven(set, i, 2) << 2);
+}
+
 double ss_plan_ramp(double from, double ramp, double time)
 {
     if (time < from) {
@@ -316,10 +322,8 @@ static bool is_held(const ss_model_plan *plan, const double *size_of)
             double r[3];
             ss_sub3(r, mesh->position[set->node[i]], centre);
             ss_scale3(r, r, 1.0 / size);
-            const int mask = (ss_plan_is_driven(set, i, 0) ? 1 : 0) |
-                             (ss_plan_is_driven(set, i, 1) ? 2 : 0) |
-                             (ss_plan_is_driven(set, i, 2) ? 4 : 0);
-            add_constraint(matrix, r, size_of[set->node[i]] >= 0.0 ? (uint8_t)mask : 0);
+            add_constraint(matrix, r,
+                           size_of[set->node[i]] >= 0.0 ? ss_plan_driven_axes(set, i) : 0);
         }
     }
     return is_full_rank(matrix);

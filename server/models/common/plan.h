@@ -30,6 +30,8 @@ void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
 
 /* Is axis `k` of node `i` of a prescribed set driven? */
 bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
+/* The driven axes of node `i` of the set: bit 0 x, 1 y, 2 z. */
+uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i);
 /* 0 before `from`, 1 from `from` + `ramp` on. */
 double ss_plan_ramp(double from, double ramp, double time);
 /* The share of a load that acts at `time`. */

@@ -322,7 +322,7 @@ static double press_plate(bool is_grid, double across)
         s.class->step(s.model, s.time, 1e-3, tool);
         s.time += 1e-3;
     }
-    const double force = s.model->tool[0].force[2];
+    const double force = s.model->tools.tool[0].force[2];
     const int32_t middle = SIDE / 2 * SIDE + SIDE / 2;
     const double along_x = moved(&s, middle + (is_grid ? 3 * SIDE : 3), 2);
     const double along_y = moved(&s, middle + (is_grid ? 3 : 3 * SIDE), 2);
@@ -428,7 +428,7 @@ static double press(setup *s, double depth, double until)
         s->class->step(s->model, s->time, 1e-3, tool);
         s->time += 1e-3;
     }
-    return s->model->tool[0].force[2];
+    return s->model->tools.tool[0].force[2];
 }
 
 static void a_pressed_volume_moves_inside(void **state)
@@ -446,7 +446,7 @@ static void a_pressed_volume_moves_inside(void **state)
     }
     assert_near(m->smallest_sigma, sigma, 1e-12 * sigma);
     const double force = press(&s, 0.012, 1.0);
-    assert_true(force > 0.1 && m->tool[0].penalty > 0.0);
+    assert_true(force > 0.1 && m->tools.tool[0].penalty > 0.0);
     for (int32_t k = 0; k < m->tool[0].count; ++k) { /* touched on the surface alone */
         assert_true(m->network->surface_area[m->tool[0].node[k]] > 0.0);
     }
@@ -456,7 +456,7 @@ static void a_pressed_volume_moves_inside(void **state)
         assert_true(here > last);
         last = here;
     }
-    assert_true(fabs(m->tool[0].force[0]) < 0.02 * force);
+    assert_true(fabs(m->tools.tool[0].force[0]) < 0.02 * force);
     const ss_model_info info = info_of(&s);
     assert_true(info.active_nodes == s.mesh->node_count && info.fault_bits == 0);
     assert_near(ledger(&s), 0.0, 2e-3 * info.elastic);

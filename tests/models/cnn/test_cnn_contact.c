@@ -58,8 +58,8 @@ static void the_fan_under_a_sphere_has_its_closed_form(void **state)
         assert_near(own->source.eps, 0.08, BY_TYPE(1e-7, 1e-13));
         assert_near(own->source.modulus, 0.945, 1e-6);
         assert_near(ss_cnn_source_energy(s.model, &own->source), row[k].psi, BY_TYPE(1e-8, 1e-14));
-        assert_near(own->force[2], row[k].force, BY_TYPE(2e-6, 1e-11));
-        assert_near(own->penalty, row[k].penalty, BY_TYPE(1e-7, 1e-13));
+        assert_near(own->base->force[2], row[k].force, BY_TYPE(2e-6, 1e-11));
+        assert_near(own->base->penalty, row[k].penalty, BY_TYPE(1e-7, 1e-13));
         setup_fini(&s);
     }
 }
@@ -157,7 +157,7 @@ static void check_gradient(double height, double saturation, double wanted_ampli
     }
     double force[3];
     tool_potential(&s, tool);
-    ss_copy3(force, own->force);
+    ss_copy3(force, own->base->force);
     for (int k = 0; k < 3; ++k) { /* the tool's force is the same potential's */
         const double before = tool[0].to.position[k];
         double energy[2];
@@ -193,7 +193,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
     setup_deformed(&s, tool, 0.0415, 0.0, NULL);
     tool_potential(&s, tool);
     double sum[3], reaction[3];
-    ss_copy3(sum, s.model->tool[0].force);
+    ss_copy3(sum, s.model->tools.tool[0].force);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
             if (s.fixed[i] == 0) { /* what the node feels beside its spring */
@@ -213,7 +213,7 @@ static void forces_balance_and_move_with_body_and_tool(void **state)
 
 static double force_along(const setup *s, const double normal[3])
 {
-    return ss_dot3(s->model->tool[0].force, normal);
+    return ss_dot3(s->model->tools.tool[0].force, normal);
 }
 
 /* What the resting tool is told of its stiffness against what its force changes by when it moves.
@@ -269,7 +269,7 @@ static void the_stiffness_told_counts_the_grasp(void **state)
     press(&s, tool, 1, 0.001, PLATE_EDGE, 0.003);
     tool[0].is_grasping = true;
     settle(&s, 1e-3, tool, 200);
-    assert_true(s.model->tool[0].grasp.count > 0);
+    assert_true(s.model->tools.tool[0].grasp.count > 0);
     check_told(&s, tool);
     setup_fini(&s);
 }
@@ -333,7 +333,8 @@ static void contacts_tell_of_nearness_before_they_touch(void **state)
         s.class->contacts(s.model, 0, 0.005, &set);
     }
     assert_true(rest > 0.3 * set.contact[0].stiffness && rest < 3.0 * set.contact[0].stiffness);
-    assert_near(set.contact[0].force, ss_dot3(s.model->tool[0].force, set.contact[0].normal), 1e-9);
+    assert_near(set.contact[0].force, ss_dot3(s.model->tools.tool[0].force, set.contact[0].normal),
+                1e-9);
     setup_fini(&s);
 }
 
@@ -349,9 +350,9 @@ static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
     go(tool, 0.0, 0.0007, PLATE_EDGE - 0.003); /* 7 mm in 1 ms */
     step_tools(&s, 1e-3, tool);
     assert_true(info_of(&s).substeps >= 6);
-    assert_true(s.model->tool[0].force[2] > 0.0);
+    assert_true(s.model->tools.tool[0].force[2] > 0.0);
     settle(&s, 1e-3, tool, 200);
-    assert_true(s.model->tool[0].force[2] > 0.05);
+    assert_true(s.model->tools.tool[0].force[2] > 0.05);
     /* At 7 m/s the guard may take a slight gain out, where samples get into the stiff part. */
     assert_true((info_of(&s).fault_bits & ~(uint32_t)SS_MODEL_FAULT_ENERGY) == 0);
     assert_true(info_of(&s).verdict == SOFTSIM_VERDICT_GOOD);
@@ -477,7 +478,7 @@ static void compact_columns_are_the_same_columns(void **state)
     /* And they carry a tool. */
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     press(&s, tool, 1, 0.0, 0.005, 0.003);
-    assert_true(s.model->tool[0].force[2] > 0.01 && info_of(&s).fault_bits == 0);
+    assert_true(s.model->tools.tool[0].force[2] > 0.01 && info_of(&s).fault_bits == 0);
     setup_fini(&s);
 }
 

@@ -61,11 +61,12 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
         go(same, 0.0005, 0.0007, PLATE_RADIUS + 0.001 - 0.005 * down);
         step_tools(&s, 1e-3, tool);
         step_tools(&settled, 1e-3, same);
-        quick = n == 60 ? s.model->tool[0].force[2] / settled.model->tool[0].force[2] : quick;
+        quick = n == 60 ? s.model->tools.tool[0].force[2] / settled.model->tools.tool[0].force[2]
+                        : quick;
     }
     assert_true(quick > 0.9 && quick < 0.98); /* a quick press meets a network not yet settled */
     assert_int_equal(states_in_use(&s), s.model->tool[0].count);
-    assert_near(s.model->tool[0].force[2] / settled.model->tool[0].force[2], 1.0,
+    assert_near(s.model->tools.tool[0].force[2] / settled.model->tools.tool[0].force[2], 1.0,
                 BY_TYPE(1e-4, 1e-5));
     const double pressed = info_of(&s).elastic;
     assert_near(ledger(&s) / pressed, 0.0, 5e-3);

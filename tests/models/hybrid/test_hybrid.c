@@ -289,7 +289,7 @@ static void passing_tool_gives_no_energy(void **state)
         s.class->info(s.model, &info);
         first = k == 0 ? info.kinetic + info.elastic : first;
         largest = fmax(largest, info.kinetic + info.elastic);
-        assert_true(hybrid->body->tool[0].penalty == 0.0);
+        assert_true(hybrid->body->tools.tool[0].penalty == 0.0);
     }
     assert_true(hybrid->awake_count > 100);
     assert_true(largest < 1.05 * first);
@@ -477,9 +477,9 @@ static void touched_skin_is_laid(void **state)
     for (int k = 0; k < 40; ++k) {
         move(&s, tool, 8.6, 0.02 * fmin(k / 10.0, 3.0), 1);
         const int32_t *node;
-        const int32_t count = ss_touch_reach(body->tool[0].touch, &node);
+        const int32_t count = ss_touch_reach(body->tools.tool[0].touch, &node);
         const ss_real *shown = s.class->displacement(s.model);
-        ss_touch_diagonal(body->tool[0].touch, body->skin_stiff);
+        ss_touch_diagonal(body->tools.tool[0].touch, body->skin_stiff);
         for (int32_t i = 0; i < count; ++i) {
             for (int a = 0; a < 3 && body->skin_stiff[node[i]] > 0.0; ++a) {
                 const ptrdiff_t at = 4 * (ptrdiff_t)node[i] + a;
@@ -488,7 +488,7 @@ static void touched_skin_is_laid(void **state)
             body->skin_stiff[node[i]] = 0.0;
         }
     }
-    assert_true(body->tool[0].penalty > 0.0);
+    assert_true(body->tools.tool[0].penalty > 0.0);
     setup_fini(&s);
 }
 

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/common/tools.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "models/common/plan.h"
+#include "rt/vec.h"
+
+/* ---- set-up ---- */
+
+bool ss_plan_has_tools(const ss_model_plan *plan)
+{
+    return isfinite(ss_plan_smallest_tool(plan));
+}
+
+softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
+                               softsim_error *error)
+{
+    tools->rest = (const double(*)[3])mesh->position;
+    tools->node_count = mesh->node_count;
+    return ss_plan_has_tools(plan) ? ss_surface_create(mesh, ss_plan_smallest_tool(plan),
+                                                       plan->contact_parts, &tools->surface, error)
+                                   : SOFTSIM_OK;
+}
+
+softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index, ss_arena *arena)
+{
+    ss_tool *tool = &tools->tool[index];
+    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    tool->is_used = true;
+    tool->shape = &plan->tool[index].shape;
+    ss_grasp_init(&tool->grasp, tools->node_count, arena);
+    const softsim_status status =
+        ss_touch_create(tools->surface, tool->shape, &options, &tool->touch);
+    return status == SOFTSIM_OK ? ss_arena_status(arena) : status;
+}
+
+void ss_tools_fini(ss_tools *tools)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_touch_destroy(&tools->tool[k].touch);
+    }
+    ss_surface_destroy(&tools->surface);
+}
+
+void ss_tools_reset(ss_tools *tools)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_tool *tool = &tools->tool[k];
+        tool->is_present = tool->was_touching = false;
+        tool->grasp.is_pressed = false;
+        tool->grasp.count = 0;
+        tool->grasp.square = 0.0;
+        tool->felt = tool->penalty = 0.0;
+        ss_set3(tool->force, 0.0, 0.0, 0.0);
+        ss_set3(tool->torque, 0.0, 0.0, 0.0);
+    }
+}
+
+void ss_tool_set_rest_felt(ss_tool *tool, double compliance)
+{
+    /* F = pi kc R p^2 at the depth p. */
+    const double contact = 0.2 * 3.14159265358979 * tool->stiffness * tool->radius * tool->radius;
+    tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
+}
+
+void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
+                        const ss_printer *out)
+{
+    const double depth =
+        sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
+    if (depth > 0.2 * tool->radius) {
+        ss_say(out, "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
+               index, depth / tool->radius,
+               ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
+    }
+    if (tool->radius < 0.5 * edge) {
+        ss_say(out,
+               "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
+               "force will ripple; refine the mesh",
+               index, tool->radius, edge);
+    }
+}
+
+/* ---- on the way ---- */
+
+ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
+{
+    const bool was_present = tool->is_present;
+    tool->is_present = tool->is_used && input && input->is_present;
+    if (!tool->is_present) {
+        tool->grasp.count = 0;
+        tool->grasp.is_pressed = false;
+        return was_present ? SS_TOOL_LOST : SS_TOOL_KEPT;
+    }
+    tool->from = input->from;
+    tool->to = input->to;
+    ss_tool_turn(&tool->from, &tool->to, tool->turn);
+    if (was_present && memcmp(&tool->from, &tool->pose, sizeof tool->pose) == 0) {
+        return SS_TOOL_KEPT;
+    }
+    /* What jumps lets go: springs stretched at once across the jump are no grasp. */
+    if (ss_tool_motion_bound(tool->shape, &tool->pose, &tool->from) > 0.25 * tool->radius) {
+        tool->grasp.count = 0;
+        return SS_TOOL_LOST;
+    }
+    return SS_TOOL_MOVED;
+}
+
+void ss_tool_at(const ss_tool *tool, double path, ss_tool_pose *out)
+{
+    if (path > 0.0 && path < 1.0) {
+        ss_tool_pose_blend(&tool->from, &tool->to, path, out);
+    } else {
+        *out = path > 0.0 ? tool->to : tool->from;
+    }
+}
+
+bool ss_tools_is_any(const ss_tools *tools)
+{
+    bool is_any = false;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        is_any = is_any || tools->tool[k].is_present;
+    }
+    return is_any;
+}
+
+double ss_tools_parts(const ss_tools *tools)
+{
+    double parts = 1.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_tool *tool = &tools->tool[k];
+        if (tool->is_present) {
+            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
+            parts = fmax(parts, ceil(4.0 * way / tool->radius - 1e-9));
+        }
+    }
+    return parts;
+}
+
+double ss_tools_work(const ss_tools *tools)
+{
+    double work = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_tool *tool = &tools->tool[k];
+        if (tool->is_present) {
+            double way[3];
+            ss_sub3(way, tool->to.position, tool->from.position);
+            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
+        }
+    }
+    return work;
+}
+
+void ss_tools_fade(ss_tools *tools, double h)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_grasp_fade(&tools->tool[k].grasp, h);
+    }
+}
+
+void ss_tools_settle(ss_tools *tools, bool is_accepted, double *energy)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        *energy += ss_grasp_settle(&tools->tool[k].grasp, is_accepted);
+    }
+}
+
+/* ---- what a tool presses ---- */
+
+void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_real *force,
+                    ss_real *grasp_force)
+{
+    ss_set3(tool->force, 0.0, 0.0, 0.0);
+    ss_set3(tool->torque, 0.0, 0.0, 0.0);
+    tool->penalty = ss_touch_penalty(tool->touch, u, &tool->pose, force, tool->force, tool->torque);
+    ss_grasp_add_forces(&tool->grasp, tools->rest, u, &tool->pose, grasp_force, tool->force,
+                        tool->torque);
+}
+
+double ss_tool_energy(const ss_tool *tool)
+{
+    return tool->penalty + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
+}
+
+double ss_tools_energy(const ss_tools *tools)
+{
+    double energy = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        const ss_tool *tool = &tools->tool[k];
+        energy += tool->is_present ? tool->penalty : 0.0;
+        energy += tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0;
+    }
+    return energy;
+}
+
+void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal)
+{
+    ss_touch_diagonal(tool->touch, diagonal);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        diagonal[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+    }
+}
+
+void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out)
+{
+    static const double still[3] = {0.0, 0.0, 0.0};
+    double unused[3] = {0.0, 0.0, 0.0};
+    if (tool->penalty > 0.0) {
+        ss_touch_tangent(tool->touch, x, still, out, unused);
+    }
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
+        const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
+        for (int a = 0; a < 3; ++a) {
+            out[at + a] -= stiffness * x[at + a];
+        }
+    }
+}
+
+double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push)
+{
+    double on_tool[3] = {0.0, 0.0, 0.0};
+    ss_touch_tangent(tool->touch, NULL, normal, push, on_tool);
+    double stiffness = -ss_dot3(on_tool, normal);
+    for (int32_t i = 0; i < tool->grasp.count; ++i) {
+        const double k = tool->grasp.share * tool->grasp.stiffness[i];
+        for (int a = 0; a < 3; ++a) {
+            push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
+        }
+        stiffness += k;
+    }
+    return stiffness;
+}
+
+/* ---- what the hand is told ---- */
+
+ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out)
+{
+    memset(out, 0, sizeof *out);
+    const bool is_there = probe >= 0 && probe < SOFTSIM_MAX_PROBES && tools->tool[probe].is_present;
+    return is_there ? &tools->tool[probe] : NULL;
+}
+
+bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
+                           double out_normal[3])
+{
+    ss_touch_contacts(tool->touch, u, &tool->pose, near, out);
+    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
+    ss_copy3(out->force, tool->force);
+    ss_copy3(out->torque, tool->torque);
+    if (out->count > 0 && ss_tool_is_touching(tool)) {
+        ss_contact_set_direction(out, tool->force, out_normal);
+        return true;
+    }
+    for (int32_t k = 0; k < out->count; ++k) {
+        out->contact[k].stiffness = tool->felt > 0.0 ? tool->felt : tool->rest_felt;
+        out->contact[k].tangential = out->contact[k].stiffness;
+    }
+    return false;
+}

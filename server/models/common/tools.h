@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * The tools of a model and the surface that they touch: what every model does with them in the same
+ * way. Where they are in an outer step, what the penalty and the grasp of each press and store, how
+ * stiff both are, and what of it the hand is told.
+ *
+ * A tool presses with the penalty of its samples and the springs of its grasp, one potential of
+ * `penalty` + share x square J (contact.h, grasp.h). Its stiffness is K_c: C x of a motion x of the
+ * nodes, its rows' bounds D, and c, the force on the nodes for a unit motion of the tool along n,
+ * k_cc that on the tool. Arrays are quads of the surface's nodes.
+ * Models keep what is their own of a tool beside it, under the same number.
+ * Memory: the arena's, but for touches and surface, which ss_tools_fini releases. Thread: create,
+ * open and fini set-up only; the rest by the simulation thread, RT-safe.
+ */
+#include "models/common/grasp.h"
+#include "rt/printer.h"
+
+typedef struct ss_tool {
+    bool is_used; /* has a row in the scene */
+    const ss_shape *shape;
+    ss_touch *touch;
+    double radius;    /* R, m: a sub-step goes a share of it */
+    double reach;     /* delta, m, of the weights */
+    double stiffness; /* kc, N/m^3 */
+    double rest_felt; /* N/m, told before it touches */
+    /* state */
+    bool is_present, was_touching;
+    ss_tool_pose pose;     /* where the forces below were evaluated */
+    ss_tool_pose from, to; /* of the outer step */
+    double turn[3];        /* rotation vector from `from` to `to` */
+    ss_grasp grasp;
+    double force[3], torque[3]; /* on the tool */
+    double penalty;             /* J */
+    double felt;                /* N/m, last in contact */
+} ss_tool;
+
+typedef struct ss_tools {
+    ss_tool tool[SOFTSIM_MAX_PROBES];
+    ss_surface *surface;     /* NULL without tools */
+    const double (*rest)[3]; /* of its nodes, m */
+    int32_t node_count;
+} ss_tools;
+
+/* ---- set-up ---- */
+
+/* The surface of `mesh` for the plan's tools; nothing without a tool. */
+softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
+                               softsim_error *error);
+/* Tool `index` of the plan against it; radius, reach and stiffness are set. */
+softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index,
+                             ss_arena *arena);
+void ss_tools_fini(ss_tools *tools);
+/* Nothing is near any more, nothing is held or told. */
+void ss_tools_reset(ss_tools *tools);
+/* Are there tools in the plan? */
+bool ss_plan_has_tools(const ss_model_plan *plan);
+/* Told before a touch: the contact a tenth of R deep, in series with a body of `compliance` m/N. */
+void ss_tool_set_rest_felt(ss_tool *tool, double compliance);
+/* What is wrong with tool `index` for its hand and its mesh of mean edge `edge` (m). */
+void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
+                        const ss_printer *out);
+
+/* ---- on the way ---- */
+
+typedef enum ss_tool_news {
+    SS_TOOL_KEPT,  /* it goes on from where it was, or stays away */
+    SS_TOOL_MOVED, /* it came, or begins a little off its pose: forces are to be evaluated anew */
+    SS_TOOL_LOST   /* it left or jumped, and holds nothing any more; likewise */
+} ss_tool_news;
+
+/* Takes over where a tool goes in the outer step; `input` NULL: it is not there. */
+ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input);
+/* Where a tool is at `path` (0..1) of its way; exactly at both ends, so that the next step finds it
+ * there. */
+void ss_tool_at(const ss_tool *tool, double path, ss_tool_pose *out);
+bool ss_tools_is_any(const ss_tools *tools);
+/* Parts of the step in which no tool moves further than a quarter of its radius; at least 1. */
+double ss_tools_parts(const ss_tools *tools);
+/* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
+double ss_tools_work(const ss_tools *tools);
+/* Grasps that were released let go by `h` seconds' worth; settle then adds what they lost to
+ * *energy (J), or takes it back. */
+void ss_tools_fade(ss_tools *tools, double h);
+void ss_tools_settle(ss_tools *tools, bool is_accepted, double *energy);
+
+/* ---- what a tool presses ---- */
+
+/* Evaluates at `pose` and displacements u: the tool's force anew, the nodes' added to `force`
+ * (NULL: the penalty's are not wanted) and `grasp_force`. */
+void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_real *force,
+                    ss_real *grasp_force);
+static inline bool ss_tool_is_touching(const ss_tool *tool)
+{
+    return tool->penalty > 0.0 || tool->grasp.count > 0;
+}
+/* J: penalty and grasp at the last evaluation. */
+double ss_tool_energy(const ss_tool *tool);
+/* Of all that are present. */
+double ss_tools_energy(const ss_tools *tools);
+/* Adds D, N/m. */
+void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal);
+/* Adds the force's change for motions x of the nodes, which is -C x. */
+void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out);
+/* Adds c to `push`; returns k_cc, N/m. */
+double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push);
+
+/* ---- what the hand is told ---- */
+
+/* Tool `probe` with an empty set, or NULL where there is none present. */
+ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);
+/* Fills the set at displacements u; true where it touches: its stiffness is to be shared along
+ * out_normal (ss_contact_set_share). Else it is what was felt last, or at rest. */
+bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
+                           double out_normal[3]);
