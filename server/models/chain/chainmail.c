@@ -640,18 +640,14 @@ static softsim_status allocate(ss_model *model)
     return ss_arena_status(arena);
 }
 
-static double value_at(const ss_param_value *value, int32_t node)
-{
-    return value->per_node ? value->per_node[node] : value->number;
-}
-
 static void set_material(ss_model *model)
 {
     const ss_model_plan *plan = &model->plan;
     const ss_chain_net *net = model->net;
     for (int32_t e = 0; e < net->link_count; ++e) {
-        model->alpha[net->position[e]] = 0.5 * (value_at(&plan->param[ALPHA], net->link[e][0]) +
-                                                value_at(&plan->param[ALPHA], net->link[e][1]));
+        model->alpha[net->position[e]] =
+            0.5 * (ss_plan_node_value(&plan->param[ALPHA], net->link[e][0]) +
+                   ss_plan_node_value(&plan->param[ALPHA], net->link[e][1]));
     }
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->bound[i] = plan->fixed[i] & 7;
@@ -754,11 +750,7 @@ static double step_cost_us(const ss_model_plan *plan)
     const double links = plan->mesh->tetrahedron_count > 0
                              ? plan->mesh->node_count + 1.3 * plan->mesh->tetrahedron_count
                              : 3.0 * plan->mesh->node_count;
-    double tools = 0.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        tools += plan->tool[k].is_used;
-    }
-    return 1.0 + COST_TOOL * tools + 0.2 * COST_LINK * links +
+    return 1.0 + COST_TOOL * ss_plan_tool_count(plan) + 0.2 * COST_LINK * links +
            2.0 * COST_RELAX * links * plan->param[RELAXATION_ITERATIONS].number;
 }
 

@@ -122,7 +122,7 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].base = &model->tools.tool[k];
     }
-    if (!ss_plan_has_tools(plan)) {
+    if (ss_plan_tool_count(plan) == 0) {
         return SOFTSIM_OK;
     }
     softsim_status status = ss_tools_create(&model->tools, plan->mesh, plan, error);

@@ -41,21 +41,12 @@ static bool has_coarse(const ss_model_plan *plan)
     return coarse->is_given ? coarse->number > 0.0 : plan->mesh->tetrahedron_count > 0;
 }
 
-static int32_t tool_count(const ss_model_plan *plan)
-{
-    int32_t count = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        count += plan->tool[k].is_used;
-    }
-    return count;
-}
-
 static double substep_cost_us(const ss_model_plan *plan)
 {
     const ss_mesh *mesh = plan->mesh;
     return COST_LINK * link_count(mesh) + COST_NODE * mesh->node_count +
            (has_coarse(plan) ? COST_COARSE + COST_COARSE_NODE * mesh->node_count : 0.0) +
-           COST_TOUCH * tool_count(plan);
+           COST_TOUCH * ss_plan_tool_count(plan);
 }
 
 double ss_chain_planned_substeps(const ss_model_plan *plan)
@@ -74,7 +65,7 @@ double ss_chain_step_cost_us(const ss_model_plan *plan)
         const double valence = 2.0 * link_count(mesh) / mesh->node_count;
         substeps = ceil(USUAL_STEP * VALENCE_RATIO * 2.0 * valence / capacitance->number / 3.6);
     }
-    return COST_STEP + substeps * substep_cost_us(plan) + COST_TOOL * tool_count(plan) +
+    return COST_STEP + substeps * substep_cost_us(plan) + COST_TOOL * ss_plan_tool_count(plan) +
            COST_TETRAHEDRON * mesh->tetrahedron_count;
 }
 

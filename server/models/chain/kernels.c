@@ -409,26 +409,6 @@ static int32_t collapse(const ss_chain_tets *tets, const ss_real *place, int32_t
 
 /* ---- the table ---- */
 
-#ifdef SS_WIDE_AVX2
-#define PATH      ss_chain_kernels_avx2
-#define PATH_NAME "avx2+fma"
-#else
-#define PATH ss_chain_kernels_baseline
-#ifdef SS_WIDE_SSE2
-#define PATH_NAME "sse2"
-#else
-#define PATH_NAME "plain C"
-#endif
-#endif
-
-extern const ss_chain_kernels PATH;
-const ss_chain_kernels PATH = {.name = PATH_NAME,
-                               .pull = pull_all,
-                               .measure = measure,
-                               .pull_front = pull_front,
-                               .move = move,
-                               .move_front = move_front,
-                               .gather = gather,
-                               .apply = apply,
-                               .spread = spread,
-                               .collapse = collapse};
+SS_KERNEL_TABLE(ss_chain_kernels, .pull = pull_all, .measure = measure, .pull_front = pull_front,
+                .move = move, .move_front = move_front, .gather = gather, .apply = apply,
+                .spread = spread, .collapse = collapse);

@@ -109,16 +109,11 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
 
 /* ---- links ---- */
 
-static double value_at(const ss_param_value *value, int32_t node)
-{
-    return value->per_node ? value->per_node[node] : value->number;
-}
-
 static double mean_of(const ss_param_value *value, int32_t count)
 {
     double sum = 0.0;
     for (int32_t i = 0; i < count; ++i) {
-        sum += value_at(value, i) / count;
+        sum += ss_plan_node_value(value, i) / count;
     }
     return value->per_node ? sum : value->number;
 }
@@ -133,8 +128,9 @@ static double default_alpha(const ss_model *model)
 
 static double alpha_of(const ss_param_value *alpha, int32_t a, int32_t b, double common)
 {
-    return alpha->is_given && !alpha->per_link ? 0.5 * (value_at(alpha, a) + value_at(alpha, b))
-                                               : common;
+    return alpha->is_given && !alpha->per_link
+               ? 0.5 * (ss_plan_node_value(alpha, a) + ss_plan_node_value(alpha, b))
+               : common;
 }
 
 /* alpha link by link: every link once, and nothing that is none. */
@@ -194,7 +190,8 @@ static void set_links(ss_model *model)
         const int32_t a = net->link[e][0], b = net->link[e][1];
         ss_chain_group *group = &net->group[net->position[e] / SS_CHAIN_LANES];
         const int lane = net->position[e] % SS_CHAIN_LANES;
-        const double weight = 0.5 * (value_at(k, a) + value_at(k, b)) / model->k;
+        const double weight =
+            0.5 * (ss_plan_node_value(k, a) + ss_plan_node_value(k, b)) / model->k;
         const double slack = alpha_of(alpha, a, b, common);
         group->half[lane] = (ss_real)(0.5 * weight);
         group->slack[lane] = (ss_real)(slack * (double)group->rest[lane]);
@@ -229,7 +226,7 @@ softsim_status ss_chain_material_time(ss_model *model)
     const ss_param_value *given = &model->plan.param[SS_CHAIN_CAPACITANCE_S];
     double largest = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
-        model->conductance[i] = given->is_given ? 1.0 / value_at(given, i) : 1.0;
+        model->conductance[i] = given->is_given ? 1.0 / ss_plan_node_value(given, i) : 1.0;
         largest = fmax(largest, model->conductance[i]);
     }
     model->capacitance = given->is_given ? mean_of(given, model->node_count) : 1.0;

@@ -85,10 +85,7 @@ static bool find_rates(const ss_model *model, double *out_damping_rate, double *
 /* Why this plan has no window; NULL where it may have one. */
 static const char *find_reason(const ss_model *model, double *out_damping_rate, double *out_rate2)
 {
-    bool has_tool = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        has_tool = has_tool || model->plan.tool[k].is_used;
-    }
+    const bool has_tool = ss_plan_tool_count(&model->plan) > 0;
     if (model->network->rows.block_count == 1) {
         return "a small body";
     }

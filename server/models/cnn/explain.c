@@ -104,10 +104,7 @@ static double network_cost_us(const ss_model_plan *plan)
 static double free_cost_us(const ss_model_plan *plan, double *out_contact, double *out_substep)
 {
     const double nodes = plan->mesh->node_count, edges = edge_count(plan);
-    int tools = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        tools += plan->tool[k].is_used;
-    }
+    const int32_t tools = ss_plan_tool_count(plan);
     const double sources = plan->load_count + plan->prescribed_count;
     const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
     const double network = is_relaxed ? network_cost_us(plan) : 0.0;

@@ -573,34 +573,8 @@ static void watch(int32_t node, int32_t node_end, double rate2, const ss_real *u
 
 /* ---- the table ---- */
 
-#ifdef SS_WIDE_AVX2
-#define PATH      ss_cnn_kernels_avx2
-#define PATH_NAME "avx2+fma"
-#else
-#define PATH ss_cnn_kernels_baseline
-#ifdef SS_WIDE_SSE2
-#define PATH_NAME "sse2"
-#else
-#define PATH_NAME "plain C"
-#endif
-#endif
-
-extern const ss_cnn_kernels PATH;
-const ss_cnn_kernels PATH = {.name = PATH_NAME,
-                             .product = product,
-                             .scatter = scatter,
-                             .strain = strain,
-                             .combine = combine,
-                             .stage = stage,
-                             .total = total,
-                             .axpy = axpy,
-                             .dot = dot,
-                             .tangent = tangent,
-                             .descend = descend,
-                             .add_rows = add_rows,
-                             .largest = largest,
-                             .weighted_square = weighted_square,
-                             .follow = follow,
-                             .follow_nodes = follow_nodes,
-                             .neglect = neglect,
-                             .watch = watch};
+SS_KERNEL_TABLE(ss_cnn_kernels, .product = product, .scatter = scatter, .strain = strain,
+                .combine = combine, .stage = stage, .total = total, .axpy = axpy, .dot = dot,
+                .tangent = tangent, .descend = descend, .add_rows = add_rows, .largest = largest,
+                .weighted_square = weighted_square, .follow = follow, .follow_nodes = follow_nodes,
+                .neglect = neglect, .watch = watch);

@@ -105,7 +105,7 @@ void ss_cnn_source_moduli(ss_model *model)
 {
     const ss_cnn_material *m = &model->material;
     double largest = 0.0; /* J, of the loads */
-    bool has_tool = false;
+    const bool has_tool = ss_plan_tool_count(&model->plan) > 0;
     for (int32_t k = 0; k < model->source_count; ++k) {
         ss_cnn_source *source = &model->source[k];
         source->modulus = m->is_modulus_energy ? m->modulus : m->modulus * source->qhat;
@@ -118,7 +118,6 @@ void ss_cnn_source_moduli(ss_model *model)
         }
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        has_tool = has_tool || model->tools.tool[k].is_used;
         model->tool[k].source.modulus =
             m->is_modulus_energy ? m->modulus : m->modulus * model->network->median_qhat;
     }

@@ -224,7 +224,7 @@ static softsim_status build(ss_body *body, softsim_error *error)
         const ss_real *mobility = body->nodes.mobility + 4 * (ptrdiff_t)i;
         body->is_source[i] = mobility[0] > 0 || mobility[1] > 0 || mobility[2] > 0;
     }
-    if (status == SOFTSIM_OK && ss_plan_has_tools(&body->plan)) {
+    if (status == SOFTSIM_OK && ss_plan_tool_count(&body->plan) > 0) {
         status = ss_body_tools_create(body, error);
     }
     return status;
@@ -305,6 +305,15 @@ void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, 
     if (verdict > body->verdict) {
         body->verdict = verdict;
         body->reason = reason;
+    }
+}
+
+void ss_body_judge_turned(ss_body *body, ss_turned *turned, bool names_node)
+{
+    const int32_t t = ss_turned_look(turned, body->nodes.u);
+    if (t >= 0) {
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        body->worst_element = names_node ? body->plan.mesh->tetrahedron[t][0] : t;
     }
 }
 

@@ -22,6 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "models/common/turned.h"
 #include "models/model.h"
 
 typedef struct ss_body ss_body;
@@ -188,6 +189,9 @@ void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, 
 /* What is at fault or limits the step, a tetrahedron or a node as ss_model_info has it; -1 none. */
 void ss_body_set_worst_element(ss_body *body, int32_t element);
 void ss_body_set_active_nodes(ss_body *body, int32_t count);
+/* Looks at a share of the tetrahedra, and says so while one is turned inside out: by its number, or
+ * by a node of it. */
+void ss_body_judge_turned(ss_body *body, ss_turned *turned, bool names_node);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */
 void ss_body_renew(ss_body *body);
 

@@ -12,28 +12,19 @@
 #include <stddef.h>
 
 #ifdef SS_HAS_AVX2
+#define SS_KERNELS_WIDE(kernels)                                                                   \
+    (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &kernels##_avx2 : NULL)
+#else
+#define SS_KERNELS_WIDE(kernels) NULL
+#endif
 #define SS_KERNEL_PATHS(kernels)                                                                   \
     extern const kernels kernels##_baseline, kernels##_avx2;                                       \
     const kernels *kernels##_path(int32_t index)                                                   \
     {                                                                                              \
-        if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {                     \
-            return index == 0 ? &kernels##_avx2 : index == 1 ? &kernels##_baseline : NULL;         \
-        }                                                                                          \
-        return index == 0 ? &kernels##_baseline : NULL;                                            \
+        const kernels *const wide = SS_KERNELS_WIDE(kernels);                                      \
+        return index == 0 && wide ? wide : index == (wide ? 1 : 0) ? &kernels##_baseline : NULL;   \
     }                                                                                              \
     const kernels *kernels##_get(void)                                                             \
     {                                                                                              \
         return kernels##_path(0);                                                                  \
     }
-#else
-#define SS_KERNEL_PATHS(kernels)                                                                   \
-    extern const kernels kernels##_baseline;                                                       \
-    const kernels *kernels##_path(int32_t index)                                                   \
-    {                                                                                              \
-        return index == 0 ? &kernels##_baseline : NULL;                                            \
-    }                                                                                              \
-    const kernels *kernels##_get(void)                                                             \
-    {                                                                                              \
-        return kernels##_path(0);                                                                  \
-    }
-#endif

@@ -311,18 +311,5 @@ static void growth(const ss_fem_pass *pass, ss_real *out_growth, ss_real *out_ra
 
 /* ---- the table ---- */
 
-#ifdef SS_WIDE_AVX2
-#define PATH      ss_fem_kernels_avx2
-#define PATH_NAME "avx2+fma"
-#else
-#define PATH ss_fem_kernels_baseline
-#ifdef SS_WIDE_SSE2
-#define PATH_NAME "sse2"
-#else
-#define PATH_NAME "plain C"
-#endif
-#endif
-
-extern const ss_fem_kernels PATH;
-const ss_fem_kernels PATH = {
-    .name = PATH_NAME, .force = force, .tangent = tangent, .dilate = dilate, .growth = growth};
+SS_KERNEL_TABLE(ss_fem_kernels, .force = force, .tangent = tangent, .dilate = dilate,
+                .growth = growth);

@@ -19,6 +19,11 @@ void ss_number_list_add(ss_number_list *list, int32_t number)
     }
 }
 
+double ss_plan_node_value(const ss_param_value *value, int32_t node)
+{
+    return value->per_node ? value->per_node[node] : value->number;
+}
+
 double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e)
 {
     const ss_param_value *value = &plan->param[row];
@@ -360,6 +365,15 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 }
 
 /* ---- contact ---- */
+
+int32_t ss_plan_tool_count(const ss_model_plan *plan)
+{
+    int32_t count = 0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        count += plan->tool[k].is_used;
+    }
+    return count;
+}
 
 double ss_plan_smallest_tool(const ss_model_plan *plan)
 {

@@ -17,6 +17,8 @@ typedef struct ss_number_list {
 } ss_number_list;
 void ss_number_list_add(ss_number_list *list, int32_t number);
 
+/* A parameter's value at a node. */
+double ss_plan_node_value(const ss_param_value *value, int32_t node);
 /* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. */
 double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
 
@@ -71,6 +73,7 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, ss_arena *arena, int32_t **out_triangle,
                                           int32_t *out_count, softsim_error *error);
+int32_t ss_plan_tool_count(const ss_model_plan *plan);
 /* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
 double ss_plan_smallest_tool(const ss_model_plan *plan);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer

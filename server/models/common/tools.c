@@ -10,19 +10,15 @@
 
 /* ---- set-up ---- */
 
-bool ss_plan_has_tools(const ss_model_plan *plan)
-{
-    return isfinite(ss_plan_smallest_tool(plan));
-}
-
 softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
                                softsim_error *error)
 {
     tools->rest = (const double(*)[3])mesh->position;
     tools->node_count = mesh->node_count;
-    return ss_plan_has_tools(plan) ? ss_surface_create(mesh, ss_plan_smallest_tool(plan),
-                                                       plan->contact_parts, &tools->surface, error)
-                                   : SOFTSIM_OK;
+    return ss_plan_tool_count(plan) > 0
+               ? ss_surface_create(mesh, ss_plan_smallest_tool(plan), plan->contact_parts,
+                                   &tools->surface, error)
+               : SOFTSIM_OK;
 }
 
 softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index, ss_arena *arena)

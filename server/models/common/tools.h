@@ -54,8 +54,6 @@ softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int ind
 void ss_tools_fini(ss_tools *tools);
 /* Nothing is near any more, nothing is held or told. */
 void ss_tools_reset(ss_tools *tools);
-/* Are there tools in the plan? */
-bool ss_plan_has_tools(const ss_model_plan *plan);
 /* Told before a touch: the contact a tenth of R deep, in series with a body of `compliance` m/N. */
 void ss_tool_set_rest_felt(ss_tool *tool, double compliance);
 /* What is wrong with tool `index` for its hand and its mesh of mean edge `edge` (m). */

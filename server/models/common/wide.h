@@ -28,6 +28,23 @@
 
 #define SS_INLINE static inline __attribute__((always_inline))
 
+/* SS_KERNEL_TABLE(ss_x_kernels, .function = function, ...) at the end of a source of kernels is its
+ * table for the path that it is compiled for; dispatch.h chooses among them. */
+#ifdef SS_WIDE_AVX2
+#define SS_KERNELS_HERE(kernels) kernels##_avx2
+#define SS_KERNELS_NAME          "avx2+fma"
+#else
+#define SS_KERNELS_HERE(kernels) kernels##_baseline
+#ifdef SS_WIDE_SSE2
+#define SS_KERNELS_NAME "sse2"
+#else
+#define SS_KERNELS_NAME "plain C"
+#endif
+#endif
+#define SS_KERNEL_TABLE(kernels, ...)                                                              \
+    extern const kernels SS_KERNELS_HERE(kernels);                                                 \
+    const kernels SS_KERNELS_HERE(kernels) = {.name = SS_KERNELS_NAME, __VA_ARGS__}
+
 /* ---- quads ---- */
 
 #if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)

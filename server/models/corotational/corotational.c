@@ -15,8 +15,8 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
-#include "models/common/grasp.h"
 #include "models/common/life.h"
+#include "models/common/plan.h"
 #include "models/common/tetrahedron.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -208,10 +208,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
 
 static double step_cost_us(const ss_model_plan *plan)
 {
-    bool has_tool = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        has_tool = has_tool || plan->tool[k].is_used;
-    }
+    const bool has_tool = ss_plan_tool_count(plan) > 0;
     return COST_STEP +
            COST_TETRAHEDRON * (has_tool ? COST_TOOL : 1.0) * plan->mesh->tetrahedron_count;
 }

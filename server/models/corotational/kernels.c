@@ -469,23 +469,5 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
 
 /* ---- the table ---- */
 
-#ifdef SS_WIDE_AVX2
-#define PATH      ss_corot_kernels_avx2
-#define PATH_NAME "avx2+fma"
-#else
-#define PATH ss_corot_kernels_baseline
-#ifdef SS_WIDE_SSE2
-#define PATH_NAME "sse2"
-#else
-#define PATH_NAME "plain C"
-#endif
-#endif
-
-extern const ss_corot_kernels PATH;
-const ss_corot_kernels PATH = {.name = PATH_NAME,
-                               .evaluate = evaluate,
-                               .multiply = multiply,
-                               .dot = dot,
-                               .scale = scale,
-                               .turn = turn,
-                               .descend = descend};
+SS_KERNEL_TABLE(ss_corot_kernels, .evaluate = evaluate, .multiply = multiply, .dot = dot,
+                .scale = scale, .turn = turn, .descend = descend);

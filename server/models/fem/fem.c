@@ -155,12 +155,8 @@ static void step(ss_model *model, double time, double dt,
 {
     ss_body_step(model->body, time, dt, tool);
     ss_fem_judge(model->fem, model->body);
-    const bool is_linear = model->material.kind == SS_TISSUE_LINEAR;
-    const int32_t turned =
-        is_linear ? ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u) : -1;
-    if (turned >= 0) {
-        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
-        ss_body_set_worst_element(model->body, turned);
+    if (model->material.kind == SS_TISSUE_LINEAR) {
+        ss_body_judge_turned(model->body, &model->turned, false);
     }
 }
 

@@ -660,11 +660,7 @@ static void step(ss_model *model, double time, double dt,
         }
     }
     ss_body_step(hybrid->body, time, dt, tool);
-    const int32_t turned = ss_turned_look(&hybrid->turned, ss_body_read_nodes(hybrid->body)->u);
-    if (turned >= 0) {
-        ss_body_judge(hybrid->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
-        ss_body_set_worst_element(hybrid->body, turned);
-    }
+    ss_body_judge_turned(hybrid->body, &hybrid->turned, false);
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -464,23 +464,5 @@ static void push_cells(const ss_layer_cells *cells, ss_real *force)
     }
 }
 
-#ifdef SS_WIDE_AVX2
-#define PATH      ss_layer_kernels_avx2
-#define PATH_NAME "avx2+fma"
-#else
-#define PATH ss_layer_kernels_baseline
-#ifdef SS_WIDE_SSE2
-#define PATH_NAME "sse2"
-#else
-#define PATH_NAME "plain C"
-#endif
-#endif
-
-extern const ss_layer_kernels PATH;
-const ss_layer_kernels PATH = {.name = PATH_NAME,
-                               .strain_cells = strain_cells,
-                               .push_cells = push_cells,
-                               .place = place,
-                               .strain = strain,
-                               .push = push,
-                               .give = give};
+SS_KERNEL_TABLE(ss_layer_kernels, .strain_cells = strain_cells, .push_cells = push_cells,
+                .place = place, .strain = strain, .push = push, .give = give);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/body.h"
-#include "models/common/grasp.h"
 #include "models/common/life.h"
-#include "models/common/turned.h"
+#include "models/common/plan.h"
 /*
  * mass-spring: the edges of a mesh as springs and dampers between point masses.
  *
@@ -118,7 +117,6 @@ typedef struct edge {
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
     ss_arena arena;
-    const ss_mesh *mesh; /* borrowed */
     int32_t edge_count;
     edge *edge;
     bool has_dampers;
@@ -288,18 +286,6 @@ static double stable_step(void *owner, const ss_body *body)
     return model->seen_step;
 }
 
-/* ---- the watch ---- */
-
-/* Of a model of nodes: a corner names the tetrahedron. */
-static void judge_turned(ss_model *model)
-{
-    const int32_t t = ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u);
-    if (t >= 0) {
-        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
-        ss_body_set_worst_element(model->body, model->mesh->tetrahedron[t][0]);
-    }
-}
-
 static void reset_state(void *owner)
 {
     ss_model *model = owner;
@@ -317,17 +303,11 @@ static uint64_t hash_state(const void *owner, uint64_t seed)
 
 /* ---- set-up ---- */
 
-static double value_at(const ss_model_plan *plan, int row, int32_t node)
-{
-    const ss_param_value *value = &plan->param[row];
-    return value->per_node ? value->per_node[node] : value->number;
-}
-
 static double element_value(const ss_model_plan *plan, int row, const int32_t *corner, int count)
 {
     double sum = 0.0;
     for (int a = 0; a < count; ++a) {
-        sum += value_at(plan, row, corner[a]);
+        sum += ss_plan_node_value(&plan->param[row], corner[a]);
     }
     return sum / count;
 }
@@ -478,8 +458,8 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
     double *mass = ss_arena_get(&scratch, n, sizeof *mass);
     softsim_status status = ss_arena_status(&scratch);
     for (int32_t i = 0; status == SOFTSIM_OK && i < mesh->node_count; ++i) {
-        density[i] = value_at(plan, ROW_DENSITY, i) *
-                     (model->is_volume ? 1.0 : value_at(plan, ROW_THICKNESS, i));
+        density[i] = ss_plan_node_value(&plan->param[ROW_DENSITY], i) *
+                     (model->is_volume ? 1.0 : ss_plan_node_value(&plan->param[ROW_THICKNESS], i));
     }
     if (status == SOFTSIM_OK && model->is_volume) {
         ss_body_volume_masses(mesh, density, false, mass);
@@ -518,7 +498,6 @@ static void destroy(ss_model *model)
 
 static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
-    model->mesh = plan->mesh;
     model->is_volume = plan->mesh->tetrahedron_count > 0;
     ss_turned_init(&model->turned, plan->mesh, plan->step);
     model->damping = plan->param[ROW_MASS_DAMPING].number;
@@ -542,10 +521,7 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out_model, so
 static double step_cost_us(const ss_model_plan *plan)
 {
     const ss_mesh *mesh = plan->mesh;
-    int tools = 0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        tools += plan->tool[k].is_used;
-    }
+    const int32_t tools = ss_plan_tool_count(plan);
     /* Edges by Euler's formula: n + tets + half the surface's triangles, or 3/2 triangles. */
     const double edges = mesh->tetrahedron_count > 0 ? mesh->node_count + mesh->tetrahedron_count +
                                                            0.5 * mesh->triangle_count
@@ -557,7 +533,7 @@ static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     ss_body_step(model->body, time, dt, tool);
-    judge_turned(model);
+    ss_body_judge_turned(model->body, &model->turned, true); /* a model of nodes */
 }
 
 static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)

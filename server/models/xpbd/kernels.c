@@ -265,17 +265,4 @@ static void finish(int32_t padded_count, double h, const ss_real *mobility, cons
     }
 }
 
-#ifdef SS_WIDE_AVX2
-#define KERNELS ss_xpbd_kernels_avx2
-#define NAME    "AVX2"
-#elif defined(SS_WIDE_SSE2)
-#define KERNELS ss_xpbd_kernels_baseline
-#define NAME    "SSE2"
-#else
-#define KERNELS ss_xpbd_kernels_baseline
-#define NAME    "plain C"
-#endif
-
-extern const ss_xpbd_kernels KERNELS;
-const ss_xpbd_kernels KERNELS = {
-    .name = NAME, .predict = predict, .constrain = constrain, .finish = finish};
+SS_KERNEL_TABLE(ss_xpbd_kernels, .predict = predict, .constrain = constrain, .finish = finish);

@@ -160,11 +160,7 @@ static void step(ss_model *model, double time, double dt,
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "an element was inside out and is being turned back");
     }
-    const int32_t turned = ss_turned_look(&model->turned, ss_body_read_nodes(model->body)->u);
-    if (turned >= 0) {
-        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
-        ss_body_set_worst_element(model->body, turned);
-    }
+    ss_body_judge_turned(model->body, &model->turned, false);
     if (model->longest > ss_fem_rest_step(model->fem)) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "softer than its law: shorter sub-steps would be nearer");
