@@ -176,12 +176,28 @@ int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
 /* The point of triangle abc that is closest to p. RT-safe. */
 void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],
                         double out[3]);
-/* How far a placed tool reaches into the deformed surface (m; negative: its distance; -INFINITY:
- * nowhere near a surface), with the nearest surface point and the outward normal there. For tools
- * that appear: a tool that stands deep inside is on no sample's right side. Looks at every
- * triangle. RT-safe. */
+/* How far a placed tool reaches into the surface at displacements `u` (NULL: at rest) (m; negative:
+ * its distance; -INFINITY: nowhere near a surface), with the nearest surface point and the outward
+ * normal there. For tools that appear: a tool that stands deep inside is on no sample's right side.
+ * Looks at every triangle. RT-safe. */
 double ss_contact_locate(const ss_mesh *mesh, const ss_real *u, const ss_shape *shape,
                          const ss_tool_pose *pose, double out_point[3], double out_normal[3]);
+
+/* The tissue that a tool appears in. */
+typedef struct ss_contact_tissue {
+    const ss_mesh *mesh;
+    const ss_real *u;
+    /* A tool has pressed it: it may spring back to where it rests, and is taken to be there too. */
+    bool is_dented;
+} ss_contact_tissue;
+
+/* By which way does a tool leave the tissue that it stands in deeper than `spare` (m)? Back against
+ * `inward` (unit, as it was pressed in; 0: not known), unless that is far longer than the nearest
+ * way; then it just touches. out_way is 0 for one that stands outside. False: no place was found.
+ * Looks at every triangle, several times. RT-safe. */
+bool ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
+                      const ss_tool_pose *pose, double spare, const double inward[3],
+                      double out_way[3]);
 
 /* ---- what the haptic loop gets ---- */
 
@@ -235,7 +251,11 @@ typedef struct ss_local_model {
     int32_t pose_seq; /* seq of the pose behind it */
     uint32_t starts;  /* resets and resumes before it */
     bool is_fault;    /* the model is at fault: ramp to zero */
-    double proxy[3];  /* p_k, the (predicted) proxy position stepped to */
+    /* The target was inside the tissue: `proxy` is where the tool just touches, `outward` (unit)
+     * the way there. The tool stays there until a target says that it was entered. */
+    bool is_found_inside;
+    double outward[3];
+    double proxy[3]; /* p_k, the (predicted) proxy position stepped to */
     double orientation[4];
     double velocity[3]; /* v_k = (p_k - p_{k-1}) / h */
     bool has_stored;    /* the model knows what it has stored */
@@ -251,7 +271,8 @@ typedef struct ss_proxy_target {
     bool is_present; /* the tool is in the world */
     bool is_grasping;
     uint32_t grasp_edges; /* counts presses and releases of the button */
-    uint32_t teleports;   /* grows when the proxy jumps (entry, return): do not sweep */
+    uint32_t teleports;   /* grows when the proxy jumps (start, return): do not sweep */
+    uint32_t entries;     /* grows when it goes to where a tool that was found inside stands */
     uint32_t starts;      /* resets and resumes before the proxy was placed: not in the model that
                            * has had more */
     double proxy[3];

@@ -16,8 +16,13 @@
  * the sign is then right at edges and corners too).
  */
 
-/* Triangles whose distance is so close to the least, relatively, share the nearest point. */
+/* Nearest points whose distances differ by so little, relatively, are equally near, and one where
+ * they are no further from each other either: the triangles share it. In the middle of a cavity or
+ * a body there are others on other walls, and the sum of all their normals points nowhere. */
 #define SHARED 1e-9
+/* A way out ends where the tool is no deeper than this share of its size; looks on the way. */
+#define TOUCHING 0.01
+enum { LOOKS = 16 };
 
 typedef struct nearest {
     double square; /* of the distance */
@@ -87,10 +92,14 @@ static void visit(const double p[3], const double *const corner[3], nearest *bes
     if (ss_normalize3(normal) == 0.0) {
         return;
     }
+    double apart[3];
+    ss_sub3(apart, point, best->point);
     if (square < best->square * (1.0 - SHARED)) {
         best->square = square;
         ss_copy3(best->point, point);
         ss_set3(best->normal, 0.0, 0.0, 0.0);
+    } else if (ss_dot3(apart, apart) > SHARED * square) {
+        return;
     }
     ss_madd3(best->normal, best->normal, angle_at(point, corner), normal);
 }
@@ -104,7 +113,7 @@ double ss_contact_locate(const ss_mesh *mesh, const ss_real *u, const ss_shape *
         for (int k = 0; k < 3; ++k) {
             const int32_t i = mesh->triangle[t][k];
             for (int axis = 0; axis < 3; ++axis) {
-                x[k][axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
+                x[k][axis] = mesh->position[i][axis] + (u ? (double)u[4 * i + axis] : 0.0);
             }
         }
         const double *const corner[3] = {x[0], x[1], x[2]};
@@ -128,4 +137,61 @@ double ss_contact_locate(const ss_mesh *mesh, const ss_real *u, const ss_shape *
         return -INFINITY;
     }
     return reach - (is_behind ? -distance : distance);
+}
+
+/* The deeper of the tool's two depths: in the tissue as it is, and as it rests. */
+static double deepest(const ss_contact_tissue *tissue, const ss_shape *shape,
+                      const ss_tool_pose *pose, double out_normal[3])
+{
+    double point[3], normal[3];
+    double depth = ss_contact_locate(tissue->mesh, tissue->u, shape, pose, point, out_normal);
+    if (tissue->is_dented) {
+        const double at_rest = ss_contact_locate(tissue->mesh, NULL, shape, pose, point, normal);
+        if (at_rest > depth) {
+            depth = at_rest;
+            ss_copy3(out_normal, normal);
+        }
+    }
+    return depth;
+}
+
+/* Goes out by its depth again and again: `outward`, or (NULL) by the nearest way, which turns as
+ * other walls come near. A straight way ends where it first leaves the tissue, since no depth is
+ * more than what is left of it. */
+static bool go_out(const ss_contact_tissue *tissue, const ss_shape *shape, const ss_tool_pose *from,
+                   const double outward[3], double inout_way[3])
+{
+    const double enough = TOUCHING * ss_shape_bounding_radius(shape);
+    for (int k = 0; k < LOOKS; ++k) {
+        ss_tool_pose pose = *from;
+        double normal[3];
+        ss_add3(pose.position, from->position, inout_way);
+        const double depth = deepest(tissue, shape, &pose, normal);
+        if (depth <= enough) {
+            return true;
+        }
+        ss_madd3(inout_way, inout_way, depth, outward ? outward : normal);
+    }
+    return false;
+}
+
+bool ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
+                      const ss_tool_pose *pose, double spare, const double inward[3],
+                      double out_way[3])
+{
+    double normal[3], back[3], way_back[3] = {0.0, 0.0, 0.0};
+    ss_set3(out_way, 0.0, 0.0, 0.0);
+    if (deepest(tissue, shape, pose, normal) <= spare) {
+        return true;
+    }
+    const bool has_nearest = go_out(tissue, shape, pose, NULL, out_way);
+    ss_scale3(back, inward, -1.0);
+    if (ss_norm3(back) > 0.0 && go_out(tissue, shape, pose, back, way_back)) {
+        const double size = ss_shape_bounding_radius(shape);
+        if (!has_nearest || ss_norm3(way_back) <= 2.0 * (ss_norm3(out_way) + size)) {
+            ss_copy3(out_way, way_back);
+            return true;
+        }
+    }
+    return has_nearest;
 }

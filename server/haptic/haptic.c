@@ -70,7 +70,7 @@ struct ss_haptic {
     /* state: output */
     int32_t bad_streak;
     int64_t bad_inputs;
-    uint32_t grasp_edges, teleports;
+    uint32_t grasp_edges, teleports, entries;
     uint32_t starts;        /* resets and resumes so far, */
     uint32_t placed_starts; /* and when the proxy was placed */
     double last_force[3];
@@ -95,7 +95,7 @@ static bool is_result_finite(const ss_local_model *result)
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
                    ss_is_finite(set->torque, 3) && isfinite(set->depth) &&
                    isfinite(set->engulfed) && ss_is_finite(set->point, 3) &&
-                   ss_is_finite(set->normal, 3);
+                   ss_is_finite(result->outward, 3) && ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
         const ss_contact *c = &set->contact[i];
         const double scalar[5] = {c->force, c->stiffness, c->tangential, c->viscosity, c->gap};
@@ -227,7 +227,6 @@ static void place_proxy(ss_haptic *haptic)
 {
     ss_law_clear(&haptic->law);
     ss_copy3(haptic->p, haptic->pose.position);
-    ss_copy3(haptic->gate.placed_at, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_set3(haptic->aside, 0.0, 0.0, 0.0);
     haptic->is_returning = false;
@@ -278,6 +277,27 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
     ss_admission_pose(&haptic->gate, x, v);
 }
 
+/* Does the tool touch, where it was placed? */
+static bool is_touching(const ss_local_model *result)
+{
+    double most = 0.0;
+    for (int32_t i = 0; i < result->set.count; ++i) {
+        const ss_contact *c = &result->set.contact[i];
+        most = fmax(most, c->gap > 0.0 ? 0.0 : c->force);
+    }
+    return most > 0.0;
+}
+
+/* The proxy goes out to the surface at once, and is let in by fading. */
+static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const double normal[3])
+{
+    double v[3];
+    ss_admission_fade(&haptic->gate, tick, point, normal);
+    haptic->law.viscous = 0.0;
+    used_pose(haptic, haptic->p, v);
+    ++haptic->entries;
+}
+
 /* A result for where the proxy is now: the law, and entry if it is the first. */
 static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t tick)
 {
@@ -288,21 +308,16 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     if (!is_first && haptic->is_pressed && result->set.is_held && !law->held.is_held) {
         ss_law_hold(law, haptic->p, haptic->pdot);
     }
-    ss_law_take(law, result, &haptic->config, tick, x, haptic->p, haptic->pdot, is_first);
-    if (!ss_law_surface(law, haptic->pose.position, normal, point, &depth)) {
-        ss_copy3(normal, result->set.normal);
-        ss_copy3(point, haptic->pose.position);
-    }
-    if (ss_admission_is_found_inside(&haptic->gate, tick, haptic->config.period, depth,
-                                     haptic->pose.position)) {
-        ss_admission_enter(&haptic->gate, true, point, normal);
-        law->viscous = 0.0;
-        /* The proxy goes out to the surface, at once. */
-        used_pose(haptic, haptic->p, v);
-        ++haptic->teleports;
+    ss_law_take(law, result, &haptic->config, tick, x, haptic->p, haptic->pdot,
+                is_first || result->is_found_inside);
+    const bool is_near = ss_law_surface(law, haptic->pose.position, normal, point, &depth);
+    if (result->is_found_inside) {
+        enter(haptic, tick, result->proxy, result->outward);
+    } else if (is_first && is_touching(result)) {
+        enter(haptic, tick, point, normal);
     } else if (is_first) {
-        ss_admission_enter(&haptic->gate, false, point, normal);
-    } else {
+        ss_admission_enter(&haptic->gate);
+    } else if (is_near) {
         ss_admission_follow(&haptic->gate, law->result_period, point, normal);
     }
 }
@@ -596,6 +611,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     target->is_grasping = haptic->is_pressed && target->is_present;
     target->grasp_edges = haptic->grasp_edges;
     target->teleports = haptic->teleports;
+    target->entries = haptic->entries;
     target->starts = haptic->placed_starts;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
@@ -736,10 +752,10 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
     const double state[] = {haptic->p[0],    haptic->p[1],     haptic->p[2],        haptic->v[0],
                             haptic->v[1],    haptic->v[2],     haptic->spring,      observer->limit,
                             observer->worst, observer->energy, observer->delay_p95, haptic->limit};
-    const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
-                              haptic->gate.ticks,        haptic->law.tick,
-                              haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
-                              (int64_t)haptic->teleports};
+    const int64_t number[] = {haptic->output.force.seq,   (int64_t)haptic->gate.phase,
+                              haptic->gate.ticks,         haptic->law.tick,
+                              haptic->bad_inputs,         (int64_t)haptic->grasp_edges,
+                              (int64_t)haptic->teleports, (int64_t)haptic->entries};
     uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
     hash = ss_hash_bytes(hash, state, sizeof state);
     hash = ss_hash_bytes(hash, number, sizeof number);

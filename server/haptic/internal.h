@@ -215,9 +215,8 @@ typedef struct ss_admission {
     bool is_model_late; /* or at fault */
     bool is_stale;
     bool is_paused;
-    int64_t ticks;  /* of the phase so far; none that the thread slept through */
-    int64_t placed; /* tick at which the proxy was placed: older results do not count */
-    double placed_at[3];
+    int64_t ticks;         /* of the phase so far; none that the thread slept through */
+    int64_t placed;        /* tick at which the proxy was placed: older results do not count */
     double entry_point[3]; /* of the surface, smoothed */
     double entry_normal[3];
     double held_back; /* share of the depth that a ramp found not yet let in */
@@ -240,12 +239,11 @@ typedef struct ss_admission_input {
 bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
 /* Share of the depth that entering has not let in yet. */
 double ss_admission_left(const ss_admission *gate);
-/* Was the tool, `depth` deep at pose `x`, already inside where it was placed? */
-bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
-                                  double depth, const double x[3]);
-/* The first result for this place: enters, by fading if `is_inside`. */
-void ss_admission_enter(ss_admission *gate, bool is_inside, const double point[3],
-                        const double normal[3]);
+/* The first result for this place: enters. */
+void ss_admission_enter(ss_admission *gate);
+/* The tool was found inside: enters by fading, from the surface at `point` in this tick on. */
+void ss_admission_fade(ss_admission *gate, int64_t tick, const double point[3],
+                       const double normal[3]);
 /* Follows the surface while entering. */
 void ss_admission_follow(ss_admission *gate, double period, const double point[3],
                          const double normal[3]);

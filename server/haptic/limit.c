@@ -14,6 +14,11 @@
  * follows the pose: the model has not yet said where the tool is. Only results stepped to a target
  * from after the proxy was placed count.
  *
+ * Where the tool was placed says whether it was found inside, not when it came to touch: the
+ * simulation moved it out of the tissue, or it touches there. Rejected: a touch within 0.1 s that
+ * is deeper than the hand's way. Touches by a fast hand right after its first pose were taken for
+ * it, since force over static stiffness says more than the depth of a fast one.
+ *
  * Entry fades the pose, not the force: with g from 0 to 1 the pose used is x_s + g (x - x_s), x_s
  * the pose moved out along n to the surface, so that the model and the hand sink in together.
  * Fading the force instead would let the model feel the whole depth at once and throw the hand out
@@ -32,10 +37,6 @@
 /* m/s: no faster than this after a surface that gives way, or is another: the tool would be let in.
  */
 #define ENTRY_SPEED 0.05
-/* s: so long after placing, tissue that was flung away by the tool may come back to it; */
-#define SETTLING 0.1
-/* m: depth beyond the hand's own way that tells so. */
-#define SETTLING_DEPTH 0.2e-3
 
 static void begin(ss_admission *gate, ss_phase phase)
 {
@@ -115,33 +116,18 @@ bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
     return false;
 }
 
-bool ss_admission_is_found_inside(const ss_admission *gate, int64_t tick, double period,
-                                  double depth, const double x[3])
+void ss_admission_enter(ss_admission *gate)
 {
-    double way[3];
-    switch (gate->phase) {
-    case SS_PHASE_WAITING:
-        return depth > 0.0;
-    case SS_PHASE_IN:
-        ss_sub3(way, x, gate->placed_at);
-        return (double)(tick - gate->placed) * period < SETTLING &&
-               depth > ss_norm3(way) + SETTLING_DEPTH;
-    case SS_PHASE_SILENT:
-    case SS_PHASE_ENTERING:
-    case SS_PHASE_RAMPING:
-        break;
-    }
-    return false;
+    begin(gate, SS_PHASE_IN);
 }
 
-void ss_admission_enter(ss_admission *gate, bool is_inside, const double point[3],
-                        const double normal[3])
+void ss_admission_fade(ss_admission *gate, int64_t tick, const double point[3],
+                       const double normal[3])
 {
-    begin(gate, is_inside ? SS_PHASE_ENTERING : SS_PHASE_IN);
-    if (is_inside) {
-        ss_copy3(gate->entry_point, point);
-        ss_copy3(gate->entry_normal, normal);
-    }
+    begin(gate, SS_PHASE_ENTERING);
+    gate->placed = tick;
+    ss_copy3(gate->entry_point, point);
+    ss_copy3(gate->entry_normal, normal);
 }
 
 void ss_admission_follow(ss_admission *gate, double period, const double point[3],

@@ -21,7 +21,7 @@ static const double NEAR_M = 0.005;       /* contacts are published before touch
 static const double MAX_TOOL_SPEED = 3.0; /* m/s */
 static const double MAX_TOOL_TURN = 50.0; /* rad/s */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
-static const double PLACE_STIFFNESS = 100.0; /* N/m: of soft tissue, until the model says */
+static const double PLACE_TIME = 0.02;    /* s: so often a place is looked for; it costs ms */
 
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
@@ -69,30 +69,36 @@ void ss_world_step_begin(ss_world *world)
     }
 }
 
-/* A tool that has just come and stands inside the tissue is not given to the model yet: its
- * result says where the surface is, with no force, and the haptic loop moves the proxy out there
- * and lets it in by fading. True when the tool may be placed. */
-static bool may_place(ss_world *world, ss_world_probe *probe, int32_t p, const ss_tool_pose *pose)
+/* A tool that has just come and stands inside the tissue is put where it just touches: its result
+ * says so, the haptic loop moves the proxy out there and lets it in by fading. After a reset or
+ * resume it goes out the way it was pressed in: in thin tissue the nearest way may lead through.
+ * False where there is no place for it. */
+static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
 {
+    ss_world_probe *probe = &world->probe[p];
+    const ss_proxy_target *target = &probe->stepped_to;
     const ss_shape *shape = &world->scene->tool[p].shape;
-    ss_contact_set *set = &probe->computed.set;
-    double point[3], normal[3];
-    const double depth =
-        ss_contact_locate(world->scene->mesh, world->model_class->displacement(world->model), shape,
-                          pose, point, normal);
-    if (depth <= PLACE_SHARE * ss_shape_bounding_radius(shape)) {
-        return true;
+    const ss_contact_tissue tissue = {.mesh = world->scene->mesh,
+                                      .u = world->model_class->displacement(world->model),
+                                      .is_dented = world->is_dented};
+    const int64_t every = (int64_t)ceil(PLACE_TIME / world->step_period);
+    double way[3];
+    probe->waited = probe->last_teleports == target->teleports ? probe->waited : 0;
+    if (probe->waited % every != 0) {
+        return false;
     }
-    *set = (ss_contact_set){.count = 1};
-    ss_contact *contact = &set->contact[0];
-    contact->stiffness = contact->tangential = PLACE_STIFFNESS;
-    ss_copy3(contact->point, point);
-    ss_copy3(contact->normal, normal);
-    ss_copy3(set->point, point);
-    ss_copy3(set->normal, normal);
-    ss_madd3(probe->computed.proxy, pose->position, depth,
-             normal); /* where the tool just touches */
-    return false;
+    if (target->starts == probe->inward_starts) {
+        ss_set3(probe->inward, 0.0, 0.0, 0.0); /* another device, or the same from elsewhere */
+    }
+    const double spare = PLACE_SHARE * ss_shape_bounding_radius(shape);
+    if (!ss_contact_leave(&tissue, shape, inout_pose, spare, probe->inward, way)) {
+        return false;
+    }
+    ss_add3(inout_pose->position, inout_pose->position, way);
+    probe->is_found_inside = ss_normalize3(way) > 0.0;
+    probe->found_entries = target->entries;
+    ss_copy3(probe->outward, way);
+    return true;
 }
 
 /* No hand moves or turns a tool faster: what jumps in a period is caught up with, not flung. */
@@ -121,32 +127,31 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 {
     ss_world_probe *probe = &world->probe[p];
     const ss_proxy_target *target = &probe->stepped_to;
-    probe->is_waiting = false;
     ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
+    const bool is_same = probe->was_present && probe->last_teleports == target->teleports;
     ss_set3(velocity, 0.0, 0.0, 0.0);
-    if (!target->is_present || target->starts != world->simulation_starts) {
-        probe->was_present = tool.is_present = false;
+    probe->was_present = false;
+    probe->is_found_inside =
+        is_same && probe->is_found_inside && probe->found_entries == target->entries;
+    if (!target->is_present || target->starts != world->simulation_starts ||
+        (world->simulation_paused && !is_same)) {
         probe->waited = 0;
-        return tool;
+        return (ss_model_tool){.is_present = false};
     }
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
     memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
-    const bool is_swept = probe->was_present && probe->last_teleports == target->teleports;
-    if (is_swept) {
+    if (probe->is_found_inside) {
+        tool.to = probe->last;
+    } else if (is_same) {
         follow(&probe->last, world->step_period, &tool.to);
-    }
-    tool.from = is_swept ? probe->last : tool.to;
-    if (!is_swept && !may_place(world, probe, p, &tool.to)) {
-        probe->is_waiting = true;
+    } else if (!place(world, p, &tool.to)) {
+        probe->last_teleports = target->teleports;
         ++probe->waited;
-        probe->was_present = false;
-        tool.is_present = false;
-        return tool;
+        return (ss_model_tool){.is_present = false};
     }
-    if (is_swept) {
-        ss_sub3(velocity, tool.to.position, tool.from.position);
-        ss_scale3(velocity, velocity, 1.0 / world->step_period);
-    }
+    tool.from = is_same ? probe->last : tool.to;
+    ss_sub3(velocity, tool.to.position, tool.from.position);
+    ss_scale3(velocity, velocity, 1.0 / world->step_period);
     probe->waited = 0;
     probe->was_present = true;
     probe->last_teleports = target->teleports;
@@ -167,34 +172,44 @@ static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_m
     probe->last = tool->to;
 }
 
+/* Tissue that holds a tool off is dented, and the tool pressed in against its normal. */
+static void note_touch(ss_world *world, ss_world_probe *probe)
+{
+    const ss_contact_set *set = &probe->computed.set;
+    if (set->count > 0 && ss_norm3(set->force) > 0.0) {
+        world->is_dented = true;
+        ss_scale3(probe->inward, set->normal, -1.0);
+        probe->inward_starts = probe->stepped_to.starts;
+    }
+}
+
 static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
                           const double velocity[3], const ss_model_info *info)
 {
     ss_world_probe *probe = &world->probe[p];
     ss_local_model *out = &probe->computed;
-    out->tick = probe->stepped_to.tick;
-    out->step = world->steps;
-    out->period = world->step_period;
-    out->pose_seq = probe->stepped_to.pose_seq;
-    out->starts = world->simulation_starts;
-    out->is_fault = info->verdict == SOFTSIM_VERDICT_FAULT;
+    *out = (ss_local_model){.tick = probe->stepped_to.tick,
+                            .step = world->steps,
+                            .period = world->step_period,
+                            .pose_seq = probe->stepped_to.pose_seq,
+                            .starts = world->simulation_starts,
+                            .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
+                            .stored = info->kinetic + info->elastic,
+                            .load_work = info->load_work};
     out->has_stored = !world->model_class->has_no_energy && !out->is_fault;
-    out->stored = info->kinetic + info->elastic;
-    out->load_work = info->load_work;
+    ss_copy3(out->proxy, probe->stepped_to.proxy);
     memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
-    ss_set3(out->velocity, 0.0, 0.0, 0.0);
-    if (probe->is_waiting) {
-        return; /* may_place() filled in the rest */
-    }
-    out->set = (ss_contact_set){0};
     if (!tool->is_present) {
         return;
     }
     ss_copy3(out->proxy, tool->to.position);
     memcpy(out->orientation, tool->to.orientation, sizeof out->orientation);
     ss_copy3(out->velocity, velocity);
+    out->is_found_inside = probe->is_found_inside;
+    ss_copy3(out->outward, probe->outward);
     const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
     world->model_class->contacts(world->model, p, near, &out->set);
+    note_touch(world, probe);
 }
 
 void ss_world_step_compute(ss_world *world)

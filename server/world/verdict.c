@@ -8,7 +8,7 @@
 
 static const double SINK_SHARE = 0.3;    /* of a tool's least half-width */
 static const double THROUGH_SHARE = 0.9; /* of the same: the far side's samples turn the force */
-static const double LONGEST_WAIT = 0.75; /* s; a tool that was found inside is let in within 0.5 */
+static const double LONGEST_WAIT = 0.1;  /* s; a tool that is found inside has its place at once */
 
 void ss_world_plan_watch(ss_world *world)
 {
@@ -34,8 +34,8 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         if (info->verdict < SOFTSIM_VERDICT_FAULT &&
             (double)probe->waited * world->step_period > LONGEST_WAIT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
-            info->reason = "a tool that was found inside the tissue finds no place in it, and what "
-                           "is felt is not the tissue: take it out";
+            info->reason = "a tool was found inside the tissue, which has no place for it, and is "
+                           "not felt: take it out";
         } else if (probe->is_used && ss_contact_is_engulfed(set) &&
                    info->verdict < SOFTSIM_VERDICT_FAULT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;

@@ -83,9 +83,13 @@ typedef struct ss_world_probe {
     /* simulation thread */
     ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
-    bool is_waiting; /* found inside the tissue, not yet placed */
-    int64_t waited;  /* steps on end */
     uint32_t last_teleports;
+    int64_t waited;         /* steps on end: found inside the tissue, which has no place for it */
+    bool is_found_inside;   /* it stands where it just touches, until it is entered */
+    uint32_t found_entries; /* of the target then */
+    double outward[3];      /* the way there */
+    double inward[3];       /* unit: how it was last pressed into the tissue; 0 not known, */
+    uint32_t inward_starts; /* and after which start */
     ss_proxy_target stepped_to; /* target of the step under way */
     ss_local_model computed;    /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
@@ -143,6 +147,7 @@ typedef struct ss_world {
     int64_t substeps; /* of all steps */
     bool simulation_paused;
     uint32_t simulation_starts; /* resets and resumes heard of */
+    bool is_dented;             /* a tool has touched the tissue */
     bool is_hashed;             /* `hash` is that of the state as it is; lockstep */
     uint64_t hash;
     double lag; /* as in the stats */

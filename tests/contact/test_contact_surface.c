@@ -279,6 +279,102 @@ static void behind_an_open_sheet_is_nowhere_near(void **state)
     ss_memory_free(at_rest);
 }
 
+static void turn_inside_out(void)
+{
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) {
+        const int32_t first = triangles[t][0];
+        triangles[t][0] = triangles[t][1];
+        triangles[t][1] = first;
+    }
+}
+
+/* In the middle of a body and of a hollow, of 8 facets and of 512: many are as near as the nearest,
+ * and their normals sum up to nothing. */
+static void the_middle_of_a_cavity_is_outside(void **state)
+{
+    (void)state;
+    static const double wall[2] = {0.0115470054, 0.02}; /* m, from the middle */
+    for (int k = 0; k < 4; ++k) {
+        const bool is_hollow = k % 2 == 1;
+        make_sphere(k / 2 == 0 ? 0 : 3, 0.02);
+        if (is_hollow) {
+            turn_inside_out();
+        }
+        const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0);
+        double point[3], normal[3];
+        const double depth = ss_contact_locate(&mesh, NULL, &sphere_5mm, &pose, point, normal);
+        assert_true(fabs(depth - 0.005 - (is_hollow ? -wall[k / 2] : wall[k / 2])) < 4e-4);
+    }
+}
+
+/* Out of a ball of 20 mm, found with the tool's middle `from` above its own: along `expected` to
+ * where they are 25 mm apart. */
+static void check_way_out(double from, const double inward[3], const double expected[3])
+{
+    const ss_contact_tissue tissue = {.mesh = &mesh};
+    const ss_tool_pose pose = pose_at(0.0, 0.0, from);
+    double way[3], end[3];
+    assert_true(ss_contact_leave(&tissue, &sphere_5mm, &pose, 0.0005, inward, way));
+    ss_add3(end, pose.position, way);
+    assert_true(fabs(ss_norm3(end) - 0.025) < 4e-4);
+    assert_true(ss_dot3(way, expected) > 0.99 * ss_norm3(way)); /* facets are tilted */
+}
+
+static void a_tool_leaves_the_way_it_came_or_the_nearest(void **state)
+{
+    (void)state;
+    static const double unknown[3] = {0.0, 0.0, 0.0}, x[3] = {1.0, 0.0, 0.0},
+                        minus_x[3] = {-1.0, 0.0, 0.0}, z[3] = {0.0, 0.0, 1.0},
+                        minus_z[3] = {0.0, 0.0, -1.0};
+    make_sphere(3, 0.02);
+    check_way_out(0.012, unknown, z);
+    check_way_out(0.012, x, minus_x);
+    check_way_out(0.003, z, minus_z);
+    check_way_out(0.018, z, z); /* 43 mm, right through, or 7 */
+    const ss_contact_tissue tissue = {.mesh = &mesh};
+    const ss_tool_pose outside = pose_at(0.0, 0.0, 0.026);
+    double way[3];
+    assert_true(ss_contact_leave(&tissue, &sphere_5mm, &outside, 0.0005, z, way));
+    assert_true(ss_norm3(way) <= 0.0);
+}
+
+/* Pressed down to a ball of 15 mm it may come back. */
+static void dented_tissue_is_where_it_rests_too(void **state)
+{
+    (void)state;
+    static const double unknown[3] = {0.0, 0.0, 0.0};
+    make_sphere(3, 0.02);
+    ss_real *dent = ss_memory_get((size_t)mesh.node_count * 4, sizeof *dent);
+    assert_non_null(dent);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            dent[4 * i + k] = (ss_real)(-0.25 * mesh.position[i][k]);
+        }
+    }
+    for (int is_dented = 0; is_dented < 2; ++is_dented) {
+        const ss_contact_tissue tissue = {.mesh = &mesh, .u = dent, .is_dented = is_dented != 0};
+        const ss_tool_pose pose = pose_at(0.0, 0.0, 0.021);
+        double way[3];
+        assert_true(ss_contact_leave(&tissue, &sphere_5mm, &pose, 0.0005, unknown, way));
+        assert_true(fabs(ss_norm3(way) - (is_dented ? 0.004 : 0.0)) < 4e-4);
+    }
+    ss_memory_free(dent);
+}
+
+/* A ball of 25 mm in a hollow of 20 mm. */
+static void a_tool_may_have_no_way_out(void **state)
+{
+    (void)state;
+    static const double unknown[3] = {0.0, 0.0, 0.0};
+    static const ss_shape large = {.kind = SS_SHAPE_SPHERE, .radius = 0.025};
+    make_sphere(3, 0.02);
+    turn_inside_out();
+    const ss_contact_tissue tissue = {.mesh = &mesh};
+    const ss_tool_pose pose = pose_at(0.001, 0.0, 0.0);
+    double way[3];
+    assert_false(ss_contact_leave(&tissue, &large, &pose, 0.0005, unknown, way));
+}
+
 /* ---- inside ---- */
 
 static double engulfed_at(const ss_tool_pose *pose)
@@ -363,6 +459,10 @@ int main(void)
         cmocka_unit_test(picks_parts_by_radius_over_edge),
         cmocka_unit_test(a_tool_that_appears_is_found_inside_or_outside),
         cmocka_unit_test(behind_an_open_sheet_is_nowhere_near),
+        cmocka_unit_test(the_middle_of_a_cavity_is_outside),
+        cmocka_unit_test(a_tool_leaves_the_way_it_came_or_the_nearest),
+        cmocka_unit_test(dented_tissue_is_where_it_rests_too),
+        cmocka_unit_test(a_tool_may_have_no_way_out),
         cmocka_unit_test(a_tool_is_engulfed_when_its_middle_is_inside),
         cmocka_unit_test(no_tool_is_engulfed_by_an_open_sheet_or_from_outside),
     };

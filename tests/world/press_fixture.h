@@ -4,6 +4,7 @@
 /* Bodies of every model to press, in headless worlds. cmocka comes first. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/folder_fixture.h"
@@ -89,18 +90,33 @@ static inline int box_node(const int cells[3], const int at[3])
     return (at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0] + 1;
 }
 
-static inline void write_box_mesh(const int cells[3], const double size[3])
+/* Is a node (`width` 0) or a cell (1) within `hollow` cells about the middle? */
+static inline bool is_within(const int cells[3], const int at[3], int width, int hollow)
+{
+    bool is_in = true;
+    for (int a = 0; a < 3; ++a) {
+        is_in = is_in && abs(2 * at[a] + width - cells[a]) < hollow;
+    }
+    return is_in;
+}
+
+/* `hollow` cells are left out all around the middle; 0: none. */
+static inline void write_hollow_mesh(const int cells[3], const double size[3], int hollow)
 {
     static const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                     {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     static const bool is_odd[6] = {false, true, true, false, false, true};
     FILE *file = open_file("block.msh");
+    const int missing = hollow > 1 ? (hollow - 1) * (hollow - 1) * (hollow - 1) : 0;
     fprintf(file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n",
-            (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
+            (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1) - missing);
     for (int k = 0; k <= cells[2]; ++k) {
         for (int j = 0; j <= cells[1]; ++j) {
             for (int i = 0; i <= cells[0]; ++i) {
                 const int at[3] = {i, j, k};
+                if (is_within(cells, at, 0, hollow)) {
+                    continue;
+                }
                 fprintf(file, "%d %.9g %.9g %.9g\n", box_node(cells, at),
                         size[0] * i / cells[0] - 0.5 * size[0],
                         size[1] * j / cells[1] - 0.5 * size[1], size[2] * k / cells[2]);
@@ -108,11 +124,13 @@ static inline void write_box_mesh(const int cells[3], const double size[3])
         }
     }
     const int count = cells[0] * cells[1] * cells[2];
-    fprintf(file, "$EndNodes\n$Elements\n%d\n", 6 * count);
+    fprintf(file, "$EndNodes\n$Elements\n%d\n", 6 * (count - hollow * hollow * hollow));
     int element = 0;
     for (int cell = 0; cell < count; ++cell) {
-        for (int p = 0; p < 6; ++p) {
-            int at[3] = {cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])};
+        const int place[3] = {cell % cells[0], cell / cells[0] % cells[1],
+                              cell / (cells[0] * cells[1])};
+        for (int p = 0; p < (is_within(cells, place, 1, hollow) ? 0 : 6); ++p) {
+            int at[3] = {place[0], place[1], place[2]};
             int node[4] = {box_node(cells, at)};
             for (int s = 0; s < 3; ++s) {
                 ++at[order[p][s]];
@@ -124,6 +142,11 @@ static inline void write_box_mesh(const int cells[3], const double size[3])
     }
     fprintf(file, "$EndElements\n");
     assert_int_equal(fclose(file), 0);
+}
+
+static inline void write_box_mesh(const int cells[3], const double size[3])
+{
+    write_hollow_mesh(cells, size, 0);
 }
 
 /* Held below. */

@@ -16,72 +16,15 @@
 #include <string.h>
 
 #include "common/effort.h"
+#include "loops_fixture.h"
 #include "oracles/limit_judge.h"
 #include "press_fixture.h"
-#include "world/world.h"
 
 enum { HELD_TICK = 1000 };
 static const double LIMIT = 8.0; /* N */
 
 /* Unless all are asked for, by an argument: fewer commands. */
 static bool is_all;
-
-/* ---- the two loops ---- */
-
-/* Who hears of a command first. */
-typedef enum order { LOCKSTEP, SIMULATION_FIRST, HAPTIC_FIRST, ORDERS } order;
-enum { LATE_TICKS = 3 }; /* of the results of a step that was under way then */
-
-static void command(ss_world *world, const char *name)
-{
-    ss_command_record record;
-    char text[256];
-    assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
-}
-
-static void begin_step(ss_world *world)
-{
-    ss_world_step_begin(world);
-    ss_world_step_compute(world);
-    world->is_step_pending = true;
-}
-
-/* One tick of the two loops as with a clock between them, with a command or NULL. Simulation first:
- * it comes between the haptic tick and the step that follows at once. Haptic first: while a step is
- * under way, which takes LATE_TICKS more. */
-static softsim_force turn(ss_world *world, order way, const softsim_pose *pose, const char *name,
-                          int *inout_late)
-{
-    const ss_pose_record in = {.pose = *pose, .sender_epoch = 1};
-    ss_force_record out = {.force = {.seq = -1}};
-    ss_ring_push(world->probe[0].poses, &in);
-    const int64_t tick = ++world->tick;
-    if (name && way == HAPTIC_FIRST) {
-        if (!world->is_step_pending) {
-            begin_step(world);
-            *inout_late = LATE_TICKS;
-        }
-        command(world, name);
-    }
-    ss_world_haptic_tick(world, tick, 0, 0);
-    while (ss_ring_pop(world->forces, &out)) {
-    }
-    if (name && way == SIMULATION_FIRST) {
-        command(world, name);
-    }
-    if (*inout_late > 0) {
-        --*inout_late;
-        return out.force;
-    }
-    if (!world->is_step_pending && tick % world->step_ticks == 0) {
-        begin_step(world);
-    }
-    if (world->is_step_pending) {
-        ss_world_step_post(world);
-        world->is_step_pending = false;
-    }
-    return out.force;
-}
 
 /* ---- judging ---- */
 
@@ -127,7 +70,7 @@ static const struct {
 enum { MODELS = sizeof models / sizeof *models };
 
 /* A command every `gap` ticks, `count` of them, then .7 s of rest. */
-static bool storm(int model, order way, const char *const name[2], int gap, int count)
+static bool storm(int model, heard way, const char *const name[2], int gap, int count)
 {
     static const char *const order_name[ORDERS] = {"lockstep", "simulation first", "haptic first"};
     const body *b = &bodies[models[model].body];
@@ -188,7 +131,7 @@ static void resets_are_entered_anew(void **state)
         for (int g = 0; g < GAPS; ++g) {
             for (int way = 0; way < ORDERS; ++way) {
                 if (is_all || (g % 4 == m % 4 && g < 4 && way == m % ORDERS)) {
-                    is_good = storm(m, (order)way, reset, gaps[g], is_all ? 30 : 4) && is_good;
+                    is_good = storm(m, (heard)way, reset, gaps[g], is_all ? 30 : 4) && is_good;
                 }
             }
         }
@@ -215,7 +158,7 @@ static void pauses_and_resumes_ramp_and_enter(void **state)
         for (int g = 0; g < GAPS; ++g) {
             for (int way = 0; way < ORDERS; ++way) {
                 if (is_repeatable(m) && (is_all || (g % MODELS == m && way == g % ORDERS))) {
-                    is_good = storm(m, (order)way, pause, gaps[g], 20) && is_good;
+                    is_good = storm(m, (heard)way, pause, gaps[g], 20) && is_good;
                 }
             }
         }

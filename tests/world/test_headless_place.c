@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * A tool that is found inside the tissue gets a place in it: within the entry ramp it is felt as
+ * one that was pressed there from outside, and nothing but tissue is felt on the way.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "common/effort.h"
+#include "loops_fixture.h"
+#include "press_fixture.h"
+#include "rt/vec.h"
+
+static const double LIMIT = 30.0; /* N: never reached */
+
+/* ---- moved while nothing was felt ---- */
+
+enum { RAMP = 20, ENTRY = 500 };
+
+/* How it comes that a tool is found inside. */
+typedef enum cause { MOVED_UNDER_PAUSE, MOVED_BEFORE_RESET, CAUSES } cause;
+
+typedef struct visit {
+    const body *b;
+    double depth, side; /* m */
+    cause why;
+    heard way;
+} visit;
+
+static void at(const body *b, double depth, double side, double out[3])
+{
+    for (int a = 0; a < 3; ++a) {
+        out[a] = b->touch[a] + depth * b->in[a] + side * b->side[a];
+    }
+}
+
+/* Along the side outside of the tissue, in within 0.6 s, and held. */
+static void press_from_outside(const visit *v, double out_force[3])
+{
+    softsim_world *world = make_world(v->b, LIMIT);
+    softsim_force force = {.seq = 0};
+    for (int n = 0; n < 2000; ++n) {
+        double x[3];
+        at(v->b, (v->depth + 0.030) * smooth(n / 600.0) - 0.030, v->side, x);
+        const softsim_pose pose = pose_of(n + 1, x);
+        force = feel(world, &pose);
+    }
+    ss_copy3(out_force, force.force);
+    softsim_destroy(&world);
+}
+
+typedef struct visited {
+    bool is_placed; /* in the model, in the end */
+    double force[3];
+    double rise, most; /* N: in a tick; of all */
+    char reason[160];  /* of the worst verdict */
+} visited;
+
+enum { HELD = 1000, MOVED = 1200, RESUMED = 1300 };
+
+static visited come_inside(const visit *v)
+{
+    softsim_world *world = make_world(v->b, LIMIT);
+    const ss_world_probe *probe = &((ss_world *)world)->probe[0];
+    visited out = {.rise = 0.0};
+    softsim_state state;
+    double last = 0.0;
+    int late = 0;
+    for (int n = 0; n < RESUMED + RAMP + ENTRY + 300; ++n) {
+        double x[3];
+        at(v->b, (v->depth + 0.030) * smooth(n / 600.0) - 0.030,
+           v->side * smooth((n - HELD - 50) / (double)(MOVED - HELD - 50)), x);
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.utime_us = 1000 * (int64_t)n;
+        const bool is_pause = v->why == MOVED_UNDER_PAUSE;
+        const char *name = is_pause && n == HELD ? "pause"
+                           : n == RESUMED        ? is_pause ? "resume" : "reset"
+                                                 : NULL;
+        softsim_force force;
+        if (v->way == LOCKSTEP) {
+            if (name) {
+                command((ss_world *)world, name);
+            }
+            force = feel(world, &pose);
+        } else {
+            force = turn((ss_world *)world, v->way, &pose, name, &late);
+        }
+        const double size = ss_norm3(force.force);
+        if (n > RESUMED) {
+            out.rise = fmax(out.rise, size - last);
+            out.most = fmax(out.most, size);
+        }
+        last = size;
+        ss_copy3(out.force, force.force);
+    }
+    softsim_read(world, &state);
+    out.is_placed = probe->was_present;
+    (void)snprintf(out.reason, sizeof out.reason, "%s", state.worst_reason);
+    softsim_destroy(&world);
+    return out;
+}
+
+/* Did the tool come to be felt as one that was pressed there? */
+static bool is_felt(const visit *v, const double outside[3])
+{
+    const visited in = come_inside(v);
+    double off[3];
+    ss_sub3(off, in.force, outside);
+    const double size = ss_norm3(outside), share = ss_norm3(off) / size;
+    const bool is_good = share < 0.02 && in.is_placed && in.rise < 0.05 * size &&
+                         in.most < 1.1 * size && strstr(in.reason, "found inside") == NULL;
+    print_message("%s %.0f mm deep, %.0f mm aside, %s, heard %d: %s, %.3f N (%.1f %% off %.3f N), "
+                  "at most %.3f, %.4f up a tick, %s%s\n",
+                  v->b->name, 1e3 * v->depth, 1e3 * v->side,
+                  v->why == MOVED_UNDER_PAUSE ? "resumed" : "reset", (int)v->way,
+                  in.is_placed ? "placed" : "not placed", ss_norm3(in.force), 1e2 * share, size,
+                  in.most, in.rise, in.reason, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+/* A ventricle that is pressed by more than its wall is thick, too: out the way that it came. */
+static void a_tool_that_moved_is_felt_as_one_that_was_pressed(void **state)
+{
+    (void)state;
+    static const int body_of[] = {0, 2, 4};
+    static const double depths[] = {0.012, 0.008}, sides[] = {0.0, 0.020, 0.005, 0.010, -0.010};
+    const int depth_count = FULL_IN_LONG_RUN(2, 1);
+    const int side_count = FULL_IN_LONG_RUN(5, FULL_IN_RELEASE(2, 1));
+    const int way_count = FULL_IN_LONG_RUN(ORDERS, 1);
+    const int body_count = FULL_IN_RELEASE(3, 1);
+    bool is_good = true;
+    for (int n = 0; n < body_count * depth_count * side_count; ++n) {
+        visit v = {.b = &bodies[body_of[n % body_count]],
+                   .depth = depths[n / body_count % depth_count],
+                   .side = sides[n / body_count / depth_count]};
+        double outside[3];
+        press_from_outside(&v, outside);
+        for (int why = 0; why < CAUSES; ++why) {
+            for (int way = 0; way < way_count; ++way) {
+                v.why = (cause)why;
+                v.way = (heard)way;
+                is_good = is_felt(&v, outside) && is_good;
+            }
+        }
+    }
+    assert_true(is_good);
+}
+
+/* ---- a touch just after ---- */
+
+/* Down from `above` at `speed`, `wait` ticks after the first pose; forces from then on. */
+enum { APPROACH = 120 };
+static void approach(const body *b, double above, double speed, int wait,
+                     double out_force[APPROACH])
+{
+    softsim_world *world = make_world(b, LIMIT);
+    for (int n = 0; n < wait + APPROACH; ++n) {
+        double x[3];
+        at(b, fmin(0.006, 1e-3 * speed * (n > wait ? n - wait : 0) - above), 0.0, x);
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        if (n >= wait) {
+            out_force[n - wait] = ss_norm3(force.force);
+        }
+    }
+    softsim_destroy(&world);
+}
+
+/* It is outside that it comes from: a touch in the first 0.1 s is felt as one that comes later. */
+static void a_touch_just_after_the_first_pose_is_felt(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    static const body touched[] = {
+        {"kidney", "kidney.yaml", NULL, NULL, {0, 0.006, 0.0273}, {0, 0, -1}, {1, 0, 0}, 0.0},
+        {"liver", "liver.yaml", NULL, NULL, {-0.035, 0, 0.050}, {0, 0, -1}, {1, 0, 0}, 0.0},
+        {"hm1", "hm1-tissue.yaml", NULL, NULL, {0.0385, 0, -0.005}, {-1, 0, 0}, {0, 1, 0}, 0.0},
+    };
+    static const double heights[] = {0.006, 0.015}, speeds[] = {0.3, 0.6};
+    bool is_good = true;
+    for (int n = 0; n < 3 * 4; ++n) {
+        const body *b = &touched[n % 3];
+        const double above = heights[n / 3 % 2], speed = speeds[n / 6];
+        double at_once[APPROACH], later[APPROACH], most = 0.0, off = 0.0;
+        approach(b, above, speed, 0, at_once);
+        approach(b, above, speed, 400, later);
+        for (int k = 0; k < APPROACH; ++k) {
+            most = fmax(most, later[k]);
+            off = fmax(off, fabs(at_once[k] - later[k]));
+        }
+        /* The limit of stiffness follows the loop's delay within a second. */
+        const bool is_one = off <= 0.05 * most;
+        print_message("%s from %.0f mm at %.1f m/s: at most %.3f N, %.2f %% off%s\n", b->name,
+                      1e3 * above, speed, most, 1e2 * off / most, is_one ? "" : ": BAD");
+        is_good = is_good && is_one;
+    }
+    assert_true(is_good);
+}
+
+/* ---- in a cavity ---- */
+
+/* A ball that stands still in the middle of a hollow of 40 mm. */
+static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_state)
+{
+    static const int cells[3] = {8, 8, 8};
+    static const double size[3] = {80.0, 80.0, 80.0};
+    char text[512];
+    (void)snprintf(text, sizeof text,
+                   "softsim: 1\n"
+                   "object:\n  mesh: block.msh\n  units: mm\n"
+                   "  fixed: [{box_m: [[-1, -1, -1], [1, 1, 0.001]]}]\n"
+                   "model:\n  name: mass-spring\n  youngs_modulus_pa: 10000\n"
+                   "  density_kg_m3: 1060\n  mass_damping_per_s: 30\n"
+                   "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: %g}}}]}\n",
+                   radius_mm);
+    const softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    write_hollow_mesh(cells, size, 4);
+    softsim_world *world = softsim_create(write_text("hollow.yaml", text), &config, &error);
+    if (world == NULL) {
+        fail_msg("%s", error.text);
+    }
+    softsim_force force = {.seq = 0};
+    for (int n = 0; n < 200; ++n) {
+        const softsim_pose pose = pose_of(n + 1, (const double[3]){0.0, 0.0, 0.040});
+        force = feel(world, &pose);
+        assert_true(ss_norm3(force.force) <= 0.0);
+    }
+    softsim_read(world, out_state);
+    softsim_destroy(&world);
+    return force;
+}
+
+/* It is not in the tissue: nothing is pressed, nothing told. */
+static void a_tool_in_a_cavity_is_free(void **state)
+{
+    (void)state;
+    softsim_state now;
+    const softsim_force force = stand_in_a_hollow(8.0, &now);
+    assert_int_equal(now.worst_verdict, SOFTSIM_VERDICT_GOOD);
+    assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
+    assert_int_equal(force.flags & ~SOFTSIM_FORCE_PREDICTED, 0);
+    assert_true(force.depth <= 0.0);
+}
+
+/* One that is larger than the cavity is nowhere outside: it is not felt, and told. */
+static void a_tool_without_a_place_is_told(void **state)
+{
+    (void)state;
+    softsim_state now;
+    (void)stand_in_a_hollow(26.0, &now);
+    assert_int_equal(now.verdict, SOFTSIM_VERDICT_DEGRADED);
+    assert_non_null(strstr(now.reason, "no place"));
+    assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tool_in_a_cavity_is_free),
+        cmocka_unit_test(a_tool_without_a_place_is_told),
+        cmocka_unit_test(a_touch_just_after_the_first_pose_is_felt),
+        cmocka_unit_test(a_tool_that_moved_is_felt_as_one_that_was_pressed),
+    };
+    return cmocka_run_group_tests_name("place", tests, make_folder, remove_folder);
+}
