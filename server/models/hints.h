@@ -88,6 +88,9 @@ typedef struct ss_model_hints {
     const ss_hints_variant *variant; /* NULL: one, a solid */
     int32_t variant_count;
     ss_hints_value soft_tissue[4]; /* parameters without a default, for estimates of cost */
+    /* What a sweep over its elements streams and computes for one of them: bytes, and flops (a
+     * fused multiply-add counts 2). NULL: not known. */
+    void (*work)(bool is_viscous, double *out_bytes, double *out_flops);
 } ss_model_hints;
 
 /* A solid in the stability report: E, 0.4, 1000 kg/m^3, 60/s. */

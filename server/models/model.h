@@ -97,6 +97,18 @@ typedef struct ss_model_info {
     double load_work; /* J: the part of it that loads, gravity and supports did */
 } ss_model_info;
 
+struct ss_layer;
+
+/* What a model that has a layer of particles (layer.h) tells of it. */
+typedef struct ss_model_layer {
+    double
+        full; /* share of layer.max_active that may wake; the rest is for those that fall asleep */
+    const struct ss_layer *(*at_rest)(const ss_model *model);
+    bool (*is_awake)(const ss_model *model, int32_t particle);
+    /* How much of the way of skin node `skin` is that of particles: 0 tied to the core, 1 all. */
+    double (*share)(const ss_model *model, int32_t skin);
+} ss_model_layer;
+
 typedef struct ss_model_class {
     const char *name;
     const char *help;
@@ -130,6 +142,7 @@ typedef struct ss_model_class {
     uint64_t (*hash)(const ss_model *model, uint64_t seed);
     /* What the plan uses and leaves out, one line each, for --explain. Thread: set-up only. */
     void (*explain)(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
+    const ss_model_layer *layer; /* NULL: none */
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "mesh/mesh.h"
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 #include "number_fixture.h"
 
 typedef struct block_size {

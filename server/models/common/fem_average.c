@@ -29,7 +29,7 @@
  */
 #include <string.h>
 
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 
 bool ss_fem_average_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padded)
 {

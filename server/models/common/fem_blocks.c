@@ -11,7 +11,7 @@
  */
 #include <stddef.h>
 
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 
 /* Blocks of a run. */
 enum { DEAL = 32 };

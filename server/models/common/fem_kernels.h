@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "models/common/tissue_law.h"
+#include "models/tissue_law.h"
 #include "rt/arena.h"
 #include "rt/real.h"
 

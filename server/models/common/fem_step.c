@@ -35,7 +35,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 #include "rt/hash.h"
 
 /* Steps between looks at an unchanged body, and at one whose law has no rule of growth. */

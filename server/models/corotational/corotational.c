@@ -14,10 +14,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "mesh/tetrahedron.h"
 #include "models/common/dispatch.h"
 #include "models/common/life.h"
 #include "models/common/plan.h"
-#include "models/common/tetrahedron.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"

@@ -15,8 +15,8 @@
  */
 #include <math.h>
 
+#include "mesh/tetrahedron.h"
 #include "models/common/life.h"
-#include "models/common/tetrahedron.h"
 #include "models/common/turned.h"
 #include "rt/memory.h"
 
@@ -183,6 +183,12 @@ static const ss_hints_variant variants[] = {
      .knob = SS_HINTS_SOLID},
     {.name = "fem stvk-guarded", .text = "  material: stvk-guarded\n", .knob = SS_HINTS_SOLID},
 };
+/* Of stvk-guarded, uncured. */
+static void sweep_work(bool is_viscous, double *out_bytes, double *out_flops)
+{
+    ss_fem_work(SS_TISSUE_STVK_GUARDED, is_viscous, out_bytes, out_flops);
+}
+
 static const ss_model_hints hints = {
     .colour = "#d55e00",
     .about = "solves the stated material; what is left is the mesh, which bends and squeezes too "
@@ -194,6 +200,7 @@ static const ss_model_hints hints = {
                {"lame_mu_pa", false, 0.0},
                {"viscosity_phi_pa_s", true, 0.0},
                {"viscosity_psi_pa_s", true, 0.0}},
+    .work = sweep_work,
     .variant = variants,
     .variant_count = sizeof variants / sizeof *variants};
 

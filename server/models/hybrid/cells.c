@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 #include "models/hybrid/point_grid.h"
 
 bool ss_hybrid_create_blocks(ss_hybrid *hybrid, int32_t count, ss_fem_blocks *out)

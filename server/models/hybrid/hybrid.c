@@ -19,8 +19,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "mesh/tetrahedron.h"
 #include "models/common/life.h"
-#include "models/common/tetrahedron.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
@@ -812,6 +812,24 @@ static const ss_model_hints hints = {
     .variant = &variant,
     .variant_count = 1};
 
+static const ss_layer *layer_at_rest(const ss_model *model)
+{
+    return ((const ss_hybrid *)model)->layer;
+}
+
+static bool is_awake(const ss_model *model, int32_t particle)
+{
+    return ((const ss_hybrid *)model)->node_of[particle] >= 0;
+}
+
+static double ride_share(const ss_model *model, int32_t skin)
+{
+    return (double)((const ss_hybrid *)model)->ride[skin].theta;
+}
+
+static const ss_model_layer layer_class = {
+    .full = SS_HYBRID_FULL, .at_rest = layer_at_rest, .is_awake = is_awake, .share = ride_share};
+
 extern const ss_model_class ss_model_hybrid;
 const ss_model_class ss_model_hybrid = {
     .name = "hybrid",
@@ -820,6 +838,7 @@ const ss_model_class ss_model_hybrid = {
     .row = rows,
     .row_count = SS_HYBRID_ROW_COUNT,
     .needs_volume = true,
+    .layer = &layer_class,
     .step_cost_us = step_cost_us,
     .create = create,
     .destroy = destroy,

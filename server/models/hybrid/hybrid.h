@@ -15,9 +15,9 @@
 #include "models/common/body.h"
 #include "models/common/fem.h"
 #include "models/common/turned.h"
-#include "models/hybrid/layer.h"
 #include "models/hybrid/layer_kernels.h"
 #include "models/hybrid/point_grid.h"
+#include "models/layer.h"
 
 enum {
     SS_HYBRID_SPACING = SS_FEM_ROW_COUNT,

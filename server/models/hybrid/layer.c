@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/hybrid/layer.h"
+#include "models/layer.h"
 /*
  * Rows of the particle layer, all by moving least squares on rest positions X:
  *

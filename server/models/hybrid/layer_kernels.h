@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "models/hybrid/layer.h"
+#include "models/layer.h"
 
 /* The near particles side by side, as rows of a layer have them: the points first. */
 typedef struct ss_layer_near {
@@ -72,9 +72,3 @@ typedef struct ss_layer_kernels {
 const ss_layer_kernels *ss_layer_kernels_get(void);
 /* All paths built in, best first, for tests; NULL beyond the last. */
 const ss_layer_kernels *ss_layer_kernels_path(int32_t index);
-
-/* The pair potential phi(s) = (s^-3 - 3 s^-1)/2, s = r/r0, least (-1) at s = 1, with the linear and
- * constant forces below and above: its value, and its slope in *out_slope. */
-double ss_layer_pair_potential(double s, double *out_slope);
-#define SS_LAYER_CORE 0.7                /* linear force below this s */
-#define SS_LAYER_TAIL 1.4142135623730951 /* constant above: there cohesion is greatest */

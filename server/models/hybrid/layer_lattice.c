@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/hybrid/layer.h"
+#include "models/layer.h"
 /*
  * The places of the lattice: cell centres of a cubic grid over the surface's box, and where a finer
  * spacing is asked for, of the same grid cut in halves, quarters or eighths. The spacing at a place

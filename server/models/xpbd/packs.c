@@ -12,8 +12,8 @@
  */
 #include <string.h>
 
+#include "mesh/tetrahedron.h"
 #include "models/common/dispatch.h"
-#include "models/common/tetrahedron.h"
 
 enum { OPEN = 48 }; /* packs that wait for elements */
 

@@ -9,8 +9,8 @@
 #include <cmocka.h>
 
 #include "common/chain_fixture.h"
-#include "models/common/tissue_law.h"
 #include "models/common/turned.h"
+#include "models/tissue_law.h"
 
 static bool has_corner(const ss_mesh *mesh, int32_t t, int32_t node)
 {

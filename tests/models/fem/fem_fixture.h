@@ -4,9 +4,9 @@
 /* Bodies of tetrahedra with their insides open: shared by the tests of fem. cmocka comes first. */
 #include "common/block_fixture.h"
 #include "common/setup_fixture.h"
+#include "mesh/tetrahedron.h"
 #include "models/common/body.h"
 #include "models/common/fem.h"
-#include "models/common/tetrahedron.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "common/number_fixture.h"
-#include "models/common/tetrahedron.h"
-#include "models/common/tissue_law.h"
+#include "mesh/tetrahedron.h"
+#include "models/tissue_law.h"
 
 static const char *const names[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
                                                         "stable-neo-hookean", "linear"};

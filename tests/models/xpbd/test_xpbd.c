@@ -13,7 +13,7 @@
 #include "common/effort.h"
 #include "common/element_fixture.h"
 #include "models/common/body.h"
-#include "models/common/tissue_law.h"
+#include "models/tissue_law.h"
 #include "models/xpbd/kernels.h"
 #include "rt/hash.h"
 

@@ -21,7 +21,7 @@
 #include <string.h>
 
 #include "bench/core/block_matrix.h"
-#include "models/common/tetrahedron.h"
+#include "mesh/tetrahedron.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 #include "mesh/mesh.h"
-#include "models/common/tissue_law.h"
+#include "models/tissue_law.h"
 #include "softsim/types.h"
 
 typedef struct ss_static_problem {

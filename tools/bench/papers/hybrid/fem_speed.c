@@ -15,7 +15,6 @@
 
 #include "case/samples.h"
 #include "mesh/mesh.h"
-#include "models/common/fem.h"
 #include "models/model.h"
 #include "rt/clock.h"
 #include "rt/random.h"
@@ -233,16 +232,26 @@ static uint8_t *make_fixed(const ss_mesh *mesh)
     return fixed;
 }
 
-static void set_parameters(const ss_fem_speed_case *what, const ss_model_class *fem,
-                           ss_param_value param[SS_FEM_ROW_COUNT])
+static void set(const ss_model_class *fem, ss_param_value *param, const char *name, double number)
 {
-    for (int k = 0; k < SS_FEM_ROW_COUNT; ++k) {
+    param[ss_model_find_row(fem, name) - fem->row] =
+        (ss_param_value){.number = number, .is_given = true};
+}
+
+/* The model's parameters, to be freed; NULL: out of memory. */
+static ss_param_value *make_parameters(const ss_fem_speed_case *what, const ss_model_class *fem)
+{
+    ss_param_value *param = calloc((size_t)fem->row_count, sizeof *param);
+    for (int k = 0; param != NULL && k < fem->row_count; ++k) {
         param[k] = (ss_param_value){.number = fem->row[k].fallback};
     }
-    param[SS_FEM_YOUNGS_MODULUS] = (ss_param_value){.number = 3000.0, .is_given = true};
-    param[SS_FEM_POISSON_RATIO] = (ss_param_value){.number = 0.45, .is_given = true};
-    param[SS_FEM_LOCKING_CURE].number = what->is_cured ? 2.0 : 1.0;
-    param[SS_FEM_STIFFNESS_DAMPING].number = what->is_viscous ? 20e-6 : 0.0;
+    if (param != NULL) {
+        set(fem, param, "youngs_modulus_pa", 3000.0);
+        set(fem, param, "poisson_ratio", 0.45);
+        set(fem, param, "locking_cure", what->is_cured ? 2.0 : 1.0);
+        set(fem, param, "stiffness_damping_s", what->is_viscous ? 20e-6 : 0.0);
+    }
+    return param;
 }
 
 /* Rounds of outer steps of a millisecond or so; each sub-step counts its share. */
@@ -268,11 +277,12 @@ static void run(const ss_model_class *fem, ss_model *model, int32_t elements, ss
              info.verdict == SOFTSIM_VERDICT_GOOD ? "good" : info.reason);
 }
 
-static void derive(const ss_fem_speed_case *what, const ss_yardstick *yardstick, ss_fem_speed *out)
+static void derive(const ss_fem_speed_case *what, const ss_model_class *fem,
+                   const ss_yardstick *yardstick, ss_fem_speed *out)
 {
     double bytes, flops;
     const double count = out->elements;
-    ss_fem_work(SS_TISSUE_STVK_GUARDED, what->is_viscous, &bytes, &flops);
+    fem->hints->work(what->is_viscous, &bytes, &flops);
     out->realtime = 0.5 * out->stable_step_s / (out->ns * 1e-9 * count);
     out->realtime_half = count * pow(out->realtime, 0.75);
     out->realtime_most = count * pow(1.8 * out->realtime, 0.75);
@@ -293,15 +303,14 @@ softsim_status ss_fem_speed_measure(const ss_fem_speed_case *what, const ss_yard
         return SOFTSIM_ERROR_ARGUMENT;
     }
     ss_mesh *mesh = NULL;
-    ss_param_value param[SS_FEM_ROW_COUNT];
+    ss_param_value *param = make_parameters(what, fem);
     ss_samples samples = {0};
     ss_model *model = NULL;
     softsim_status status = make_mesh(what, &mesh, error);
     uint8_t *fixed = status == SOFTSIM_OK ? make_fixed(mesh) : NULL;
-    if (status == SOFTSIM_OK && (!fixed || !ss_samples_init(&samples, what->rounds))) {
+    if (status == SOFTSIM_OK && (!fixed || !param || !ss_samples_init(&samples, what->rounds))) {
         status = SOFTSIM_ERROR_MEMORY;
     }
-    set_parameters(what, fem, param);
     if (status == SOFTSIM_OK) {
         const ss_model_plan plan = {.mesh = mesh,
                                     .fixed = fixed,
@@ -321,10 +330,11 @@ softsim_status ss_fem_speed_measure(const ss_fem_speed_case *what, const ss_yard
         out->elements = mesh->tetrahedron_count;
         run(fem, model, out->elements, &samples, what->rounds, out);
         out->ns = ss_samples_quantile(&samples, 0.5);
-        derive(what, yardstick, out);
+        derive(what, fem, yardstick, out);
         fem->destroy(model);
     }
     free(fixed);
+    free(param);
     ss_samples_fini(&samples);
     ss_mesh_destroy(&mesh);
     return status;

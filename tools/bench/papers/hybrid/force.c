@@ -12,7 +12,7 @@
 
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
-#include "models/hybrid/hybrid.h"
+#include "models/layer.h"
 #include "rt/vec.h"
 
 enum { DEPTHS = 4, BINS = 12 };
@@ -178,12 +178,13 @@ static softsim_status press_case(ss_paper *paper, int which, press *out, softsim
     ss_heart_set(&body, "layer.max_active", 600.0);
     if (cases[which].near > 0.0) {
         graded = grade(body.mesh, cases[which].spacing, cases[which].near);
-        body.param[SS_HYBRID_SPACING].per_node = graded;
+        const ss_param_row *row = ss_model_find_row(body.model_class, "layer.spacing_m");
+        body.param[row - body.model_class->row].per_node = graded;
     }
     snprintf(out->name, sizeof out->name, "%s", cases[which].name);
     const softsim_status status = press_pole(&body, out, error);
     if (status == SOFTSIM_OK && cases[which].nodes == 0) {
-        out->particles = ((const ss_hybrid *)body.model)->layer->own_count;
+        out->particles = body.model_class->layer->at_rest(body.model)->own_count;
     }
     ss_heart_end(&body);
     free(graded);

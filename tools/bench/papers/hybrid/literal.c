@@ -10,8 +10,7 @@
 #include <string.h>
 
 #include "bench/papers/hybrid/hybrid.h"
-#include "models/hybrid/layer.h"
-#include "models/hybrid/layer_kernels.h"
+#include "models/layer.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 

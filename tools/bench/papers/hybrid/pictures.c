@@ -11,7 +11,7 @@
 #include "bench/papers/hybrid/draw.h"
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
-#include "models/hybrid/hybrid.h"
+#include "models/layer.h"
 #include "rt/vec.h"
 
 static const uint32_t awake_colour = 0xd0605a, layer_colour = 0xd8b9a0, core_colour = 0x8fb3c9;
@@ -26,11 +26,12 @@ static void picture_fini(ss_heart_picture *p)
 
 /* The surface as it is; skin that rides on particles in red, tied skin light, the core's own faces
  * blue. */
-static bool take_picture(const ss_heart_body *body, bool is_hybrid, ss_heart_picture *out)
+static bool take_picture(const ss_heart_body *body, ss_heart_picture *out)
 {
     const ss_mesh *mesh = body->mesh;
     const ss_real *u = body->model_class->displacement(body->model);
-    const ss_hybrid *hybrid = is_hybrid ? (const ss_hybrid *)body->model : NULL;
+    const ss_model_layer *way = body->model_class->layer;
+    const ss_layer *layer = way != NULL ? way->at_rest(body->model) : NULL;
     *out = (ss_heart_picture){.node_count = mesh->node_count,
                               .face_count = mesh->triangle_count,
                               .rest = mesh->position,
@@ -51,10 +52,10 @@ static bool take_picture(const ss_heart_body *body, bool is_hybrid, ss_heart_pic
         bool is_riding = false;
         for (int k = 0; k < 3; ++k) {
             const int32_t node = mesh->triangle[t][k];
-            const int32_t s = hybrid != NULL ? hybrid->layer->skin_of[node] : -1;
+            const int32_t s = layer != NULL ? layer->skin_of[node] : -1;
             out->face[t][k] = node;
             is_skin = is_skin && s >= 0;
-            is_riding = is_riding || (s >= 0 && hybrid->ride[s].theta > (ss_real)0.5);
+            is_riding = is_riding || (s >= 0 && way->share(body->model, s) > 0.5);
         }
         out->face[t][3] = -1;
         out->colour[t] = is_riding ? awake_colour : is_skin ? layer_colour : core_colour;
@@ -66,13 +67,14 @@ static bool take_picture(const ss_heart_body *body, bool is_hybrid, ss_heart_pic
  * is. */
 static double awake_aside(const ss_heart_body *body)
 {
-    const ss_hybrid *hybrid = (const ss_hybrid *)body->model;
+    const ss_model_layer *way = body->model_class->layer;
+    const ss_layer *layer = way->at_rest(body->model);
     const double *ball = body->tool[0].to.position;
     double middle[3] = {0.0, 0.0, 0.0};
     int32_t count = 0;
-    for (int32_t p = 0; p < hybrid->layer->own_count; ++p) {
-        if (hybrid->node_of[p] >= 0) {
-            ss_add3(middle, middle, hybrid->layer->rest[p]);
+    for (int32_t p = 0; p < layer->own_count; ++p) {
+        if (way->is_awake(body->model, p)) {
+            ss_add3(middle, middle, layer->rest[p]);
             ++count;
         }
     }
@@ -192,11 +194,11 @@ static softsim_status lead_patch(ss_paper *paper, softsim_error *error)
     return status;
 }
 
-static softsim_status draw(ss_paper *paper, ss_heart_body *body, bool is_hybrid, bool is_pressed,
-                           const char *name, const char *caption, softsim_error *error)
+static softsim_status draw(ss_paper *paper, ss_heart_body *body, bool is_pressed, const char *name,
+                           const char *caption, softsim_error *error)
 {
     ss_heart_picture p;
-    if (!take_picture(body, is_hybrid, &p)) {
+    if (!take_picture(body, &p)) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory for a picture");
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -226,7 +228,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
     if (status == SOFTSIM_OK) {
         (void)ss_heart_move(&body, to, 10);
         if (is_hybrid) {
-            status = draw(paper, &body, true, false, "fig4-rest",
+            status = draw(paper, &body, false, "fig4-rest",
                           "Fig. 4: HM1 at rest. Blue: the core's own faces, endocardium and base; "
                           "light: the wall that rides on the sleeping layer; red: on particles "
                           "that the ball just before it has woken.",
@@ -238,7 +240,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
         (void)ss_heart_move(&body, to, 120);
     }
     if (status == SOFTSIM_OK) {
-        status = draw(paper, &body, is_hybrid, true, is_hybrid ? "fig4-pressed" : "fig3",
+        status = draw(paper, &body, true, is_hybrid ? "fig4-pressed" : "fig3",
                       is_hybrid ? "Fig. 4: HM1 with a ball of 0.2 pressed in by 0.2, 600 of 28,000 "
                                   "particles awake (red)."
                                 : "Fig. 3: HM2, the ventricle filled with tetrahedra, under the "

@@ -9,7 +9,6 @@
 
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
-#include "models/hybrid/hybrid.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -422,7 +421,9 @@ static softsim_status time_row(ss_paper *paper, ss_output *csv, int which, int32
     ss_heart_init(&body, mesh, model_of(which), row, group_of(which));
     ss_heart_set(&body, "layer.spacing_m", 0.027);
     ss_heart_set(&body, "layer.activate_m", 0.3);
-    ss_heart_set(&body, "layer.max_active", ceil(active / SS_HYBRID_FULL));
+    if (body.model_class->layer != NULL) {
+        ss_heart_set(&body, "layer.max_active", ceil(active / body.model_class->layer->full));
+    }
     const softsim_status status = ss_heart_start(&body, error);
     if (status == SOFTSIM_OK) {
         const double rate = which == SS_HEART_HM1 ? PAPER_HYBRID_RATE : PAPER_FEM_RATE;

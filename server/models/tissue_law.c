@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/tissue_law.h"
+#include "models/tissue_law.h"
 /*
  * With F = I + H, J = det F, C = cof F = J F^-T = dJ/dF, and the Green strain
  *

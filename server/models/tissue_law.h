@@ -7,7 +7,8 @@
  * In: the displacement gradient H = F - I (not F: at rest nothing cancels) and its rate Hdot =
  * Fdot. Out: the first Piola-Kirchhoff stress P (Pa), so that a tetrahedron of rest volume V puts
  * f_a = -V P grad N_a on its node a. Matrices are nine in a row, H[3 i + j] = du_i / dX_j.
- * The equations stand in tissue_law.c. This is the exact reference in double, elastic and viscous;
+ * The equations stand in tissue_law.c. References judge by them too, so this is no model's own.
+ * This is the exact reference in double, elastic and viscous;
  * the kernels of `fem` compute the same in ss_real for eight elements at once, and are tested
  * against every function here. Statics of the benchmark, which know no rates, are solved by the
  * elastic ones.

@@ -73,6 +73,12 @@ softsim_status ss_layer_create(const ss_layer_plan *plan, ss_layer **out_layer,
                                softsim_error *error);
 void ss_layer_destroy(ss_layer **layer);
 
+/* The pair potential phi(s) = (s^-3 - 3 s^-1)/2, s = r/r0, least (-1) at s = 1, with the linear and
+ * constant forces below and above: its value, and its slope in *out_slope. */
+double ss_layer_pair_potential(double s, double *out_slope);
+#define SS_LAYER_CORE 0.7                /* linear force below this s */
+#define SS_LAYER_TAIL 1.4142135623730951 /* constant above: there cohesion is greatest */
+
 /* ---- inside the layer's set-up ---- */
 
 /* A place of the lattice. */
