@@ -5,7 +5,9 @@
 
 #include "loops/loops.h"
 #include "options.h"
+#include "rt/note.h"
 #include "rt/plain.h"
+#include "rt/printer.h"
 #include "rt/program.h"
 #include "rt/progress.h"
 #include "world/world.h"
@@ -15,18 +17,26 @@ static void print_line(void *sink, const char *text)
     fprintf(sink, "%s\n", text);
 }
 
+static void print_note(void *sink, const ss_note *note)
+{
+    char text[2 * SS_LINE_SIZE];
+    ss_note_print(note, text, sizeof text);
+    fprintf(sink, "%s\n", text);
+}
+
 /* Where warnings go, and how many there were. */
 typedef struct warnings {
-    FILE *out; /* NULL: they are only counted */
+    FILE *out;        /* NULL: they are only counted */
+    const char *path; /* of the scene */
     int32_t count;
 } warnings;
 
-static void warn(void *sink, const char *text)
+static void warn(void *sink, const ss_note *note)
 {
     warnings *w = sink;
     ++w->count;
     if (w->out) {
-        ss_plain_print(w->out, "softsimd: warning: %s\n", text);
+        ss_plain_print(w->out, "softsimd: warning: %s: %s: %s\n", w->path, note->where, note->text);
     }
 }
 
@@ -81,13 +91,16 @@ int main(int argc, char **argv)
         ss_args_print_error(argv[0], &error);
         return 2;
     }
-    warnings told = {.out = options.log_level >= SS_LOG_WARNING ? stderr : NULL};
-    ss_world_doubt(world, warn, &told);
+    warnings told = {.out = options.log_level >= SS_LOG_WARNING ? stderr : NULL,
+                     .path = world->scene->path};
+    ss_world_doubt(world, &(const ss_notes){warn, &told});
     if (options.check) {
         exit_code = print_check(world, told.count);
     }
-    if (options.explain) {
-        ss_world_explain(world, print_line, stdout);
+    if (options.explain && options.json) {
+        ss_world_explain_json(world, stdout);
+    } else if (options.explain) {
+        ss_world_explain(world, &(const ss_notes){print_note, stdout});
     }
     if (options.print_config) {
         ss_scene_model models[SS_MAX_MODELS];

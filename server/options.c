@@ -37,6 +37,8 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
          "loads, plans and exits: 0 good, 1 usable with warnings, 2 unusable; opens no LCM"},
         {"--explain", SS_ARG_FLAG, &o.explain, 0, 0, "",
          "prints what this scene uses and what is left out, and exits"},
+        {"--json", SS_ARG_FLAG, &o.json, 0, 0, "",
+         "with --explain: as one object of JSON, with bytes, threads and warnings"},
         {"--print-config", SS_ARG_FLAG, &o.print_config, 0, 0, "",
          "prints the effective scene values and exits"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-6, 1e9, "S",
@@ -65,6 +67,10 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
     const ss_args_result result = ss_args_parse(argc, argv, "[options] SCENE.yaml", about, rows,
                                                 (int32_t)(sizeof rows / sizeof *rows),
                                                 &o.scene_path, 1, 1, &positional_count, error);
+    if (result == SS_ARGS_RUN && o.json && !o.explain) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--json goes with --explain");
+        return SS_ARGS_BAD;
+    }
     if (result == SS_ARGS_RUN && o.no_commands && o.allow_commands) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--no-commands and --allow-commands: give one of them");

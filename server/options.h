@@ -15,7 +15,7 @@ typedef struct ss_options {
     const char *lcm_url; /* NULL: LCM_DEFAULT_URL, else the local multicast group */
     const char *prefix;
     ss_arg_list set;
-    bool check, explain, print_config, no_commands, allow_commands, takeover, lockstep, hash;
+    bool check, explain, json, print_config, no_commands, allow_commands, takeover, lockstep, hash;
     double duration_s; /* 0: until told to stop */
     int64_t threads;
     ss_realtime realtime;

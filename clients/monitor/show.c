@@ -67,25 +67,10 @@ static value read_field(const softsim_server_status *s, const field *f, int i)
 
 /* ---- JSON ---- */
 
-static void json_text(FILE *out, const char *text)
-{
-    fputc('"', out);
-    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; ++at) {
-        if (*at == '"' || *at == '\\') {
-            fprintf(out, "\\%c", *at);
-        } else if (*at < 0x20 || *at >= 0x7F) {
-            fprintf(out, "\\u%04x", *at); /* bytes beyond ASCII are read as Latin-1 */
-        } else {
-            fputc(*at, out);
-        }
-    }
-    fputc('"', out);
-}
-
 static void json_value(FILE *out, const field *f, const value *v)
 {
     if (f->type == TYPE_text) {
-        json_text(out, v->text);
+        ss_plain_json(out, v->text);
     } else if (f->type != TYPE_double) {
         fprintf(out, "%" PRId64, v->integer);
     } else if (isfinite(v->number)) {

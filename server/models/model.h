@@ -15,6 +15,7 @@
 #include "contact/contact.h"
 #include "mesh/mesh.h"
 #include "models/hints.h"
+#include "rt/note.h"
 #include "rt/param.h"
 #include "rt/real.h"
 #include "softsim/types.h"
@@ -140,8 +141,8 @@ typedef struct ss_model_class {
     void (*reaction)(const ss_model *model, int32_t set, double out_force[3]);
     /* FNV-1a 64 of whatever else is state. */
     uint64_t (*hash)(const ss_model *model, uint64_t seed);
-    /* What the plan uses and leaves out, one line each, for --explain. Thread: set-up only. */
-    void (*explain)(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
+    /* What the plan uses, leaves out and doubts, a note each. Thread: set-up only. */
+    void (*explain)(const ss_model *model, const ss_notes *out);
     const ss_model_layer *layer; /* NULL: none */
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);

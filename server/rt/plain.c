@@ -3,6 +3,7 @@
 #include "rt/plain.h"
 
 #include <stdarg.h>
+#include <stdint.h>
 #include <string.h>
 
 enum { LINE_SIZE = 8192 }; /* bytes; what is beyond is cut off */
@@ -80,4 +81,36 @@ void ss_plain_print(FILE *out, const char *format, ...)
     }
     ss_plain_clean(text);
     fprintf(out, "%s%s", text, has_end ? "\n" : "");
+}
+
+/* The code point of the `length` bytes at s, which are good UTF-8. */
+static uint32_t code_point(const unsigned char *s, size_t length)
+{
+    uint32_t code = length == 1 ? s[0] : s[0] & (0x7fU >> length);
+    for (size_t i = 1; i < length; ++i) {
+        code = code << 6 | (s[i] & 0x3fU);
+    }
+    return code;
+}
+
+void ss_plain_json(FILE *out, const char *text)
+{
+    const size_t size = strlen(text);
+    fputc('"', out);
+    for (size_t i = 0; i < size;) {
+        const unsigned char *at = (const unsigned char *)text + i;
+        const size_t length = ss_plain_length(text + i, size - i);
+        const uint32_t code = length > 0 ? code_point(at, length) : at[0];
+        i += length > 0 ? length : 1;
+        if (code == '"' || code == '\\') {
+            fprintf(out, "\\%c", (int)code);
+        } else if (code >= 0x20 && code < 0x7f) {
+            fputc((int)code, out);
+        } else if (code < 0x10000) {
+            fprintf(out, "\\u%04x", code);
+        } else {
+            fprintf(out, "\\u%04x\\u%04x", 0xd7c0 + (code >> 10), 0xdc00 + (code & 0x3ff));
+        }
+    }
+    fputc('"', out);
 }

@@ -21,3 +21,5 @@ bool ss_plain_is_shown(const char *s, size_t length);
 void ss_plain_clean(char *text);
 /* As fprintf, one line at a time: its own line end stays, others that were filled in do not. */
 void ss_plain_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* As a string of JSON, with its quotes, in ASCII; what is no UTF-8 is read as Latin-1. */
+void ss_plain_json(FILE *out, const char *text);

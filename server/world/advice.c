@@ -6,11 +6,10 @@
  * side by side, tell. The bounds are wide, so that no sensible scene is doubted; none of them
  * refuses anything, since a whale and an embryo are bodies too.
  */
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "world/world.h"
 
 enum { ALL_AXES = 7 };
@@ -20,41 +19,28 @@ static const double SMALLEST_TOOL_SHARE = 1e-3; /* of the body's diagonal */
 static const double LARGEST_TOOL_SHARE = 1.0;
 static const double LONGEST_TRAIL_S = 0.05; /* at 0.04 s no touch is late, at 0.12 s by 0.07 s */
 
-typedef struct doubts {
-    const char *path; /* of the scene */
-    ss_printer out;
-} doubts;
-
-__attribute__((format(printf, 2, 3))) static void say(const doubts *to, const char *format, ...)
-{
-    char what[SS_LINE_SIZE];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(what, sizeof what, format, arguments);
-    va_end(arguments);
-    ss_say(&to->out, "%s: %s", to->path, what);
-}
-
-static void doubt_tool(const doubts *to, int32_t p, const ss_shape *shape, double diagonal)
+static void doubt_tool(const ss_notes *out, int32_t p, const ss_shape *shape, double diagonal)
 {
     static const char *const key[] = {"sphere.radius_mm",   "capsule.radius_mm", "box.size_mm",
                                       "cylinder.radius_mm", "cone.radius_mm",    "convex.units"};
+    char where[64];
+    (void)snprintf(where, sizeof where, "contact.tools, probe %d, %s", p, key[shape->kind]);
     const double outer = ss_shape_bounding_radius(shape);
     const double inner = ss_shape_inradius(shape);
     if (outer > LARGEST_TOOL_SHARE * diagonal) {
-        say(to,
-            "contact.tools, probe %d, %s: the tool (radius %.4g mm) is larger than the body "
-            "(diagonal %.4g mm); are both in the units they are meant in?",
-            p, key[shape->kind], 1e3 * outer, 1e3 * diagonal);
+        ss_note_warning(out, where,
+                        "the tool (radius %.4g mm) is larger than the body "
+                        "(diagonal %.4g mm); are both in the units they are meant in?",
+                        1e3 * outer, 1e3 * diagonal);
     } else if (inner < SMALLEST_TOOL_SHARE * diagonal) {
-        say(to,
-            "contact.tools, probe %d, %s: the tool (radius %.4g mm) is less than a thousandth of "
-            "the body (diagonal %.4g mm); are both in the units they are meant in?",
-            p, key[shape->kind], 1e3 * inner, 1e3 * diagonal);
+        ss_note_warning(out, where,
+                        "the tool (radius %.4g mm) is less than a thousandth of "
+                        "the body (diagonal %.4g mm); are both in the units they are meant in?",
+                        1e3 * inner, 1e3 * diagonal);
     }
 }
 
-static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
+static void tell_repairs(const ss_notes *out, const ss_mesh_repairs *done)
 {
     const struct {
         int32_t count;
@@ -71,16 +57,17 @@ static void tell_repairs(const doubts *to, const ss_mesh_repairs *done)
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         if (rows[i].count > 0) {
-            say(to, "object.repair: %d %s%s", rows[i].count, rows[i].what,
-                rows[i].renumbers ? "; numbers are those of the mended mesh, which softsim-mesh "
-                                    "convert --repair writes"
-                                  : "");
+            ss_note_warning(out, "object.repair", "%d %s%s", rows[i].count, rows[i].what,
+                            rows[i].renumbers
+                                ? "; numbers are those of the mended mesh, which softsim-mesh "
+                                  "convert --repair writes"
+                                : "");
         }
     }
 }
 
 /* A body that gives way nowhere is a wall: each of its constants is without effect. */
-static void doubt_supports(const doubts *to, const ss_scene *scene)
+static void doubt_supports(const ss_notes *out, const ss_scene *scene)
 {
     const ss_mesh *mesh = scene->mesh;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -90,49 +77,51 @@ static void doubt_supports(const doubts *to, const ss_scene *scene)
             }
         }
     }
-    say(to, "object.fixed: every node of the surface is held, so nothing that a tool touches can "
-            "move; are box_m, plane and sphere in metres, and where the body is?");
+    ss_note_warning(out, "object.fixed",
+                    "every node of the surface is held, so nothing that a tool touches can "
+                    "move; are box_m, plane and sphere in metres, and where the body is?");
 }
 
 /* A proxy that a jump left behind, or a hand above what velocities are cut at, comes up with the
  * hand in damping over stiffness: until then nothing is felt. */
-static void doubt_coupling(const doubts *to, const ss_scene *scene)
+static void doubt_coupling(const ss_notes *out, const ss_scene *scene)
 {
     const double stiffness = scene->coupling_stiffness_n_per_m;
     const double damping = scene->coupling_damping_n_s_per_m;
     if (damping > LONGEST_TRAIL_S * stiffness) {
-        say(to,
-            "haptic.coupling.damping_n_s_per_m: after a jump the tool comes %.2g s late, damping "
-            "over stiffness; give at most %.4g, or a larger stiffness_n_per_m",
-            damping / stiffness, LONGEST_TRAIL_S * stiffness);
+        ss_note_warning(out, "haptic.coupling.damping_n_s_per_m",
+                        "after a jump the tool comes %.2g s late, damping "
+                        "over stiffness; give at most %.4g, or a larger stiffness_n_per_m",
+                        damping / stiffness, LONGEST_TRAIL_S * stiffness);
     }
 }
 
 /* What the model's plan warns of, for those who do not ask it to explain itself. */
-static void doubt_plan(void *sink, const char *text)
+static void pass_warning(void *sink, const ss_note *note)
 {
-    static const char mark[] = "warning: ";
-    if (strncmp(text, mark, sizeof mark - 1) == 0) {
-        say(sink, "%s", text + sizeof mark - 1);
+    const ss_notes *out = sink;
+    if (note->kind == SS_NOTE_WARNING) {
+        out->take(out->sink, note);
     }
 }
 
-void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
+void ss_world_doubt(const ss_world *world, const ss_notes *out)
 {
     const ss_scene *scene = world->scene;
-    const doubts to = {.path = scene->path, .out = {line, sink}};
     const double diagonal = ss_mesh_diagonal(scene->mesh);
-    tell_repairs(&to, &scene->repairs);
+    tell_repairs(out, &scene->repairs);
     if (diagonal < SMALLEST_BODY_M || diagonal > LARGEST_BODY_M) {
-        say(&to, "object.units: the body's diagonal is %.4g m; are these the mesh file's units?",
-            diagonal);
+        ss_note_warning(out, "object.units",
+                        "the body's diagonal is %.4g m; are these the mesh file's units?",
+                        diagonal);
     }
-    doubt_supports(&to, scene);
-    doubt_coupling(&to, scene);
+    doubt_supports(out, scene);
+    doubt_coupling(out, scene);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
-            doubt_tool(&to, p, &scene->tool[p].shape, diagonal);
+            doubt_tool(out, p, &scene->tool[p].shape, diagonal);
         }
     }
-    world->model_class->explain(world->model, doubt_plan, (void *)&to);
+    const ss_notes warnings = {pass_warning, (void *)(uintptr_t)out};
+    world->model_class->explain(world->model, &warnings);
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* The plan of a world in words, for --explain: one line per fact. */
+/* The plan of a world, for --explain: a note per fact, for people or as JSON. */
 #include <math.h>
 
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
+#include "rt/plain.h"
 #include "world/world.h"
 
 /* What of the estimated cost of a step is there because of the tools. */
@@ -17,68 +18,150 @@ static double contact_cost_us(const ss_world *world)
     return fmax(world->step_cost_us - world->model_class->step_cost_us(&plan), 0.0);
 }
 
-void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text), void *sink)
+enum { MOST_THREADS = 4 };
+
+/* The threads that the daemon starts for this world. */
+static int name_threads(const ss_world *world, const char *out[MOST_THREADS])
+{
+    int count = 0;
+    out[count++] = "net";
+    out[count++] = "simulation";
+    if (world->used_probes) {
+        out[count++] = "haptic";
+    }
+    if (world->surface) {
+        out[count++] = "publish";
+    }
+    return count;
+}
+
+void ss_world_explain(const ss_world *world, const ss_notes *out)
 {
     static const char *const shapes[] = {"sphere", "capsule", "box", "cylinder", "cone", "convex"};
-    const ss_printer out = {line, sink};
     const ss_scene *scene = world->scene;
     bool needs_convex = false;
-    ss_say(&out, "scene: %s", scene->path);
-    ss_say(&out, "mesh: %d nodes, %d surface triangles, %d tetrahedra%s", scene->mesh->node_count,
-           scene->mesh->triangle_count, scene->mesh->tetrahedron_count,
-           scene->mesh->is_closed ? ", closed" : ", open");
+    ss_note_used(out, "scene", "%s", scene->path);
+    ss_note_used(out, "mesh", "%d nodes, %d surface triangles, %d tetrahedra%s",
+                 scene->mesh->node_count, scene->mesh->triangle_count,
+                 scene->mesh->tetrahedron_count, scene->mesh->is_closed ? ", closed" : ", open");
     if (scene->mesh->quad_count > 0) {
-        ss_say(&out, "grid: %d quads, whose halves are the triangles", scene->mesh->quad_count);
+        ss_note_used(out, "grid", "%d quads, whose halves are the triangles",
+                     scene->mesh->quad_count);
     }
     if (scene->mesh->cut_face_count > 0) {
-        ss_say(&out,
-               "mesh: %d faces of more than three corners were cut into triangles, since not all "
-               "faces are quads",
-               scene->mesh->cut_face_count);
+        ss_note_used(out, "mesh",
+                     "%d faces of more than three corners were cut into triangles, since not all "
+                     "faces are quads",
+                     scene->mesh->cut_face_count);
     }
-    ss_say(&out, "numbers: %s",
-           scene->mesh->file_node ? "by place in memory, the file's in all that is read or written"
-                                  : "the file's, whose neighbours are near in memory");
-    ss_say(&out, "model: %s", world->model_class->name);
-    world->model_class->explain(world->model, line, sink);
+    ss_note_used(out, "numbers", "%s",
+                 scene->mesh->file_node
+                     ? "by place in memory, the file's in all that is read or written"
+                     : "the file's, whose neighbours are near in memory");
+    ss_note_used(out, "model", "%s", world->model_class->name);
+    world->model_class->explain(world->model, out);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
             const ss_shape *shape = &scene->tool[p].shape;
-            ss_say(&out, "probe %d: %s, bounding radius %.4g mm", p, shapes[shape->kind],
-                   1e3 * ss_shape_bounding_radius(shape));
+            ss_note_used(out, "contact.tools", "probe %d: %s, bounding radius %.4g mm", p,
+                         shapes[shape->kind], 1e3 * ss_shape_bounding_radius(shape));
             needs_convex |= shape->kind == SS_SHAPE_CONVEX;
         }
     }
-    ss_say(&out, "simulation: every %d haptic period%s, %.6g Hz (%s; estimated %.3g us a step)",
-           world->step_ticks, world->step_ticks == 1 ? "" : "s", 1.0 / world->step_period,
-           scene->simulation_rate_hz > 0.0 ? "as given" : "chosen from counted work",
-           world->step_cost_us);
+    ss_note_used(out, "simulation",
+                 "every %d haptic period%s, %.6g Hz (%s; estimated %.3g us a step)",
+                 world->step_ticks, world->step_ticks == 1 ? "" : "s", 1.0 / world->step_period,
+                 scene->simulation_rate_hz > 0.0 ? "as given" : "chosen from counted work",
+                 world->step_cost_us);
     if (world->used_probes) {
-        ss_say(&out,
-               "cost of contact: %.3g us of that estimate; a tool on a mesh that is fine for its "
-               "size takes more, which step_us of a run shows",
-               contact_cost_us(world));
+        ss_note_used(out, "cost of contact",
+                     "%.3g us of that estimate; a tool on a mesh that is fine for its size takes "
+                     "more, which step_us of a run shows",
+                     contact_cost_us(world));
     }
-    ss_say(&out, "haptic: %.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",
-           1.0 / world->period, scene->max_force_n, scene->coupling_stiffness_n_per_m);
-    ss_say(&out, "threads: net%s%s", world->used_probes ? ", simulation, haptic" : ", simulation",
-           world->surface ? ", publish" : "");
+    ss_note_used(out, "haptic", "%.6g Hz, at most %.4g N, felt stiffness at most %.4g N/m",
+                 1.0 / world->period, scene->max_force_n, scene->coupling_stiffness_n_per_m);
+    const char *names[MOST_THREADS];
+    const int count = name_threads(world, names);
+    ss_note_used(out, "threads", "%s%s%s%s%s%s%s", names[0], count > 1 ? ", " : "",
+                 count > 1 ? names[1] : "", count > 2 ? ", " : "", count > 2 ? names[2] : "",
+                 count > 3 ? ", " : "", count > 3 ? names[3] : "");
     if (!world->used_probes) {
-        ss_say(&out, "left out: haptic thread, contact surface (no tools)");
+        ss_note_left_out(out, "haptic thread, contact surface", "no tools");
     }
     if (!world->surface) {
-        ss_say(&out, "left out: mesh publisher, its thread and its snapshots (mesh_rate_hz 0)");
+        ss_note_left_out(out, "mesh publisher, its thread and its snapshots", "mesh_rate_hz 0");
     } else {
-        ss_say(&out, "publish: %.4g Hz, at most %.4g bytes/s", scene->mesh_rate_hz,
-               scene->max_bytes_per_s);
+        ss_note_used(out, "publish", "%.4g Hz, at most %.4g bytes/s", scene->mesh_rate_hz,
+                     scene->max_bytes_per_s);
     }
     if (!needs_convex) {
-        ss_say(&out, "left out: convex narrow phase (no convex-mesh tool)");
+        ss_note_left_out(out, "convex narrow phase", "no convex-mesh tool");
     }
     if (scene->load_count == 0 && scene->prescribed_count == 0) {
-        ss_say(&out, "left out: loads and prescribed displacements (none)");
+        ss_note_left_out(out, "loads and prescribed displacements", "none");
     } else {
-        ss_say(&out, "loads: %d, prescribed sets: %d", scene->load_count, scene->prescribed_count);
+        ss_note_used(out, "loads", "%d, prescribed sets: %d", scene->load_count,
+                     scene->prescribed_count);
     }
-    ss_say(&out, "memory: %lld bytes", (long long)ss_memory_in_use());
+    ss_note_used(out, "memory", "%lld bytes", (long long)ss_memory_in_use());
+}
+
+/* ---- JSON ---- */
+
+/* The notes of one kind, as an array. */
+typedef struct json_notes {
+    FILE *out;
+    ss_note_kind kind;
+    int count;
+} json_notes;
+
+static void take_json(void *sink, const ss_note *note)
+{
+    json_notes *to = sink;
+    if (note->kind == to->kind) {
+        fputs(to->count++ > 0 ? ", {\"where\": " : "{\"where\": ", to->out);
+        ss_plain_json(to->out, note->where);
+        fputs(", \"text\": ", to->out);
+        ss_plain_json(to->out, note->text);
+        fputc('}', to->out);
+    }
+}
+
+static void print_notes(const ss_world *world, FILE *out, const char *name, ss_note_kind kind)
+{
+    json_notes to = {out, kind, 0};
+    const ss_notes notes = {take_json, &to};
+    fprintf(out, ", \"%s\": [", name);
+    if (kind == SS_NOTE_WARNING) {
+        ss_world_doubt(world, &notes);
+    } else {
+        ss_world_explain(world, &notes);
+    }
+    fputc(']', out);
+}
+
+void ss_world_explain_json(const ss_world *world, FILE *out)
+{
+    const ss_mesh *mesh = world->scene->mesh;
+    const char *names[MOST_THREADS];
+    const int count = name_threads(world, names);
+    fputs("{\"scene\": ", out);
+    ss_plain_json(out, world->scene->path);
+    fprintf(out,
+            ", \"model\": \"%s\", \"nodes\": %d, \"triangles\": %d, \"quads\": %d, "
+            "\"tetrahedra\": %d, \"haptic_rate_hz\": %.9g, \"simulation_rate_hz\": %.9g, "
+            "\"step_us\": %.9g, \"contact_us\": %.9g, \"bytes\": %lld, \"threads\": [",
+            world->model_class->name, mesh->node_count, mesh->triangle_count, mesh->quad_count,
+            mesh->tetrahedron_count, 1.0 / world->period, 1.0 / world->step_period,
+            world->step_cost_us, world->used_probes ? contact_cost_us(world) : 0.0,
+            (long long)ss_memory_in_use());
+    for (int i = 0; i < count; ++i) {
+        fprintf(out, "%s\"%s\"", i > 0 ? ", " : "", names[i]);
+    }
+    fputc(']', out);
+    print_notes(world, out, "used", SS_NOTE_USED);
+    print_notes(world, out, "left_out", SS_NOTE_LEFT_OUT);
+    print_notes(world, out, "warnings", SS_NOTE_WARNING);
+    fputs("}\n", out);
 }

@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "contact/contact.h"
 #include "haptic/haptic.h"
@@ -183,14 +184,16 @@ void ss_world_destroy(ss_world **world);
 
 /* What the model is planned from, all but its step. Thread: set-up only. */
 ss_model_plan ss_world_plan(const ss_world *world);
-/* The plan, one line per fact: what the scene uses, what is left out, bytes, threads. */
-void ss_world_explain(const ss_world *world, void (*line)(void *sink, const char *text),
-                      void *sink);
+/* The plan, a note per fact: what the scene uses, what is left out, what the model doubts, bytes,
+ * threads. Thread: set-up only. */
+void ss_world_explain(const ss_world *world, const ss_notes *out);
+/* The same with its figures and every doubt as one object of JSON, for programs. */
+void ss_world_explain_json(const ss_world *world, FILE *out);
 /* Fills in node_of_file and file_triangle. Thread: set-up only. */
 softsim_status ss_world_plan_numbers(ss_world *world);
 /* What `object.repair` mended, and what a valid scene may still have wrong: sizes that hardly
- * anyone means; one line each, with the key. Thread: set-up only. */
-void ss_world_doubt(const ss_world *world, void (*line)(void *sink, const char *text), void *sink);
+ * anyone means; and what the model's plan warns of. A warning each. Thread: set-up only. */
+void ss_world_doubt(const ss_world *world, const ss_notes *out);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS]);
 

@@ -119,11 +119,10 @@ static double step_cost_us(const ss_model_plan *plan)
     return 2.0 + 0.02 * plan->mesh->node_count;
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
-    ss_say(&out, "springs: one a node, %.4g N/m by kg", model->rate2);
-    ss_body_explain(model->body, line, sink);
+    ss_note_used(out, "springs", "one a node, %.4g N/m by kg", model->rate2);
+    ss_body_explain(model->body, out);
 }
 
 static const ss_model_hints hints = {

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "common/element_fixture.h"
+#include "common/note_fixture.h"
 #include "rt/hash.h"
 #include "rt/thread.h"
 
@@ -447,11 +448,9 @@ static void short_edges_and_loose_nodes_are_refused(void **state)
 
 /* ---- the interface ---- */
 
-static void join_lines(void *sink, const char *text)
+static int notes(const setup *s, ss_note_kind kind, const char *where, const char *part)
 {
-    char *out = sink;
-    strncat(out, text, 8000 - strlen(out));
-    strncat(out, "\n", 8000 - strlen(out));
+    return note_count(s->class, s->model, kind, where, part);
 }
 
 static void the_explanation_names_what_is_used_and_left_out(void **state)
@@ -459,17 +458,15 @@ static void the_explanation_names_what_is_used_and_left_out(void **state)
     (void)state;
     setup s;
     int32_t top;
-    char text[8192] = "";
     setup_whole(&s, &top);
     s.plan.max_force = 500.0; /* far beyond what the contact is made for */
     assert_int_equal(setup_create(&s), SOFTSIM_OK);
-    s.class->explain(s.model, join_lines, text);
-    assert_non_null(strstr(text, "left out: saturation"));
-    assert_non_null(strstr(text, "left out: enclosed volume"));
-    assert_non_null(strstr(text, "pretension: 0.1 J"));
-    assert_non_null(strstr(text, "median Qhat"));
-    assert_non_null(strstr(text, s.model->kernels->name));
-    assert_non_null(strstr(text, "warning: tool 0 would sink in"));
+    assert_int_equal(notes(&s, SS_NOTE_LEFT_OUT, "saturation of cells", ""), 1);
+    assert_int_equal(notes(&s, SS_NOTE_LEFT_OUT, "enclosed volume", ""), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "pretension", "0.1 J"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "modulus", "median Qhat"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "kernels", s.model->kernels->name), 1);
+    assert_int_equal(notes(&s, SS_NOTE_WARNING, "contact.tools", "tool 0"), 1);
     setup_fini(&s);
 }
 
@@ -486,23 +483,14 @@ static void a_soft_contact_is_told_with_what_limits_it(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         setup s;
         int32_t top;
-        char text[8192] = "";
         setup_whole(&s, &top);
         s.plan.max_force = 1e6;
         s.plan.working_force = cases[i].working_force;
         s.plan.contact_stiffness = cases[i].given;
         assert_int_equal(setup_create(&s), SOFTSIM_OK);
-        s.class->explain(s.model, join_lines, text);
-        assert_non_null(strstr(text, cases[i].remedy));
+        assert_int_equal(notes(&s, SS_NOTE_WARNING, "contact.tools", cases[i].remedy), 1);
         setup_fini(&s);
     }
-}
-
-static void explain_all(setup *s, char text[8192])
-{
-    text[0] = '\0';
-    assert_int_equal(setup_create(s), SOFTSIM_OK);
-    s->class->explain(s->model, join_lines, text);
 }
 
 static void the_explanation_tells_what_carries_the_cells(void **state)
@@ -510,36 +498,37 @@ static void the_explanation_tells_what_carries_the_cells(void **state)
     (void)state;
     setup s;
     int32_t top;
-    char text[8192];
     setup_whole(&s, &top);
-    explain_all(&s, text);
-    assert_non_null(strstr(text, "cells on triangles"));
-    assert_non_null(strstr(text, "left out: anisotropy"));
-    assert_null(strstr(text, "inner nodes"));
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "network", "cells on triangles"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_LEFT_OUT, "anisotropy", ""), 1);
+    assert_int_equal(notes(&s, SS_NOTE_LEFT_OUT, "inner nodes", ""), 0);
     setup_fini(&s);
 
     setup_volume(&s, &top);
     give(&s, "rho_direction", 0.5);
     give(&s, "rho_across", 2.0);
     give_direction(&s, 0.0, 1.0, 0.0);
-    explain_all(&s, text);
-    assert_non_null(strstr(text, "cells on tetrahedra"));
-    assert_non_null(strstr(text, "volume: 8 cells inside"));
-    assert_non_null(strstr(text, "is 4 to 4 times that along"));
-    assert_non_null(strstr(text, "modulus: 50000 Pa"));
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "network", "cells on tetrahedra"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "volume", "8 cells inside"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "anisotropic", "is 4 to 4 times that along"), 1);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "modulus", "50000 Pa"), 1);
     setup_fini(&s);
 
     setup_volume(&s, &top);
     surface_of_a_volume(&s);
-    explain_all(&s, text);
-    assert_non_null(strstr(text, "left out: 8 inner nodes of the volume mesh"));
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    assert_int_equal(notes(&s, SS_NOTE_LEFT_OUT, "inner nodes", "8 of the volume mesh"), 1);
     setup_fini(&s);
 
     setup_cylinder(&s, 1.0);
     free_mesh(s.mesh);
     s.plan.mesh = s.mesh = make_grid_cylinder(15, 24, 1.0, 4.0);
-    explain_all(&s, text);
-    assert_non_null(strstr(text, "cells on a rectangular grid (48 held at zero), 696 edges"));
+    assert_int_equal(setup_create(&s), SOFTSIM_OK);
+    assert_int_equal(notes(&s, SS_NOTE_USED, "network",
+                           "cells on a rectangular grid (48 held at zero), 696 edges"),
+                     1);
     setup_fini(&s);
 }
 

@@ -689,6 +689,28 @@ static void random_numbers_are_those_of_splitmix64(void **state)
     }
 }
 
+static void texts_become_strings_of_json(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *json;
+    } cases[] = {{"", "\"\""},
+                 {"a \"b\" \\ c", "\"a \\\"b\\\" \\\\ c\""},
+                 {"\n\x1b\x7f", "\"\\u000a\\u001b\\u007f\""},
+                 {"\xc3\xa4\xe2\x82\xac", "\"\\u00e4\\u20ac\""}, /* U+E4 U+20AC */
+                 {"\xf0\x9f\x98\x80", "\"\\ud83d\\ude00\""},     /* U+1F600 */
+                 {"\xff\xc3", "\"\\u00ff\\u00c3\""}};            /* no UTF-8 */
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        char *out = NULL;
+        size_t size = 0;
+        FILE *file = open_memstream(&out, &size);
+        ss_plain_json(file, cases[c].text);
+        assert_int_equal(fclose(file), 0);
+        assert_string_equal(out, cases[c].json);
+        free(out);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -713,6 +735,7 @@ int main(void)
         cmocka_unit_test(a_stalled_reader_holds_up_no_work),
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),
+        cmocka_unit_test(texts_become_strings_of_json),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),
         cmocka_unit_test(random_numbers_are_those_of_splitmix64),

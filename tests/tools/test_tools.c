@@ -212,25 +212,36 @@ static void a_run_says_why_poses_were_refused(void **state)
     assert_non_null(strstr(out, " poses, 0 refused; peak"));
 }
 
-/* What a fem plan counts of contact is little; --explain says so. */
+/* The number behind "name": of a JSON object. */
+static double json_number(const char *json, const char *name)
+{
+    char key[64];
+    (void)snprintf(key, sizeof key, "\"%s\": ", name);
+    const char *at = strstr(json, key);
+    assert_non_null(at);
+    return strtod(at + strlen(key), NULL);
+}
+
+/* What a fem plan counts of contact is little, and none without a tool. */
 static void the_estimate_says_what_of_it_is_contact(void **state)
 {
     (void)state;
     char out[16384];
     write_inputs();
-    assert_int_equal(run(BIN_DIR "/softsimd --explain scene.yaml", out, sizeof out), 0);
-    const char *whole = strstr(out, "; estimated "), *part = strstr(out, " us of that estimate");
-    assert_true(whole != NULL && part > whole);
-    while (part[-1] != '\n') {
-        --part;
-    }
-    const double step_us = strtod(whole + strlen("; estimated "), NULL);
-    const double contact_us = strtod(part + strlen("cost of contact: "), NULL);
-    assert_true(contact_us > 0.0 && contact_us < step_us);
-    /* Without a tool there is none. */
+    assert_int_equal(run(BIN_DIR "/softsimd --explain --json scene.yaml", out, sizeof out), 0);
+    const double contact_us = json_number(out, "contact_us");
+    assert_true(contact_us > 0.0 && contact_us < json_number(out, "step_us"));
+    assert_non_null(strstr(out, "\"threads\": [\"net\", \"simulation\", \"haptic\", \"publish\"]"));
+    assert_true(json_number(out, "bytes") > 1000.0);
     assert_int_equal(
-        run(BIN_DIR "/softsimd --explain --set contact.tools=[] scene.yaml", out, sizeof out), 0);
-    assert_null(strstr(out, "us of that estimate"));
+        run(BIN_DIR
+            "/softsimd --explain --json --set contact.tools=[] --set publish.mesh_rate_hz=0 "
+            "scene.yaml",
+            out, sizeof out),
+        0);
+    assert_true(json_number(out, "contact_us") == 0.0);
+    assert_non_null(strstr(out, "\"threads\": [\"net\", \"simulation\"]"));
+    assert_int_equal(run(BIN_DIR "/softsimd --json scene.yaml", out, sizeof out), 2);
 }
 
 /* --check tells what makes a scene that is valid one to regret, and by its status: 0 good, 1 usable
@@ -241,12 +252,12 @@ static void what_a_model_doubts_is_told(void **state)
     static const struct {
         const char *set, *doubt;
     } cases[] = {
-        {"model.density_kg_m3=1e-6", "more than the 64 of simulation.max_substeps"},
-        {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", "it falls"},
-        {"model.name=corotational' --set 'model.poisson_ratio=0.49", "lock above"},
-        {"object.fixed=[{box_m: [[-9, -9, -9], [9, 9, 9]]}]", "every node of the surface is held"},
-        {"object.fixed=[]", "a tool pushes it away"},
-        {"haptic.coupling.damping_n_s_per_m=1000", "after a jump the tool comes"},
+        {"model.density_kg_m3=1e-6", ": simulation.max_substeps: "},
+        {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", ": object.fixed: "},
+        {"model.name=corotational' --set 'model.poisson_ratio=0.49", ": model.poisson_ratio: "},
+        {"object.fixed=[{box_m: [[-9, -9, -9], [9, 9, 9]]}]", ": object.fixed: "},
+        {"object.fixed=[]", ": object.fixed: "},
+        {"haptic.coupling.damping_n_s_per_m=1000", ": haptic.coupling.damping_n_s_per_m: "},
     };
     char out[4096], command[512];
     write_inputs();
@@ -280,8 +291,8 @@ static void a_cap_on_particles_that_may_bind_is_told(void **state)
                                "/server/scenes/hm1-tissue.yaml",
                        k == 0 ? 150 : 600);
         assert_int_equal(run(command, out, sizeof out), 1); /* the tool sinks in, in both */
-        assert_true((strstr(out, "layer.max_active wakes 127") != NULL) == (k == 0));
-        assert_true((strstr(out, "layer.max_active") != NULL) == (k == 0));
+        assert_true((strstr(out, ": model.layer.max_active: ") != NULL) == (k == 0));
+        assert_true((strstr(out, "wakes 127") != NULL) == (k == 0));
     }
 }
 

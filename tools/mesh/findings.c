@@ -222,19 +222,6 @@ void findings_print(const findings *f)
 
 /* ---- JSON ---- */
 
-static void print_string(const char *text)
-{
-    (void)putchar('"');
-    for (const unsigned char *c = (const unsigned char *)text; *c != '\0'; ++c) {
-        if (*c < ' ' || *c == '"' || *c == '\\' || *c >= 0x7f) { /* as Latin-1 */
-            (void)printf("\\u%04x", *c);
-        } else {
-            (void)putchar(*c);
-        }
-    }
-    (void)putchar('"');
-}
-
 static void print_number(const char *name, double value)
 {
     if (isfinite(value)) {
@@ -275,7 +262,7 @@ static void print_json_measures(const findings *f)
     (void)printf("], \"groups\": {");
     for (int32_t g = 0; g < m->group_count; ++g) {
         (void)printf("%s", g > 0 ? ", " : "");
-        print_string(m->group[g].name);
+        ss_plain_json(stdout, m->group[g].name);
         (void)printf(": %d", m->group[g].node_count);
     }
     (void)printf("}");
@@ -295,7 +282,7 @@ static void print_json_rows(const findings *f)
             (void)printf("%s%d", k > 0 ? ", " : "", row->fault->first[k]);
         }
         (void)printf("], \"what\": ");
-        print_string(row->what);
+        ss_plain_json(stdout, row->what);
         (void)printf("}");
     }
     (void)printf("], \"models\": [");
@@ -307,7 +294,7 @@ static void print_json_rows(const findings *f)
             (void)printf(", \"bytes\": %lld}", (long long)cost->bytes);
         } else {
             (void)printf(", \"reason\": ");
-            print_string(cost->reason);
+            ss_plain_json(stdout, cost->reason);
             (void)printf("}");
         }
     }
@@ -317,7 +304,7 @@ static void print_json_rows(const findings *f)
 void findings_print_json(const findings *f)
 {
     (void)printf("{\"file\": ");
-    print_string(f->path);
+    ss_plain_json(stdout, f->path);
     (void)printf(", ");
     if (f->is_check) {
         (void)printf("\"status\": %d, ", f->status);
@@ -327,7 +314,7 @@ void findings_print_json(const findings *f)
         (void)printf(", \"is_crossing_complete\": %s", f->is_crossing_complete ? "true" : "false");
         print_json_rows(f);
         (void)printf(", \"material\": ");
-        print_string(cost_material);
+        ss_plain_json(stdout, cost_material);
     } else {
         print_number("loading_s", f->loading_s);
         print_number("bytes_kept", (double)f->bytes_kept);
@@ -339,8 +326,8 @@ void findings_print_json(const findings *f)
 void findings_print_json_error(const char *path, const softsim_error *error)
 {
     (void)printf("{\"file\": ");
-    print_string(path);
+    ss_plain_json(stdout, path);
     (void)printf(", \"status\": 2, \"error\": ");
-    print_string(error->text);
+    ss_plain_json(stdout, error->text);
     (void)printf("}\n");
 }

@@ -227,5 +227,4 @@ void ss_chain_wake(ss_model *model, int32_t node);
  * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
 double ss_chain_planned_substeps(const ss_model_plan *plan);
 double ss_chain_step_cost_us(const ss_model_plan *plan);
-void ss_chain_explain(const ss_model *model, void (*line)(void *sink, const char *text),
-                      void *sink);
+void ss_chain_explain(const ss_model *model, const ss_notes *out);

@@ -45,7 +45,7 @@
 #include "models/common/turned.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "rt/vec.h"
 
 enum { ALPHA, BETA, BAND, ORDER, RELAXATION_ITERATIONS, ROW_COUNT };
@@ -823,22 +823,22 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     return hash;
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
-    ss_say(&out, "chain: %d elements, %d links, each once, mean %.4g m", model->node_count,
-           model->net->link_count, model->net->mean_length);
-    ss_say(&out, "band: %s; order: %s; relaxation: %d passes a step",
-           model->is_radial ? "radial" : "box",
-           model->is_by_violation ? "largest violation first" : "first in, first out",
-           model->iterations);
+    ss_note_used(out, "chain", "%d elements, %d links, each once, mean %.4g m", model->node_count,
+                 model->net->link_count, model->net->mean_length);
+    ss_note_used(out, "band", "%s; order: %s; relaxation: %d passes a step",
+                 model->is_radial ? "radial" : "box",
+                 model->is_by_violation ? "largest violation first" : "first in, first out",
+                 model->iterations);
     if (!model->is_held && model->surface) {
-        ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
-                     "of it with object.fixed");
+        ss_note_warning(out, "object.fixed",
+                        "the supports do not hold the body: a tool pushes it away; hold more of it "
+                        "with object.fixed");
     }
-    ss_say(&out,
-           "left out: forces, energies, reactions (there are none in a chain): the felt force "
-           "is the coupling's, working force over tool radius times the dent");
+    ss_note_left_out(out, "forces, energies, reactions",
+                     "there are none in a chain; the felt force is the coupling's, working force "
+                     "over tool radius times the dent");
 }
 
 static void write_case(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)

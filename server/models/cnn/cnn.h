@@ -411,6 +411,6 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
 /* ---- world/explain.c ---- */
 
 double ss_cnn_step_cost_us(const ss_model_plan *plan);
-void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink);
+void ss_cnn_explain(const ss_model *model, const ss_notes *out);
 /* Contact stiffness for a tool of radius R (m): stability and penetration at the working force. */
 double ss_cnn_contact_stiffness(const ss_model_plan *plan, double sigma, double radius);

@@ -9,7 +9,7 @@
  */
 #include <math.h>
 
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "rt/vec.h"
 
 /* Steps are stable up to dt omega = 2.6 whatever the damping; contact may use 0.3 of omega^2 of a
@@ -144,20 +144,21 @@ static double megabytes(double bytes)
     return bytes / 1048576.0;
 }
 
-static void explain_relaxation(const ss_cnn_relax *relax, const ss_printer *out)
+static void explain_relaxation(const ss_cnn_relax *relax, const ss_notes *out)
 {
     const double good = ss_cnn_relax_steps_to(relax, 1e-3);
     const double exact = ss_cnn_relax_steps_to(relax, 1e-6);
-    ss_say(out,
-           "network in its own time (C = 1): step %.4g, slowest time constant %.4g, %d steps a "
-           "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
-           "1e-6 after %.0f",
-           relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
-    ss_say(out, "network states: at most %d cells, %.1f MB", relax->cell_count,
-           megabytes((double)relax->bytes));
+    ss_note_used(
+        out, "network in its own time",
+        "(C = 1) step %.4g, slowest time constant %.4g, %d steps a "
+        "sub-step; a cell just touched is settled to 1e-3 after %.0f steps (%.0f sub-steps), to "
+        "1e-6 after %.0f",
+        relax->step, relax->time_constant, relax->steps, good, ceil(good / relax->steps), exact);
+    ss_note_used(out, "network states", "at most %d cells, %.1f MB", relax->cell_count,
+                 megabytes((double)relax->bytes));
 }
 
-static void explain_network(const ss_model *model, const ss_printer *out)
+static void explain_network(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_network *network = model->network;
     static const char *const carrier[] = {[SS_CNN_TRIANGLE] = "triangles",
@@ -169,73 +170,73 @@ static void explain_network(const ss_model *model, const ss_printer *out)
         held += model->held[i] && network->size[i] > 0.0;
         inner += !(network->surface_area[i] > 0.0);
     }
-    ss_say(out,
-           "network: %d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, "
-           "%.2f MB",
-           network->cell_count, carrier[model->material.element], held, network->edges.count,
-           network->mean_edge, network->component_count, network->component_count == 1 ? "" : "s",
-           megabytes((double)ss_cnn_network_bytes(network)));
+    ss_note_used(out, "network",
+                 "%d cells on %s (%d held at zero), %d edges, mean edge %.4g m, %d part%s, %.2f MB",
+                 network->cell_count, carrier[model->material.element], held, network->edges.count,
+                 network->mean_edge, network->component_count,
+                 network->component_count == 1 ? "" : "s",
+                 megabytes((double)ss_cnn_network_bytes(network)));
     if (is_volume) {
-        ss_say(out, "volume: %d cells inside, which no tool or load touches", inner);
+        ss_note_used(out, "volume", "%d cells inside, which no tool or load touches", inner);
     } else if (inner > 0) {
-        ss_say(out, "left out: %d inner nodes of the volume mesh (domain: surface), at rest",
-               inner);
+        ss_note_left_out(out, "inner nodes", "%d of the volume mesh, at rest: domain is surface",
+                         inner);
     }
     if (model->relax) {
         explain_relaxation(model->relax, out);
     } else {
-        ss_say(out, "left out: the network's own time (solver is equilibrium)");
+        ss_note_left_out(out, "the network's own time", "solver is equilibrium");
     }
     if (model->relax) {
-        ss_say(out, "left out: settled columns (solver is relaxation)");
+        ss_note_left_out(out, "settled columns", "solver is relaxation");
     } else if (network->column_count > 0) {
-        ss_say(out, "columns: %d, %s, %.1f MB", network->column_count,
-               network->is_compact ? "as potentials, rebuilt when a cell is touched"
-                                   : "as flux densities",
-               megabytes((double)ss_cnn_network_column_bytes(network)));
+        ss_note_used(out, "columns", "%d, %s, %.1f MB", network->column_count,
+                     network->is_compact ? "as potentials, rebuilt when a cell is touched"
+                                         : "as flux densities",
+                     megabytes((double)ss_cnn_network_column_bytes(network)));
     } else {
-        ss_say(out, "left out: columns (no tool)");
+        ss_note_left_out(out, "columns", "no tool");
     }
     const ss_cnn_factor *factor = network->factor;
     if (factor->is_given_up) {
-        ss_say(out,
-               "solver: conjugate gradients; a factor would have %.3g entries and take %.2g "
-               "multiplications, above the limit",
-               factor->ldl.fill, factor->ldl.work);
+        ss_note_used(out, "solver",
+                     "conjugate gradients; a factor would have %.3g entries and take %.2g "
+                     "multiplications, above the limit",
+                     factor->ldl.fill, factor->ldl.work);
     } else {
-        ss_say(out, "solver: a factor of %.3g entries, which took %.2g multiplications",
-               factor->ldl.fill, factor->ldl.work);
+        ss_note_used(out, "solver", "a factor of %.3g entries, which took %.2g multiplications",
+                     factor->ldl.fill, factor->ldl.work);
     }
     if (model->window) {
-        ss_say(out,
-               "window: %d blocks of %d nodes, %d active at rest, tolerance %g of the largest "
-               "displacement",
-               model->window->block_count, model->window->block_size, model->window->active_nodes,
-               model->window->tolerance);
+        ss_note_used(
+            out, "window",
+            "%d blocks of %d nodes, %d active at rest, tolerance %g of the largest displacement",
+            model->window->block_count, model->window->block_size, model->window->active_nodes,
+            model->window->tolerance);
     } else {
-        ss_say(out, "left out: active window (%s)", model->window_reason);
+        ss_note_left_out(out, "active window", "%s", model->window_reason);
     }
-    ss_say(out, "kernels: %s, %s", model->kernels->name,
-           sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
+    ss_note_used(out, "kernels", "%s, %s", model->kernels->name,
+                 sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
 }
 
-static void explain_modulus(const ss_model *model, const ss_printer *out)
+static void explain_modulus(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_material *m = &model->material;
     const bool is_volume = m->element == SS_CNN_TETRAHEDRON;
     const char *unit = is_volume ? "Pa" : "N/m";
     const double qhat = model->network->median_qhat;
     if (qhat > 0.0) {
-        ss_say(out, "modulus: %.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
-               m->is_modulus_energy ? m->modulus : m->modulus * qhat,
-               m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
-               is_volume ? "m^3" : "m^2");
+        ss_note_used(out, "modulus", "%.6g J, which is %.6g %s on this mesh (median Qhat %.6g %s)",
+                     m->is_modulus_energy ? m->modulus : m->modulus * qhat,
+                     m->is_modulus_energy ? m->modulus / qhat : m->modulus, unit, qhat,
+                     is_volume ? "m^3" : "m^2");
     } else {
-        ss_say(out, "modulus: %.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
+        ss_note_used(out, "modulus", "%.6g %s", m->modulus, m->is_modulus_energy ? "J" : unit);
     }
 }
 
-static void explain_rho(const ss_model *model, const ss_printer *out)
+static void explain_rho(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_material *m = &model->material;
     double low = (double)INFINITY, high = 0.0;
@@ -246,52 +247,55 @@ static void explain_rho(const ss_model *model, const ss_printer *out)
         }
     }
     if (m->rho_across) {
-        ss_say(out,
-               "anisotropic: rho across the material direction is %.4g to %.4g times that along",
-               low, high);
+        ss_note_used(out, "anisotropic",
+                     "rho across the material direction is %.4g to %.4g times that along", low,
+                     high);
     } else {
-        ss_say(out, "left out: anisotropy (rho is the same in all directions)");
+        ss_note_left_out(out, "anisotropy", "rho is the same in all directions");
     }
 }
 
-static void explain_material(const ss_model *model, const ss_printer *out)
+static void explain_material(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_material *m = &model->material;
     explain_modulus(model, out);
     explain_rho(model, out);
     if (m->pretension > 0.0) {
-        ss_say(out, "pretension: %.6g J", m->pretension);
+        ss_note_used(out, "pretension", "%.6g J", m->pretension);
     } else {
-        ss_say(out, "left out: pretension (pretension_j is 0)");
+        ss_note_left_out(out, "pretension", "pretension_j is 0");
     }
     if (model->normal) {
         for (int32_t k = 0; k < model->enclosed_count && k < MOST_BODIES; ++k) {
-            ss_say(out, "enclosed volume: %.6g m^3, %.6g Pa", model->enclosed[k].volume, m->bulk);
+            ss_note_used(out, "enclosed volume", "%.6g m^3, %.6g Pa", model->enclosed[k].volume,
+                         m->bulk);
         }
         if (model->enclosed_count > MOST_BODIES) {
-            ss_say(out, "and %d bodies more, with a volume each",
-                   model->enclosed_count - MOST_BODIES);
+            ss_note_used(out, "enclosed volume", "and %d bodies more, with a volume each",
+                         model->enclosed_count - MOST_BODIES);
         }
     } else {
-        ss_say(out, "left out: enclosed volume (enclosed_bulk_pa is 0)");
+        ss_note_left_out(out, "enclosed volume", "enclosed_bulk_pa is 0");
     }
     if (isfinite(m->saturation)) {
-        ss_say(out, "saturation: cells at %.6g%s", m->saturation,
-               model->saturation ? ", shared by the sources without a tool" : "");
+        ss_note_used(out, "saturation", "cells at %.6g%s", m->saturation,
+                     model->saturation ? ", shared by the sources without a tool" : "");
     } else {
-        ss_say(out, "left out: saturation of cells (none given)");
+        ss_note_left_out(out, "saturation of cells", "none given");
     }
     if (model->is_one_cell) {
-        ss_say(out, "source: the contact cell alone; under a tool it stays where the touch began");
+        ss_note_used(out, "source",
+                     "the contact cell alone; under a tool it stays where the touch began");
     }
     if (model->is_held) {
-        ss_say(out, "left out: rigid fit of the rest shape (the supports hold the body)");
+        ss_note_left_out(out, "rigid fit of the rest shape", "the supports hold the body");
     } else {
-        ss_say(out, "rest shape: follows the body's rigid motion (too few supports to hold it)");
+        ss_note_used(out, "rest shape",
+                     "follows the body's rigid motion (too few supports to hold it)");
     }
 }
 
-static void warn_rho(const ss_model *model, const ss_printer *out)
+static void warn_rho(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_network *network = model->network;
     int32_t soft = 0, first = -1;
@@ -302,15 +306,14 @@ static void warn_rho(const ss_model *model, const ss_printer *out)
         }
     }
     if (soft > 0) {
-        ss_say(
-            out,
-            "warning: rho of %d nodes (first %d) is more than %g times below the largest: contact "
-            "there is soft, and a load where it is ten times below is refused",
-            soft, ss_mesh_file_node(model->plan.mesh, first), RHO_RATIO_WARNING);
+        ss_note_warning(out, "model.rho",
+                        "rho of %d nodes (first %d) is more than %g times below the largest: "
+                        "contact there is soft, and a load where it is ten times below is refused",
+                        soft, ss_mesh_file_node(model->plan.mesh, first), RHO_RATIO_WARNING);
     }
 }
 
-static void explain_tools(const ss_model *model, const ss_printer *out)
+static void explain_tools(const ss_model *model, const ss_notes *out)
 {
     const ss_model_plan *plan = &model->plan;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
@@ -320,29 +323,29 @@ static void explain_tools(const ss_model *model, const ss_printer *out)
         }
         const double depth =
             sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
-        ss_say(out,
-               "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
-               "%.4g N/m at rest",
-               k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
+        ss_note_used(
+            out, "contact.tools",
+            "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
+            "%.4g N/m at rest",
+            k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
         ss_tool_say_limits(tool, k, plan, model->network->mean_edge, out);
     }
     if (model->tools.surface) {
-        ss_say(out, "contact: %lld samples",
-               (long long)ss_surface_sample_count(model->tools.surface));
+        ss_note_used(out, "contact", "%lld samples",
+                     (long long)ss_surface_sample_count(model->tools.surface));
     } else {
-        ss_say(out, "left out: contact (no tool)");
+        ss_note_left_out(out, "contact", "no tool");
     }
 }
 
-void ss_cnn_explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+void ss_cnn_explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
-    explain_network(model, &out);
-    explain_material(model, &out);
-    warn_rho(model, &out);
-    explain_tools(model, &out);
-    ss_say(&out,
-           "sources without a tool: %d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
-           model->source_count, model->bound);
-    ss_plan_say_substeps(&model->plan, 0.7 * model->bound, &out);
+    explain_network(model, out);
+    explain_material(model, out);
+    warn_rho(model, out);
+    explain_tools(model, out);
+    ss_note_used(out, "sources without a tool",
+                 "%d; stable step at rest %.4g s, sub-steps of at most 0.7 of it",
+                 model->source_count, model->bound);
+    ss_plan_say_substeps(&model->plan, 0.7 * model->bound, out);
 }

@@ -16,7 +16,7 @@
 
 #include "rt/hash.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "rt/vec.h"
 
 /* ---- masses and lengths ---- */
@@ -403,56 +403,59 @@ void ss_body_reset(ss_body *body)
 
 /* ---- explanation ---- */
 
-static void explain_tool(const ss_body *body, int index, const ss_printer *out)
+static void explain_tool(const ss_body *body, int index, const ss_notes *out)
 {
     const ss_tool *tool = &body->tools.tool[index];
     const double depth =
         sqrt(body->plan.max_force / (3.14159265358979 * tool->stiffness * tool->radius));
-    ss_say(out, "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
-           index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
+    ss_note_used(out, "contact.tools",
+                 "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
+                 index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
     ss_tool_say_limits(tool, index, &body->plan, ss_surface_mean_edge(body->tools.surface), out);
 }
 
-void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *text), void *sink)
+void ss_body_explain(const ss_body *body, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
     const double share = body->own.step_share * body->bound;
-    ss_say(&out, "body: %d nodes, %.6g kg, %s, %s precision", body->nodes.count, body->total_mass,
-           body->is_held ? "held" : "free to move as a whole",
-           sizeof(ss_real) == sizeof(float) ? "single" : "double");
+    ss_note_used(out, "body", "%d nodes, %.6g kg, %s, %s precision", body->nodes.count,
+                 body->total_mass, body->is_held ? "held" : "free to move as a whole",
+                 sizeof(ss_real) == sizeof(float) ? "single" : "double");
     if (body->is_explicit) {
-        ss_say(&out, "integrator: %s",
-               body->own.integrator == SS_BODY_RK4 ? "classical Runge-Kutta" : "symplectic Euler");
+        ss_note_used(out, "integrator", "%s",
+                     body->own.integrator == SS_BODY_RK4 ? "classical Runge-Kutta"
+                                                         : "symplectic Euler");
     }
     if (body->is_explicit && isfinite(share)) {
-        ss_say(&out, "stable step at rest %.4g s, sub-steps of at most %.2g of it", body->bound,
-               body->own.step_share);
+        ss_note_used(out, "stable step", "%.4g s at rest, sub-steps of at most %.2g of it",
+                     body->bound, body->own.step_share);
     }
     if (body->is_explicit) {
-        ss_plan_say_substeps(&body->plan, share, &out);
+        ss_plan_say_substeps(&body->plan, share, out);
     }
     if (!body->is_held && body->has_gravity) {
-        ss_say(&out, "warning: gravity acts and supports do not hold the body: it falls");
+        ss_note_warning(out, "object.fixed",
+                        "gravity acts and supports do not hold the body: it falls");
     } else if (!body->is_held && body->tools.surface) {
-        ss_say(&out, "warning: the supports do not hold the body: a tool pushes it away; hold more "
-                     "of it with object.fixed");
+        ss_note_warning(out, "object.fixed",
+                        "the supports do not hold the body: a tool pushes it away; hold more of it "
+                        "with object.fixed");
     }
     if (!(body->own.mass_damping > 0.0)) {
-        ss_say(&out, "left out: mass damping (mass_damping_per_s is 0)");
+        ss_note_left_out(out, "mass damping", "mass_damping_per_s is 0");
     }
     if (!body->has_gravity) {
-        ss_say(&out, "left out: gravity");
+        ss_note_left_out(out, "gravity", "gravity_m_s2 is 0");
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (body->tools.tool[k].is_used) {
-            explain_tool(body, k, &out);
+            explain_tool(body, k, out);
         }
     }
     if (body->tools.surface) {
-        ss_say(&out, "contact: %lld samples",
-               (long long)ss_surface_sample_count(body->tools.surface));
+        ss_note_used(out, "contact", "%lld samples",
+                     (long long)ss_surface_sample_count(body->tools.surface));
     } else {
-        ss_say(&out, "left out: contact (no tool)");
+        ss_note_left_out(out, "contact", "no tool");
     }
 }
 

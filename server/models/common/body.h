@@ -179,7 +179,7 @@ void ss_body_reaction(const ss_body *body, int32_t set, double out_force[3]);
 uint64_t ss_body_hash(const ss_body *body, uint64_t seed);
 void ss_body_reset(ss_body *body);
 /* Lines about masses, tools, contact stiffness, what is left out. Thread: set-up only. */
-void ss_body_explain(const ss_body *body, void (*line)(void *sink, const char *text), void *sink);
+void ss_body_explain(const ss_body *body, const ss_notes *out);
 
 /* ---- what a model says about itself ---- */
 

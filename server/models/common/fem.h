@@ -205,8 +205,7 @@ void ss_fem_judge(const ss_fem *fem, ss_body *body);
  * bytes, and flops (a fused multiply-add counts 2). */
 void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops);
 /* Lines about law, path, cure, step. Thread: set-up only. */
-void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
-                    void (*line)(void *sink, const char *text), void *sink);
+void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss_notes *out);
 
 /* ---- parts, for the files of this module ---- */
 

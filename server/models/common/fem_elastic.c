@@ -8,7 +8,7 @@
 
 #include "models/common/dispatch.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 
 SS_KERNEL_PATHS(ss_fem_kernels)
 
@@ -118,35 +118,34 @@ void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double
     *out_flops = 240.0 + (kind == SS_TISSUE_STVK_GUARDED ? 18.0 : 0.0) + (is_viscous ? 154.0 : 0.0);
 }
 
-void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material,
-                    void (*line)(void *sink, const char *text), void *sink)
+void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss_notes *out)
 {
     static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
                                                           "stable-neo-hookean", "linear"};
-    const ss_printer out = {line, sink};
     const ss_fem_stability *s = &fem->stability;
     double bytes, flops, cured = 0.0;
     ss_fem_work(fem->kind, fem->blocks.viscosity != NULL, &bytes, &flops);
     for (int32_t e = 0; e < fem->blocks.element_count; ++e) {
         cured += material->lambda_own[e] < material->lambda[e];
     }
-    ss_say(&out, "tetrahedra: %d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
-           fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
+    ss_note_used(
+        out, "tetrahedra", "%d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
+        fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
     if (fem->average.modulus) {
-        ss_say(&out, "locking: dilatation resisted by nodes in %.0f elements; a second sweep",
-               cured);
+        ss_note_used(out, "locking",
+                     "dilatation resisted by nodes in %.0f elements; a second sweep", cured);
     } else {
-        ss_say(&out, "left out: cure for locking, and its sweep (%s)",
-               "no element above Poisson's ratio 0.45, or switched off");
+        ss_note_left_out(out, "cure for locking, and its sweep", "%s",
+                         "no element above Poisson's ratio 0.45, or switched off");
     }
     if (fem->blocks.viscosity) {
-        ss_say(&out, "viscosity: at most %.4g s of the elastic stiffness", fem->viscous_time);
+        ss_note_used(out, "viscosity", "at most %.4g s of the elastic stiffness",
+                     fem->viscous_time);
     } else {
-        ss_say(&out, "left out: velocity pass (no viscosity)");
+        ss_note_left_out(out, "velocity pass", "no viscosity");
     }
-    ss_say(&out,
-           "stable step of the elastic body: %.4g s by power iteration, of which half is taken; "
-           "assembled bound %.4g s%s",
-           ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
-           s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
+    ss_note_used(out, "stable step of the elastic body",
+                 "%.4g s by power iteration, of which half is taken; assembled bound %.4g s%s",
+                 ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
+                 s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
 }

@@ -411,17 +411,17 @@ const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, 
     return "lower haptic.max_force_n: no stiffer contact is stable with the sub-steps planned";
 }
 
-void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_printer *out)
+void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_notes *out)
 {
     const double count = ceil(plan->step / longest);
     if (count > plan->max_substeps) {
-        ss_say(out,
-               "warning: a step of %.4g s needs %.0f sub-steps at rest, more than the %d of "
-               "simulation.max_substeps: slower than real time; raise it, the density or the size "
-               "of the smallest elements, or lower the stiffness",
-               plan->step, count, plan->max_substeps);
+        ss_note_warning(out, "simulation.max_substeps",
+                        "a step of %.4g s needs %.0f sub-steps at rest, more than the %d of "
+                        "simulation.max_substeps: slower than real time; raise it, the density or "
+                        "the size of the smallest elements, or lower the stiffness",
+                        plan->step, count, plan->max_substeps);
     } else if (count > 1.0) {
-        ss_say(out, "a step of %.4g s takes %.0f sub-steps at rest", plan->step, count);
+        ss_note_used(out, "sub-steps", "a step of %.4g s takes %.0f at rest", plan->step, count);
     }
 }
 

@@ -8,7 +8,7 @@
  */
 #include "models/model.h"
 #include "rt/arena.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 
 /* The first few numbers of a fault, for its message: "3, 17, 20". */
 typedef struct ss_number_list {
@@ -84,7 +84,7 @@ double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, doubl
 const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, double radius);
 
 /* How many sub-steps of at most `longest` (s) a step takes, where it takes several. */
-void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_printer *out);
+void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_notes *out);
 
 /* Adds -p times a third of each triangle's area vector, as it lies displaced by `u`, to `force`. */
 void ss_plan_add_pressure(const ss_mesh *mesh, int32_t count, const int32_t *triangle,

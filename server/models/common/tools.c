@@ -63,20 +63,21 @@ void ss_tool_set_rest_felt(ss_tool *tool, double compliance)
 }
 
 void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
-                        const ss_printer *out)
+                        const ss_notes *out)
 {
     const double depth =
         sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
     if (depth > 0.2 * tool->radius) {
-        ss_say(out, "warning: tool %d would sink in by %.2g of its radius at the largest force: %s",
-               index, depth / tool->radius,
-               ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
+        ss_note_warning(out, "contact.tools",
+                        "tool %d would sink in by %.2g of its radius at the largest force: %s",
+                        index, depth / tool->radius,
+                        ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
     }
     if (tool->radius < 0.5 * edge) {
-        ss_say(out,
-               "warning: tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
-               "force will ripple; refine the mesh",
-               index, tool->radius, edge);
+        ss_note_warning(out, "contact.tools",
+                        "tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
+                        "force will ripple; refine the mesh",
+                        index, tool->radius, edge);
     }
 }
 

@@ -15,7 +15,7 @@
  * open and fini set-up only; the rest by the simulation thread, RT-safe.
  */
 #include "models/common/grasp.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 
 typedef struct ss_tool {
     bool is_used; /* has a row in the scene */
@@ -58,7 +58,7 @@ void ss_tools_reset(ss_tools *tools);
 void ss_tool_set_rest_felt(ss_tool *tool, double compliance);
 /* What is wrong with tool `index` for its hand and its mesh of mean edge `edge` (m). */
 void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
-                        const ss_printer *out);
+                        const ss_notes *out);
 
 /* ---- on the way ---- */
 

@@ -20,7 +20,7 @@
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 
 SS_KERNEL_PATHS(ss_corot_kernels)
 
@@ -224,30 +224,31 @@ static void step(ss_model *model, double time, double dt,
     }
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
     const int64_t lanes = (int64_t)model->blocks.count * SS_FEM_LANES;
     const int64_t per_lane = (int64_t)sizeof(ss_real) * (2 * SS_FEM_SHAPES + 2 * SS_FEM_MODULI) +
                              4 * (int64_t)sizeof(int32_t);
-    ss_say(&out, "elements: %d tetrahedra in blocks of 8 (%s), %lld bytes",
-           model->plan.mesh->tetrahedron_count, model->kernels->name,
-           (long long)(lanes * per_lane));
-    ss_say(
-        &out,
-        "step: implicit Euler, stable at any length; at most %d Newton iterations and %d products, "
-        "to %.3g of the residual",
-        model->max_newton, model->max_products, model->tolerance);
-    ss_say(&out, "solver: conjugate gradients; no factor at any size");
-    ss_say(&out, "viscosity: %s", model->has_viscosity ? "in the same products" : "left out");
-    if (model->material.largest_poisson > POISSON_WARNING) {
-        ss_say(
-            &out,
-            "warning: Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and bend too "
-            "stiffly; refine the mesh, or use fem, which has a cure",
-            model->material.largest_poisson, POISSON_WARNING);
+    ss_note_used(out, "elements", "%d tetrahedra in blocks of 8 (%s), %lld bytes",
+                 model->plan.mesh->tetrahedron_count, model->kernels->name,
+                 (long long)(lanes * per_lane));
+    ss_note_used(out, "step",
+                 "implicit Euler, stable at any length; at most %d Newton iterations and %d "
+                 "products, to %.3g of the residual",
+                 model->max_newton, model->max_products, model->tolerance);
+    ss_note_used(out, "solver", "conjugate gradients; no factor at any size");
+    if (model->has_viscosity) {
+        ss_note_used(out, "viscosity", "in the same products");
+    } else {
+        ss_note_left_out(out, "velocity pass", "no viscosity");
     }
-    ss_body_explain(model->body, line, sink);
+    if (model->material.largest_poisson > POISSON_WARNING) {
+        ss_note_warning(out, "model.poisson_ratio",
+                        "Poisson's ratio up to %.4g: linear tetrahedra lock above %.2g and bend "
+                        "too stiffly; refine the mesh, or use fem, which has a cure",
+                        model->material.largest_poisson, POISSON_WARNING);
+    }
+    ss_body_explain(model->body, out);
 }
 
 static const ss_model_hints hints = {

@@ -171,10 +171,10 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     return ss_turned_hash(&model->turned, ss_body_model_hash(model, seed));
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    ss_fem_explain(model->fem, &model->material, line, sink);
-    ss_body_explain(model->body, line, sink);
+    ss_fem_explain(model->fem, &model->material, out);
+    ss_body_explain(model->body, out);
 }
 
 static const ss_hints_variant variants[] = {

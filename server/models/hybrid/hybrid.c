@@ -23,7 +23,7 @@
 #include "models/common/life.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "rt/vec.h"
 
 /* Of the stable step that sub-steps take. */
@@ -708,7 +708,7 @@ static int32_t most_near(const ss_hybrid *hybrid, const double (*area)[3], doubl
 }
 
 /* Where max_active may leave particles near a tool asleep. */
-static void explain_cap(const ss_hybrid *hybrid, const ss_printer *out)
+static void explain_cap(const ss_hybrid *hybrid, const ss_notes *out)
 {
     const double limit = ss_hybrid_most_wanted(hybrid);
     double(*area)[3] = ss_memory_get((size_t)hybrid->mesh->node_count, sizeof *area);
@@ -722,64 +722,65 @@ static void explain_cap(const ss_hybrid *hybrid, const ss_printer *out)
         const double radius = ss_shape_inradius(&hybrid->shape[k].shape);
         const int32_t near = most_near(hybrid, (const double(*)[3])area, radius);
         if (near > limit) {
-            ss_say(out,
-                   "warning: tool %d, pressed in by %.3g m, comes within layer.activate_m of up "
-                   "to %d particles, and layer.max_active wakes %.0f: the others follow the "
-                   "core; raise it, or wake from nearer",
-                   k, 0.5 * radius, near, floor(limit));
+            ss_note_warning(out, "model.layer.max_active",
+                            "tool %d, pressed in by %.3g m, comes within layer.activate_m of up to "
+                            "%d particles, and layer.max_active wakes %.0f: the others follow the "
+                            "core; raise it, or wake from nearer",
+                            k, 0.5 * radius, near, floor(limit));
         }
     }
     ss_memory_free(area);
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
     const ss_hybrid *hybrid = (const ss_hybrid *)model;
     const ss_layer *layer = hybrid->layer;
-    const ss_printer out = {line, sink};
-    ss_say(&out,
-           "layer: %d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, "
-           "kernels %s",
-           layer->own_count, hybrid->cells.count, layer->count - layer->own_count,
-           layer->spacing[0], hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
-           layer->pair_first[layer->count], hybrid->kernels->name);
+    ss_note_used(
+        out, "layer",
+        "%d particles in %d cells, %d ghosts in the core, spacing %.4g m%s, %d pairs, kernels %s",
+        layer->own_count, hybrid->cells.count, layer->count - layer->own_count, layer->spacing[0],
+        hybrid->least_spacing < layer->spacing[0] ? " and finer" : "",
+        layer->pair_first[layer->count], hybrid->kernels->name);
     if (layer->dropped_count > 0) {
-        ss_say(&out, "layer: %d places with too few neighbours were left empty",
-               layer->dropped_count);
+        ss_note_used(out, "layer", "%d places with too few neighbours were left empty",
+                     layer->dropped_count);
     }
     if (hybrid->is_all_awake) {
-        ss_say(&out, "activation: none, all particles are awake always");
+        ss_note_used(out, "activation", "none, all particles are awake always");
     } else {
-        ss_say(&out,
-               "activation: within %.4g m of a tool, until %.4g m, at most %d particles and %d "
-               "with their neighbours; the rest is counted with the core",
-               hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake, hybrid->max_points);
-        explain_cap(hybrid, &out);
+        ss_note_used(out, "activation",
+                     "within %.4g m of a tool, until %.4g m, at most %d particles and %d with "
+                     "their neighbours; the rest is counted with the core",
+                     hybrid->wake_reach, hybrid->sleep_reach, hybrid->max_awake,
+                     hybrid->max_points);
+        explain_cap(hybrid, out);
     }
-    ss_say(&out, "skin: %d nodes ride on the particles%s; stable step %.4g s at rest",
-           layer->skin_count,
-           hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
-           ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
-                              hybrid->material.viscous_time, hybrid->material.mass_damping));
+    ss_note_used(out, "skin", "%d nodes ride on the particles%s; stable step %.4g s at rest",
+                 layer->skin_count,
+                 hybrid->held_skin > 0 ? ", those that are fixed on the core below them" : "",
+                 ss_body_step_limit(hybrid->material.integrator, hybrid->rest_rate2,
+                                    hybrid->material.viscous_time, hybrid->material.mass_damping));
     if (layer->far_count > 0) {
-        ss_say(&out,
-               "warning: %d of %d nodes of the surface are so far from the core's small elements "
-               "that they repeat its motion up to %.0f-fold; make the core coarser or the layer "
-               "thinner",
-               layer->far_count, layer->skin_count, layer->farthest_tie);
+        ss_note_warning(
+            out, "model.layer",
+            "%d of %d nodes of the surface are so far from the core's small elements that they "
+            "repeat its motion up to %.0f-fold; make the core coarser or the layer thinner",
+            layer->far_count, layer->skin_count, layer->farthest_tie);
     }
     if (hybrid->is_locking) {
-        ss_say(&out,
-               "warning: Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the "
-               "cure is for whole volumes, and the layer takes part of the core's: left out");
+        ss_note_warning(
+            out, "model.poisson_ratio",
+            "Poisson's ratio above 0.45, where plain tetrahedra are too stiff; the cure is for "
+            "whole volumes, and the layer takes part of the core's: left out");
     }
     if (!(hybrid->cohesion > 0.0)) {
-        ss_say(&out, "left out: cohesion (lennard_jones_share 0)");
+        ss_note_left_out(out, "cohesion", "lennard_jones_share 0");
     }
     if (hybrid->material.phi == NULL) {
-        ss_say(&out, "left out: velocity gradients (no viscosity)");
+        ss_note_left_out(out, "velocity gradients", "no viscosity");
     }
-    ss_body_explain(hybrid->body, line, sink);
+    ss_body_explain(hybrid->body, out);
 }
 
 /* A thin layer outside the body's surface, so that the core has the body's nodes, all of them; it

@@ -46,7 +46,7 @@
 
 #include "rt/hash.h"
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 #include "rt/vec.h"
 
 /* ---- parameters ---- */
@@ -536,17 +536,18 @@ static void step(ss_model *model, double time, double dt,
     ss_body_judge_turned(model->body, &model->turned, true); /* a model of nodes */
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
-    ss_say(&out, "springs: %d edges of %s, %.4g to %.4g N/m, %s", model->edge_count,
-           model->is_volume ? "tetrahedra" : "triangles", model->stiffness_min,
-           model->stiffness_max,
-           model->is_volume ? "Poisson's ratio 1/4" : "Poisson's ratio 1/3, no bending stiffness");
-    ss_say(&out, "%s",
-           model->has_dampers ? "dampers: along every spring"
-                              : "left out: dampers (viscosity_psi_pa_s is 0)");
-    ss_body_explain(model->body, line, sink);
+    ss_note_used(
+        out, "springs", "%d edges of %s, %.4g to %.4g N/m, %s", model->edge_count,
+        model->is_volume ? "tetrahedra" : "triangles", model->stiffness_min, model->stiffness_max,
+        model->is_volume ? "Poisson's ratio 1/4" : "Poisson's ratio 1/3, no bending stiffness");
+    if (model->has_dampers) {
+        ss_note_used(out, "dampers", "along every spring");
+    } else {
+        ss_note_left_out(out, "dampers", "viscosity_psi_pa_s is 0");
+    }
+    ss_body_explain(model->body, out);
 }
 
 static const ss_model_hints hints = {

@@ -37,7 +37,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
-#include "rt/printer.h"
+#include "rt/note.h"
 
 /* The rows of elasticity and density, then these. */
 enum { ROW_MASS_DAMPING = SS_FEM_DENSITY + 1, ROW_SUBSTEP, ROW_COUNT };
@@ -276,26 +276,26 @@ static void info(const ss_model *model, ss_model_info *out)
     out->stable_step = ss_fem_rest_step(model->fem); /* it has none; up to here it is the law's */
 }
 
-static void explain(const ss_model *model, void (*line)(void *sink, const char *text), void *sink)
+static void explain(const ss_model *model, const ss_notes *out)
 {
-    const ss_printer out = {line, sink};
     const double lanes = 8.0 * model->packs.count;
-    ss_say(&out,
-           "constraints: %d tetrahedra of %s in %d packs of 8 without common nodes (%.3g %% of "
-           "the lanes), %s kernels",
-           model->packs.element_count,
-           model->material.kind == SS_TISSUE_NEO_HOOKEAN ? "neo-hookean" : "stable-neo-hookean",
-           model->packs.count, 100.0 * model->packs.element_count / lanes, model->kernels->name);
+    ss_note_used(
+        out, "constraints",
+        "%d tetrahedra of %s in %d packs of 8 without common nodes (%.3g %% of the lanes), %s "
+        "kernels",
+        model->packs.element_count,
+        model->material.kind == SS_TISSUE_NEO_HOOKEAN ? "neo-hookean" : "stable-neo-hookean",
+        model->packs.count, 100.0 * model->packs.element_count / lanes, model->kernels->name);
     const double limit = ss_fem_rest_step(model->fem);
-    ss_say(&out, "sub-steps of at most %.4g s, one sweep each; explicit ones: %.4g s",
-           model->substep, limit);
+    ss_note_used(out, "sub-steps", "at most %.4g s, one sweep each; explicit ones: %.4g s",
+                 model->substep, limit);
     if (model->substep > limit) {
-        ss_say(&out,
-               "warning: the body is softer than its law; substep_s: %.3g would be enough, with a "
-               "step that max_substeps allows",
-               limit);
+        ss_note_warning(out, "model.substep_s",
+                        "the body is softer than its law; substep_s: %.3g would be enough, with a "
+                        "step that max_substeps allows",
+                        limit);
     }
-    ss_body_explain(model->body, line, sink);
+    ss_body_explain(model->body, out);
 }
 
 static const ss_hints_variant variant = {

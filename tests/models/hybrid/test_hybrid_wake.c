@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "common/effort.h"
+#include "common/note_fixture.h"
 #include "hybrid_fixture.h"
 #include "rt/hash.h"
 
@@ -153,12 +154,6 @@ static void each_change_is_told(void **state)
     setup_fini(&s);
 }
 
-static void look_for_cap(void *sink, const char *text)
-{
-    bool *is_told = sink;
-    *is_told = *is_told || strstr(text, "layer.max_active") != NULL;
-}
-
 /* Where there is room for all particles, all in reach wake, and no limit is told of. */
 static void room_for_all_is_no_limit(void **state)
 {
@@ -170,9 +165,8 @@ static void room_for_all_is_no_limit(void **state)
         give_row(&s, SS_HYBRID_ACTIVATE, 1.2);
         ss_hybrid *hybrid = start_hybrid(&s);
         const int32_t all = hybrid->layer->own_count;
-        bool is_told = false;
-        s.class->explain(s.model, look_for_cap, &is_told);
-        assert_true(is_told == (k == 0));
+        assert_int_equal(
+            note_count(s.class, s.model, SS_NOTE_WARNING, "model.layer.max_active", ""), k == 0);
         start_tool(tool, 0.5);
         move(&s, tool, 0.5, 0.1, 60);
         assert_true((hybrid->wanted_count == all) == (k == 1));

@@ -154,13 +154,11 @@ static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)
              state.worst_reason[0] != '\0' ? ": " : "", state.worst_reason);
 }
 
-/* The line of the world's plan that tells the solver. */
-static void take_solver(void *sink, const char *text)
+static void take_solver(void *sink, const ss_note *note)
 {
-    static const char key[] = "solver: ";
     ss_block_run *out = sink;
-    if (strncmp(text, key, strlen(key)) == 0) {
-        snprintf(out->solver, sizeof out->solver, "%s", text + strlen(key));
+    if (note->kind == SS_NOTE_USED && strcmp(note->where, "solver") == 0) {
+        snprintf(out->solver, sizeof out->solver, "%s", note->text);
     }
 }
 
@@ -184,8 +182,8 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
         softsim_read(world, &state);
         out->nodes = state.node_count;
         out->memory_mb = 1e-6 * (double)ss_memory_in_use();
-        ss_world_explain((const ss_world *)world, take_solver,
-                         out); /* it is one: world/softsim.c */
+        ss_world_explain((const ss_world *)world,
+                         &(const ss_notes){take_solver, out}); /* it is one: world/softsim.c */
         play(world, out, &tick_us);
         softsim_destroy(&world);
     }
