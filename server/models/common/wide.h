@@ -47,276 +47,140 @@
 
 /* ---- quads ---- */
 
-#if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
+/* The language's own vectors, so that one definition does for every processor; a function of the
+ * instruction set where the compiler finds none by itself (SS_QUAD_OP, where it has one). */
+#ifdef SOFTSIM_DOUBLE
+#pragma GCC diagnostic ignored "-Wpsabi" /* of calls: all of these are inlined */
+#endif
+typedef ss_real ss_quad __attribute__((vector_size(4 * sizeof(ss_real)), may_alias));
 
-typedef __m128 ss_quad;
+#if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
+#define SS_QUAD_OP(name)    _mm_##name##_ps
+#define SS_QUAD_ABOVE(a, b) _mm_cmpgt_ps(a, b)
+#elif defined(SS_WIDE_AVX2)
+#define SS_QUAD_OP(name)    _mm256_##name##_pd
+#define SS_QUAD_ABOVE(a, b) _mm256_cmp_pd(a, b, _CMP_GT_OQ)
+#endif
 
 SS_INLINE ss_quad ss_quad_load(const ss_real *p)
 {
-    return _mm_load_ps(p);
+    return *(const ss_quad *)(const void *)p;
 }
 SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
 {
-    _mm_store_ps(p, a);
+    *(ss_quad *)(void *)p = a;
 }
 SS_INLINE ss_quad ss_quad_all(ss_real s)
 {
-    return _mm_set1_ps(s);
+    return (ss_quad){s, s, s, s};
 }
 SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
 {
-    return _mm_add_ps(a, b);
+    return a + b;
 }
 SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
 {
-    return _mm_sub_ps(a, b);
+    return a - b;
 }
 SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
 {
-    return _mm_mul_ps(a, b);
+    return a * b;
+}
+SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
+{
+    return a / b;
 }
 /* a b + c */
 SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
 {
 #ifdef SS_WIDE_AVX2
-    return _mm_fmadd_ps(a, b, c);
+    return SS_QUAD_OP(fmadd)(a, b, c);
 #else
-    return _mm_add_ps(_mm_mul_ps(a, b), c);
+    return a * b + c;
 #endif
 }
 /* c - a b */
 SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
 {
 #ifdef SS_WIDE_AVX2
-    return _mm_fnmadd_ps(a, b, c);
+    return SS_QUAD_OP(fnmadd)(a, b, c);
 #else
-    return _mm_sub_ps(c, _mm_mul_ps(a, b));
+    return c - a * b;
 #endif
 }
 /* The larger, the smaller of each lane; b's where a is not a number. */
 SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 {
-    return _mm_max_ps(a, b);
-}
-SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
-{
-    return _mm_div_ps(a, b);
-}
-SS_INLINE ss_quad ss_quad_root(ss_quad a)
-{
-    return _mm_sqrt_ps(a);
+#ifdef SS_QUAD_OP
+    return SS_QUAD_OP(max)(a, b);
+#else
+    for (int k = 0; k < 4; ++k) {
+        a[k] = a[k] > b[k] ? a[k] : b[k];
+    }
+    return a;
+#endif
 }
 SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
 {
-    return _mm_min_ps(a, b);
+#ifdef SS_QUAD_OP
+    return SS_QUAD_OP(min)(a, b);
+#else
+    for (int k = 0; k < 4; ++k) {
+        a[k] = a[k] < b[k] ? a[k] : b[k];
+    }
+    return a;
+#endif
+}
+SS_INLINE ss_quad ss_quad_root(ss_quad a)
+{
+#ifdef SS_QUAD_OP
+    return SS_QUAD_OP(sqrt)(a);
+#else
+    for (int k = 0; k < 4; ++k) {
+        a[k] = sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a[k])
+                                                : (ss_real)sqrt((double)a[k]);
+    }
+    return a;
+#endif
 }
 /* The fourth lane 0. */
 SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
 {
-    return _mm_and_ps(a, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)));
+    return __builtin_shufflevector(a, (ss_quad){0}, 0, 1, 2, 7);
 }
 /* Is a > b in any lane? */
 SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
 {
-    return _mm_movemask_ps(_mm_cmpgt_ps(a, b));
+#ifdef SS_QUAD_OP
+    return SS_QUAD_OP(movemask)(SS_QUAD_ABOVE(a, b));
+#else
+    return a[0] > b[0] || a[1] > b[1] || a[2] > b[2] || a[3] > b[3];
+#endif
 }
-/* The fourth lane, lane 0..3 (a constant), in all four. */
-SS_INLINE ss_quad ss_quad_last(ss_quad a)
-{
-    return _mm_shuffle_ps(a, a, 0xff);
-}
+/* Lane 0..3 (a constant), the fourth lane, in all four. */
 SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
 {
-    return lane == 0   ? _mm_shuffle_ps(a, a, 0x00)
-           : lane == 1 ? _mm_shuffle_ps(a, a, 0x55)
-           : lane == 2 ? _mm_shuffle_ps(a, a, 0xaa)
-                       : _mm_shuffle_ps(a, a, 0xff);
+    return lane == 0   ? __builtin_shufflevector(a, a, 0, 0, 0, 0)
+           : lane == 1 ? __builtin_shufflevector(a, a, 1, 1, 1, 1)
+           : lane == 2 ? __builtin_shufflevector(a, a, 2, 2, 2, 2)
+                       : __builtin_shufflevector(a, a, 3, 3, 3, 3);
+}
+SS_INLINE ss_quad ss_quad_last(ss_quad a)
+{
+    return ss_quad_lane(a, 3);
 }
 /* Four rows become four columns. */
 SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
 {
-    _MM_TRANSPOSE4_PS(*a, *b, *c, *d);
+    const ss_quad t0 = __builtin_shufflevector(*a, *b, 0, 4, 1, 5);
+    const ss_quad t1 = __builtin_shufflevector(*a, *b, 2, 6, 3, 7);
+    const ss_quad t2 = __builtin_shufflevector(*c, *d, 0, 4, 1, 5);
+    const ss_quad t3 = __builtin_shufflevector(*c, *d, 2, 6, 3, 7);
+    *a = __builtin_shufflevector(t0, t2, 0, 1, 4, 5);
+    *b = __builtin_shufflevector(t0, t2, 2, 3, 6, 7);
+    *c = __builtin_shufflevector(t1, t3, 0, 1, 4, 5);
+    *d = __builtin_shufflevector(t1, t3, 2, 3, 6, 7);
 }
-
-#elif defined(SS_WIDE_AVX2)
-
-typedef __m256d ss_quad;
-
-SS_INLINE ss_quad ss_quad_load(const ss_real *p)
-{
-    return _mm256_load_pd(p);
-}
-SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
-{
-    _mm256_store_pd(p, a);
-}
-SS_INLINE ss_quad ss_quad_all(ss_real s)
-{
-    return _mm256_set1_pd(s);
-}
-SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
-{
-    return _mm256_add_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
-{
-    return _mm256_sub_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
-{
-    return _mm256_mul_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
-{
-    return _mm256_fmadd_pd(a, b, c);
-}
-SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
-{
-    return _mm256_fnmadd_pd(a, b, c);
-}
-SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
-{
-    return _mm256_max_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
-{
-    return _mm256_div_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_root(ss_quad a)
-{
-    return _mm256_sqrt_pd(a);
-}
-SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
-{
-    return _mm256_min_pd(a, b);
-}
-SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
-{
-    return _mm256_blend_pd(a, _mm256_setzero_pd(), 8);
-}
-SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
-{
-    return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
-}
-SS_INLINE ss_quad ss_quad_last(ss_quad a)
-{
-    return _mm256_permute4x64_pd(a, 0xff);
-}
-SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
-{
-    return lane == 0   ? _mm256_permute4x64_pd(a, 0x00)
-           : lane == 1 ? _mm256_permute4x64_pd(a, 0x55)
-           : lane == 2 ? _mm256_permute4x64_pd(a, 0xaa)
-                       : _mm256_permute4x64_pd(a, 0xff);
-}
-SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
-{
-    const __m256d t0 = _mm256_unpacklo_pd(*a, *b), t1 = _mm256_unpackhi_pd(*a, *b);
-    const __m256d t2 = _mm256_unpacklo_pd(*c, *d), t3 = _mm256_unpackhi_pd(*c, *d);
-    *a = _mm256_permute2f128_pd(t0, t2, 0x20);
-    *b = _mm256_permute2f128_pd(t1, t3, 0x20);
-    *c = _mm256_permute2f128_pd(t0, t2, 0x31);
-    *d = _mm256_permute2f128_pd(t1, t3, 0x31);
-}
-
-#else /* plain C; double without AVX too */
-
-typedef struct ss_quad {
-    ss_real lane[4];
-} ss_quad;
-
-#define SS_QUAD_MAP(expression)                                                                    \
-    ss_quad out;                                                                                   \
-    for (int k = 0; k < 4; ++k) {                                                                  \
-        out.lane[k] = (expression);                                                                \
-    }                                                                                              \
-    return out
-
-SS_INLINE ss_quad ss_quad_load(const ss_real *p)
-{
-    SS_QUAD_MAP(p[k]);
-}
-SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
-{
-    for (int k = 0; k < 4; ++k) {
-        p[k] = a.lane[k];
-    }
-}
-SS_INLINE ss_quad ss_quad_all(ss_real s)
-{
-    SS_QUAD_MAP(s);
-}
-SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] + b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] - b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] * b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
-{
-    SS_QUAD_MAP(a.lane[k] * b.lane[k] + c.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
-{
-    SS_QUAD_MAP(c.lane[k] - a.lane[k] * b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] > b.lane[k] ? a.lane[k] : b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] / b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_root(ss_quad a)
-{
-    SS_QUAD_MAP(sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a.lane[k])
-                                                 : (ss_real)sqrt((double)a.lane[k]));
-}
-SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
-{
-    SS_QUAD_MAP(a.lane[k] < b.lane[k] ? a.lane[k] : b.lane[k]);
-}
-SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
-{
-    SS_QUAD_MAP(k < 3 ? a.lane[k] : 0);
-}
-SS_INLINE int ss_quad_is_any_above(ss_quad a, ss_quad b)
-{
-    int any = 0;
-    for (int k = 0; k < 4; ++k) {
-        any |= a.lane[k] > b.lane[k];
-    }
-    return any;
-}
-SS_INLINE ss_quad ss_quad_last(ss_quad a)
-{
-    SS_QUAD_MAP(a.lane[3]);
-}
-SS_INLINE ss_quad ss_quad_lane(ss_quad a, int lane)
-{
-    SS_QUAD_MAP(a.lane[lane]);
-}
-SS_INLINE void ss_quad_transpose(ss_quad *a, ss_quad *b, ss_quad *c, ss_quad *d)
-{
-    ss_quad *const row[4] = {a, b, c, d};
-    for (int i = 0; i < 4; ++i) {
-        for (int j = i + 1; j < 4; ++j) {
-            const ss_real t = row[i]->lane[j];
-            row[i]->lane[j] = row[j]->lane[i];
-            row[j]->lane[i] = t;
-        }
-    }
-}
-#undef SS_QUAD_MAP
-
-#endif
 
 /* The four lanes added up in double: at the end of a block of rows, never inside one. */
 SS_INLINE double ss_quad_sum(ss_quad a)
@@ -332,19 +196,38 @@ SS_INLINE double ss_quad_sum(ss_quad a)
  * else two quads. */
 #if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
 
-typedef __m256 ss_pair;
+typedef ss_real ss_pair __attribute__((vector_size(8 * sizeof(ss_real)), may_alias));
 
+/* Eight scalars from anywhere. */
+SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
+{
+    ss_pair out;
+    memcpy(&out, p, sizeof out);
+    return out;
+}
 SS_INLINE ss_pair ss_pair_load(const ss_real *p)
 {
-    return _mm256_load_ps(p);
+    return *(const ss_pair *)(const void *)p;
 }
 SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
 {
-    _mm256_store_ps(p, a);
+    *(ss_pair *)(void *)p = a;
+}
+SS_INLINE ss_pair ss_pair_of(ss_quad first, ss_quad second)
+{
+    return _mm256_set_m128(second, first);
+}
+SS_INLINE ss_quad ss_pair_first(ss_pair a)
+{
+    return _mm256_castps256_ps128(a);
+}
+SS_INLINE ss_quad ss_pair_second(ss_pair a)
+{
+    return _mm256_extractf128_ps(a, 1);
 }
 SS_INLINE ss_pair ss_pair_all(ss_real s)
 {
-    return _mm256_set1_ps(s);
+    return (ss_pair){s, s, s, s, s, s, s, s};
 }
 /* p[0] for the first node, p[1] for the second. */
 SS_INLINE ss_pair ss_pair_each(const ss_real *p)
@@ -354,15 +237,19 @@ SS_INLINE ss_pair ss_pair_each(const ss_real *p)
 }
 SS_INLINE ss_pair ss_pair_add(ss_pair a, ss_pair b)
 {
-    return _mm256_add_ps(a, b);
+    return a + b;
 }
 SS_INLINE ss_pair ss_pair_sub(ss_pair a, ss_pair b)
 {
-    return _mm256_sub_ps(a, b);
+    return a - b;
 }
 SS_INLINE ss_pair ss_pair_mul(ss_pair a, ss_pair b)
 {
-    return _mm256_mul_ps(a, b);
+    return a * b;
+}
+SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
+{
+    return a / b;
 }
 SS_INLINE ss_pair ss_pair_fma(ss_pair a, ss_pair b, ss_pair c)
 {
@@ -380,61 +267,25 @@ SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
 {
     return _mm256_min_ps(a, b);
 }
-SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
-{
-    return _mm256_div_ps(a, b);
-}
-/* Each node's fourth lane in all four of it. */
-SS_INLINE ss_pair ss_pair_last(ss_pair a)
-{
-    return _mm256_permute_ps(a, 0xff);
-}
-/* Each node's lane 0..3 (a constant) in all four of it. */
-SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
-{
-    return lane == 0   ? _mm256_permute_ps(a, 0x00)
-           : lane == 1 ? _mm256_permute_ps(a, 0x55)
-           : lane == 2 ? _mm256_permute_ps(a, 0xaa)
-                       : _mm256_permute_ps(a, 0xff);
-}
-SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
-{
-    return _mm256_blend_ps(a, _mm256_setzero_ps(), 0x88);
-}
-/* Two nodes side by side, from where quads may be. */
-SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
-{
-    return _mm256_loadu_ps(p);
-}
-/* Eight scalars from anywhere. */
-SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
-{
-    return _mm256_loadu_ps(p);
-}
-SS_INLINE ss_pair ss_pair_twice(ss_quad a)
-{
-    return _mm256_set_m128(a, a);
-}
-/* Two nodes that lie apart. */
-SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
-{
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(p)), _mm_load_ps(q), 1);
-}
-SS_INLINE ss_quad ss_pair_first(ss_pair a)
-{
-    return _mm256_castps256_ps128(a);
-}
-SS_INLINE ss_quad ss_pair_second(ss_pair a)
-{
-    return _mm256_extractf128_ps(a, 1);
-}
 SS_INLINE ss_pair ss_pair_root(ss_pair a)
 {
     return _mm256_sqrt_ps(a);
 }
+SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
+{
+    return __builtin_shufflevector(a, (ss_pair){0}, 0, 1, 2, 11, 4, 5, 6, 15);
+}
 SS_INLINE int ss_pair_is_any_above(ss_pair a, ss_pair b)
 {
     return _mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ));
+}
+/* Each node's lane 0..3 (a constant) in all four of it. */
+SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
+{
+    return lane == 0   ? __builtin_shufflevector(a, a, 0, 0, 0, 0, 4, 4, 4, 4)
+           : lane == 1 ? __builtin_shufflevector(a, a, 1, 1, 1, 1, 5, 5, 5, 5)
+           : lane == 2 ? __builtin_shufflevector(a, a, 2, 2, 2, 2, 6, 6, 6, 6)
+                       : __builtin_shufflevector(a, a, 3, 3, 3, 3, 7, 7, 7, 7);
 }
 /* Each half by itself: four rows become four columns. */
 SS_INLINE void ss_pair_transpose(ss_pair *a, ss_pair *b, ss_pair *c, ss_pair *d)
@@ -446,19 +297,6 @@ SS_INLINE void ss_pair_transpose(ss_pair *a, ss_pair *b, ss_pair *c, ss_pair *d)
     *c = _mm256_shuffle_ps(t1, t3, 0x44);
     *d = _mm256_shuffle_ps(t1, t3, 0xee);
 }
-/* One node after the other, added up. */
-SS_INLINE ss_quad ss_pair_both(ss_pair a)
-{
-    return _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
-}
-SS_INLINE double ss_pair_sum(ss_pair a)
-{
-    return ss_quad_sum(ss_pair_both(a));
-}
-SS_INLINE ss_quad ss_pair_fold(ss_pair a) /* the larger node's value of each lane */
-{
-    return _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
-}
 
 #else
 
@@ -466,86 +304,9 @@ typedef struct ss_pair {
     ss_quad first, second;
 } ss_pair;
 
-SS_INLINE ss_pair ss_pair_load(const ss_real *p)
+SS_INLINE ss_pair ss_pair_of(ss_quad first, ss_quad second)
 {
-    return (ss_pair){ss_quad_load(p), ss_quad_load(p + 4)};
-}
-SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
-{
-    ss_quad_store(p, a.first);
-    ss_quad_store(p + 4, a.second);
-}
-SS_INLINE ss_pair ss_pair_all(ss_real s)
-{
-    return (ss_pair){ss_quad_all(s), ss_quad_all(s)};
-}
-SS_INLINE ss_pair ss_pair_each(const ss_real *p)
-{
-    return (ss_pair){ss_quad_all(p[0]), ss_quad_all(p[1])};
-}
-SS_INLINE ss_pair ss_pair_add(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_add(a.first, b.first), ss_quad_add(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_sub(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_sub(a.first, b.first), ss_quad_sub(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_mul(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_mul(a.first, b.first), ss_quad_mul(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_fma(ss_pair a, ss_pair b, ss_pair c)
-{
-    return (ss_pair){ss_quad_fma(a.first, b.first, c.first),
-                     ss_quad_fma(a.second, b.second, c.second)};
-}
-SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
-{
-    return (ss_pair){ss_quad_fnma(a.first, b.first, c.first),
-                     ss_quad_fnma(a.second, b.second, c.second)};
-}
-SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_most(a.first, b.first), ss_quad_most(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_least(a.first, b.first), ss_quad_least(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
-{
-    return (ss_pair){ss_quad_div(a.first, b.first), ss_quad_div(a.second, b.second)};
-}
-SS_INLINE ss_pair ss_pair_last(ss_pair a)
-{
-    return (ss_pair){ss_quad_last(a.first), ss_quad_last(a.second)};
-}
-SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
-{
-    return (ss_pair){ss_quad_lane(a.first, lane), ss_quad_lane(a.second, lane)};
-}
-SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
-{
-    return (ss_pair){ss_quad_xyz(a.first), ss_quad_xyz(a.second)};
-}
-SS_INLINE ss_pair ss_pair_load_quads(const ss_real *p)
-{
-    return ss_pair_load(p);
-}
-SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
-{
-    _Alignas(32) ss_real lane[8];
-    memcpy(lane, p, sizeof lane);
-    return ss_pair_load(lane);
-}
-SS_INLINE ss_pair ss_pair_twice(ss_quad a)
-{
-    return (ss_pair){a, a};
-}
-SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
-{
-    return (ss_pair){ss_quad_load(p), ss_quad_load(q)};
+    return (ss_pair){first, second};
 }
 SS_INLINE ss_quad ss_pair_first(ss_pair a)
 {
@@ -555,69 +316,142 @@ SS_INLINE ss_quad ss_pair_second(ss_pair a)
 {
     return a.second;
 }
-SS_INLINE ss_pair ss_pair_root(ss_pair a)
+SS_INLINE ss_pair ss_pair_load(const ss_real *p)
 {
-    return (ss_pair){ss_quad_root(a.first), ss_quad_root(a.second)};
+    return ss_pair_of(ss_quad_load(p), ss_quad_load(p + 4));
+}
+SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
+{
+    ss_pair out;
+    memcpy(&out, p, sizeof out);
+    return out;
+}
+SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
+{
+    ss_quad_store(p, a.first);
+    ss_quad_store(p + 4, a.second);
+}
+SS_INLINE ss_pair ss_pair_all(ss_real s)
+{
+    return ss_pair_of(ss_quad_all(s), ss_quad_all(s));
+}
+SS_INLINE ss_pair ss_pair_each(const ss_real *p)
+{
+    return ss_pair_of(ss_quad_all(p[0]), ss_quad_all(p[1]));
 }
 SS_INLINE int ss_pair_is_any_above(ss_pair a, ss_pair b)
 {
     return ss_quad_is_any_above(a.first, b.first) | ss_quad_is_any_above(a.second, b.second);
+}
+SS_INLINE ss_pair ss_pair_lane(ss_pair a, int lane)
+{
+    return ss_pair_of(ss_quad_lane(a.first, lane), ss_quad_lane(a.second, lane));
 }
 SS_INLINE void ss_pair_transpose(ss_pair *a, ss_pair *b, ss_pair *c, ss_pair *d)
 {
     ss_quad_transpose(&a->first, &b->first, &c->first, &d->first);
     ss_quad_transpose(&a->second, &b->second, &c->second, &d->second);
 }
+
+/* What quads do, on each of the two. */
+#define SS_PAIR_OF_ONE(name)                                                                       \
+    SS_INLINE ss_pair ss_pair_##name(ss_pair a)                                                    \
+    {                                                                                              \
+        return ss_pair_of(ss_quad_##name(a.first), ss_quad_##name(a.second));                      \
+    }
+#define SS_PAIR_OF_TWO(name)                                                                       \
+    SS_INLINE ss_pair ss_pair_##name(ss_pair a, ss_pair b)                                         \
+    {                                                                                              \
+        return ss_pair_of(ss_quad_##name(a.first, b.first), ss_quad_##name(a.second, b.second));   \
+    }
+#define SS_PAIR_OF_THREE(name)                                                                     \
+    SS_INLINE ss_pair ss_pair_##name(ss_pair a, ss_pair b, ss_pair c)                              \
+    {                                                                                              \
+        return ss_pair_of(ss_quad_##name(a.first, b.first, c.first),                               \
+                          ss_quad_##name(a.second, b.second, c.second));                           \
+    }
+SS_PAIR_OF_ONE(root)
+SS_PAIR_OF_ONE(xyz)
+SS_PAIR_OF_TWO(add)
+SS_PAIR_OF_TWO(sub)
+SS_PAIR_OF_TWO(mul)
+SS_PAIR_OF_TWO(div)
+SS_PAIR_OF_TWO(most)
+SS_PAIR_OF_TWO(least)
+SS_PAIR_OF_THREE(fma)
+SS_PAIR_OF_THREE(fnma)
+#undef SS_PAIR_OF_ONE
+#undef SS_PAIR_OF_TWO
+#undef SS_PAIR_OF_THREE
+
+#endif
+
+/* Two nodes that lie apart, and one node twice. */
+SS_INLINE ss_pair ss_pair_join(const ss_real *p, const ss_real *q)
+{
+    return ss_pair_of(ss_quad_load(p), ss_quad_load(q));
+}
+SS_INLINE ss_pair ss_pair_twice(ss_quad a)
+{
+    return ss_pair_of(a, a);
+}
+/* Each node's fourth lane in all four of it. */
+SS_INLINE ss_pair ss_pair_last(ss_pair a)
+{
+    return ss_pair_lane(a, 3);
+}
+/* One node after the other, added up. */
 SS_INLINE ss_quad ss_pair_both(ss_pair a)
 {
-    return ss_quad_add(a.first, a.second);
+    return ss_quad_add(ss_pair_first(a), ss_pair_second(a));
 }
 SS_INLINE double ss_pair_sum(ss_pair a)
 {
     return ss_quad_sum(ss_pair_both(a));
 }
-SS_INLINE ss_quad ss_pair_fold(ss_pair a)
+SS_INLINE ss_quad ss_pair_fold(ss_pair a) /* the larger node's value of each lane */
 {
-    return ss_quad_most(a.first, a.second);
+    return ss_quad_most(ss_pair_first(a), ss_pair_second(a));
 }
-
-#endif
 
 /* ---- wide ---- */
 
 #if defined(SS_WIDE_AVX2) && !defined(SOFTSIM_DOUBLE)
-#define SS_WIDE_LANES 8
-typedef __m256 ss_wide;
-#define SS_WIDE_OP(name) _mm256_##name##_ps
+#define SS_WIDE_LANES       8
+#define SS_WIDE_OP(name)    _mm256_##name##_ps
+#define SS_WIDE_BELOW(a, b) _mm256_cmp_ps(a, b, _CMP_LT_OQ)
 #elif defined(SS_WIDE_AVX2)
-#define SS_WIDE_LANES    4
-typedef __m256d ss_wide;
-#define SS_WIDE_OP(name) _mm256_##name##_pd
+#define SS_WIDE_LANES       4
+#define SS_WIDE_OP(name)    _mm256_##name##_pd
+#define SS_WIDE_BELOW(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
 #elif defined(SS_WIDE_SSE2) && !defined(SOFTSIM_DOUBLE)
-#define SS_WIDE_LANES    4
-typedef __m128 ss_wide;
-#define SS_WIDE_OP(name) _mm_##name##_ps
+#define SS_WIDE_LANES       4
+#define SS_WIDE_OP(name)    _mm_##name##_ps
+#define SS_WIDE_BELOW(a, b) _mm_cmplt_ps(a, b)
 #elif defined(SS_WIDE_SSE2)
-#define SS_WIDE_LANES    2
-typedef __m128d ss_wide;
-#define SS_WIDE_OP(name) _mm_##name##_pd
+#define SS_WIDE_LANES       2
+#define SS_WIDE_OP(name)    _mm_##name##_pd
+#define SS_WIDE_BELOW(a, b) _mm_cmplt_pd(a, b)
 #else
 #define SS_WIDE_LANES 1
+#endif
+#ifdef SS_WIDE_OP
+typedef ss_real ss_wide __attribute__((vector_size(SS_WIDE_LANES * sizeof(ss_real)), may_alias));
+#else
 typedef ss_real ss_wide;
 #endif
 
-#ifdef SS_WIDE_OP
 SS_INLINE ss_wide ss_wide_load(const ss_real *p)
 {
-    return SS_WIDE_OP(load)(p);
+    return *(const ss_wide *)(const void *)p;
 }
 SS_INLINE void ss_wide_store(ss_real *p, ss_wide a)
 {
-    SS_WIDE_OP(store)(p, a);
+    *(ss_wide *)(void *)p = a;
 }
 SS_INLINE ss_wide ss_wide_all(ss_real s)
 {
-    return SS_WIDE_OP(set1)(s);
+    return s - (ss_wide){0};
 }
 /* a b + c */
 SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
@@ -625,17 +459,8 @@ SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
 #ifdef SS_WIDE_AVX2
     return SS_WIDE_OP(fmadd)(a, b, c);
 #else
-    return SS_WIDE_OP(add)(SS_WIDE_OP(mul)(a, b), c);
+    return a * b + c;
 #endif
-}
-/* The larger of each lane; b's where a is not a number. */
-SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
-{
-    return SS_WIDE_OP(max)(a, b);
-}
-SS_INLINE ss_wide ss_wide_root(ss_wide a)
-{
-    return SS_WIDE_OP(sqrt)(a);
 }
 /* c - a b */
 SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
@@ -643,75 +468,47 @@ SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
 #ifdef SS_WIDE_AVX2
     return SS_WIDE_OP(fnmadd)(a, b, c);
 #else
-    return SS_WIDE_OP(sub)(c, SS_WIDE_OP(mul)(a, b));
+    return c - a * b;
+#endif
+}
+/* The larger of each lane; b's where a is not a number. */
+SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
+{
+#ifdef SS_WIDE_OP
+    return SS_WIDE_OP(max)(a, b);
+#else
+    return a > b ? a : b;
+#endif
+}
+SS_INLINE ss_wide ss_wide_root(ss_wide a)
+{
+#ifdef SS_WIDE_OP
+    return SS_WIDE_OP(sqrt)(a);
+#else
+    return (ss_wide)sqrt((double)a);
 #endif
 }
 /* a where x < limit, else b. */
 SS_INLINE ss_wide ss_wide_below(ss_wide x, ss_wide limit, ss_wide a, ss_wide b)
 {
 #ifdef SS_WIDE_AVX2
-#ifdef SOFTSIM_DOUBLE
-    return _mm256_blendv_pd(b, a, _mm256_cmp_pd(x, limit, _CMP_LT_OQ));
-#else
-    return _mm256_blendv_ps(b, a, _mm256_cmp_ps(x, limit, _CMP_LT_OQ));
-#endif
-#else
-    const ss_wide mask = SS_WIDE_OP(cmplt)(x, limit);
+    return SS_WIDE_OP(blendv)(b, a, SS_WIDE_BELOW(x, limit));
+#elif defined(SS_WIDE_OP)
+    const ss_wide mask = SS_WIDE_BELOW(x, limit);
     return SS_WIDE_OP(or)(SS_WIDE_OP(and)(mask, a), SS_WIDE_OP(andnot)(mask, b));
+#else
+    return x < limit ? a : b;
 #endif
 }
 /* Is x < limit in any lane? */
 SS_INLINE bool ss_wide_any_below(ss_wide x, ss_wide limit)
 {
-#ifdef SS_WIDE_AVX2
-#ifdef SOFTSIM_DOUBLE
-    return _mm256_movemask_pd(_mm256_cmp_pd(x, limit, _CMP_LT_OQ)) != 0;
+#ifdef SS_WIDE_OP
+    return SS_WIDE_OP(movemask)(SS_WIDE_BELOW(x, limit)) != 0;
 #else
-    return _mm256_movemask_ps(_mm256_cmp_ps(x, limit, _CMP_LT_OQ)) != 0;
-#endif
-#else
-    return SS_WIDE_OP(movemask)(SS_WIDE_OP(cmplt)(x, limit)) != 0;
-#endif
-}
-#undef SS_WIDE_OP
-#else
-SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
-{
-    return a > b ? a : b;
-}
-SS_INLINE ss_wide ss_wide_root(ss_wide a)
-{
-    return (ss_wide)sqrt((double)a);
-}
-SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
-{
-    return c - a * b;
-}
-SS_INLINE ss_wide ss_wide_below(ss_wide x, ss_wide limit, ss_wide a, ss_wide b)
-{
-    return x < limit ? a : b;
-}
-SS_INLINE bool ss_wide_any_below(ss_wide x, ss_wide limit)
-{
     return x < limit;
-}
-SS_INLINE ss_wide ss_wide_load(const ss_real *p)
-{
-    return *p;
-}
-SS_INLINE void ss_wide_store(ss_real *p, ss_wide a)
-{
-    *p = a;
-}
-SS_INLINE ss_wide ss_wide_all(ss_real s)
-{
-    return s;
-}
-SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
-{
-    return a * b + c;
-}
 #endif
+}
 
 /* The lanes added up in double, at the end of a block. */
 SS_INLINE double ss_wide_sum(ss_wide a)

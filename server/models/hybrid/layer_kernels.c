@@ -144,7 +144,7 @@ static inline void strain_one(const ss_layer_pass *pass, ptrdiff_t k)
     const ss_pair twice = ss_pair_twice(own);
     ss_pair two[4] = {ss_pair_all(0), ss_pair_all(0), ss_pair_all(0), ss_pair_all(0)};
     for (int32_t t = 0; t + 1 < count; t += 2) {
-        const ss_pair row = ss_pair_load_quads(pair + 4 * t);
+        const ss_pair row = ss_pair_load_any(pair + 4 * t);
         const ss_pair d = ss_pair_sub(ss_pair_join(pass->state + 8 * (ptrdiff_t)neighbour[t],
                                                    pass->state + 8 * (ptrdiff_t)neighbour[t + 1]),
                                       twice);
