@@ -15,7 +15,8 @@
  * An element is in the physical groups of its block's entity; there may be several. Physical
  * numbers are negative where an entity is reversed: the group is the same.
  */
-#include "mesh/msh.h"
+#include "mesh/msh4.h"
+
 #include "rt/memory.h"
 
 #include <stdlib.h>

@@ -2,8 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * Shared by the MSH reader's two files: msh.c (the sections, versions 1 and 2) and msh4.c (the
- * sections of version 4.1).
+ * What sections of all versions of MSH have: kinds of elements, physical groups, counts and ends.
  */
 #include "mesh/draft.h"
 
@@ -46,7 +45,3 @@ int32_t ss_msh_dimension(ss_mesh_kind kind);
 bool ss_msh_expect_end(ss_msh *r, const char *end);
 /* May `count` records of at least `least` bytes follow? A fault when not. */
 bool ss_msh_has_room(ss_msh *r, int64_t count, int64_t least, const char *what);
-
-bool ss_msh4_read_entities(ss_msh *r);
-bool ss_msh4_read_nodes(ss_msh *r);
-bool ss_msh4_read_elements(ss_msh *r);
