@@ -17,7 +17,6 @@ static const double SMALLEST_BODY_M = 1e-3;
 static const double LARGEST_BODY_M = 10.0;
 static const double SMALLEST_TOOL_SHARE = 1e-3; /* of the body's diagonal */
 static const double LARGEST_TOOL_SHARE = 1.0;
-static const double LONGEST_TRAIL_S = 0.05; /* at 0.04 s no touch is late, at 0.12 s by 0.07 s */
 
 static void doubt_tool(const ss_notes *out, int32_t p, const ss_shape *shape, double diagonal)
 {
@@ -88,11 +87,11 @@ static void doubt_coupling(const ss_notes *out, const ss_scene *scene)
 {
     const double stiffness = scene->coupling_stiffness_n_per_m;
     const double damping = scene->coupling_damping_n_s_per_m;
-    if (damping > LONGEST_TRAIL_S * stiffness) {
+    if (damping > SS_LONGEST_TRAIL_S * stiffness) {
         ss_note_warning(out, "haptic.coupling.damping_n_s_per_m",
                         "after a jump the tool comes %.2g s late, damping "
                         "over stiffness; give at most %.4g, or a larger stiffness_n_per_m",
-                        damping / stiffness, LONGEST_TRAIL_S * stiffness);
+                        damping / stiffness, SS_LONGEST_TRAIL_S * stiffness);
     }
 }
 

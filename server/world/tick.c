@@ -99,6 +99,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
                                .device_j = output.energy_to_device_j - output.energy_from_device_j,
                                .others_j = world->taken_j - probe->taken_j,
                                .let_in_j = output.let_in_j,
+                               .trail_s = world->haptic_config.damping / output.stiffness_limit,
                                .is_lockstep = world->haptic_config.is_lockstep};
     ss_hand_watch_tick(&probe->hand, &hand);
     stats->hand = ss_hand_verdict_worse(stats->hand, ss_hand_watch_verdict(&probe->hand, tick));

@@ -14,6 +14,8 @@ static const double most_handed_out = 0.01;               /* J */
 static const double most_guarded = 0.1;                   /* J: beyond, degraded */
 static const double release_time = 0.02;                  /* s: no hand taps as fast */
 static const double tell_time = 1.0;                      /* s */
+static const double far_behind = 0.003;                   /* m */
+static const double long_behind = 0.02;                   /* s */
 
 /* ---- tissue ---- */
 
@@ -162,6 +164,25 @@ static ss_hand_verdict judge_hand(double handed_out, double let_in, double made)
     return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
+/* A tool that comes up slowly behind the hand, which feels nothing meanwhile. */
+static ss_hand_verdict judge_trail(ss_hand_watch *watch, const ss_hand_tick *now)
+{
+    const int32_t hidden = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_STALE | SOFTSIM_FORCE_MODEL_FAULT;
+    double behind[3];
+    ss_sub3(behind, now->sent->proxy, watch->position);
+    const bool is_behind = now->trail_s > SS_LONGEST_TRAIL_S && (now->sent->flags & hidden) == 0 &&
+                           !(ss_norm3(now->sent->force) > 0.0) && ss_norm3(behind) > far_behind;
+    watch->trailing = is_behind ? watch->trailing + 1 : 0;
+    if ((double)watch->trailing * now->period > long_behind) {
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_DEGRADED,
+            "the tool comes up late behind the hand, and what it touches is felt late or not at "
+            "all: lower haptic.coupling.damping_n_s_per_m, raise its stiffness_n_per_m, or move "
+            "slower"};
+    }
+    return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+}
+
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
@@ -194,7 +215,8 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     given[SS_HAND_WATCH_DELAYS] = is_named ? now->device_j - watch->device_j : 0.0;
     watch->device_j = now->device_j;
     const double made = judge_parts(watch, now, given, is_counted);
-    const ss_hand_verdict found = judge_hand(handed_out, watch->let_in, made);
+    const ss_hand_verdict found =
+        ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now));
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
         watch->told = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);

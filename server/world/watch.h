@@ -31,6 +31,12 @@
  * supply.h. What an entry, loads and the hands of other tools put in explains what this hand gets.
  * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
  *
+ * Silence. A hand that jumps, or is faster than velocities are cut at, leaves the tool behind,
+ * which comes up in the coupling's damping over its stiffness. Where that is longer than
+ * SS_LONGEST_TRAIL_S and the tool has been 3 mm behind for 20 ms while nothing was felt, degraded:
+ * a blow is then felt late or not at all. Refusing such a scene was rejected: both values may be
+ * set while it runs, and a hand that never jumps is served well.
+ *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
  */
 #include <stdbool.h>
@@ -60,6 +66,8 @@ void ss_energy_watch_skip(ss_energy_watch *watch);
 void ss_energy_watch_reset(ss_energy_watch *watch);
 
 enum { SS_HAND_WATCH_DELAYS = 2 };
+/* s, damping over stiffness: at 0.04 s no touch is late, at 0.12 s by 0.07 s. */
+static const double SS_LONGEST_TRAIL_S = 0.05;
 
 /* What a watch adds to the verdict of all; SOFTSIM_VERDICT_GOOD and "": nothing. */
 typedef struct ss_hand_verdict {
@@ -77,6 +85,7 @@ typedef struct ss_hand_watch {
     double spell[SS_HAND_WATCH_DELAYS];  /* J, since the first after 20 ms without */
     double let_in;                       /* J, over the spell, or as long as contact_j is not 0 */
     int64_t touched;                     /* tick of the last force */
+    int64_t trailing;                    /* ticks on end that the tool is behind, unfelt */
     ss_supply supply;
     double device_j, others_j, load_work; /* as of the last tick, and result */
     ss_hand_verdict told;
@@ -94,6 +103,7 @@ typedef struct ss_hand_tick {
     double device_j;              /* given to the device in all contacts so far, by the same */
     double others_j;              /* put in so far by the hands of other probes */
     double let_in_j;              /* by the haptic loop, in this tick */
+    double trail_s;               /* damping over stiffness of the coupling */
     bool is_lockstep;
 } ss_hand_tick;
 

@@ -287,6 +287,46 @@ static void nobody_went_from_one_device_to_the_next(void **state)
     }
 }
 
+/* Into the kidney at 25 m/s, still for 30 ms, and out again. */
+static double slam(ss_world *world, bool *out_is_told)
+{
+    double peak = 0.0;
+    *out_is_told = false;
+    for (int32_t k = 1; k <= 400; ++k) {
+        const double way = k <= 100 ? 0.0 : k <= 130 ? k - 100 : fmax(0.0, 134 - k);
+        const softsim_force force =
+            tick(world, k, 0.005, 0.003, fmax(pressed_z, free_z + 0.05 - 0.025 * way));
+        peak = fmax(peak, ss_norm3(force.force));
+        *out_is_told = *out_is_told || is_said(world, "late behind the hand");
+    }
+    return peak;
+}
+
+/* A coupling whose damping holds the tool back over its stiffness for a second: the blow was not
+ * felt, and all was called good. */
+static void a_blow_that_is_not_felt_is_told(void **state)
+{
+    (void)state;
+    static const char *const held_back[] = {"haptic.coupling.damping_n_s_per_m=1000"};
+    bool is_told;
+    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    assert_true(slam(world, &is_told) > 0.5);
+    assert_false(is_told);
+    destroy(world);
+    world = make_scene(KIDNEY, held_back, 1);
+    assert_true(slam(world, &is_told) < 0.1);
+    assert_true(is_told);
+    assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_DEGRADED);
+    destroy(world);
+    /* Who moves as hands do is served as well as ever. */
+    world = make_scene(KIDNEY, held_back, 1);
+    for (int32_t k = 1; k <= 400; ++k) {
+        tick(world, k, 0.005, 0.003, height(k < 200 ? k : 400 - k));
+    }
+    assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GOOD);
+    destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -297,6 +337,7 @@ int main(void)
         cmocka_unit_test(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes),
         cmocka_unit_test(a_calm_release_of_what_was_let_in_is_not_called_shaking),
         cmocka_unit_test(nobody_went_from_one_device_to_the_next),
+        cmocka_unit_test(a_blow_that_is_not_felt_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
