@@ -229,35 +229,28 @@ static void what_hands_out_energy_is_not_called_good(void **state)
 }
 
 /* Parts of a contact hand out more than was stored, which the contact as a whole swallowed before:
- * a box that turns in a net of links, a sphere that is drawn across. */
+ * a sphere that is drawn across at 10 m/s, a box that turns ten times a second. */
 static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
-    static const struct {
-        const char *subject;
-        ss_assay_kind kind;
-        double stiffness, value;
-        int32_t variant;
-    } runs[] = {{"cnn-chainmail", SS_ASSAY_SPIN, 1e5, 10.0, 1},
-                {"fem stable-neo-hookean", SS_ASSAY_THROUGH, 1e5, 10.0, 2},
-                {"corotational", SS_ASSAY_THROUGH, 1e5, 10.0, 2}};
+    static const ss_assay_kind kind[] = {SS_ASSAY_THROUGH, SS_ASSAY_SPIN};
+    int32_t made = 0;
     for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
-        for (size_t k = 0; k < sizeof runs / sizeof *runs; ++k) {
-            if (strcmp(ss_assay_subject_name(s), runs[k].subject) != 0) {
-                continue;
-            }
-            const ss_assay assay = {s, runs[k].kind, runs[k].stiffness, runs[k].value,
-                                    runs[k].variant};
+        for (int k = 0; k < 2; ++k) {
+            const ss_assay assay = {s, kind[k], 1e5, 10.0, kind[k] == SS_ASSAY_SPIN ? 1 : 2};
             ss_assay_result r;
             softsim_error error = {.status = SOFTSIM_OK};
             assert_int_equal(ss_assay_run(&assay, folder, &r, &error), SOFTSIM_OK);
-            assert_true(r.made_j > 0.01 && r.driven_j < 0.01); /* else it shows nothing */
-            if (!r.is_agreed || r.verdict != SOFTSIM_VERDICT_GUARDED) {
-                fail_msg("%s: %g J made, the program said: %s", runs[k].subject, r.made_j, r.acted);
+            if (!r.is_agreed) {
+                fail_msg("%s, %s: %g J made, the program said: %s", ss_assay_subject_name(s),
+                         ss_assay_kind_name(kind[k]), r.made_j, r.acted);
             }
+            made +=
+                r.made_j > 0.01 && r.handed_out_j < 0.01 && r.verdict == SOFTSIM_VERDICT_GUARDED;
         }
     }
+    assert_true(made > 0); /* else the contact as a whole would have told */
 }
 
 /* No model hands out anything in a slow press, whatever is allowed to one that is shaken: at most
