@@ -22,6 +22,7 @@
 #include "indentation.h"
 #include "net/codec.h"
 #include "output.h"
+#include "rt/random.h"
 #include "softsim/log.h"
 
 static size_t read_file(const char *path, unsigned char *data, size_t capacity)
@@ -215,15 +216,6 @@ static void a_length_too_short_keeps_the_others(void **state)
     assert_int_equal(found.skipped, SS_WIRE_POSE_SIZE - 100);
 }
 
-/* Marsaglia's xorshift64. */
-static uint64_t next_random(uint64_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return *state;
-}
-
 static void any_bytes_are_survived(void **state)
 {
     (void)state;
@@ -233,9 +225,9 @@ static void any_bytes_are_survived(void **state)
         const char *path = in_folder("fuzz.lcmlog");
         make_log(path, data);
         for (int i = 0; i < 30; ++i) {
-            data[next_random(&random) % LOG_SIZE] = (unsigned char)next_random(&random);
+            data[ss_random_next(&random) % LOG_SIZE] = (unsigned char)ss_random_next(&random);
         }
-        const size_t size = next_random(&random) % (LOG_SIZE + 1);
+        const size_t size = ss_random_next(&random) % (LOG_SIZE + 1);
         write_bytes("fuzz.lcmlog", data, size);
         const tally found = read_log(path);
         assert_int_equal(found.bytes, size);

@@ -6,14 +6,14 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "rt/random.h"
 #include "softsim/types.h"
 
 /* -1 .. 1, the same in every run. */
 static inline double noise(void)
 {
     static uint64_t state;
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(state >> 11) * 0x1p-52 - 1.0;
+    return ss_random_signed(&state);
 }
 
 static inline softsim_pose at_depth(double depth, int32_t force_seq)

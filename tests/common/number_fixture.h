@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "rt/random.h"
+
 /* By what ss_real is: float or double. */
 #ifdef SOFTSIM_DOUBLE
 #define BY_TYPE(single, twice) (twice)
@@ -26,6 +28,5 @@ static uint64_t random_state = 1;
 /* From -1 to 1. */
 static inline double random_unit(void)
 {
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+    return ss_random_signed(&random_state);
 }

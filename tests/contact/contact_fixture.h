@@ -13,6 +13,7 @@
 
 #include "contact/touch.h"
 #include "rt/memory.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 #define assert_near(a, b, eps)                                                                     \
@@ -36,11 +37,7 @@ static uint64_t seed_state;
 
 static inline double random_unit(void)
 {
-    seed_state += 0x9e3779b97f4a7c15u;
-    uint64_t z = seed_state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    return ss_random_unit(&seed_state);
 }
 
 static inline void begin_mesh(void)

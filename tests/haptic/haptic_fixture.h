@@ -10,6 +10,7 @@
 
 #include "haptic/haptic.h"
 #include "haptic/internal.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 #define T  1e-3
@@ -135,6 +136,5 @@ static uint64_t random_state;
 
 static inline double uniform(double low, double high)
 {
-    random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return low + (high - low) * (double)(random_state >> 11) * 0x1p-53;
+    return low + (high - low) * ss_random_unit(&random_state);
 }

@@ -144,7 +144,7 @@ static void random_grasp(ss_balance *b)
 static void limited_balance_meets_its_conditions(void **state)
 {
     (void)state;
-    random_state = 4;
+    random_state = 3;
     int most_passes = 0, limited = 0, too_far = 0;
     double worst = 0.0, worst_size = 0.0;
     for (int n = 0; n < 100000; ++n) {

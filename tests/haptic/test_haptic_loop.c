@@ -23,6 +23,7 @@
 #include "common/effort.h"
 #include "haptic/haptic.h"
 #include "rt/hash.h"
+#include "rt/random.h"
 
 #define T  1e-3
 #define PI 3.14159265358979323846
@@ -51,14 +52,6 @@ typedef struct device {
     double x[3], v[3];
     int64_t tick;
 } device;
-
-static uint64_t splitmix(uint64_t *state)
-{
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
 
 static double smooth5(double u)
 {
@@ -100,7 +93,7 @@ static void device_start(device *d, const body *own, script task, uint64_t seed)
     d->script = task;
     for (int a = 0; a < 3; ++a) {
         for (int i = 0; i < 3; ++i) {
-            d->phase[a][i] = 2.0 * PI * (double)(splitmix(&seed) >> 11) * 0x1p-53;
+            d->phase[a][i] = 2.0 * PI * ss_random_unit(&seed);
         }
     }
     hand_target(d, 0.0, d->x);

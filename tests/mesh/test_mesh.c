@@ -4,6 +4,7 @@
 #include "mesh/mesh.h"
 
 #include "rt/memory.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 #include <setjmp.h>
@@ -401,13 +402,12 @@ static void orient_turns_what_is_wrong_and_nothing_else(void **state)
     assert_int_equal(ss_mesh_orient(good), 0);
 
     /* Any scrambling comes back to the same windings; the seed is fixed. */
-    uint32_t random = 12345;
+    uint64_t random = 12345;
     for (int round = 0; round < 50; ++round) {
         soup scrambled;
         cube_soup(&scrambled);
         for (int32_t t = 0; t < scrambled.triangles; ++t) {
-            random = random * 1664525u + 1013904223u;
-            if ((random >> 16 & 1) != 0) {
+            if (ss_random_below(&random, 2) != 0) {
                 const int32_t first = scrambled.triangle[t][0];
                 scrambled.triangle[t][0] = scrambled.triangle[t][1];
                 scrambled.triangle[t][1] = first;
@@ -633,14 +633,13 @@ static void damaged_text_never_makes_a_mesh_with_bad_indices(void **state)
 {
     (void)state;
     static const char alphabet[] = "0123456789 -+.e$\n\r\t\"nN\0\377";
-    uint32_t random = 2026;
+    uint64_t random = 2026;
     for (int round = 0; round < 20000; ++round) {
         char text[sizeof volume_text];
         memcpy(text, volume_text, sizeof text);
         for (int k = 0; k < 1 + round % 4; ++k) {
-            random = random * 1664525u + 1013904223u;
-            const size_t at = (random >> 8) % (sizeof text - 1);
-            text[at] = alphabet[(random >> 3) % (sizeof alphabet - 1)];
+            const size_t at = ss_random_next(&random) % (sizeof text - 1);
+            text[at] = alphabet[ss_random_next(&random) % (sizeof alphabet - 1)];
         }
         ss_mesh *m = NULL;
         softsim_error error = {0};

@@ -18,6 +18,7 @@
 #include "common/tool_fixture.h"
 #include "mesh/import.h"
 #include "mesh/mesh.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 static void expect_cube(const char *path, int32_t nodes)
@@ -313,13 +314,12 @@ static void damaged_files_never_bring_the_reader_down(void **state)
     static char text[1 << 18];
     const size_t size = fread(text, 1, sizeof text, file);
     assert_int_equal(fclose(file), 0);
-    uint32_t random = 7;
+    uint64_t random = 7;
     for (int round = 0; round < 24; ++round) {
         static char damaged[sizeof text];
         memcpy(damaged, text, size);
         for (int k = 0; k < 1 << (round % 8); ++k) {
-            random = random * 1664525u + 1013904223u;
-            damaged[(random >> 4) % size] = (char)(random >> 24);
+            damaged[ss_random_next(&random) % size] = (char)ss_random_next(&random);
         }
         ss_mesh *m = NULL;
         softsim_error error = {0};

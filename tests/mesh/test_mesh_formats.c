@@ -24,6 +24,7 @@
 #include "mesh/mesh.h"
 #include "mesh/readers.h"
 #include "rt/memory.h"
+#include "rt/random.h"
 
 /* ---- pieces of files ---- */
 
@@ -619,16 +620,15 @@ static void good_files_damaged_at_random_are_sound_or_refused(void **state)
     (void)state;
     static const char alphabet[] = "0123456789 -+.e$<>\"/#\n\r\tnaN\0\377\200";
     const int64_t before = ss_memory_in_use();
-    uint32_t random = 411;
+    uint64_t random = 411;
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         static char data[8192];
         for (int round = 0; is_good(&cases[i]) && round < 300; ++round) {
             const size_t size = make_bytes(&cases[i], data, sizeof data);
             data[size] = '\0';
             for (int k = 0; k < 1 + round % 4; ++k) {
-                random = random * 1664525u + 1013904223u;
-                const size_t at = (random >> 8) % size;
-                data[at] = alphabet[(random >> 3) % (sizeof alphabet - 1)];
+                const size_t at = ss_random_next(&random) % size;
+                data[at] = alphabet[ss_random_next(&random) % (sizeof alphabet - 1)];
             }
             expect_sound(&cases[i], data, size);
         }

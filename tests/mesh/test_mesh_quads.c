@@ -3,6 +3,7 @@
 /* Surfaces of quads: directions, cutting, measures, faults, files. */
 #include "mesh/mesh.h"
 
+#include "rt/random.h"
 #include "rt/vec.h"
 
 #include <setjmp.h>
@@ -190,23 +191,14 @@ static void impossible_grids_are_refused(void **state)
 
 /* ---- directions ---- */
 
-/* xorshift, so that every run is the same. */
-static uint32_t draw(uint32_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
 static void corners_written_in_any_turn_get_one_direction(void **state)
 {
     (void)state;
     ss_mesh *m = make_plane(9, 7);
     int32_t quad[48][4];
-    uint32_t random = 1;
+    uint64_t random = 1;
     for (int q = 0; q < 48; ++q) {
-        const uint32_t turn = q == 0 ? 0 : draw(&random);
+        const uint32_t turn = q == 0 ? 0 : ss_random_below(&random, 4);
         for (uint32_t k = 0; k < 4; ++k) {
             quad[q][k] = m->quad[q][(k + turn) % 4];
         }

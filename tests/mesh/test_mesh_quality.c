@@ -4,6 +4,7 @@
 #include "mesh/mesh.h"
 
 #include "rt/memory.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 #include <setjmp.h>
@@ -272,15 +273,14 @@ static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(v
 {
     (void)state;
     enum { TRIANGLES = 120 };
-    uint32_t random = 20260;
+    uint64_t random = 20260;
     for (int round = 0; round < 20; ++round) {
         double x[3 * TRIANGLES][3];
         int32_t triangle[TRIANGLES][3];
         bool crosses[TRIANGLES] = {false};
         for (int32_t i = 0; i < 3 * TRIANGLES; ++i) {
             for (int k = 0; k < 3; ++k) {
-                random = random * 1664525u + 1013904223u;
-                const double value = (double)(random >> 8) / (1 << 24);
+                const double value = ss_random_unit(&random);
                 x[i][k] = i % 3 == 0 ? 4.0 * value : x[i - i % 3][k] + value - 0.5;
             }
             triangle[i / 3][i % 3] = i;

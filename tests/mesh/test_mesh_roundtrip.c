@@ -20,6 +20,7 @@
 #include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "rt/memory.h"
+#include "rt/random.h"
 
 enum { CELLS = 11, SIDE = CELLS + 1, NODES = SIDE * SIDE * SIDE, TETS = 6 * CELLS * CELLS * CELLS };
 
@@ -37,8 +38,7 @@ static int make_block(void **state)
     for (int i = 0; i < NODES; ++i) {
         const int at[3] = {i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)};
         for (int k = 0; k < 3; ++k) {
-            random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-            position[i][k] = (at[k] + 0.1 * (double)(random >> 11) * 0x1p-53) / CELLS;
+            position[i][k] = (at[k] + 0.1 * ss_random_unit(&random)) / CELLS;
         }
     }
     int count = 0;

@@ -19,20 +19,12 @@
 
 #include "net/net.h"
 #include "net/wire.h"
+#include "rt/random.h"
 #include "softsim_mesh_delta_t.h"
 #include "softsim_mesh_topology_t.h"
 
 static const int64_t MS = 1000000;
 static const double UNKNOWN = (double)NAN;
-
-static double random_unit(uint64_t *state)
-{
-    /* splitmix64 (Steele, Lea, Flood 2014). */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 enum { SIDE = 90, NODES = SIDE * SIDE, TRIANGLES = 2 * (SIDE - 1) * (SIDE - 1), MAX_SENT = 20000 };
 
@@ -208,7 +200,7 @@ static void displace_all(sheet *s, uint64_t *seed, double size)
 {
     for (int32_t i = 0; i < NODES; ++i) {
         for (int d = 0; d < 3; ++d) {
-            s->displacement[i][d] = (float)(size * (random_unit(seed) - 0.5));
+            s->displacement[i][d] = (float)(size * (ss_random_unit(seed) - 0.5));
         }
     }
 }
@@ -295,9 +287,9 @@ static void deltas_follow_the_displacements_within_half_a_count(void **state)
     /* A patch moves; what is read is right at every step. */
     for (int64_t step = 1; step <= 100; ++step) {
         for (int i = 0; i < 300; ++i) {
-            const int32_t node = (int32_t)(random_unit(&seed) * NODES);
+            const int32_t node = (int32_t)(ss_random_unit(&seed) * NODES);
             for (int d = 0; d < 3; ++d) {
-                s->displacement[node][d] = (float)(0.02 * (random_unit(&seed) - 0.5));
+                s->displacement[node][d] = (float)(0.02 * (ss_random_unit(&seed) - 0.5));
             }
         }
         sheet_send(s, step, &s->displacement[0][0]);

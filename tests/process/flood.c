@@ -20,6 +20,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "rt/random.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
 #include "softsim_probe_pose_t.h"
@@ -38,15 +39,7 @@ typedef struct packet {
 
 static uint32_t number; /* of the datagram, from 1 */
 static int64_t holder;  /* the sender that holds probe 0, for pose-holder */
-static uint64_t random_state = 0x9e3779b97f4a7c15u;
-
-static uint64_t draw(void)
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state;
-}
+static uint64_t random_state = 1;
 
 static int64_t now_ns(void)
 {
@@ -129,7 +122,7 @@ static void pose_good(packet *p)
 
 static void pose_senders(packet *p)
 {
-    const softsim_probe_pose_t pose = good_pose((int64_t)draw(), 1);
+    const softsim_probe_pose_t pose = good_pose((int64_t)ss_random_next(&random_state), 1);
     put_pose(p, "SOFTSIM_PROBE_0", &pose);
 }
 
@@ -162,7 +155,7 @@ static void pose_hash(packet *p)
 static void pose_short(packet *p)
 {
     pose_good(p);
-    p->size -= 1 + (int)(draw() % 100);
+    p->size -= 1 + (int)(ss_random_next(&random_state) % 100);
 }
 
 static void pose_long(packet *p)
@@ -180,7 +173,7 @@ static void pose_random(packet *p)
 {
     pose_good(p);
     for (int i = 32; i < p->size; ++i) {
-        p->byte[i] = (uint8_t)draw();
+        p->byte[i] = (uint8_t)ss_random_next(&random_state);
     }
 }
 

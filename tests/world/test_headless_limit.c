@@ -19,6 +19,7 @@
 #include "devices/sim.h"
 #include "oracles/limit_judge.h"
 #include "press_fixture.h"
+#include "rt/random.h"
 #include "world/world.h"
 
 enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
@@ -215,9 +216,8 @@ static void pauses_and_resets_do_not_step(void **state)
     bool is_paused = false;
     double last[3] = {0.0, 0.0, 0.0}, ramp_from = 0.0, rise = 0.0, fall = 0.0;
     for (int n = 0; n < 3000; ++n) {
-        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-        if (n > 800 && (random >> 33) % 100 == 0) {
-            const bool is_reset = (random >> 43) % 3 == 0;
+        if (n > 800 && ss_random_below(&random, 100) == 0) {
+            const bool is_reset = ss_random_below(&random, 3) == 0;
             command(world, is_reset ? "reset" : is_paused ? "resume" : "pause");
             is_paused = is_reset ? is_paused : !is_paused;
         }

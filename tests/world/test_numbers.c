@@ -17,6 +17,7 @@
 
 #include "common/folder_fixture.h"
 #include "rt/hash.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 #include "world/world.h"
@@ -27,16 +28,8 @@ enum { BLOCK = 64 };
 
 /* ---- shuffled meshes ---- */
 
-static uint32_t draw(uint32_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
 /* A random order of 0 .. count - 1. */
-static int32_t *shuffle(int32_t count, uint32_t seed)
+static int32_t *shuffle(int32_t count, uint64_t seed)
 {
     int32_t *order = malloc((size_t)count * sizeof *order);
     assert_non_null(order);
@@ -44,7 +37,7 @@ static int32_t *shuffle(int32_t count, uint32_t seed)
         order[i] = i;
     }
     for (int32_t i = count - 1; i > 0; --i) {
-        const int32_t other = (int32_t)(draw(&seed) % (uint32_t)(i + 1));
+        const int32_t other = (int32_t)ss_random_below(&seed, (uint32_t)i + 1);
         const int32_t kept = order[i];
         order[i] = order[other];
         order[other] = kept;

@@ -411,7 +411,7 @@ static void a_grid_conducts_by_its_sides(void **state)
             const double rho = is_along ? base : harmonic(across[i], across[j]);
             assert_near(network->edge_rho[e], rho, 1e-12);
             assert_near(network->edge_weight[e], plain->edge_weight[e] * rho / base, 1e-12);
-            largest = fmax(largest, rho);
+            largest = fmax(largest, network->edge_rho[e]);
         }
         assert_true(network->largest_rho == largest);
         ss_cnn_network_destroy(&network);

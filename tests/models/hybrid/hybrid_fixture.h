@@ -6,6 +6,7 @@
 #include "common/setup_fixture.h"
 #include "models/hybrid/hybrid.h"
 #include "rt/memory.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* nx x ny x nz cubes of edge h from `low`, of which those with is_core(i, j, k) are tetrahedra;
@@ -25,12 +26,11 @@ static inline ss_mesh *make_bar(const int n[3], double h, const double low[3], d
     int32_t(*core)[4] = calloc((size_t)(6 * cubes), sizeof *core);
     int32_t all_count = 0;
     int32_t core_count = 0;
-    uint32_t seed = 7;
+    uint64_t seed = 7;
     for (int32_t i = 0; i < nodes; ++i) {
         const int at[3] = {i % side[0], i / side[0] % side[1], i / side[0] / side[1]};
         for (int k = 0; k < 3; ++k) {
-            seed = seed * 1664525u + 1013904223u;
-            const double random = (double)(seed >> 8) / 16777216.0 - 0.5;
+            const double random = ss_random_unit(&seed) - 0.5;
             const bool is_inside = k < 2 && at[k] > 0 && at[k] < n[k];
             x[i][k] = low[k] + h * (at[k] + (is_inside ? jitter * random : 0.0));
         }

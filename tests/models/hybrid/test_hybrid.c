@@ -11,6 +11,7 @@
 #include "hybrid_fixture.h"
 #include "models/common/body_state.h"
 #include "rt/hash.h"
+#include "rt/random.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
@@ -99,14 +100,12 @@ static double growth(double share, int steps, double size, int32_t awake, double
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
     const double rate2 = ss_hybrid_settle_rate(hybrid);
     const double h = share * 2.0 / sqrt(rate2);
-    uint32_t seed = 11;
+    uint64_t seed = 11;
     double drift[3] = {0};
     double total = 0.0;
     for (int32_t i = 0; i < nodes->count; ++i) {
         for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
-            seed = seed * 1664525u + 1013904223u;
-            nodes->v[4 * (ptrdiff_t)i + a] =
-                (ss_real)(size * ((double)(seed >> 8) / 16777216.0 - 0.5));
+            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)(size * (ss_random_unit(&seed) - 0.5));
             drift[a] += nodes->mass[i] * (double)nodes->v[4 * (ptrdiff_t)i + a];
         }
         total += nodes->mass[i];
@@ -223,11 +222,10 @@ static void waking_keeps_mass_and_momentum(void **state)
     memset(s.fixed, 0, (size_t)s.mesh->node_count);
     ss_hybrid *hybrid = start_hybrid(&s);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
-    uint32_t seed = 5;
+    uint64_t seed = 5;
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
         for (int a = 0; a < 3 && nodes->mass[i] > 0.0; ++a) {
-            seed = seed * 1664525u + 1013904223u;
-            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)((double)(seed >> 8) / 16777216.0);
+            nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)(ss_random_unit(&seed));
         }
     }
     double mass[3];

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "hybrid_fixture.h"
+#include "rt/random.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
 
@@ -279,11 +280,10 @@ static void least_reach_is_none(void **state)
 static void shake(const ss_hybrid *hybrid, double size)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
-    uint32_t seed = 3;
+    uint64_t seed = 3;
     for (int32_t i = 0; i < nodes->count; ++i) {
         for (int a = 0; a < 3; ++a) {
-            seed = seed * 1664525u + 1013904223u;
-            const double random = (double)(seed >> 8) / 16777216.0 - 0.5;
+            const double random = ss_random_unit(&seed) - 0.5;
             nodes->u[4 * (ptrdiff_t)i + a] = has_mass(hybrid, i) ? (ss_real)(size * random) : 0;
         }
     }
