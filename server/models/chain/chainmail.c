@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/model.h"
+#include "models/chain/mail.h"
 /*
  * chainmail: the traditional 3D ChainMail, beside which cnn-chainmail is judged.
  *
@@ -21,120 +21,48 @@
  * Where the nonlinearity comes from: the band's dead zone, and the radial band's geometry. Left
  * out: cutting and tearing. Links are the mesh's edges and stay.
  *
- * There is no force in it: energies, reactions and the model's force on tools are 0. A tool moves
- * the cells it touches out of itself, by f_i/D_i with a contact of stiffness 1 (contact.c has the
- * symbols): the mean depth of their surface samples, in two passes where one is deeper than 0.3 of
- * the tool's inradius. Grasped ones go along with it.
- *
- * The hand feels a spring alone, k = working force / tool radius, between the tool and the surface
- * as it was when the tool came to touch it:
- *   F = k (e - gap)+,   e = sum_i w_i n.(u_i^0 - u_i) / sum_i w_i,
- * u^0 the displacements then, n the contact's normal, w_i the source weights of the cells about the
- * tool (contact.h), gap how far the tool has gone out of the dent. It is 0 at the touch, also of a
- * dent that was left, grows as the tool presses and falls as it goes out, whether the cells follow
- * or stay. Rejected: what the law between results makes of a result without force, its stiffness
- * times the way of one period: with a result each tick that is no force at all.
+ * There is no force in it: energies and reactions are 0, and so is the model's force on tools;
+ * mail_tools.c has what they move and what the hand feels.
  */
 #include <math.h>
 #include <string.h>
 
-#include "models/chain/net.h"
-#include "models/common/grasp.h"
 #include "models/common/life.h"
 #include "models/common/plan.h"
-#include "models/common/turned.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/note.h"
 #include "rt/vec.h"
 
-enum { ALPHA, BETA, BAND, ORDER, RELAXATION_ITERATIONS, ROW_COUNT };
-
-static const ss_param_row rows[ROW_COUNT] = {
-    [ALPHA] = {.name = "alpha",
-               .kind = SS_PARAM_FIELD,
-               .min = 0.0,
-               .max = 10.0,
-               .fallback = 0.15,
-               .help = "slack of a link along itself, a share of its length"},
-    [BETA] = {.name = "beta",
-              .kind = SS_PARAM_NUMBER,
-              .min = 0.0,
-              .max = 10.0,
-              .fallback = 0.5,
-              .help = "slack across (shear) of the box band"},
-    [BAND] = {.name = "band",
-              .kind = SS_PARAM_CHOICE,
-              .max = 1.0,
-              .choices = "box|radial",
-              .help = "limits per axis, as Gibson's, or along the link"},
-    [ORDER] = {.name = "order",
-               .kind = SS_PARAM_CHOICE,
-               .max = 1.0,
-               .choices = "fifo|violation",
-               .help = "who moves next: first come, or the largest violation"},
-    [RELAXATION_ITERATIONS] = {.name = "relaxation_iterations",
-                               .kind = SS_PARAM_INTEGER,
-                               .min = 0.0,
-                               .max = 1000.0,
-                               .fallback = 0.0,
-                               .help = "passes of averaging a step"}};
-
-/* Passes in which a tool moves cells out of itself: a cell's samples lie at different depths. */
-enum { PUSH_PASSES = 3 };
-/* N/m over working force and tool radius: what the hand meets between results. */
-#define FELT_SHARE 1.0
-
-/* A neighbour that its sponsor asks to move. */
-typedef struct request {
-    double violation; /* m */
-    int32_t node, sponsor;
-} request;
-
-typedef struct mail_tool {
-    bool is_used, is_present, is_pressed;
-    const ss_shape *shape;
-    double radius, felt;
-    ss_touch *touch;
-    ss_tool_pose pose;
-    bool is_touching;
-    double dent;     /* m, e - gap of the last step */
-    ss_real *before; /* u^0: 4 a node */
-    int32_t held_count;
-    int32_t *held;       /* grasped nodes */
-    double (*offset)[3]; /* in the tool's frame */
-} mail_tool;
-
-struct ss_model {
-    ss_arena arena;
-    ss_model_plan plan;
-    int32_t node_count;
-    bool is_held; /* supports stop every rigid motion */
-    ss_chain_net *net;
-    ss_surface *surface;
-    double beta;
-    bool is_radial, is_by_violation;
-    int32_t iterations;
-    double *alpha; /* by link position */
-    mail_tool tool[SOFTSIM_MAX_PROBES];
-    ss_real *u, *v;     /* v stays 0: there is no motion but that of sponsors */
-    uint8_t *has_moved; /* in this propagation */
-    int32_t *queue;
-    int32_t queue_count;
-    request *heap;
-    int32_t heap_count;
-    ss_real *push; /* scratch of contact */
-    double *weight;
-    uint8_t *bound; /* axes of a node that are fixed or driven: bits 0 to 2 */
-    uint8_t *held;  /* by tools, in this step: a bit each */
-    int64_t step;
-    int64_t fitted_step; /* that the surface was last refitted before; -1 never */
-    int32_t moved_count;
-    ss_turned turned;
-    int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
-    softsim_verdict verdict;
-    const char *reason;
-};
+static const ss_param_row rows[SS_MAIL_ROW_COUNT] = {
+    [SS_MAIL_ALPHA] = {.name = "alpha",
+                       .kind = SS_PARAM_FIELD,
+                       .min = 0.0,
+                       .max = 10.0,
+                       .fallback = 0.15,
+                       .help = "slack of a link along itself, a share of its length"},
+    [SS_MAIL_BETA] = {.name = "beta",
+                      .kind = SS_PARAM_NUMBER,
+                      .min = 0.0,
+                      .max = 10.0,
+                      .fallback = 0.5,
+                      .help = "slack across (shear) of the box band"},
+    [SS_MAIL_BAND] = {.name = "band",
+                      .kind = SS_PARAM_CHOICE,
+                      .max = 1.0,
+                      .choices = "box|radial",
+                      .help = "limits per axis, as Gibson's, or along the link"},
+    [SS_MAIL_ORDER] = {.name = "order",
+                       .kind = SS_PARAM_CHOICE,
+                       .max = 1.0,
+                       .choices = "fifo|violation",
+                       .help = "who moves next: first come, or the largest violation"},
+    [SS_MAIL_RELAXATION_ITERATIONS] = {.name = "relaxation_iterations",
+                                       .kind = SS_PARAM_INTEGER,
+                                       .min = 0.0,
+                                       .max = 1000.0,
+                                       .fallback = 0.0,
+                                       .help = "passes of averaging a step"}};
 
 /* ---- the band ---- */
 
@@ -180,7 +108,7 @@ static bool may_move(const ss_model *model, int32_t node)
 }
 
 /* Fixed and driven axes stay. Rounded as it is stored. */
-static void move_to(ss_model *model, int32_t node, const double u[3])
+void ss_mail_move_to(ss_model *model, int32_t node, const double u[3])
 {
     for (int k = 0; k < 3; ++k) {
         if ((model->bound[node] & (1 << k)) == 0) {
@@ -189,7 +117,7 @@ static void move_to(ss_model *model, int32_t node, const double u[3])
     }
 }
 
-static void sponsor(ss_model *model, int32_t node)
+void ss_mail_sponsor(ss_model *model, int32_t node)
 {
     if (!model->has_moved[node]) {
         model->has_moved[node] = 1;
@@ -215,8 +143,8 @@ static void propagate_in_turn(ss_model *model)
             double u[3];
             if (may_move(model, other) &&
                 is_violation(model, place_by(model, net->at[p], other, node, u))) {
-                move_to(model, other, u);
-                sponsor(model, other);
+                ss_mail_move_to(model, other, u);
+                ss_mail_sponsor(model, other);
             }
         }
     }
@@ -224,7 +152,7 @@ static void propagate_in_turn(ss_model *model)
 
 /* Before: larger violation, then lower node and sponsor, so that the order never depends on the
  * heap's history. */
-static bool is_before(const request *a, const request *b)
+static bool is_before(const ss_mail_request *a, const ss_mail_request *b)
 {
     if (a->violation != b->violation) {
         return a->violation > b->violation;
@@ -232,7 +160,7 @@ static bool is_before(const request *a, const request *b)
     return a->node != b->node ? a->node < b->node : a->sponsor < b->sponsor;
 }
 
-static void heap_push(ss_model *model, request r)
+static void heap_push(ss_model *model, ss_mail_request r)
 {
     int32_t at = model->heap_count++;
     while (at > 0 && is_before(&r, &model->heap[(at - 1) / 2])) {
@@ -242,9 +170,9 @@ static void heap_push(ss_model *model, request r)
     model->heap[at] = r;
 }
 
-static request heap_pop(ss_model *model)
+static ss_mail_request heap_pop(ss_model *model)
 {
-    const request top = model->heap[0], last = model->heap[--model->heap_count];
+    const ss_mail_request top = model->heap[0], last = model->heap[--model->heap_count];
     int32_t at = 0;
     for (;;) {
         int32_t child = 2 * at + 1;
@@ -275,7 +203,7 @@ static void ask_neighbours(ss_model *model, int32_t node)
         if (may_move(model, other)) {
             const double violation = place_by(model, net->at[p], other, node, u);
             if (is_violation(model, violation)) {
-                heap_push(model, (request){violation, other, node});
+                heap_push(model, (ss_mail_request){violation, other, node});
             }
         }
     }
@@ -297,13 +225,13 @@ static void propagate_by_violation(ss_model *model)
         ask_neighbours(model, model->queue[k]);
     }
     while (model->heap_count > 0) {
-        const request next = heap_pop(model);
+        const ss_mail_request next = heap_pop(model);
         if (may_move(model, next.node)) {
             double u[3];
             (void)place_by(model, link_between(model->net, next.node, next.sponsor), next.node,
                            next.sponsor, u);
-            move_to(model, next.node, u);
-            sponsor(model, next.node);
+            ss_mail_move_to(model, next.node, u);
+            ss_mail_sponsor(model, next.node);
             ask_neighbours(model, next.node);
         }
     }
@@ -338,7 +266,7 @@ static void relax(ss_model *model)
                 mean[k] += (double)u[k] / degree;
             }
         }
-        move_to(model, i, mean);
+        ss_mail_move_to(model, i, mean);
     }
 }
 
@@ -360,160 +288,9 @@ static void move_driven(ss_model *model, double time)
                 }
             }
             if (is_moving) {
-                sponsor(model, set->node[i]);
+                ss_mail_sponsor(model, set->node[i]);
             }
         }
-    }
-}
-
-static uint8_t bit_of(const ss_model *model, const mail_tool *tool)
-{
-    _Static_assert(SOFTSIM_MAX_PROBES <= 8, "a bit for each tool");
-    return (uint8_t)(1u << (tool - model->tool));
-}
-
-/* One pass: cells whose samples are inside the tool go out by f_i/D_i. */
-static int32_t push_out(ss_model *model, const mail_tool *tool)
-{
-    double force[3] = {0.0}, torque[3] = {0.0};
-    const int32_t *node;
-    int32_t pushed = 0;
-    (void)ss_touch_penalty(tool->touch, model->u, &tool->pose, model->push, force, torque);
-    ss_touch_diagonal(tool->touch, model->weight);
-    const int32_t count = ss_touch_reach(tool->touch, &node);
-    for (int32_t k = 0; k < count; ++k) {
-        const int32_t i = node[k];
-        ss_real *f = model->push + 4 * (ptrdiff_t)i;
-        if (model->weight[i] > 0.0 && model->bound[i] != 7) {
-            double u[3];
-            for (int a = 0; a < 3; ++a) {
-                u[a] = (double)model->u[4 * (ptrdiff_t)i + a] + (double)f[a] / model->weight[i];
-            }
-            move_to(model, i, u);
-            model->held[i] |= bit_of(model, tool);
-            sponsor(model, i);
-            ++pushed;
-        }
-        memset(f, 0, 4 * sizeof *f);
-        model->weight[i] = 0.0;
-    }
-    return pushed;
-}
-
-static void take_grasp(ss_model *model, mail_tool *tool, bool is_grasping)
-{
-    if (is_grasping && !tool->is_pressed) {
-        tool->held_count = 0;
-        for (int32_t i = 0; i < model->node_count; ++i) {
-            if ((model->held[i] & bit_of(model, tool)) != 0) {
-                double x[3];
-                for (int k = 0; k < 3; ++k) {
-                    x[k] = model->plan.mesh->position[i][k] +
-                           (double)model->u[4 * (ptrdiff_t)i + k] - tool->pose.position[k];
-                }
-                ss_rotate_back(tool->offset[tool->held_count], tool->pose.orientation, x);
-                tool->held[tool->held_count++] = i;
-            }
-        }
-    }
-    tool->held_count = is_grasping ? tool->held_count : 0;
-    tool->is_pressed = is_grasping;
-}
-
-static void carry(ss_model *model, const mail_tool *tool)
-{
-    for (int32_t k = 0; k < tool->held_count; ++k) {
-        const int32_t i = tool->held[k];
-        double x[3];
-        ss_rotate(x, tool->pose.orientation, tool->offset[k]);
-        for (int a = 0; a < 3; ++a) {
-            x[a] += tool->pose.position[a] - model->plan.mesh->position[i][a];
-        }
-        move_to(model, i, x);
-        model->held[i] |= bit_of(model, tool);
-        sponsor(model, i);
-    }
-}
-
-/* The tools at `path` of the step: what they touch becomes a sponsor. */
-static void move_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES], double path)
-{
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        mail_tool *own = &model->tool[k];
-        if (!own->is_present) {
-            continue;
-        }
-        const ss_tool_pose start = own->pose;
-        ss_tool_pose_blend(&tool[k].from, &tool[k].to, path, &own->pose);
-        carry(model, own);
-        for (int pass = 0; pass < PUSH_PASSES; ++pass) {
-            ss_touch_gather(own->touch, model->u, &start, &own->pose);
-            if (push_out(model, own) == 0) {
-                break;
-            }
-            own->is_touching = true;
-        }
-    }
-}
-
-/* After the step: how far below the surface as it was the tool holds the cells about it. */
-static void measure_dent(ss_model *model, mail_tool *tool)
-{
-    const int32_t *node;
-    const double *weight;
-    double total = 0.0, sum = 0.0;
-    ss_contact_set set;
-    ss_touch_contacts(tool->touch, model->u, &tool->pose, tool->radius, &set);
-    const int32_t count =
-        ss_touch_weigh(tool->touch, model->u, NULL, &tool->pose, &node, &weight, &total);
-    for (int32_t k = 0; k < count; ++k) {
-        for (int a = 0; a < 3; ++a) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)node[k] + a;
-            sum += weight[k] * set.normal[a] * ((double)tool->before[at] - (double)model->u[at]);
-        }
-    }
-    const double gap = set.count > 0 ? set.contact[0].gap : (double)INFINITY;
-    tool->dent = total > 0.0 ? fmax(0.0, sum / total - gap) : 0.0;
-    tool->is_touching = tool->dent > 0.0;
-}
-
-/* Parts of the step in which no tool moves further than a quarter of its radius. */
-static int32_t count_parts(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
-{
-    double parts = 1.0;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        mail_tool *own = &model->tool[k];
-        own->is_present = own->is_used && tool && tool[k].is_present;
-        if (own->is_present) {
-            const double way = ss_tool_motion_bound(own->shape, &tool[k].from, &tool[k].to);
-            own->pose = tool[k].from;
-            parts = fmax(parts, ceil(4.0 * way / own->radius - 1e-9));
-            if (!own->is_touching) {
-                memcpy(own->before, model->u, 4 * (size_t)model->node_count * sizeof *model->u);
-            }
-        } else {
-            own->held_count = 0;
-            own->is_pressed = own->is_touching = false;
-            own->dent = 0.0;
-        }
-    }
-    if (parts > model->plan.max_substeps) {
-        model->verdict = SOFTSIM_VERDICT_GUARDED;
-        model->reason = "a tool moved further in a step than its sub-steps can follow";
-    }
-    return (int32_t)fmin(parts, model->plan.max_substeps);
-}
-
-/* The surface at the end of the step before step number `step`, once, where a tool is present. */
-static void refit(ss_model *model, int64_t step)
-{
-    bool is_any = false;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        is_any = is_any || model->tool[k].is_present;
-    }
-    if (is_any && model->fitted_step != step) {
-        ss_surface_refit(model->surface, model->u);
-        model->fitted_step = step;
     }
 }
 
@@ -526,35 +303,21 @@ static void step(ss_model *model, double time, double dt,
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
     model->worst = -1;
-    const int32_t parts = count_parts(model, tool);
+    const int32_t parts = ss_mail_tools_take(model, tool);
     model->moved_count = 0;
     memset(model->held, 0, (size_t)model->node_count);
-    refit(model, model->step);
+    ss_mail_refit(model, model->step);
     for (int32_t p = 1; p <= parts; ++p) {
         move_driven(model, time + dt * p / parts);
-        move_tools(model, tool, (double)p / parts);
+        ss_mail_tools_move(model, (double)p / parts);
         propagate(model);
     }
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        if (model->tool[k].is_present) {
-            take_grasp(model, &model->tool[k], tool[k].is_grasping);
-        }
-    }
+    ss_mail_tools_grasp(model, tool);
     for (int32_t n = 0; n < model->iterations; ++n) {
         relax(model);
     }
-    refit(model, model->step + 1);
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) { /* for contacts() */
-        mail_tool *own = &model->tool[k];
-        double force[3] = {0.0}, torque[3] = {0.0};
-        if (own->is_present) {
-            ss_touch_gather(own->touch, model->u, &own->pose, &own->pose);
-            (void)ss_touch_penalty(own->touch, model->u, &own->pose, NULL, force, torque);
-            if (own->is_touching) {
-                measure_dent(model, own);
-            }
-        }
-    }
+    ss_mail_refit(model, model->step + 1);
+    ss_mail_tools_measure(model);
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         if (!isfinite(model->u[at])) {
             memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
@@ -589,39 +352,6 @@ static softsim_status check(const ss_model_plan *plan, softsim_error *error)
     return error->fault_count > before ? SOFTSIM_ERROR_SCENE : SOFTSIM_OK;
 }
 
-static softsim_status create_tool(ss_model *model, mail_tool *tool, const ss_shape *shape)
-{
-    const double radius = ss_shape_curvature_radius(shape);
-    const double working = model->plan.working_force > 0.0 ? model->plan.working_force : 1.0;
-    const ss_touch_options options = {.delta = ss_surface_mean_edge(model->surface),
-                                      .stiffness = 1.0};
-    tool->is_used = true;
-    tool->shape = shape;
-    tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
-    tool->felt = FELT_SHARE * working / tool->radius;
-    tool->before = ss_arena_get(&model->arena, 4 * (size_t)model->node_count, sizeof *tool->before);
-    tool->held = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *tool->held);
-    tool->offset = ss_arena_get(&model->arena, (size_t)model->node_count, sizeof *tool->offset);
-    const softsim_status status = ss_touch_create(model->surface, shape, &options, &tool->touch);
-    return status == SOFTSIM_OK ? ss_arena_status(&model->arena) : status;
-}
-
-static softsim_status create_tools(ss_model *model, softsim_error *error)
-{
-    const ss_model_plan *plan = &model->plan;
-    const double smallest = ss_plan_smallest_tool(plan);
-    softsim_status status =
-        isfinite(smallest)
-            ? ss_surface_create(plan->mesh, smallest, plan->contact_parts, &model->surface, error)
-            : SOFTSIM_OK;
-    for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
-        if (plan->tool[k].is_used) {
-            status = create_tool(model, &model->tool[k], &plan->tool[k].shape);
-        }
-    }
-    return status;
-}
-
 static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->node_count, links = (size_t)model->net->link_count;
@@ -646,8 +376,8 @@ static void set_material(ss_model *model)
     const ss_chain_net *net = model->net;
     for (int32_t e = 0; e < net->link_count; ++e) {
         model->alpha[net->position[e]] =
-            0.5 * (ss_plan_node_value(&plan->param[ALPHA], net->link[e][0]) +
-                   ss_plan_node_value(&plan->param[ALPHA], net->link[e][1]));
+            0.5 * (ss_plan_node_value(&plan->param[SS_MAIL_ALPHA], net->link[e][0]) +
+                   ss_plan_node_value(&plan->param[SS_MAIL_ALPHA], net->link[e][1]));
     }
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->bound[i] = plan->fixed[i] & 7;
@@ -681,7 +411,7 @@ static softsim_status build_on(ss_model *model, softsim_error *error)
     status = status == SOFTSIM_OK ? allocate(model) : status;
     if (status == SOFTSIM_OK) {
         set_material(model);
-        status = create_tools(model, error);
+        status = ss_mail_tools_create(model, error);
     }
     return status;
 }
@@ -690,10 +420,7 @@ static softsim_status build_on(ss_model *model, softsim_error *error)
 
 static void destroy(ss_model *model)
 {
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_touch_destroy(&model->tool[k].touch);
-    }
-    ss_surface_destroy(&model->surface);
+    ss_tools_fini(&model->tools);
     ss_arena_free(&model->arena);
     ss_memory_free(model);
 }
@@ -702,11 +429,10 @@ static void reset(ss_model *model)
 {
     memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
     memset(model->held, 0, (size_t)model->node_count);
+    ss_tools_reset(&model->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        model->tool[k].is_present = model->tool[k].is_pressed = false;
         model->tool[k].is_touching = false;
         model->tool[k].dent = 0.0;
-        model->tool[k].held_count = 0;
     }
     model->step = 0;
     model->fitted_step = -1;
@@ -722,10 +448,10 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     model->plan = *plan;
     model->node_count = plan->mesh->node_count;
     ss_turned_init(&model->turned, plan->mesh, plan->step);
-    model->beta = plan->param[BETA].number;
-    model->is_radial = plan->param[BAND].number != 0.0;
-    model->is_by_violation = plan->param[ORDER].number != 0.0;
-    model->iterations = (int32_t)plan->param[RELAXATION_ITERATIONS].number;
+    model->beta = plan->param[SS_MAIL_BETA].number;
+    model->is_radial = plan->param[SS_MAIL_BAND].number != 0.0;
+    model->is_by_violation = plan->param[SS_MAIL_ORDER].number != 0.0;
+    model->iterations = (int32_t)plan->param[SS_MAIL_RELAXATION_ITERATIONS].number;
     const softsim_status status = build_on(model, error);
     model->plan.param = NULL;
     if (status == SOFTSIM_OK) {
@@ -751,26 +477,7 @@ static double step_cost_us(const ss_model_plan *plan)
                              ? plan->mesh->node_count + 1.3 * plan->mesh->tetrahedron_count
                              : 3.0 * plan->mesh->node_count;
     return 1.0 + COST_TOOL * ss_plan_tool_count(plan) + 0.2 * COST_LINK * links +
-           2.0 * COST_RELAX * links * plan->param[RELAXATION_ITERATIONS].number;
-}
-
-static void contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
-{
-    memset(out, 0, sizeof *out);
-    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES || !model->tool[probe].is_present) {
-        return;
-    }
-    const mail_tool *tool = &model->tool[probe];
-    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
-    out->is_held = tool->is_pressed && tool->held_count > 0;
-    ss_set3(out->force, 0.0, 0.0, 0.0);
-    ss_set3(out->torque, 0.0, 0.0, 0.0);
-    for (int32_t k = 0; k < out->count; ++k) {
-        ss_contact *contact = &out->contact[k];
-        contact->stiffness = contact->tangential = tool->felt / out->count;
-        contact->force = contact->stiffness * tool->dent;
-        contact->gap = tool->dent > 0.0 ? 0.0 : contact->gap;
-    }
+           2.0 * COST_RELAX * links * plan->param[SS_MAIL_RELAXATION_ITERATIONS].number;
 }
 
 static void info(const ss_model *model, ss_model_info *out)
@@ -809,15 +516,16 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     uint64_t hash = ss_turned_hash(&model->turned, seed);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        const mail_tool *tool = &model->tool[k];
-        const size_t count = (size_t)tool->held_count;
+        const ss_tool *tool = &model->tools.tool[k];
+        const ss_grasp *grasp = &tool->grasp;
+        const size_t count = (size_t)grasp->count;
         if (tool->is_used) {
             hash = ss_hash_bytes(hash, &count, sizeof count);
-            hash = ss_hash_bytes(hash, &tool->dent, sizeof tool->dent);
+            hash = ss_hash_bytes(hash, &model->tool[k].dent, sizeof model->tool[k].dent);
         }
         if (count > 0) {
-            hash = ss_hash_bytes(hash, tool->held, count * sizeof *tool->held);
-            hash = ss_hash_bytes(hash, tool->offset, count * sizeof *tool->offset);
+            hash = ss_hash_bytes(hash, grasp->node, count * sizeof *grasp->node);
+            hash = ss_hash_bytes(hash, grasp->offset, count * sizeof *grasp->offset);
         }
     }
     return hash;
@@ -831,7 +539,7 @@ static void explain(const ss_model *model, const ss_notes *out)
                  model->is_radial ? "radial" : "box",
                  model->is_by_violation ? "largest violation first" : "first in, first out",
                  model->iterations);
-    if (!model->is_held && model->surface) {
+    if (!model->is_held && model->tools.surface) {
         ss_note_warning(out, "object.fixed",
                         "the supports do not hold the body: a tool pushes it away; hold more of it "
                         "with object.fixed");
@@ -864,14 +572,14 @@ const ss_model_class ss_model_chainmail = {
     .help = "the traditional ChainMail: chain elements move only where links leave their band",
     .hints = &hints,
     .row = rows,
-    .row_count = ROW_COUNT,
+    .row_count = SS_MAIL_ROW_COUNT,
     .needs_volume = false,
     .has_no_energy = true,
     .step_cost_us = step_cost_us,
     .create = create,
     .destroy = destroy,
     .step = step,
-    .contacts = contacts,
+    .contacts = ss_mail_contacts,
     .reset = reset,
     .info = info,
     .displacement = displacement,

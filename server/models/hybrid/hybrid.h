@@ -232,3 +232,10 @@ void ss_hybrid_forget(ss_hybrid *hybrid);
 /* Fills rate2 from the stiffest motions asleep and awake. */
 void ss_hybrid_measure(ss_hybrid *hybrid);
 double ss_hybrid_stable_step(void *owner, const ss_body *body);
+
+/* ---- explain.c ---- */
+
+/* Of the stable step that sub-steps take. */
+#define SS_HYBRID_STEP_SHARE 0.5
+double ss_hybrid_step_cost_us(const ss_model_plan *plan);
+void ss_hybrid_explain(const ss_model *model, const ss_notes *out);
