@@ -164,28 +164,31 @@ static void mark_faulty(ss_scene_node *node)
     }
 }
 
-void ss_scene_node_fault(ss_scene_report *report, ss_scene_node *node, const char *format, ...)
+static void add_fault(ss_scene_report *report, ss_scene_node *node, ss_scene_place place,
+                      const char *format, va_list arguments)
 {
     char text[640];
+    vsnprintf(text, sizeof text, format, arguments);
+    mark_faulty(node);
+    ss_scene_report_add(report, SOFTSIM_ERROR_SCENE, place, "%s", text);
+}
+
+void ss_scene_node_fault(ss_scene_report *report, ss_scene_node *node, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    add_fault(report, node, ss_scene_node_place(node), format, arguments);
     va_end(arguments);
-    mark_faulty(node);
-    ss_scene_report_add(report, SOFTSIM_ERROR_SCENE, ss_scene_node_place(node), "%s", text);
 }
 
 void ss_scene_key_fault(ss_scene_report *report, ss_scene_node *node, const char *format, ...)
 {
-    char text[640];
+    const ss_scene_place key = {node->override, node->key_offset, node->key_length};
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    add_fault(report, node, node->key_length > 0 ? key : ss_scene_node_place(node), format,
+              arguments);
     va_end(arguments);
-    mark_faulty(node);
-    const ss_scene_place key = {node->override, node->key_offset, node->key_length};
-    ss_scene_report_add(report, SOFTSIM_ERROR_SCENE,
-                        node->key_length > 0 ? key : ss_scene_node_place(node), "%s", text);
 }
 
 /* ---- parsing ---- */

@@ -109,3 +109,13 @@ static inline void drive(setup *s, int32_t count, int32_t *node, double (*way)[3
                                                                 .axis = {true, true, true},
                                                                 .ramp = ramp};
 }
+
+/* Into another frame. */
+static inline void turn(double x[3])
+{
+    static const double r[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
+    const double from[3] = {x[0], x[1], x[2]};
+    for (int k = 0; k < 3; ++k) {
+        x[k] = ss_dot3(r[k], from);
+    }
+}

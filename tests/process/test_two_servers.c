@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "daemon_fixture.h"
+#include "rt/vec.h"
 
 static const char *const stiff = "model.modulus_j=10";
 static const char *const soft = "model.modulus_j=1";
@@ -134,6 +135,19 @@ static void stop_two(void)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* The force of a line of the bridge's file; how far it is from the one before. */
+static double take_force(char *line, double force[3])
+{
+    double value[14], step[3];
+    for (int i = 0; i < 14; ++i) {
+        value[i] = strtod(line, &line);
+        line += *line == ',';
+    }
+    ss_sub3(step, value + 10, force);
+    ss_copy3(force, value + 10);
+    return magnitude(step);
+}
+
 /* From the bridge's file: the largest force of its second half, and the largest step of all. */
 static void read_forces(const char *name, double *out_late, double *out_jump)
 {
@@ -143,18 +157,9 @@ static void read_forces(const char *name, double *out_late, double *out_jump)
     *out_late = *out_jump = 0.0;
     read_text(name, text, sizeof text);
     for (char *line = strchr(text, '\n'); line && line[1] != '\0'; line = strchr(line + 1, '\n')) {
-        double value[14], step[3];
-        char *at = line + 1;
-        for (int i = 0; i < 14; ++i) {
-            value[i] = strtod(at, &at);
-            at += *at == ',';
-        }
-        for (int i = 0; i < 3; ++i) {
-            step[i] = value[10 + i] - last[i];
-            last[i] = value[10 + i];
-        }
+        const double step_n = take_force(line + 1, last);
         ++rows;
-        *out_jump = fmax(*out_jump, magnitude(step));
+        *out_jump = fmax(*out_jump, step_n);
         *out_late = rows > 1000 ? fmax(*out_late, magnitude(last)) : *out_late;
     }
     assert_int_equal(rows, 2000);
@@ -246,18 +251,9 @@ static void read_course(const char *name, course *out)
     assert_non_null(file);
     assert_non_null(fgets(line, sizeof line, file)); /* its header */
     while (fgets(line, sizeof line, file) != NULL) {
-        double value[14], step[3];
-        char *at = line;
-        for (int i = 0; i < 14; ++i) {
-            value[i] = strtod(at, &at);
-            at += *at == ',';
-        }
-        for (int i = 0; i < 3; ++i) {
-            step[i] = value[10 + i] - last[i];
-            last[i] = value[10 + i];
-        }
+        const double step_n = take_force(line, last);
         const double force_n = magnitude(last);
-        out->step_n = fmax(out->step_n, magnitude(step));
+        out->step_n = fmax(out->step_n, step_n);
         out->largest_n = fmax(out->largest_n, force_n);
         out->zeros = force_n > apart_n ? 0 : out->zeros + (force_n == 0.0);
     }

@@ -26,6 +26,17 @@
 
 /* ---- worlds ---- */
 
+static ss_world *make_planned(ss_assay_plan *plan)
+{
+    FILE *file = open_file("body.msh");
+    ss_specimen_write(&plan->specimen, file);
+    assert_int_equal(fclose(file), 0);
+    file = open_file("scene.yaml");
+    ss_assay_plan_write(plan, file);
+    assert_int_equal(fclose(file), 0);
+    return make_scene(in_folder("scene.yaml"), NULL, 0);
+}
+
 static softsim_state shake(ss_world *world, int32_t ticks, double amplitude, double *out_kinetic)
 {
     softsim_state state;
@@ -102,15 +113,9 @@ static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state
         const ss_assay trial = {s, SS_ASSAY_PROBE, 1e8, 0.1, 0};
         ss_assay_plan_make(&trial, &plan);
         plan.max_substeps = 1;
-        FILE *file = open_file("body.msh");
-        ss_specimen_write(&plan.specimen, file);
-        assert_int_equal(fclose(file), 0);
-        file = open_file("scene.yaml");
-        ss_assay_plan_write(&plan, file);
-        assert_int_equal(fclose(file), 0);
         const double *top = plan.specimen.rest[SS_ASSAY_TOP_CENTRE];
         const double touch = top[2] + SS_ASSAY_TOOL_RADIUS;
-        world = make_scene(in_folder("scene.yaml"), NULL, 0);
+        world = make_planned(&plan);
         slow_models += follow_slow_steps(world, top[0], top[1], touch - 0.002, touch + 0.005) > 0;
         destroy(world);
     }
@@ -277,13 +282,7 @@ static void a_tool_turns_no_faster_than_a_hand(void **state)
     static ss_assay_plan plan; /* large */
     const ss_assay trial = {0, SS_ASSAY_SPIN, 1e5, 100.0, 0};
     ss_assay_plan_make(&trial, &plan);
-    FILE *file = open_file("body.msh");
-    ss_specimen_write(&plan.specimen, file);
-    assert_int_equal(fclose(file), 0);
-    file = open_file("scene.yaml");
-    ss_assay_plan_write(&plan, file);
-    assert_int_equal(fclose(file), 0);
-    ss_world *world = make_scene(in_folder("scene.yaml"), NULL, 0);
+    ss_world *world = make_planned(&plan);
     double turned = 0.0;
     for (int32_t k = 1; k <= 400; ++k) {
         double before[4], turn[3];

@@ -39,6 +39,17 @@ enum { PRESSES = sizeof presses / sizeof *presses };
 /* N/m^3: a fortieth of what those contacts choose for themselves. */
 #define TOO_SOFT "  stiffness_n_per_m3: 1.0e+6\n"
 
+static softsim_world *start_world(const char *name, const char *text)
+{
+    const softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    softsim_world *world = softsim_create(write_text("scene.yaml", text), &config, &error);
+    if (world == NULL) {
+        fail_msg("%s: %s", name, error.text);
+    }
+    return world;
+}
+
 static softsim_world *make_press(const press *one, const char *contact)
 {
     char text[1024];
@@ -50,13 +61,7 @@ static softsim_world *make_press(const press *one, const char *contact)
                    "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s"
                    "haptic: {max_force_n: 5}\n",
                    one->held, one->model, contact);
-    const softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    softsim_world *world = softsim_create(write_text("scene.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", one->name, error.text);
-    }
-    return world;
+    return start_world(one->name, text);
 }
 
 /* How often the deformed surface winds about a point: 1 inside, 0 outside. Solid angles (van
@@ -233,13 +238,7 @@ static softsim_world *make_fall(const fall *one, const char *contact)
                    "model:\n%s"
                    "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s%s",
                    one->model, contact, one->drive);
-    const softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    softsim_world *world = softsim_create(write_text("scene.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", one->name, error.text);
-    }
-    return world;
+    return start_world(one->name, text);
 }
 
 typedef struct meeting {

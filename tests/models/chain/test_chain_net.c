@@ -308,15 +308,6 @@ static void energy_rises_beyond_the_bound_on_a_star(void **state)
 
 /* ---- frames ---- */
 
-static void turn(double x[3])
-{
-    static const double r[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
-    const double from[3] = {x[0], x[1], x[2]};
-    for (int k = 0; k < 3; ++k) {
-        x[k] = ss_dot3(r[k], from);
-    }
-}
-
 static void results_turn_and_move_with_the_body(void **state)
 {
     (void)state;

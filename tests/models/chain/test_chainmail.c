@@ -64,15 +64,6 @@ static void radial_keeps_every_moved_link_in_band(void **state)
     setup_fini(&s);
 }
 
-static void turn(double x[3])
-{
-    static const double r[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
-    const double from[3] = {x[0], x[1], x[2]};
-    for (int k = 0; k < 3; ++k) {
-        x[k] = ss_dot3(r[k], from);
-    }
-}
-
 /* How far a turned plane's shape is from the turned shape. */
 static double frame_error(bool is_radial)
 {

@@ -325,15 +325,22 @@ static void force_is_the_slope_of_energy(void **state)
     setup_fini(&s);
 }
 
+/* A block of which forty particles may be awake, woken around a node of the skin. */
+static ss_hybrid *start_woken(setup *s, const double low[3])
+{
+    setup_hybrid(s, make_block(low), 0.1);
+    give_row(s, SS_HYBRID_MAX_ACTIVE, 40);
+    ss_hybrid *hybrid = start_hybrid(s);
+    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
+    return hybrid;
+}
+
 /* The tangent is the force's change; the cohesion's is taken at rest, so the state is near it. */
 static void tangent_is_the_change_of_force(void **state)
 {
     (void)state;
     setup s;
-    setup_hybrid(&s, make_block(origin), 0.1);
-    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = start_hybrid(&s);
-    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
+    ss_hybrid *hybrid = start_woken(&s, origin);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const size_t size = (size_t)nodes->padded_count * 4 * sizeof(ss_real);
     double energy;
@@ -360,10 +367,7 @@ static void tangent_is_the_change_of_force(void **state)
 static double rotation_noise(const double low[3])
 {
     setup s;
-    setup_hybrid(&s, make_block(low), 0.1);
-    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = start_hybrid(&s);
-    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
+    ss_hybrid *hybrid = start_woken(&s, low);
     const double turn[3][3] = {
         {cos(0.3) - 1.0, -sin(0.3), 0.0}, {sin(0.3), cos(0.3) - 1.0, 0.0}, {0.0, 0.0, 0.0}};
     const double stretch[3][3] = {{0.01, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -396,10 +400,7 @@ static void inner_forces_balance(void **state)
 {
     (void)state;
     setup s;
-    setup_hybrid(&s, make_block(origin), 0.1);
-    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = start_hybrid(&s);
-    ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 3);
+    ss_hybrid *hybrid = start_woken(&s, origin);
     shake(hybrid, 0.03);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     double energy;
@@ -435,10 +436,7 @@ static void paths_agree(void **state)
 {
     (void)state;
     setup s;
-    setup_hybrid(&s, make_block(origin), 0.1);
-    give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
-    ss_hybrid *hybrid = start_hybrid(&s);
-    ss_hybrid_wake_around(hybrid, 0);
+    ss_hybrid *hybrid = start_woken(&s, origin);
     shake(hybrid, 0.03);
     double energy[2];
     ss_real *force[2];

@@ -206,14 +206,19 @@ static void a_tetrahedron_breathes_at_its_frequency(void **state)
     setup_fini(&s);
 }
 
+static void start_shaken(setup *s, int cells, int32_t nodes[4])
+{
+    setup_springs(s, cells);
+    shake(s, 0.02, nodes);
+    create(s);
+}
+
 static void momentum_stays_when_loads_have_gone(void **state)
 {
     (void)state;
     setup s;
     int32_t nodes[4];
-    setup_springs(&s, 3);
-    shake(&s, 0.02, nodes);
-    create(&s);
+    start_shaken(&s, 3, nodes);
     steps(&s, 10, 1e-3);
     double linear[2][3], angular[2][3];
     for (int k = 0; k < 2; ++k) {
@@ -250,9 +255,7 @@ static void energy_stays_over_ten_thousand_steps(void **state)
     (void)state;
     setup s;
     int32_t nodes[4];
-    setup_springs(&s, 2);
-    shake(&s, 0.02, nodes);
-    create(&s);
+    start_shaken(&s, 2, nodes);
     steps(&s, 11, 1e-3);
     const double first = info_of(&s).elastic + info_of(&s).kinetic;
     double low = first, high = first;
@@ -477,10 +480,8 @@ static void the_same_run_gives_the_same_bits(void **state)
     uint64_t hash[3];
     setup s;
     int32_t nodes[4];
-    setup_springs(&s, 3);
     random_state = 11;
-    shake(&s, 0.02, nodes);
-    create(&s);
+    start_shaken(&s, 3, nodes);
     for (int k = 0; k < 2; ++k) {
         s.time = 0.0;
         steps(&s, 50, 1e-3);
