@@ -218,3 +218,15 @@ int ss_args_finish(const char *program, softsim_status status, const softsim_err
     ss_args_print_error(program, error);
     return status == SOFTSIM_ERROR_ARGUMENT ? SS_EXIT_BAD_INPUT : EXIT_FAILURE;
 }
+
+bool ss_args_is_answered(const char *program, const char *command, void (*usage)(FILE *out))
+{
+    const bool is_help = strcmp(command, "--help") == 0;
+    const bool is_version = strcmp(command, "--version") == 0;
+    if (is_help) {
+        usage(stdout);
+    } else if (is_version) {
+        printf("%s %s\n", program, SOFTSIM_VERSION);
+    }
+    return is_help || is_version;
+}

@@ -8,6 +8,7 @@
  */
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "softsim/types.h"
 
@@ -57,6 +58,9 @@ bool ss_args_may_run(const char *program, ss_args_result result, const softsim_e
 /* The program's exit status after its work: prints the faults where `status` is not OK, and tells
  * what cannot be asked for (SOFTSIM_ERROR_ARGUMENT) from what failed. */
 int ss_args_finish(const char *program, softsim_status status, const softsim_error *error);
+
+/* Of a program of commands: answers --help (by `usage`) and --version in a command's place. */
+bool ss_args_is_answered(const char *program, const char *command, void (*usage)(FILE *out));
 
 /* Prints `error` to stderr, one line per fault with the program's name before it; a quoted line of
  * a file and its caret follow as they are. */

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../scene/jelly.h"
 #include "scene/scene.h"
 
 const char *__lsan_default_suppressions(void);
@@ -21,40 +22,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { MAX_OVERRIDES = 8, MAX_PRINT = 1 << 20 };
 
-static const ss_param_row jelly_row[] = {
-    {.name = "modulus_j",
-     .kind = SS_PARAM_NUMBER,
-     .max = 1e6,
-     .exclusive_min = true,
-     .is_required = true,
-     .fallback = NAN,
-     .help = "strength"},
-    {.name = "rho",
-     .kind = SS_PARAM_FIELD,
-     .max = 10,
-     .exclusive_min = true,
-     .fallback = 1,
-     .help = "conductance"},
-    {.name = "cells",
-     .kind = SS_PARAM_INTEGER,
-     .min = 1,
-     .max = 100,
-     .fallback = 7,
-     .help = "count"},
-    {.name = "per_area", .kind = SS_PARAM_BOOL, .max = 1, .fallback = 1, .help = "times the area"},
-    {.name = "solver",
-     .kind = SS_PARAM_CHOICE,
-     .max = 1,
-     .choices = "exact|relaxed",
-     .help = "how"},
-    {.name = "limit",
-     .kind = SS_PARAM_NUMBER,
-     .max = INFINITY,
-     .is_live = true,
-     .fallback = NAN,
-     .help = "bound"},
-    {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
-};
 static const ss_scene_model model = {
     .name = "jelly", .row = jelly_row, .row_count = sizeof jelly_row / sizeof *jelly_row};
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bench/bench.h"
+#include "rt/args.h"
 #include "rt/plain.h"
 #include "rt/program.h"
 
@@ -30,12 +31,7 @@ static void print_usage(FILE *out)
 static int run(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
-    if (strcmp(name, "--help") == 0) {
-        print_usage(stdout);
-        return 0;
-    }
-    if (strcmp(name, "--version") == 0) {
-        printf("softsim-bench %s\n", SOFTSIM_VERSION);
+    if (ss_args_is_answered("softsim-bench", name, print_usage)) {
         return 0;
     }
     for (int i = 0; i < REPORT_COUNT; ++i) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "command.h"
+#include "rt/args.h"
 #include "rt/plain.h"
 #include "rt/program.h"
 
@@ -36,12 +37,7 @@ static void print_usage(FILE *out)
 static int run(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
-    if (strcmp(name, "--help") == 0) {
-        print_usage(stdout);
-        return 0;
-    }
-    if (strcmp(name, "--version") == 0) {
-        (void)printf("softsim-mesh %s\n", SOFTSIM_VERSION);
+    if (ss_args_is_answered("softsim-mesh", name, print_usage)) {
         return 0;
     }
     for (int i = 0; i < COMMAND_COUNT; ++i) {
