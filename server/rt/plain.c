@@ -114,3 +114,10 @@ void ss_plain_json(FILE *out, const char *text)
     }
     fputc('"', out);
 }
+
+void ss_plain_reason(const char *before, const char *text, char *out, size_t size)
+{
+    const char *colon = strstr(text, ": ");
+    text = colon != NULL && colon < text + strcspn(text, "\n") ? colon + 2 : text;
+    (void)snprintf(out, size, "%s%.*s", before, (int)strcspn(text, "\n"), text);
+}

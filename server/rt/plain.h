@@ -23,3 +23,6 @@ void ss_plain_clean(char *text);
 void ss_plain_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* As a string of JSON, with its quotes, in ASCII; what is no UTF-8 is read as Latin-1. */
 void ss_plain_json(FILE *out, const char *text);
+/* `before`, then the first line of `text`, an error's, without the file and place before its first
+ * ": ": for those who made that file for a moment. */
+void ss_plain_reason(const char *before, const char *text, char *out, size_t size);

@@ -711,6 +711,22 @@ static void texts_become_strings_of_json(void **state)
     }
 }
 
+static void a_reason_is_an_error_without_its_place(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {{"/tmp/a.yaml:3:4: error: no: none", "error: no: none"},
+                                           {"out of memory\nb: c", "out of memory"},
+                                           {"a.yaml: first\nb.yaml: second", "first"},
+                                           {"", ""}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        char out[32];
+        ss_plain_reason("", cases[c][0], out, sizeof out);
+        assert_string_equal(out, cases[c][1]);
+        ss_plain_reason("", cases[c][0], out, 4);
+        assert_true(strlen(out) <= 3 && strncmp(out, cases[c][1], strlen(out)) == 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -736,6 +752,7 @@ int main(void)
         cmocka_unit_test(errors_keep_every_line_and_the_first_status),
         cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),
         cmocka_unit_test(texts_become_strings_of_json),
+        cmocka_unit_test(a_reason_is_an_error_without_its_place),
         cmocka_unit_test(a_full_error_says_how_many_more),
         cmocka_unit_test(an_endless_first_fault_is_cut),
         cmocka_unit_test(random_numbers_are_those_of_splitmix64),

@@ -12,6 +12,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 
 enum { PATH_SIZE = 512, MAX_LOOKS = 4096, MAX_SUBSTEPS = 2000, CALM_LOOKS = 8 };
@@ -112,9 +113,7 @@ static softsim_status write_scene(const ss_static_plan *plan, double level, cons
 /* The first fault without the temporary file's name and place. */
 static void keep_reason(const softsim_error *refusal, char out[320])
 {
-    const char *text = strstr(refusal->text, ": ");
-    text = text != NULL ? text + 2 : refusal->text;
-    snprintf(out, 320, "refused: %.*s", (int)strcspn(text, "\n"), text);
+    ss_plain_reason("refused: ", refusal->text, out, 320);
 }
 
 static softsim_status no_memory(softsim_error *error)

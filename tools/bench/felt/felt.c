@@ -24,6 +24,7 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/hash.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "world/world.h"
 
@@ -123,9 +124,7 @@ static bool write_row(job *j, double rate_hz, int32_t delay_ms, const ss_felt_tr
                  is_told ? "; server " : "", is_told ? softsim_verdict_name(trace->verdict) : "",
                  is_told ? ": " : "", is_told ? trace->reason : "");
     } else {
-        const char *text = strstr(error->text, ": ");
-        snprintf(verdict, sizeof verdict, "refused%.*s", (int)strcspn(text ? text : "", "\n"),
-                 text ? text : "");
+        ss_plain_reason("refused: ", error->text, verdict, sizeof verdict);
     }
     ss_csv_text(j->out, j->name);
     fprintf(j->out, ",%s,%.6g,%s,%d,", j->model, rate_hz, ss_felt_path_name(j->path), delay_ms);

@@ -9,6 +9,7 @@
 #include "bench/papers/paper.h"
 #include "mesh/mesh.h"
 #include "process.h"
+#include "rt/plain.h"
 
 enum { PATH_SIZE = 256 };
 static const double mesh_timeout_s = 120.0;
@@ -25,14 +26,6 @@ static softsim_status no_memory(softsim_error *error)
 }
 
 /* ---- worlds ---- */
-
-/* The first fault without the temporary file's name. */
-static void keep_reason(char out[256], const softsim_error *refusal)
-{
-    const char *text = strstr(refusal->text, ": ");
-    text = text != NULL ? text + 2 : refusal->text;
-    snprintf(out, 256, "%.*s", (int)strcspn(text, "\n"), text);
-}
 
 static softsim_status write_scene(const ss_paper *paper, const ss_trial_plan *plan,
                                   char path[PATH_SIZE], softsim_error *error)
@@ -66,7 +59,7 @@ softsim_status ss_trial_begin(const ss_paper *paper, const ss_trial_plan *plan, 
     config.step_s = plan->step_s;
     out_trial->world = softsim_create(path, &config, &refusal);
     if (out_trial->world == NULL) {
-        keep_reason(out_trial->reason, &refusal);
+        ss_plain_reason("", refusal.text, out_trial->reason, 256);
         return SOFTSIM_OK;
     }
     softsim_state state;

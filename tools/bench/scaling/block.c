@@ -15,6 +15,7 @@
 #include "case/samples.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "softsim/softsim.h"
 #include "world/world.h"
 
@@ -123,9 +124,7 @@ static softsim_status write_scene(const char *path, const char *mesh, int32_t su
 
 static void refuse(const softsim_error *refusal, ss_block_run *out)
 {
-    const char *text = strstr(refusal->text, ": ");
-    text = text != NULL ? text + 2 : refusal->text; /* without the file's name */
-    snprintf(out->verdict, sizeof out->verdict, "refused: %.*s", (int)strcspn(text, "\n"), text);
+    ss_plain_reason("refused: ", refusal->text, out->verdict, sizeof out->verdict);
 }
 
 static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)

@@ -13,6 +13,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
@@ -283,8 +284,7 @@ static softsim_status begin(runner *r, const ss_body *body, const char *scene, s
     if (r->world == NULL) {
         out->is_refused = true;
         /* Without the temporary file's name. */
-        const char *text = strstr(refusal.text, ": ");
-        keep_first_line(out->reason, sizeof out->reason, text != NULL ? text + 2 : refusal.text);
+        ss_plain_reason("", refusal.text, out->reason, sizeof out->reason);
         return SOFTSIM_OK;
     }
     softsim_state state;

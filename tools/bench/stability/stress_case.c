@@ -14,6 +14,7 @@
 #include "bench/stability/stress_scene.h"
 #include "case/scratch.h"
 #include "rt/clock.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 #include "world/world.h"
@@ -105,10 +106,10 @@ static softsim_status write_files(const assay_folder *folder, const ss_assay_pla
 static void keep_reason(const assay_folder *folder, const char *text, char *out, size_t size)
 {
     const size_t length = strlen(folder->path);
-    const char *colon = strstr(text, ": ");
+    char reason[SOFTSIM_ERROR_TEXT_SIZE];
     size_t used = 0;
-    text = colon != NULL ? colon + 2 : text;
-    for (const char *at = text; *at != '\0' && *at != '\n' && used + 1 < size;) {
+    ss_plain_reason("", text, reason, sizeof reason);
+    for (const char *at = reason; *at != '\0' && used + 1 < size;) {
         const bool is_folder = strncmp(at, folder->path, length) == 0 && at[length] == '/';
         if (is_folder) {
             at += length + 1;
