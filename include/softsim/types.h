@@ -89,6 +89,9 @@ typedef struct softsim_force {
     int32_t seq;
     int32_t probe;
     int32_t pose_seq;
+    /* More than 0 with flag 1 and only then. 1 also of a tool that is all inside the tissue and not
+     * held off, and while the force of a contact that has ended goes away (20 ms; of a grasp at
+     * most 0.2 s). Without flag 1 there is no force, torque or depth. */
     int32_t contact_count;
     int32_t model_age_us;
     int32_t flags;
@@ -98,8 +101,8 @@ typedef struct softsim_force {
     double point[3];       /* on the deformed surface */
     double normal[3];      /* out of the tissue */
     double proxy[3];
-    double depth;     /* m, how far the raw tool is inside the deformed surface; never more than
-                         the body is thick */
+    double depth;     /* m, how far the raw tool is inside the deformed surface, of one that is all
+                         inside its way out; never more than the body is thick */
     double stiffness; /* N/m, felt dF/dx along the normal; 0 when free, limited or ramping */
 } softsim_force;
 

@@ -503,6 +503,8 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     } else {
         ss_set3(haptic->direction, 0.0, 0.0, 0.0); /* rounding points nowhere */
     }
+    ss_law_settle(law, haptic->direction);
+    ss_law_force(law, out_force);
     update_aside(haptic, &balance, &rest);
     if (config->between_steps != SS_BETWEEN_LOCAL && !law->held.is_held) {
         ss_law_extrapolate(law, config, tick, out_force);
@@ -581,11 +583,12 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->probe = haptic->pose.probe;
     force->pose_seq = haptic->pose.seq;
     force->pose_utime_us = haptic->pose.utime_us;
-    force->contact_count = is_in_contact ? active : 0;
     force->model_age_us = age_us(haptic, input->tick);
     const bool is_engulfed = haptic->engulfed > 0.0 && gain_of(haptic) > 0.0;
-    /* Offsets of contacts that have just ended decay within milliseconds: still contact. */
+    /* What is left of contacts that have just ended is contact still, and so is tissue all around.
+     */
     const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
+    force->contact_count = is_in_contact ? active : is_felt ? 1 : 0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
                    (haptic->law.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);

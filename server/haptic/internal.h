@@ -79,6 +79,8 @@ typedef struct ss_law {
     double velocity[3]; /* v_k */
     double depth;       /* m, penetration that the model has not yet yielded to */
     double residual[3]; /* N, decaying: what an update changed beyond the contacts' offsets */
+    int32_t free_ticks; /* since a contact was active, SS_RAMP_TICKS at most */
+    double outward[3];  /* unit, of the force of the last one that was; 0: none yet */
     double released[3]; /* N, decaying: the force of a grasp let go */
 } ss_law;
 
@@ -134,6 +136,9 @@ bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], 
                     double *out_depth);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
 void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3]);
+/* After a tick's values were set: `direction` of their force, 0 without any. What updates left then
+ * only pushes out, along the last one: it draws no tool in, nor aside. */
+void ss_law_settle(ss_law *law, const double direction[3]);
 /* The whole force of the last tick's values. */
 void ss_law_force(const ss_law *law, double out[3]);
 /* What `hold` and `linear` hand out in its place. */

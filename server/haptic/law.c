@@ -81,6 +81,19 @@ static void decay3(double v[3], double factor)
     }
 }
 
+/* Without a contact the residual is gone within a ramp: it smooths the change of a force that is no
+ * more. */
+static void let_go(ss_law *law)
+{
+    if (ss_law_active_count(law) > 0) {
+        law->free_ticks = 0;
+    } else if (law->free_ticks < SS_RAMP_TICKS) {
+        const double left = SS_RAMP_TICKS - law->free_ticks;
+        ss_scale3(law->residual, law->residual, (left - 1.0) / left);
+        ++law->free_ticks;
+    }
+}
+
 void ss_law_decay(ss_law *law, double period, double apart)
 {
     const double usual = offset_time(law);
@@ -102,6 +115,7 @@ void ss_law_decay(ss_law *law, double period, double apart)
     }
     /* Of a grasp the residual is the offset. */
     decay3(law->residual, law->held.is_held ? kept : factor);
+    let_go(law);
     decay3(law->released, exp(-period / RELEASE_TIME));
 }
 
@@ -165,6 +179,15 @@ void ss_law_force(const ss_law *law, double out[3])
     if (law->held.is_held) {
         ss_add3(out, out, law->held.value);
     }
+}
+
+void ss_law_settle(ss_law *law, const double direction[3])
+{
+    if (ss_norm3(direction) > 0.0) {
+        ss_copy3(law->outward, direction);
+        return;
+    }
+    ss_scale3(law->residual, law->outward, fmax(0.0, ss_dot3(law->residual, law->outward)));
 }
 
 void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64_t tick,

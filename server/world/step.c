@@ -92,6 +92,8 @@ static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     }
     const double spare = PLACE_SHARE * ss_shape_bounding_radius(shape);
     if (!ss_contact_leave(&tissue, shape, inout_pose, spare, probe->inward, way)) {
+        double point[3], normal[3];
+        probe->depth = ss_contact_locate(tissue.mesh, tissue.u, shape, inout_pose, point, normal);
         return false;
     }
     ss_add3(inout_pose->position, inout_pose->position, way);
@@ -200,6 +202,7 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     ss_copy3(out->proxy, probe->stepped_to.proxy);
     memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
     if (!tool->is_present) {
+        out->set.engulfed = probe->waited > 0 ? fmax(0.0, probe->depth) : 0.0;
         return;
     }
     ss_copy3(out->proxy, tool->to.position);

@@ -8,7 +8,6 @@
 
 static const double SINK_SHARE = 0.3;    /* of a tool's least half-width */
 static const double THROUGH_SHARE = 0.9; /* of the same: the far side's samples turn the force */
-static const double LONGEST_WAIT = 0.1;  /* s; a tool that is found inside has its place at once */
 
 void ss_world_plan_watch(ss_world *world)
 {
@@ -31,8 +30,7 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         const ss_contact_set *set = &probe->computed.set;
         const double depth = probe->is_used ? set->depth : 0.0;
         const double size = ss_shape_inradius(&world->scene->tool[p].shape);
-        if (info->verdict < SOFTSIM_VERDICT_FAULT &&
-            (double)probe->waited * world->step_period > LONGEST_WAIT) {
+        if (info->verdict < SOFTSIM_VERDICT_FAULT && probe->waited > 0) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason = "a tool was found inside the tissue, which has no place for it, and is "
                            "not felt: take it out";

@@ -86,6 +86,7 @@ typedef struct ss_world_probe {
     bool was_present;
     uint32_t last_teleports;
     int64_t waited;         /* steps on end: found inside the tissue, which has no place for it */
+    double depth;           /* m, how deep it stood there when a place was looked for */
     bool is_found_inside;   /* it stands where it just touches, until it is entered */
     uint32_t found_entries; /* of the target then */
     double outward[3];      /* the way there */

@@ -205,10 +205,22 @@ static inline softsim_pose pose_of(int32_t seq, const double position[3])
     return pose;
 }
 
+/* In contact is what has contacts, and nothing else has a force, a torque or a depth. */
+static inline void assert_consistent(const softsim_force *force)
+{
+    const bool is_contact = (force->flags & SOFTSIM_FORCE_CONTACT) != 0;
+    assert_int_equal(force->contact_count > 0, is_contact);
+    for (int a = 0; a < 3; ++a) {
+        assert_true(is_contact || (fabs(force->force[a]) <= 0.0 && fabs(force->torque[a]) <= 0.0));
+    }
+    assert_true(force->depth >= 0.0 && (is_contact || force->depth <= 0.0));
+}
+
 static inline softsim_force feel(softsim_world *world, const softsim_pose *pose)
 {
     softsim_force force[SOFTSIM_MAX_PROBES];
     const int32_t channel = 0;
     (void)softsim_tick(world, pose, &channel, 1, force);
+    assert_consistent(&force[0]);
     return force[0];
 }

@@ -202,6 +202,94 @@ static void a_touch_just_after_the_first_pose_is_felt(void **state)
     assert_true(is_good);
 }
 
+/* ---- out again ---- */
+
+/* Where tool 0 just touches the body: over its outermost free node along x, from outside. */
+static void find_touch(const ss_world *world, double out[3], double out_in[3])
+{
+    const ss_mesh *mesh = world->scene->mesh;
+    int32_t best = -1;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        if (world->scene->fixed[i] == 0 &&
+            (best < 0 || mesh->position[i][0] > mesh->position[best][0])) {
+            best = i;
+        }
+    }
+    assert_true(best >= 0);
+    ss_copy3(out, mesh->position[best]);
+    out[0] += ss_shape_inradius(&world->scene->tool[0].shape);
+    ss_set3(out_in, -1.0, 0.0, 0.0);
+}
+
+enum { COUPLED = 8 }; /* ticks: three times the damper's over the spring */
+
+typedef struct escape {
+    double most, inward; /* N, of the force; and of its part into the tissue */
+    int felt;            /* ticks after the hand was out, with a force */
+    int late;            /* of them, a ramp's time after the coupling, too, was out */
+} escape;
+
+/* Found 6 mm deep, and pulled out at 2 m/s after `stay` ticks. */
+static escape pull_out(const char *scene, int stay)
+{
+    char path[512];
+    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s.yaml", scene);
+    softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    config.import_program = BIN_DIR "/softsim-import";
+    softsim_world *world = softsim_create(path, &config, &error);
+    if (world == NULL) {
+        fail_msg("%s: %s", scene, error.text);
+    }
+    double touch[3], in[3];
+    escape out = {.most = 0.0};
+    find_touch((const ss_world *)world, touch, in);
+    for (int n = 0; n < stay + 100; ++n) {
+        const double depth = 0.006 - 0.002 * (n > stay ? n - stay : 0);
+        double x[3];
+        ss_madd3(x, touch, fmax(depth, -0.06), in);
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        const double size = ss_norm3(force.force);
+        out.most = fmax(out.most, size);
+        out.inward = fmax(out.inward, -ss_dot3(force.force, force.normal));
+        out.felt += depth < 0.0 && size > 0.0;
+        out.late += depth < -0.002 * (RAMP + COUPLED) && size > 0.0;
+    }
+    softsim_destroy(&world);
+    return out;
+}
+
+/* A tool that is let in and pulled away is let go: nothing draws it back, and what is left of the
+ * force is gone within a ramp. */
+static void a_tool_that_is_pulled_out_is_let_go(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    static const char *const scenes[] = {
+        "kidney",     "ventricle",     "liver",         "liver-chainmail",   "cylinder",
+        "hm1-tissue", "hm1",           "ed0",           "ed0-tissue",        "hm2",
+        "hm2-tissue", "cylinder-grid", "kidney-nodule", "kidney-anisotropic"};
+    static const int stays[] = {250, 100, 450, 520};
+    const int stay_count = FULL_IN_LONG_RUN(4, 1);
+    bool is_good = true;
+    double most = 0.0;
+    for (int k = 0; k < 14; ++k) {
+        for (int n = k; n < k + stay_count; ++n) {
+            const escape one = pull_out(scenes[k], stays[n % 4]);
+            const bool is_one = one.inward <= 0.0 && one.late == 0;
+            most = fmax(most, one.most);
+            print_message("%s after %d ticks: at most %.3f N, %.3g N inward, %d ticks felt "
+                          "outside, %d late%s\n",
+                          scenes[k], stays[n % 4], one.most, one.inward, one.felt, one.late,
+                          is_one ? "" : ": BAD");
+            is_good = is_good && is_one;
+        }
+    }
+    assert_true(most > 0.0);
+    assert_true(is_good);
+}
+
 /* ---- in a cavity ---- */
 
 /* A ball that stands still in the middle of a hollow of 40 mm. */
@@ -253,7 +341,9 @@ static void a_tool_without_a_place_is_told(void **state)
 {
     (void)state;
     softsim_state now;
-    (void)stand_in_a_hollow(26.0, &now);
+    const softsim_force force = stand_in_a_hollow(26.0, &now);
+    assert_int_equal(force.contact_count, 1);
+    assert_true(force.depth > 0.005);
     assert_int_equal(now.verdict, SOFTSIM_VERDICT_DEGRADED);
     assert_non_null(strstr(now.reason, "no place"));
     assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
@@ -262,6 +352,7 @@ static void a_tool_without_a_place_is_told(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tool_that_is_pulled_out_is_let_go),
         cmocka_unit_test(a_tool_in_a_cavity_is_free),
         cmocka_unit_test(a_tool_without_a_place_is_told),
         cmocka_unit_test(a_touch_just_after_the_first_pose_is_felt),
