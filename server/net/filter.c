@@ -8,6 +8,7 @@
  *           alone does not do: the kernel does send TTL 0 out of a host on which nobody has joined
  *           the group, and a neighbour can write any TTL into a packet of its own, but only the
  *           receiving kernel gives the packet type.
+ *   heard   the sender is none of those that are muted
  *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
  *   channel exactly one of the names, with its NUL
  *   part    the message has it, or has it not: a message too short for it has it not
@@ -26,8 +27,11 @@ enum {
     MAGIC_AT = 8,
     CHANNEL_AT = 16,
     IP_TTL_AT = 8,
+    IP_SOURCE_AT = 12,
+    PORT_AT = 0,
     OPEN = 255,
-    MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 64 /* a name of 63 bytes takes 39, a part 20 at most */
+    /* A name of 63 bytes takes 39, a part 20 at most. */
+    MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 64 + SS_FILTER_MAX_MUTED * 5
 };
 static const uint32_t WHOLE_MESSAGE = 0x4c433032; /* "LC02" */
 
@@ -75,6 +79,17 @@ static void demand_local(program *p)
     compare(p, BPF_JEQ, PACKET_LOOPBACK, 2, 0); /* over the question for the device */
     load(p, BPF_W, (uint32_t)(SKF_AD_OFF + SKF_AD_HATYPE));
     compare(p, BPF_JEQ, ARPHRD_LOOPBACK, 0, OPEN);
+}
+
+static void refuse_sender(program *p, uint64_t source)
+{
+    const uint16_t first = p->count;
+    load(p, BPF_H, PORT_AT);
+    compare(p, BPF_JEQ, (uint32_t)(source & 0xffff), 0, OPEN);
+    load(p, BPF_W, (uint32_t)(SKF_NET_OFF + IP_SOURCE_AT));
+    compare(p, BPF_JEQ, (uint32_t)(source >> 16), 0, OPEN);
+    finish(p, 0);
+    land(p, first);
 }
 
 static uint32_t read_word(const unsigned char *byte)
@@ -130,6 +145,9 @@ static void judge_part(program *p, const ss_filter_part *part, uint32_t message_
 bool ss_filter_attach(const ss_filter *filter, int fd)
 {
     program p = {.count = 0};
+    for (int32_t i = 0; i < filter->muted_count; ++i) {
+        refuse_sender(&p, filter->muted[i]);
+    }
     if (filter->is_local) {
         demand_local(&p);
     }

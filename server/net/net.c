@@ -5,10 +5,11 @@
  *
  * Poses, commands, requests for a status and statuses come in lanes of their own, so that a flood
  * of one starves no other; everything is drained at each wake, as far as the budgets go: together
- * they hold the net thread under a fifth of a core. Commands and requests have another budget
- * each, since a reply and a status cost what fifty poses do. Messages are encoded into one fixed
- * buffer (the generated publish functions allocate). Nothing here is called by the real-time loops:
- * lcm_publish locks.
+ * they hold the net thread under a fifth of a core. Each sender of commands and of requests has
+ * another budget, since a reply and a status cost what fifty poses do, and so that none takes
+ * another's; who is far beyond it is not heard at all for a while (receiver.c). Messages are
+ * encoded into one fixed buffer (the generated publish functions allocate). Nothing here is called
+ * by the real-time loops: lcm_publish locks.
  */
 #include <stdatomic.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@
 #include "net/codec.h"
 #include "net/net.h"
 #include "net/receiver.h"
+#include "net/senders.h"
 #include "net/status.h"
 #include "net/wire.h"
 #include "rt/budget.h"
@@ -40,9 +42,12 @@ enum {
     REQUEST_WORK_PER_MS = 4,
     STATUS_WORK_PER_MS = 8, /* ours too */
     OTHER_WORK_BURST = 256,
+    /* Of one sender; SS_SENDERS of them at a time. */
     COMMANDS_PER_S = 100,
     REQUESTS_PER_S = 20, /* two servers that start ask for as many */
     COMMAND_BURST = 50,
+    MUTED_PER_S = 200, /* beyond, a sender is muted */
+    MUTED_BURST = 256,
     COMMAND_NAME_AT = 32, /* byte of a message: its length, then its characters and a NUL */
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
     REPLY_TEXT_SIZE = 8192,
@@ -54,7 +59,7 @@ struct ss_net {
     ss_receiver *receiver;
     ss_net_calls calls;
     bool is_lockstep;
-    ss_budget commands, requests;
+    ss_senders commands, requests;
     char force_channel[SOFTSIM_MAX_PROBES][SS_WIRE_CHANNEL_SIZE];
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
@@ -175,12 +180,13 @@ static void receive_pose(void *context, const ss_packet *packet)
     net->calls.handle_pose(net->calls.context, &pose, packet->digit, receive_ns);
 }
 
-static void run_command(ss_net *net, const ss_packet *packet, ss_budget *budget)
+static void run_command(ss_net *net, const ss_packet *packet, ss_senders *senders)
 {
     ss_net_command command;
     const int64_t now_ns = ss_clock_now_ns();
+    ss_budget *budget = ss_senders_find(senders, packet->source, now_ns);
     softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
-    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(budget, now_ns) < 1) {
+    if (refusal == SOFTSIM_ACCEPTED && (!budget || ss_budget_left(budget, now_ns) < 1)) {
         refusal = SOFTSIM_REFUSED_OTHER; /* too many to answer */
     }
     if (refusal != SOFTSIM_ACCEPTED) {
@@ -243,6 +249,8 @@ static const ss_lane lanes[] = {
      .buffer = LANE_BUFFER,
      .per_ms = COMMAND_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
+     .sender_per_s = MUTED_PER_S,
+     .sender_burst = MUTED_BURST,
      .receive = receive_command},
     {.suffix = {"_COMMAND"},
      .part = {.at = COMMAND_NAME_AT, .bytes = request_name, .size = sizeof request_name},
@@ -250,12 +258,16 @@ static const ss_lane lanes[] = {
      .buffer = LANE_BUFFER,
      .per_ms = REQUEST_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
+     .sender_per_s = MUTED_PER_S,
+     .sender_burst = MUTED_BURST,
      .receive = receive_request},
     {.suffix = {"_STATUS"},
      .max_size = MAX_MESSAGE,
      .buffer = LANE_BUFFER,
      .per_ms = STATUS_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
+     .sender_per_s = MUTED_PER_S,
+     .sender_burst = MUTED_BURST,
      .receive = receive_status}};
 
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
@@ -320,8 +332,10 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     net->calls = *calls;
     net->is_lockstep = config->is_lockstep;
     net->sender = ss_wire_draw_sender();
-    net->commands = (ss_budget){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
-    net->requests = (ss_budget){.interval_ns = 1000000000 / REQUESTS_PER_S, .burst = COMMAND_BURST};
+    net->commands =
+        (ss_senders){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
+    net->requests =
+        (ss_senders){.interval_ns = 1000000000 / REQUESTS_PER_S, .burst = COMMAND_BURST};
     compute_hashes();
     name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);

@@ -22,10 +22,18 @@
  * buffer of some hundred messages and is dropped there, at no cost to our threads. A pose thus
  * waits a few milliseconds at most in the worst flood.
  *
- * Alternatives rejected: LCM with `bind` interposed to attach the filter, which cures fragments
- * but neither the reader's appetite nor the missing address, and works only where liblcm is linked
- * dynamically; a filter attached after lcm_subscribe, which leaves the milliseconds of LCM's self
- * test open: at 20,000 fragments a second 18 of 30 servers died in them.
+ * A budget keeps our threads, not the others who send: their messages find the buffer full. So
+ * where a lane says how much one sender may send, who sends more is muted: the filter drops what
+ * comes from its address and port, for a second, and each time twice as long as before, up to a
+ * minute. A few milliseconds after that are its own again, until it is muted anew.
+ *
+ * Alternatives rejected: a socket for each sender, which nobody knows before it has spoken; reading
+ * all there is and dropping it here, which a flood of one core pays with another; LCM with `bind`
+ * interposed to attach the filter, which cures fragments but neither the reader's appetite nor the
+ * missing address, and works only where liblcm is linked dynamically; a filter attached after
+ * lcm_subscribe, which leaves the milliseconds of LCM's self test open: at 20,000 fragments a
+ * second 18 of 30 servers died in them.
+ *
  * memq:// (one process, for tests) still comes through LCM, and has no budget.
  */
 #include "net/receiver.h"
@@ -39,6 +47,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "net/senders.h"
 #include "net/wire.h"
 #include "rt/budget.h"
 #include "rt/clock.h"
@@ -59,14 +68,26 @@ enum {
 };
 static const int64_t NS_PER_MS = 1000000;
 static const int64_t NS_PER_S = 1000000000;
-static const int64_t TEST_WAIT_NS = 100000000;      /* ten seconds in all, as LCM's own */
+static const int64_t TEST_WAIT_NS = 100000000; /* ten seconds in all, as LCM's own */
+static const int64_t FIRST_MUTE_NS = 1000000000, LONGEST_MUTE_NS = 64000000000;
 static const char TEST_CHANNEL[] = "LCM_SELF_TEST"; /* LCM's, so that spies know it */
+
+typedef struct muted_sender {
+    uint64_t source;
+    int64_t until_ns, length_ns; /* 0: never */
+} muted_sender;
 
 typedef struct lane_state {
     ss_lane lane;
     ss_receiver *receiver;
     int fd; /* -1 in memq:// */
     ss_budget budget;
+    ss_filter filter;
+    char name[SS_FILTER_MAX_NAMES][SS_WIRE_CHANNEL_SIZE];
+    const char *names[SS_FILTER_MAX_NAMES];
+    ss_senders senders;
+    muted_sender muted[SS_FILTER_MAX_MUTED];
+    int64_t unmute_ns; /* the first of them; INT64_MAX: none is */
 } lane_state;
 
 struct ss_receiver {
@@ -149,10 +170,63 @@ static uint64_t number_source(const struct sockaddr_in *source)
     return (uint64_t)ntohl(source->sin_addr.s_addr) << 16 | ntohs(source->sin_port);
 }
 
+/* Mutes those whose time is not over. A kernel that refuses a filter leaves the one before. */
+static void mute_senders(lane_state *lane, int64_t now_ns)
+{
+    lane->filter.muted_count = 0;
+    lane->unmute_ns = INT64_MAX;
+    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
+        const muted_sender *muted = &lane->muted[i];
+        if (muted->until_ns > now_ns) {
+            lane->filter.muted[lane->filter.muted_count++] = muted->source;
+            lane->unmute_ns = muted->until_ns < lane->unmute_ns ? muted->until_ns : lane->unmute_ns;
+        }
+    }
+    (void)ss_filter_attach(&lane->filter, lane->fd);
+}
+
+static void mute(lane_state *lane, uint64_t source, int64_t now_ns)
+{
+    muted_sender *place = &lane->muted[0];
+    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED && place->source != source; ++i) {
+        muted_sender *muted = &lane->muted[i];
+        place = muted->source == source || muted->until_ns < place->until_ns ? muted : place;
+    }
+    if (place->source != source) {
+        *place = (muted_sender){.source = source};
+    }
+    if (place->until_ns > now_ns) {
+        return; /* what was in the buffer already */
+    }
+    const int64_t twice_ns = 2 * place->length_ns;
+    place->length_ns = twice_ns == 0                ? FIRST_MUTE_NS
+                       : twice_ns < LONGEST_MUTE_NS ? twice_ns
+                                                    : LONGEST_MUTE_NS;
+    place->until_ns = now_ns + place->length_ns;
+    mute_senders(lane, now_ns);
+}
+
+/* May this sender say more in this lane? */
+static bool may_say(lane_state *lane, uint64_t source, int64_t now_ns)
+{
+    ss_budget *budget =
+        lane->lane.sender_per_s > 0 ? ss_senders_find(&lane->senders, source, now_ns) : NULL;
+    if (budget == NULL) {
+        return true;
+    }
+    if (ss_budget_left(budget, now_ns) < 1) {
+        mute(lane, source, now_ns);
+        return false;
+    }
+    ss_budget_spend(budget, 1);
+    return true;
+}
+
 /* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */
 static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
 {
-    const int64_t left = ss_budget_left(&lane->budget, ss_clock_now_ns()) - READ_COST;
+    const int64_t now_ns = ss_clock_now_ns();
+    const int64_t left = ss_budget_left(&lane->budget, now_ns) - READ_COST;
     const unsigned wanted = left < BATCH ? (unsigned)left : BATCH;
     for (unsigned i = 0; i < wanted; ++i) {
         receiver->header[i].msg_hdr.msg_namelen = sizeof receiver->source[i];
@@ -169,7 +243,9 @@ static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
         if (ss_receiver_parse(&lane->lane, receiver->prefix, receiver->vector[i].iov_base, size,
                               &packet)) {
             packet.source = number_source(&receiver->source[i]);
-            lane->lane.receive(receiver->context, &packet);
+            if (may_say(lane, packet.source, now_ns)) {
+                lane->lane.receive(receiver->context, &packet);
+            }
         }
     }
     return count;
@@ -199,6 +275,9 @@ static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
 {
     for (int32_t i = 0; i < receiver->lane_count; ++i) {
         lane_state *lane = &receiver->lane[i];
+        if (now_ns >= lane->unmute_ns) {
+            mute_senders(lane, now_ns);
+        }
         const bool is_open = receiver->is_memq || ss_budget_left(&lane->budget, now_ns) > READ_COST;
         /* poll passes over a negative descriptor. */
         waiting[i] = (struct pollfd){.fd = is_open ? lane->fd : -1, .events = POLLIN};
@@ -363,19 +442,18 @@ static softsim_status test_group(const ss_receiver *receiver, const ss_wire_url 
 static softsim_status open_lane(ss_receiver *receiver, lane_state *lane, const ss_wire_url *url,
                                 softsim_error *error)
 {
-    char name[SS_FILTER_MAX_NAMES][SS_WIRE_CHANNEL_SIZE];
-    const char *names[SS_FILTER_MAX_NAMES];
-    ss_filter filter = {.is_local = url->ttl == 0,
-                        .names = names,
-                        .part = lane->lane.part,
-                        .bytes_kept = (uint32_t)(UDP_HEADER + receiver->slot_size)};
-    for (; filter.name_count < SS_FILTER_MAX_NAMES && lane->lane.suffix[filter.name_count];
-         ++filter.name_count) {
-        names[filter.name_count] = name[filter.name_count];
-        snprintf(name[filter.name_count], sizeof name[0], "%s%s", receiver->prefix,
-                 lane->lane.suffix[filter.name_count]);
+    ss_filter *filter = &lane->filter;
+    *filter = (ss_filter){.is_local = url->ttl == 0,
+                          .names = lane->names,
+                          .part = lane->lane.part,
+                          .bytes_kept = (uint32_t)(UDP_HEADER + receiver->slot_size)};
+    for (int32_t i = 0; i < SS_FILTER_MAX_NAMES && lane->lane.suffix[i]; ++i) {
+        lane->names[i] = lane->name[i];
+        snprintf(lane->name[i], sizeof lane->name[i], "%s%s", receiver->prefix,
+                 lane->lane.suffix[i]);
+        ++filter->name_count;
     }
-    lane->fd = open_socket(url, &filter, url->buffer > 0 ? url->buffer : lane->lane.buffer);
+    lane->fd = open_socket(url, filter, url->buffer > 0 ? url->buffer : lane->lane.buffer);
     return lane->fd >= 0 ? SOFTSIM_OK : fail_socket(error);
 }
 
@@ -421,6 +499,11 @@ static softsim_status open_lanes(ss_receiver *receiver, const ss_receiver_config
         lane->receiver = receiver;
         lane->budget =
             (ss_budget){.interval_ns = NS_PER_MS / lane->lane.per_ms, .burst = lane->lane.burst};
+        lane->unmute_ns = INT64_MAX;
+        if (lane->lane.sender_per_s > 0) {
+            lane->senders = (ss_senders){.interval_ns = NS_PER_S / lane->lane.sender_per_s,
+                                         .burst = lane->lane.sender_burst};
+        }
         status =
             url->is_memq ? subscribe_memq(receiver, lane) : open_lane(receiver, lane, url, error);
         lane->fd = url->is_memq ? lcm_get_fileno(config->lcm) : lane->fd;

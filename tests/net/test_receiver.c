@@ -353,6 +353,42 @@ static void a_flood_is_read_no_faster_than_the_budget(void **state)
     close(fd);
     close_receiver(&receiver);
 }
+/* What one sender fills the buffer with leaves no room for others: beyond what one may say nothing
+ * of it comes into the buffer, for a time. */
+static void a_sender_who_says_too_much_is_muted(void **state)
+{
+    (void)state;
+    enum { MAY_SAY = 40, FLOOD = 20000 };
+    ss_lane strict[2] = {lanes[0], lanes[1]};
+    heard h = {0};
+    strict[1].sender_per_s = 1;
+    strict[1].sender_burst = MAY_SAY;
+    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    const int flooder = sender_open(0), other = sender_open(0);
+    for (int i = 0; i < MAY_SAY + 1; ++i) {
+        send_message(flooder, "T_STATUS", SIZE);
+    }
+    send_message(other, "T_STATUS", MARK);
+    while (h.other_marks < 1) {
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 1000000000) >= 0);
+    }
+    assert_int_equal(h.others, MAY_SAY);
+    for (int i = 0; i < FLOOD; ++i) { /* forty times the buffer */
+        send_message(flooder, "T_STATUS", SIZE);
+    }
+    send_message(other, "T_STATUS", MARK);
+    while (h.other_marks < 2) {
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) > 0);
+    }
+    assert_int_equal(h.others, MAY_SAY);
+    while (h.others == MAY_SAY) { /* and after that time it is heard again */
+        send_message(flooder, "T_STATUS", SIZE);
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 10000000) >= 0);
+    }
+    close(flooder);
+    close(other);
+    close_receiver(&receiver);
+}
 
 static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
 {
@@ -404,6 +440,7 @@ int main(void)
         cmocka_unit_test(only_this_host_is_heard_with_a_ttl_of_zero),
         cmocka_unit_test(a_part_of_the_message_chooses_between_lanes),
         cmocka_unit_test(a_flood_is_read_no_faster_than_the_budget),
+        cmocka_unit_test(a_sender_who_says_too_much_is_muted),
         cmocka_unit_test(a_signal_is_not_kept_waiting_by_a_flood),
     };
     return PROCESS_RUN_GROUP("receiver", tests, NULL, NULL);

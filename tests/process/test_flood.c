@@ -274,6 +274,41 @@ static void a_flood_of_statuses_loses_no_command(void **state)
     expect_no_command_lost("status");
 }
 
+/* The flooder takes its share, and no more. */
+static void a_flood_of_commands_loses_no_command_of_another(void **state)
+{
+    (void)state;
+    expect_no_command_lost("command-pause");
+}
+
+/* Statuses that another process forges as fast as it can filled the monitor's buffer: the server
+ * was not heard, was taken for silent, and the forger was shown in its place. */
+static void a_monitor_stays_with_the_server_it_heard_first(void **state)
+{
+    (void)state;
+    const char *const monitor[] = {"softsim-monitor", "--json", NULL};
+    static const char seq[] = "\"seq\": ";
+    start_daemon(tube(), NULL);
+    process_start(&client, monitor, NULL);
+    assert_true(process_wait_for(&client, "\"scene\""));
+    start_flood("status", "0", "600");
+    assert_true(process_wait_for(&client, "two servers answer"));
+    /* Its statuses come four a second: one that was made later. */
+    const char *last = client.out;
+    for (const char *at = last; (at = strstr(at, seq)) != NULL; at += strlen(seq)) {
+        last = at;
+    }
+    char later[32];
+    snprintf(later, sizeof later, "%s%ld,", seq, strtol(last + strlen(seq), NULL, 10) + 8);
+    assert_true(process_wait_for(&client, later));
+    assert_null(strstr(client.out, "\"flood\""));
+    process_signal(&flooder, SIGKILL); /* it was there until now */
+    assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
+    process_signal(&client, SIGINT);
+    assert_int_equal(process_finish(&client), 1); /* two were heard */
+    assert_int_equal(stop_daemon(), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -288,6 +323,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_flood_of_status_requests_loses_no_command, make_folder,
                                         end_all),
         cmocka_unit_test_setup_teardown(a_flood_of_statuses_loses_no_command, make_folder, end_all),
+        cmocka_unit_test_setup_teardown(a_flood_of_commands_loses_no_command_of_another,
+                                        make_folder, end_all),
+        cmocka_unit_test_setup_teardown(a_monitor_stays_with_the_server_it_heard_first, make_folder,
+                                        end_all),
     };
     return PROCESS_RUN_GROUP("flood", tests, NULL, NULL);
 }
