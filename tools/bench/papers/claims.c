@@ -59,33 +59,20 @@ void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, 
     to->result = error <= tolerance * fabs(expected) ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
 }
 
-/* Thousands in full: "at least 9000". */
-static void claim_limit(ss_claim *to, bool is_most, double limit, double measured)
+void ss_claim_limit(ss_paper *paper, const char *figure, ss_claim_source source, bool is_most,
+                    double limit, double measured, const char *claim, ...)
 {
+    va_list arguments;
+    va_start(arguments, claim);
+    ss_claim *to = next(paper, figure, source, claim, arguments);
+    va_end(arguments);
+    /* Thousands in full: "at least 9000". */
     const bool is_large = fabs(limit) >= 100.0 && fabs(limit) < 1e6;
     snprintf(to->expected, sizeof to->expected, is_large ? "at %s %.0f" : "at %s %.3g",
              is_most ? "most" : "least", limit);
     snprintf(to->measured, sizeof to->measured,
              fabs(measured) >= 1000.0 && fabs(measured) < 1e6 ? "%.0f" : "%.4g", measured);
     to->result = (is_most ? measured <= limit : measured >= limit) ? SS_CLAIM_PASS : SS_CLAIM_FAIL;
-}
-
-void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
-                      double measured, const char *claim, ...)
-{
-    va_list arguments;
-    va_start(arguments, claim);
-    claim_limit(next(paper, figure, source, claim, arguments), true, limit, measured);
-    va_end(arguments);
-}
-
-void ss_claim_at_least(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
-                       double measured, const char *claim, ...)
-{
-    va_list arguments;
-    va_start(arguments, claim);
-    claim_limit(next(paper, figure, source, claim, arguments), false, limit, measured);
-    va_end(arguments);
 }
 
 void ss_claim_search(ss_paper *paper, const char *search, ...)

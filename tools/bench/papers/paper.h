@@ -78,12 +78,13 @@ void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, 
                    double measured, double tolerance, const char *claim, ...)
     __attribute__((format(printf, 7, 8)));
 /* Passes when `measured` is at most `limit`. */
-void ss_claim_at_most(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
-                      double measured, const char *claim, ...)
-    __attribute__((format(printf, 6, 7)));
-void ss_claim_at_least(ss_paper *paper, const char *figure, ss_claim_source source, double limit,
-                       double measured, const char *claim, ...)
-    __attribute__((format(printf, 6, 7)));
+void ss_claim_limit(ss_paper *paper, const char *figure, ss_claim_source source, bool is_most,
+                    double limit, double measured, const char *claim, ...)
+    __attribute__((format(printf, 7, 8)));
+#define ss_claim_at_most(paper, figure, source, limit, ...)                                        \
+    ss_claim_limit(paper, figure, source, true, limit, __VA_ARGS__)
+#define ss_claim_at_least(paper, figure, source, limit, ...)                                       \
+    ss_claim_limit(paper, figure, source, false, limit, __VA_ARGS__)
 /* What was tried to make the last claim hold, and with what result; shown where it does not pass.
  */
 void ss_claim_search(ss_paper *paper, const char *search, ...)
