@@ -20,18 +20,9 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define TWO_PI          6.283185307179586
-#define VELOCITY_CORNER 50.0 /* Hz: one position count a millisecond is 30 mm/s */
-#define SPEED_MAX       10.0 /* m/s: no hand is faster; bounds what a bad clock can do */
-/* s: in which a proxy that slipped out comes over the hand. */
-#define ASIDE_TIME 0.1
-/* How a limit that is raised lets the slip go: at most as fast as a hand presses, in time with what
- * is left of it, and not without end. */
-#define RISE_SPEED        0.1   /* m/s */
-#define RISE_TIME         0.1   /* s */
-#define RISE_SPEED_MIN    0.005 /* m/s */
-#define NEGLIGIBLE        1e-9  /* m */
-#define NEGLIGIBLE_FORCE  1e-9  /* N */
+#define TWO_PI            6.283185307179586
+#define VELOCITY_CORNER   50.0  /* Hz: one position count a millisecond is 30 mm/s */
+#define SPEED_MAX         10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
 #define SPRING_RATE       5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
 #define ENTRY_SPRING_RATE 50.0  /* 1/s: downwards while the depth fades in */
 #define PREDICT_TIME_MAX  0.025 /* s */
@@ -53,14 +44,8 @@ struct ss_haptic {
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
-    double spring;       /* K_c */
-    double limit;        /* N, of the force; follows config.max_force */
-    double share;        /* of the coupling that is left: 1 below the limit */
-    double slip;         /* m, out of the tissue, beyond what the force stretches the coupling */
-    double direction[3]; /* of the law's force, unit or 0 */
-    double aside[3];     /* m, from hand to proxy across that, left by the limit */
-    bool is_letting_go;  /* of a grasp at the limit, in this tick: all of the slip is left */
-    bool has_let_go;     /* and fades */
+    double spring; /* K_c */
+    ss_slip slip;
     ss_admission gate;
     ss_law law;
     bool is_fault;
@@ -228,7 +213,7 @@ static void place_proxy(ss_haptic *haptic)
     ss_law_clear(&haptic->law);
     ss_copy3(haptic->p, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
-    ss_set3(haptic->aside, 0.0, 0.0, 0.0);
+    ss_slip_clear(&haptic->slip);
     haptic->is_returning = false;
     haptic->placed_starts = haptic->starts;
     ++haptic->teleports;
@@ -353,18 +338,33 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     return true;
 }
 
+/* The proxy stays where it is: flung to the hand, it would take along what the model has not yet
+ * let go. */
+static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
+{
+    const double damping = haptic->config.damping;
+    double aside[3];
+    for (int i = 0; i < 3; ++i) {
+        double load = damping * v[i] + haptic->law.residual[i];
+        for (int32_t k = 0; k < haptic->law.count; ++k) {
+            load += haptic->law.contact[k].value * haptic->law.contact[k].direction[i];
+        }
+        aside[i] = haptic->p[i] - x[i] - load / haptic->spring;
+    }
+    ss_slip_let_go(&haptic->slip, aside);
+}
+
 /* The grasp begins with the button in contact, stays only if the model holds too (a result may
  * also begin it, in use_result), and ends with the button. */
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
-                         const double x[3])
+                         const double x[3], const double v[3])
 {
     ss_law *law = &haptic->law;
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
-    haptic->is_letting_go =
-        law->held.is_held && haptic->share < 1.0 && (!haptic->is_pressed || is_refused);
-    if (!haptic->is_pressed || is_refused) {
+    if (law->held.is_held && (!haptic->is_pressed || is_refused)) {
         ss_law_release(law, x, haptic->p, haptic->pdot);
+        let_go(haptic, x, v);
     } else if (!law->held.is_held && input->tick == haptic->press_tick &&
                ss_law_active_count(law) > 0) {
         ss_law_hold(law, haptic->p, haptic->pdot);
@@ -416,24 +416,15 @@ static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
     return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
 }
 
-/* A limit that is changed while the force is at it moves there, and the proxy with it: down as fast
- * as the force may, up so that the tissue can follow. Up as fast as the coupling's stiffness let
- * it, the kidney was pressed at .3 m/s and answered with 14 % more than where it came to rest. */
 static void update_limit(ss_haptic *haptic, int64_t tick)
 {
-    const double wanted = haptic->config.max_force;
-    const double step = slew_step(haptic, tick);
-    if (wanted < haptic->limit) {
-        const double from = fmin(haptic->limit, ss_norm3(haptic->last_force));
-        haptic->limit = fmax(wanted, from - step);
+    ss_slip *slip = &haptic->slip;
+    const bool is_lowered =
+        ss_slip_follow(slip, &haptic->config, slew_step(haptic, tick), ss_norm3(haptic->last_force),
+                       felt_stiffness(haptic, slip->direction));
+    if (is_lowered) {
         /* The proxy goes out as fast as that asks: what is viscous in the tissue holds it back. */
         haptic->law.viscous = 1.0;
-    } else if (haptic->share < 1.0) {
-        const double speed = fmin(RISE_SPEED, fmax(RISE_SPEED_MIN, haptic->slip / RISE_TIME));
-        const double rise = speed * felt_stiffness(haptic, haptic->direction);
-        haptic->limit = fmin(wanted, haptic->limit + fmin(step, rise * haptic->config.period));
-    } else {
-        haptic->limit = wanted;
     }
 }
 
@@ -443,42 +434,19 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
 {
     const ss_haptic_config *config = &haptic->config;
     const double damper = config->damping / config->period;
-    *balance = (ss_balance){.spring = haptic->spring + damper, .limit = haptic->limit};
+    const ss_slip *slip = &haptic->slip;
+    *balance = (ss_balance){.spring = haptic->spring + damper, .limit = slip->limit};
     ss_add3(balance->decaying, haptic->law.residual, haptic->law.released);
     for (int i = 0; i < 3; ++i) {
-        const double pull = haptic->spring * x[i] + config->damping * v[i] + damper * haptic->p[i] +
-                            balance->decaying[i];
-        /* A grasp let go at the limit leaves the proxy where it is: flung to the hand, it would
-         * take along what the model has not yet let go. */
-        haptic->aside[i] =
-            haptic->is_letting_go ? haptic->p[i] - pull / balance->spring : haptic->aside[i];
-        balance->p_free[i] = pull / balance->spring + haptic->aside[i];
+        /* What a grasp let go leaves is felt, and does not move the proxy. */
+        const double pull = haptic->spring * (x[i] + slip->aside[i]) + config->damping * v[i] +
+                            damper * haptic->p[i] + haptic->law.residual[i];
+        balance->p_free[i] = pull / balance->spring;
     }
-    if (haptic->share < 1.0) {
-        ss_copy3(balance->axis, haptic->direction);
+    if (slip->share < 1.0) {
+        ss_copy3(balance->axis, slip->direction);
     }
     ss_law_rows(&haptic->law, config->period, x, haptic->p, balance);
-}
-
-/* The proxy that slipped out stays beside the hand where it is, and comes over it in time. */
-static void update_aside(ss_haptic *haptic, const ss_balance *balance, const ss_rest *rest)
-{
-    const double kept = exp(-haptic->config.period / ASIDE_TIME);
-    const bool is_slipping = rest->share < 1.0 && ss_norm3(haptic->direction) > 0.0;
-    haptic->has_let_go = haptic->is_letting_go || (haptic->has_let_go && !is_slipping);
-    if (haptic->has_let_go) {
-        ss_scale3(haptic->aside, haptic->aside, kept);
-    } else if (rest->share < 1.0 || ss_norm3(haptic->aside) > 0.0) {
-        double d[3];
-        ss_sub3(d, rest->p, balance->p_free);
-        ss_add3(d, d, haptic->aside);
-        ss_madd3(d, d, -ss_dot3(d, haptic->direction), haptic->direction);
-        ss_scale3(haptic->aside, ss_norm3(haptic->direction) > 0.0 ? d : haptic->aside, kept);
-    }
-    if (ss_norm3(haptic->aside) < NEGLIGIBLE) {
-        ss_set3(haptic->aside, 0.0, 0.0, 0.0);
-        haptic->has_let_go = false;
-    }
 }
 
 /* Balances the proxy against the law within the limit; writes the values of the law, p and the
@@ -497,23 +465,19 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     }
     ss_copy3(law->held.value, rest.held);
     ss_law_force(law, out_force);
-    ss_sub3(haptic->direction, out_force, balance.decaying);
-    if (ss_norm3(haptic->direction) > NEGLIGIBLE_FORCE) {
-        (void)ss_normalize3(haptic->direction);
-    } else {
-        ss_set3(haptic->direction, 0.0, 0.0, 0.0); /* rounding points nowhere */
-    }
-    ss_law_settle(law, haptic->direction);
+    double along[3];
+    ss_sub3(along, out_force, balance.decaying);
+    ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->spring, config->period);
+    ss_law_settle(law, haptic->slip.direction);
     ss_law_force(law, out_force);
-    update_aside(haptic, &balance, &rest);
     if (config->between_steps != SS_BETWEEN_LOCAL && !law->held.is_held) {
         ss_law_extrapolate(law, config, tick, out_force);
     }
-    const bool is_cut = ss_limit_force(out_force, haptic->limit);
+    const bool is_cut = ss_limit_force(out_force, haptic->slip.limit);
     double off[3];
     ss_sub3(off, rest.p, x);
-    haptic->slip = ss_dot3(off, haptic->direction) - ss_norm3(out_force) / haptic->spring;
-    haptic->share = rest.share;
+    haptic->slip.length =
+        ss_dot3(off, haptic->slip.direction) - ss_norm3(out_force) / haptic->spring;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
@@ -619,8 +583,8 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
-    const double along = ss_dot3(v, haptic->direction);
-    ss_madd3(target->velocity, v, (haptic->share - 1.0) * along, haptic->direction);
+    const double along = ss_dot3(v, haptic->slip.direction);
+    ss_madd3(target->velocity, v, (haptic->slip.share - 1.0) * along, haptic->slip.direction);
 }
 
 static void write_sums(ss_haptic *haptic)
@@ -699,8 +663,7 @@ ss_haptic *ss_haptic_create(const ss_haptic_config *config)
     ss_haptic_configure(haptic, config);
     ss_observer_restart(&haptic->observer, &haptic->config, false);
     haptic->spring = haptic->observer.limit;
-    haptic->limit = haptic->config.max_force;
-    haptic->share = 1.0;
+    haptic->slip = (ss_slip){.limit = haptic->config.max_force, .share = 1.0};
     return haptic;
 }
 
@@ -727,21 +690,15 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
     const ss_law *law = &haptic->law;
-    const double *const vector[] = {haptic->pose.position,
-                                    haptic->pdot,
-                                    haptic->direction,
-                                    haptic->aside,
-                                    law->held.value,
-                                    law->residual,
-                                    law->released,
-                                    haptic->gate.entry_point,
-                                    haptic->left.position,
-                                    law->held.position,
-                                    haptic->gate.entry_normal};
-    const double number[] = {haptic->share, haptic->slip,           law->slowness,
-                             law->viscous,  haptic->gate.held_back, haptic->ramp_from};
-    const uint8_t flag[] = {haptic->has_let_go, haptic->is_pressed, haptic->is_returning,
-                            law->held.is_held};
+    const double *const vector[] = {
+        haptic->pose.position, haptic->pdot,       haptic->slip.direction,
+        haptic->slip.aside,    law->held.value,    law->held.offset,
+        law->residual,         law->released,      haptic->gate.entry_point,
+        haptic->left.position, law->held.position, haptic->gate.entry_normal};
+    const double number[] = {haptic->slip.share, haptic->slip.length,    law->slowness,
+                             law->viscous,       haptic->gate.held_back, haptic->ramp_from};
+    const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.has_let_go, haptic->is_pressed,
+                            haptic->is_returning, law->held.is_held};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }
@@ -752,13 +709,14 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
-    const double state[] = {haptic->p[0],    haptic->p[1],     haptic->p[2],        haptic->v[0],
-                            haptic->v[1],    haptic->v[2],     haptic->spring,      observer->limit,
-                            observer->worst, observer->energy, observer->delay_p95, haptic->limit};
-    const int64_t number[] = {haptic->output.force.seq,   (int64_t)haptic->gate.phase,
-                              haptic->gate.ticks,         haptic->law.tick,
-                              haptic->bad_inputs,         (int64_t)haptic->grasp_edges,
-                              (int64_t)haptic->teleports, (int64_t)haptic->entries};
+    const double state[] = {haptic->p[0],     haptic->p[1],        haptic->p[2],
+                            haptic->v[0],     haptic->v[1],        haptic->v[2],
+                            haptic->spring,   observer->limit,     observer->worst,
+                            observer->energy, observer->delay_p95, haptic->slip.limit};
+    const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
+                              haptic->gate.ticks,        haptic->law.tick,
+                              haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
+                              (int64_t)haptic->teleports};
     uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
     hash = ss_hash_bytes(hash, state, sizeof state);
     hash = ss_hash_bytes(hash, number, sizeof number);
@@ -805,10 +763,10 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
                          ss_law_active_count(&haptic->law) > 0, tick);
         step_gate(haptic, input, begins);
         ss_law_decay(&haptic->law, haptic->config.period,
-                     haptic->share < 1.0 ? 1.0 : ss_admission_left(&haptic->gate));
+                     haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->gate));
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
-        update_grasp(haptic, input, is_fresh, x);
+        update_grasp(haptic, input, is_fresh, x, v);
         update_spring(haptic);
         update_limit(haptic, tick);
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);

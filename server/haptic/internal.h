@@ -6,6 +6,7 @@
  *
  * law.c       the local contact model as a law affine in the proxy, offsets, grasp
  * coupling.c  the yielding spring between hand and proxy, the balance, the force limit
+ * slip.c      what the force limit and a grasp let go leave between hand and proxy
  * limit.c     slew limit, ramps (watchdog, pause, fault, stop), entry into tissue
  * observer.c  energy per contact, loop delay, stiffness limit
  * haptic.c    the tick
@@ -33,6 +34,7 @@ enum {
     SS_WATCHDOG_TICKS = 50, /* without a good pose */
     SS_RAMP_TICKS = 20,     /* to zero force */
     SS_ENTRY_TICKS = 500,   /* the depth fades in */
+    SS_STAY_TICKS = 25,     /* of the proxy after a grasp: models let go in 20 ms */
 };
 
 /* ---- law.c ---- */
@@ -52,13 +54,14 @@ typedef struct ss_law_contact {
     double value;           /* N, F(p) >= 0 of the last tick */
 } ss_law_contact;
 
-/* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity), all directions.
- */
+/* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all
+ * directions. */
 typedef struct ss_law_held {
     bool is_held;
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];
-    double value[3]; /* N, F(p) of the last tick */
+    double offset[3]; /* N, o */
+    double value[3];  /* N, F(p) of the last tick */
 } ss_law_held;
 
 typedef struct ss_law {
@@ -100,9 +103,10 @@ typedef struct ss_balance {
     bool is_held;
     double held_force[3]; /* N, of the grasp at p_free */
     double held_slope[3][3];
-    double
-        decaying[3]; /* N, R: on the hand whatever the proxy does; its share of p_free is in it */
-    double limit;    /* N, L > 0: of the force on the hand */
+    /* N, R: on the hand whatever the proxy does. An update's share of p_free is in it; a grasp's,
+     * once let go, moves nothing. */
+    double decaying[3];
+    double limit; /* N, L > 0: of the force on the hand */
     /* Along which the spring softens, unit: the law's force of the tick before; 0: of this one. */
     double axis[3];
 } ss_balance;
@@ -161,6 +165,30 @@ double ss_coupling_largest(double matrix[3][3]);
 double ss_coupling_spring(double limit, double k);
 /* x of A x = b, A symmetric positive definite. */
 void ss_coupling_solve(double a[3][3], const double b[3], double out[3]);
+
+/* ---- slip.c ---- */
+
+typedef struct ss_slip {
+    double limit;        /* N, of the force; follows config.max_force */
+    double share;        /* of the coupling that is left: 1 below the limit */
+    double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
+    double direction[3]; /* of the law's force, unit or 0 */
+    double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
+    int32_t stay;        /* ticks in which it does not yet */
+    bool has_let_go;     /* left by a grasp: the whole of it, until the force is at the limit */
+} ss_slip;
+
+/* Nothing is left; the limit stays. */
+void ss_slip_clear(ss_slip *slip);
+/* Moves the limit towards config->max_force, by at most `step` (N) a tick, from a force of `size`;
+ * up so that tissue of `stiffness` (N/m, as felt) can follow. True while it goes down. */
+bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
+                    double stiffness);
+/* A grasp was let go with the coupling's force-free point `aside` of the hand. */
+void ss_slip_let_go(ss_slip *slip, const double aside[3]);
+/* What a balance with a coupling of `spring` leaves; `force` is the law's. */
+void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
+                  const double force[3], double spring, double period);
 
 /* ---- observer.c ---- */
 

@@ -113,8 +113,13 @@ void ss_law_decay(ss_law *law, double period, double apart)
         c->value = c->value > 0.0 ? fmax(0.0, c->value - lost) : 0.0;
         c->offset -= lost;
     }
-    /* Of a grasp the residual is the offset. */
-    decay3(law->residual, law->held.is_held ? kept : factor);
+    if (law->held.is_held) {
+        double lost[3];
+        ss_scale3(lost, law->held.offset, 1.0 - kept);
+        ss_sub3(law->held.offset, law->held.offset, lost);
+        ss_sub3(law->held.value, law->held.value, lost);
+    }
+    decay3(law->residual, factor);
     let_go(law);
     decay3(law->released, exp(-period / RELEASE_TIME));
 }
@@ -331,7 +336,8 @@ static void held_force(const ss_law_held *held, const double p[3], const double 
     ss_sub3(d, p, held->position);
     ss_sub3(w, pdot, held->velocity);
     for (int r = 0; r < 3; ++r) {
-        out[r] = held->force[r] - ss_dot3(held->stiffness[r], d) - ss_dot3(held->viscosity[r], w);
+        out[r] = held->force[r] - ss_dot3(held->stiffness[r], d) - ss_dot3(held->viscosity[r], w) +
+                 held->offset[r];
     }
 }
 
@@ -350,6 +356,7 @@ void ss_law_hold(ss_law *law, const double p[3], const double pdot[3])
     ss_copy3(held->position, p);
     ss_copy3(held->velocity, pdot);
     ss_copy3(held->value, held->force);
+    ss_set3(held->offset, 0.0, 0.0, 0.0);
     held->is_held = true;
 }
 
@@ -369,7 +376,7 @@ void ss_law_release(ss_law *law, const double x[3], const double p[3], const dou
     }
 }
 
-/* A result of a grasp: the model's whole reaction, with the step hidden in the residual. */
+/* A result of a grasp: the model's whole reaction, with the step hidden in the offset. */
 static void take_held(ss_law *law, const ss_local_model *result, const double p[3],
                       const double pdot[3])
 {
@@ -381,10 +388,9 @@ static void take_held(ss_law *law, const ss_local_model *result, const double p[
     ss_copy3(held->position, result->proxy);
     ss_copy3(held->velocity, result->velocity);
     double now[3];
+    ss_set3(held->offset, 0.0, 0.0, 0.0);
     held_force(held, p, pdot, now);
-    ss_add3(law->residual, law->residual, held->value);
-    ss_sub3(law->residual, law->residual, now);
-    ss_copy3(held->value, now);
+    ss_sub3(held->offset, held->value, now);
 }
 
 /* What contact `i` says now. At 0 and held back it goes by its own law, in which the offset has

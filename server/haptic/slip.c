@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What the force limit, and a grasp that was let go, leave between the hand and the proxy.
+ *
+ * The coupling is without force where the proxy is at x + aside. At the limit the proxy slips out
+ * along the law's force (coupling.c); what of that slip lies across the force when the force turns
+ * goes into `aside`, so that the proxy stays, and fades: in the end the force points from the hand
+ * to the proxy. A grasp let go leaves all of it there: the model lets go in 20 ms, in which the
+ * proxy may not move. `aside` belongs to the hand's point, not to where the coupling and its damper
+ * together would have the proxy: that depends on the spring, which is another one in and out of
+ * contact.
+ */
+#include "haptic/internal.h"
+#include "rt/vec.h"
+
+/* s: in which a proxy beside the hand comes over it. */
+#define ASIDE_TIME 0.1
+/* How a limit that is raised lets the slip go: at most as fast as a hand presses, in time with what
+ * is left of it, and not without end. */
+#define RISE_SPEED       0.1   /* m/s */
+#define RISE_TIME        0.1   /* s */
+#define RISE_SPEED_MIN   0.005 /* m/s */
+#define NEGLIGIBLE       1e-9  /* m */
+#define NEGLIGIBLE_FORCE 1e-9  /* N */
+
+void ss_slip_clear(ss_slip *slip)
+{
+    ss_set3(slip->aside, 0.0, 0.0, 0.0);
+    slip->stay = 0;
+    slip->has_let_go = false;
+}
+
+/* Down as fast as the force may. Up as fast as the coupling's stiffness let it, a kidney was
+ * pressed at .3 m/s and answered with 14 % more than where it came to rest. */
+bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
+                    double stiffness)
+{
+    const double wanted = config->max_force;
+    if (wanted < slip->limit) {
+        slip->limit = fmax(wanted, fmin(slip->limit, size) - step);
+        return true;
+    }
+    if (slip->share < 1.0) {
+        const double speed = fmin(RISE_SPEED, fmax(RISE_SPEED_MIN, slip->length / RISE_TIME));
+        slip->limit = fmin(wanted, slip->limit + fmin(step, speed * stiffness * config->period));
+    } else {
+        slip->limit = wanted;
+    }
+    return false;
+}
+
+void ss_slip_let_go(ss_slip *slip, const double aside[3])
+{
+    ss_copy3(slip->aside, aside);
+    slip->has_let_go = true;
+    slip->stay = SS_STAY_TICKS;
+}
+
+void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
+                  const double force[3], double spring, double period)
+{
+    const bool is_limited = rest->share < 1.0;
+    /* Rounding points nowhere. */
+    const double size = ss_norm3(force);
+    const bool has_force = size > NEGLIGIBLE_FORCE;
+    ss_scale3(slip->direction, force, has_force ? 1.0 / size : 0.0);
+    slip->share = rest->share;
+    if (slip->stay > 0) {
+        --slip->stay;
+        return;
+    }
+    slip->has_let_go = slip->has_let_go && !(is_limited && has_force);
+    if (!slip->has_let_go && has_force && (is_limited || ss_norm3(slip->aside) > 0.0)) {
+        double d[3];
+        ss_sub3(d, rest->p, balance->p_free);
+        ss_madd3(d, slip->aside, balance->spring / spring, d);
+        ss_madd3(slip->aside, d, -ss_dot3(d, slip->direction), slip->direction);
+    }
+    ss_scale3(slip->aside, slip->aside, exp(-period / ASIDE_TIME));
+    if (ss_norm3(slip->aside) < NEGLIGIBLE) {
+        ss_slip_clear(slip);
+    }
+}
