@@ -129,8 +129,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     for (int32_t i = 0; i < kinds; ++i) {
         if (row_count + table[i]->option_count > MAX_OPTIONS) {
             softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
-                              "device %s has too many options: raise MAX_OPTIONS in %s",
-                              table[i]->name, __FILE__);
+                              "device %s has too many options: raise MAX_OPTIONS in bridge/main.c",
+                              table[i]->name);
             return SS_ARGS_BAD;
         }
         memcpy(rows + row_count, table[i]->option, (size_t)table[i]->option_count * sizeof *rows);
