@@ -539,11 +539,7 @@ static void explain(const ss_model *model, const ss_notes *out)
                  model->is_radial ? "radial" : "box",
                  model->is_by_violation ? "largest violation first" : "first in, first out",
                  model->iterations);
-    if (!model->is_held && model->tools.surface) {
-        ss_note_warning(out, "object.fixed",
-                        "the supports do not hold the body: a tool pushes it away; hold more of it "
-                        "with object.fixed");
-    }
+    ss_tools_warn_unheld(&model->tools, model->is_held, out);
     ss_note_left_out(out, "forces, energies, reactions",
                      "there are none in a chain; the felt force is the coupling's, working force "
                      "over tool radius times the dent");

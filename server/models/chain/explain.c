@@ -138,11 +138,7 @@ static void explain_material(const ss_model *model, const ss_notes *out)
                  model->capacitance, model->is_capacitance_given ? "given" : "chosen for the step",
                  ss_chain_stable_step(model),
                  ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9), model->plan.step);
-    if (!model->is_held) {
-        ss_note_warning(out, "object.fixed",
-                        "the supports do not hold the body: a tool pushes it away; hold more of it "
-                        "with object.fixed");
-    }
+    ss_tools_warn_unheld(&model->tools, model->is_held, out);
 }
 
 void ss_chain_explain(const ss_model *model, const ss_notes *out)

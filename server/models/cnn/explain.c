@@ -321,13 +321,12 @@ static void explain_tools(const ss_model *model, const ss_notes *out)
         if (!tool->is_used) {
             continue;
         }
-        const double depth =
-            sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
         ss_note_used(
             out, "contact.tools",
             "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
             "%.4g N/m at rest",
-            k, tool->stiffness, tool->reach, depth, plan->max_force, tool->rest_felt);
+            k, tool->stiffness, tool->reach, ss_tool_largest_depth(tool, plan), plan->max_force,
+            tool->rest_felt);
         ss_tool_say_limits(tool, k, plan, model->network->mean_edge, out);
     }
     if (model->tools.surface) {

@@ -406,11 +406,10 @@ void ss_body_reset(ss_body *body)
 static void explain_tool(const ss_body *body, int index, const ss_notes *out)
 {
     const ss_tool *tool = &body->tools.tool[index];
-    const double depth =
-        sqrt(body->plan.max_force / (3.14159265358979 * tool->stiffness * tool->radius));
     ss_note_used(out, "contact.tools",
                  "tool %d: contact %.4g N/m^3, penetration %.3g m at %.3g N, %.4g N/m at rest",
-                 index, tool->stiffness, depth, body->plan.max_force, tool->rest_felt);
+                 index, tool->stiffness, ss_tool_largest_depth(tool, &body->plan),
+                 body->plan.max_force, tool->rest_felt);
     ss_tool_say_limits(tool, index, &body->plan, ss_surface_mean_edge(body->tools.surface), out);
 }
 
@@ -435,10 +434,8 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
     if (!body->is_held && body->has_gravity) {
         ss_note_warning(out, "object.fixed",
                         "gravity acts and supports do not hold the body: it falls");
-    } else if (!body->is_held && body->tools.surface) {
-        ss_note_warning(out, "object.fixed",
-                        "the supports do not hold the body: a tool pushes it away; hold more of it "
-                        "with object.fixed");
+    } else {
+        ss_tools_warn_unheld(&body->tools, body->is_held, out);
     }
     if (!(body->own.mass_damping > 0.0)) {
         ss_note_left_out(out, "mass damping", "mass_damping_per_s is 0");

@@ -62,11 +62,15 @@ void ss_tool_set_rest_felt(ss_tool *tool, double compliance)
     tool->rest_felt = 1.0 / (1.0 / contact + fmax(compliance, 0.0));
 }
 
+double ss_tool_largest_depth(const ss_tool *tool, const ss_model_plan *plan)
+{
+    return sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
+}
+
 void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
                         const ss_notes *out)
 {
-    const double depth =
-        sqrt(plan->max_force / (3.14159265358979 * tool->stiffness * tool->radius));
+    const double depth = ss_tool_largest_depth(tool, plan);
     if (depth > 0.2 * tool->radius) {
         ss_note_warning(out, "contact.tools",
                         "tool %d would sink in by %.2g of its radius at the largest force: %s",
@@ -78,6 +82,15 @@ void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *pla
                         "tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
                         "force will ripple; refine the mesh",
                         index, tool->radius, edge);
+    }
+}
+
+void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *out)
+{
+    if (!is_held && tools->surface) {
+        ss_note_warning(out, "object.fixed",
+                        "the supports do not hold the body: a tool pushes it away; hold more of it "
+                        "with object.fixed");
     }
 }
 

@@ -56,9 +56,13 @@ void ss_tools_fini(ss_tools *tools);
 void ss_tools_reset(ss_tools *tools);
 /* Told before a touch: the contact a tenth of R deep, in series with a body of `compliance` m/N. */
 void ss_tool_set_rest_felt(ss_tool *tool, double compliance);
+/* How deep it sinks in at haptic.max_force_n, m. */
+double ss_tool_largest_depth(const ss_tool *tool, const ss_model_plan *plan);
 /* What is wrong with tool `index` for its hand and its mesh of mean edge `edge` (m). */
 void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
                         const ss_notes *out);
+/* Warns of a body that its supports do not hold, where a tool could push it. */
+void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *out);
 
 /* ---- on the way ---- */
 
