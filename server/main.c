@@ -68,7 +68,7 @@ static void block_signals(void)
 
 int main(int argc, char **argv)
 {
-    static softsim_error error;
+    softsim_error error = {0};
     ss_options options;
     ss_program_begin();
     int exit_code = 0;

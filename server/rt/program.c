@@ -71,9 +71,9 @@ void ss_program_drop_capabilities(bool reads_files)
     if (syscall(SYS_capget, &head, data) != 0 || (data[0].permitted | data[1].permitted) == 0) {
         return;
     }
-    static bool has_limits; /* raised by the first call, while that is allowed */
-    has_limits = has_limits ||
-                 (raise_limit(RLIMIT_MEMLOCK, RLIM_INFINITY) && raise_limit(RLIMIT_RTPRIO, 99));
+    /* What a first call raised may be set again later. */
+    const bool has_limits =
+        raise_limit(RLIMIT_MEMLOCK, RLIM_INFINITY) && raise_limit(RLIMIT_RTPRIO, 99);
     uint32_t kept = has_limits ? 0 : CAP_TO_MASK(CAP_SYS_NICE) | CAP_TO_MASK(CAP_IPC_LOCK);
     kept |= reads_files ? CAP_TO_MASK(CAP_DAC_READ_SEARCH) : 0;
     data[0].permitted &= kept;

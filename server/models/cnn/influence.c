@@ -202,6 +202,7 @@ static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, in
                                        softsim_error *error)
 {
     const size_t n = (size_t)network->node_count, padded = (size_t)network->edges.padded_count;
+    ss_arena *arena = &network->arena;
     int32_t *node = *out_node = ss_memory_get(n, sizeof *node);
     if (!node) {
         return SOFTSIM_ERROR_MEMORY;
@@ -217,8 +218,8 @@ static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, in
     }
     network->is_compact = wants_compact(network, network->column_count);
     if (!network->is_compact) {
-        network->kap = ss_memory_get((size_t)network->column_count * padded, sizeof(ss_real));
-        return network->kap ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+        network->kap = ss_arena_get(arena, (size_t)network->column_count * padded, sizeof(ss_real));
+        return ss_arena_status(arena);
     }
     const int64_t bytes = ss_cnn_network_column_bytes(network);
     if (bytes > SS_CNN_COLUMN_BYTES) {
@@ -241,14 +242,13 @@ static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, in
     }
     network->slot_count = SS_CNN_CACHE_SLOTS;
     const size_t slots = (size_t)network->slot_count;
-    network->ghat = ss_memory_get((size_t)network->column_count * n, sizeof(ss_real));
-    network->kap = ss_memory_get(slots * padded, sizeof(ss_real));
-    network->edge_scale = ss_memory_get(padded, sizeof(ss_real));
-    network->slot_of = ss_memory_get(n, sizeof *network->slot_of);
-    network->slot_node = ss_memory_get(slots, sizeof *network->slot_node);
-    network->slot_used = ss_memory_get(slots, sizeof *network->slot_used);
-    if (!network->ghat || !network->kap || !network->edge_scale || !network->slot_of ||
-        !network->slot_node || !network->slot_used) {
+    network->ghat = ss_arena_get(arena, (size_t)network->column_count * n, sizeof(ss_real));
+    network->kap = ss_arena_get(arena, slots * padded, sizeof(ss_real));
+    network->edge_scale = ss_arena_get(arena, padded, sizeof(ss_real));
+    network->slot_of = ss_arena_get(arena, n, sizeof *network->slot_of);
+    network->slot_node = ss_arena_get(arena, slots, sizeof *network->slot_node);
+    network->slot_used = ss_arena_get(arena, slots, sizeof *network->slot_used);
+    if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     for (int32_t e = 0; e < network->edges.count; ++e) {
@@ -304,9 +304,10 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, i
 softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, const int32_t *node,
                                         const double *weight, double *out_kap)
 {
-    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
-    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
-    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    ss_arena scratch = {0};
+    double(*x)[WIDTH] = ss_arena_get(&scratch, (size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_arena_get(&scratch, (size_t)network->node_count, sizeof *ghat);
+    softsim_status status = ss_arena_status(&scratch);
     for (int32_t e = 0; e < network->edges.padded_count; ++e) {
         out_kap[e] = 0.0;
     }
@@ -324,8 +325,7 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
             }
         }
     }
-    ss_memory_free(x);
-    ss_memory_free(ghat);
+    ss_arena_free(&scratch);
     return status;
 }
 
@@ -333,9 +333,10 @@ softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t c
                                         const int32_t *node, const double *scale,
                                         double *out_potential)
 {
-    double(*x)[WIDTH] = ss_memory_get((size_t)network->factor->n, sizeof *x);
-    double(*ghat)[WIDTH] = ss_memory_get((size_t)network->node_count, sizeof *ghat);
-    softsim_status status = x && ghat ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    ss_arena scratch = {0};
+    double(*x)[WIDTH] = ss_arena_get(&scratch, (size_t)network->factor->n, sizeof *x);
+    double(*ghat)[WIDTH] = ss_arena_get(&scratch, (size_t)network->node_count, sizeof *ghat);
+    softsim_status status = ss_arena_status(&scratch);
     memset(out_potential, 0, (size_t)network->node_count * sizeof *out_potential);
     for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
         const int32_t some = count - first < WIDTH ? count - first : WIDTH;
@@ -346,8 +347,7 @@ softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t c
             }
         }
     }
-    ss_memory_free(x);
-    ss_memory_free(ghat);
+    ss_arena_free(&scratch);
     return status;
 }
 
@@ -373,10 +373,11 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
 {
     enum { ROUNDS = 100 };
     const ss_cnn_factor *factor = network->factor;
-    double(*y)[WIDTH] = ss_memory_get((size_t)factor->n, sizeof *y);
-    double *x = ss_memory_get((size_t)network->node_count, sizeof *x);
-    double *sum = ss_memory_get(2 * (size_t)network->component_count, sizeof *sum);
-    softsim_status status = x && y && sum ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    ss_arena scratch = {0};
+    double(*y)[WIDTH] = ss_arena_get(&scratch, (size_t)factor->n, sizeof *y);
+    double *x = ss_arena_get(&scratch, (size_t)network->node_count, sizeof *x);
+    double *sum = ss_arena_get(&scratch, 2 * (size_t)network->component_count, sizeof *sum);
+    softsim_status status = ss_arena_status(&scratch);
     uint32_t random = 1;
     *out_time = 0.0;
     for (int32_t i = 0; status == SOFTSIM_OK && i < network->node_count; ++i) {
@@ -411,9 +412,7 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
         }
         *out_time = after;
     }
-    ss_memory_free(x);
-    ss_memory_free(y);
-    ss_memory_free(sum);
+    ss_arena_free(&scratch);
     return status;
 }
 

@@ -41,13 +41,13 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
 {
     ss_cnn_factor *factor = network->factor;
     const int32_t n = network->node_count;
+    ss_arena *arena = &network->arena;
     int32_t *parent = ss_memory_get((size_t)n, sizeof *parent);
-    factor->component = ss_memory_get((size_t)n, sizeof *factor->component);
-    factor->unknown = ss_memory_get((size_t)n, sizeof *factor->unknown);
-    factor->is_drained = ss_memory_get((size_t)n, sizeof *factor->is_drained);
-    factor->component_size = ss_memory_get((size_t)n, sizeof *factor->component_size);
-    if (!parent || !factor->component || !factor->unknown || !factor->is_drained ||
-        !factor->component_size) {
+    factor->component = ss_arena_get(arena, (size_t)n, sizeof *factor->component);
+    factor->unknown = ss_arena_get(arena, (size_t)n, sizeof *factor->unknown);
+    factor->is_drained = ss_arena_get(arena, (size_t)n, sizeof *factor->is_drained);
+    factor->component_size = ss_arena_get(arena, (size_t)n, sizeof *factor->component_size);
+    if (!parent || ss_arena_status(arena) != SOFTSIM_OK) {
         ss_memory_free(parent);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -93,19 +93,20 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
 }
 
 /* The matrix of the unknowns by columns, all of it (symmetric). */
-static softsim_status build_matrix(const ss_cnn_network *network, int **out_column, int **out_row,
-                                   double **out_value)
+static softsim_status build_matrix(const ss_cnn_network *network, ss_arena *matrix,
+                                   int **out_column, int **out_row, double **out_value)
 {
     const ss_cnn_factor *factor = network->factor;
     const ss_cnn_edges *edges = &network->edges;
     const size_t n = (size_t)factor->n, entries = n + 2 * (size_t)edges->count;
-    int *column = ss_memory_get(n + 1, sizeof *column), *row = ss_memory_get(entries, sizeof *row);
+    int *column = ss_arena_get(matrix, n + 1, sizeof *column);
+    int *row = ss_arena_get(matrix, entries, sizeof *row);
     int *cursor = ss_memory_get(n, sizeof *cursor);
-    double *value = ss_memory_get(entries, sizeof *value);
+    double *value = ss_arena_get(matrix, entries, sizeof *value);
     *out_column = column;
     *out_row = row;
     *out_value = value;
-    if (!column || !row || !value || !cursor) {
+    if (!cursor || ss_arena_status(matrix) != SOFTSIM_OK) {
         ss_memory_free(cursor);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -153,9 +154,11 @@ static softsim_status refuse_loose_cell(softsim_error *error)
 }
 
 /* Keeps the matrix in the factor's place. */
-static softsim_status give_up(ss_cnn_factor *factor, int *column, int *row, double *value,
-                              softsim_error *error)
+static softsim_status give_up(ss_cnn_factor *factor, ss_arena *matrix, int *column, int *row,
+                              double *value, softsim_error *error)
 {
+    factor->matrix = *matrix;
+    *matrix = (ss_arena){0};
     factor->is_given_up = true;
     factor->entry_column = column;
     factor->entry_row = row;
@@ -175,15 +178,14 @@ static softsim_status factorise(ss_cnn_network *network, double max_work, softsi
     ss_factor *ldl = &factor->ldl;
     int *column = NULL, *row = NULL;
     double *value = NULL;
-    softsim_status status = build_matrix(network, &column, &row, &value);
+    ss_arena matrix = {0};
+    softsim_status status = build_matrix(network, &matrix, &column, &row, &value);
     status = status == SOFTSIM_OK ? ss_factor_init(ldl, factor->n, column, row) : status;
     if (status != SOFTSIM_OK) {
         goto done;
     }
     if (ldl->fill > INT32_MAX || ldl->work > (max_work > 0.0 ? max_work : SS_CNN_MAX_WORK)) {
-        status = give_up(factor, column, row, value, error);
-        column = row = NULL;
-        value = NULL;
+        status = give_up(factor, &matrix, column, row, value, error);
         goto done;
     }
     status = ss_factor_reserve(ldl);
@@ -199,9 +201,7 @@ static softsim_status factorise(ss_cnn_network *network, double max_work, softsi
     }
 done:
     ss_factor_trim(ldl);
-    ss_memory_free(column);
-    ss_memory_free(row);
-    ss_memory_free(value);
+    ss_arena_free(&matrix);
     return status;
 }
 
@@ -211,9 +211,9 @@ done:
 static softsim_status build_sizes(ss_cnn_network *network, const ss_cnn_fabric *fabric)
 {
     const size_t n = (size_t)network->node_count;
-    network->size = ss_memory_get(n, sizeof *network->size);
+    network->size = ss_arena_get(&network->arena, n, sizeof *network->size);
     network->surface_area = fabric->element == SS_CNN_TETRAHEDRON
-                                ? ss_memory_get(n, sizeof *network->surface_area)
+                                ? ss_arena_get(&network->arena, n, sizeof *network->surface_area)
                                 : network->size;
     if (!network->size || !network->surface_area) {
         return SOFTSIM_ERROR_MEMORY;
@@ -254,17 +254,16 @@ softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t 
     if (!network) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    double *rho = ss_memory_get(n, sizeof *rho);
+    ss_arena *arena = &network->arena;
+    double *rho = ss_arena_get(arena, n, sizeof *rho);
     network->node_count = fabric->mesh->node_count;
-    network->factor = ss_memory_get(1, sizeof *network->factor);
-    network->qhat = ss_memory_get(n, sizeof *network->qhat);
-    network->own = ss_memory_get(n, sizeof *network->own);
-    network->is_source = ss_memory_get(n, sizeof *network->is_source);
-    network->column_of = ss_memory_get(n, sizeof *network->column_of);
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (!rho || !network->factor || !network->qhat || !network->own || !network->is_source ||
-        !network->column_of) {
-        ss_memory_free(rho);
+    network->factor = ss_arena_get(arena, 1, sizeof *network->factor);
+    network->qhat = ss_arena_get(arena, n, sizeof *network->qhat);
+    network->own = ss_arena_get(arena, n, sizeof *network->own);
+    network->is_source = ss_arena_get(arena, n, sizeof *network->is_source);
+    network->column_of = ss_arena_get(arena, n, sizeof *network->column_of);
+    softsim_status status = ss_arena_status(arena);
+    if (status != SOFTSIM_OK) {
         goto fail;
     }
     memcpy(rho, fabric->rho, n * sizeof *rho);
@@ -285,43 +284,17 @@ fail:
     return status;
 }
 
-static void free_factor(ss_cnn_factor *factor)
-{
-    if (!factor) {
-        return;
-    }
-    ss_memory_free(factor->unknown);
-    ss_factor_fini(&factor->ldl);
-    ss_memory_free(factor->entry_column);
-    ss_memory_free(factor->entry_row);
-    ss_memory_free(factor->entry);
-    ss_memory_free(factor->component);
-    ss_memory_free(factor->is_drained);
-    ss_memory_free(factor->component_size);
-    ss_memory_free(factor->rho);
-    ss_memory_free(factor);
-}
-
 void ss_cnn_network_destroy(ss_cnn_network **network)
 {
     ss_cnn_network *gone = *network;
     if (!gone) {
         return;
     }
-    if (gone->surface_area != gone->size) {
-        ss_memory_free(gone->surface_area);
+    if (gone->factor) {
+        ss_factor_fini(&gone->factor->ldl);
+        ss_arena_free(&gone->factor->matrix);
     }
-    void *const owned[] = {gone->size,       gone->edge_rho,  gone->edge_square, gone->edge_weight,
-                           gone->edges.from, gone->edges.to,  gone->edges.x,     gone->edges.y,
-                           gone->edges.z,    gone->is_source, gone->qhat,        gone->own,
-                           gone->column_of,  gone->kap,       gone->ghat,        gone->edge_scale,
-                           gone->slot_of,    gone->slot_node, gone->slot_used};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
-    ss_cnn_rows_fini(&gone->rows);
-    ss_cnn_rows_fini(&gone->held);
-    free_factor(gone->factor);
+    ss_arena_free(&gone->arena);
     ss_memory_free(gone);
     *network = NULL;
 }

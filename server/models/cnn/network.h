@@ -18,6 +18,7 @@
 
 #include "mesh/mesh.h"
 #include "models/cnn/kernels.h"
+#include "rt/arena.h"
 #include "rt/factor.h"
 #include "softsim/types.h"
 
@@ -70,6 +71,7 @@ typedef struct ss_cnn_factor {
     int *unknown; /* node to position in the permuted system; -1 held, pinned or loose */
     ss_factor ldl;
     bool is_given_up; /* there is no L, but the next, by columns, the diagonal first */
+    ss_arena matrix;  /* its memory */
     int *entry_column, *entry_row;
     double *entry;
     int32_t *component;  /* of a node; -1 loose */
@@ -79,6 +81,7 @@ typedef struct ss_cnn_factor {
 } ss_cnn_factor;
 
 typedef struct ss_cnn_network {
+    ss_arena arena;
     int32_t node_count, component_count, cell_count; /* cells: nodes that have an element */
     double mean_edge;                                /* m */
     double largest_rho;                              /* of the edges: harmonic means */
@@ -158,4 +161,3 @@ bool ss_cnn_network_edges_are_usable(const ss_cnn_network *network, const ss_mes
  * in node order within. */
 softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t *held, bool wanted,
                                          ss_cnn_rows *rows);
-void ss_cnn_rows_fini(ss_cnn_rows *rows);

@@ -56,13 +56,13 @@ static softsim_status build_templates(ss_cnn_relax *relax, const uint8_t *held)
     const ss_cnn_edges *edges = &network->edges;
     const size_t n = (size_t)network->node_count, entries = 2 * (size_t)edges->count;
     int32_t *cursor = ss_memory_get(n, sizeof *cursor);
-    relax->row = ss_memory_get(n + 1, sizeof *relax->row);
-    relax->neighbour = ss_memory_get(entries, sizeof *relax->neighbour);
-    relax->share = ss_memory_get(entries, sizeof *relax->share);
-    relax->stay = ss_memory_get(n, sizeof *relax->stay);
-    relax->edge_scale = ss_memory_get((size_t)edges->count, sizeof *relax->edge_scale);
-    if (!cursor || !relax->row || !relax->neighbour || !relax->share || !relax->stay ||
-        !relax->edge_scale) {
+    relax->row = ss_arena_get(&relax->arena, n + 1, sizeof *relax->row);
+    relax->neighbour = ss_arena_get(&relax->arena, entries, sizeof *relax->neighbour);
+    relax->share = ss_arena_get(&relax->arena, entries, sizeof *relax->share);
+    relax->stay = ss_arena_get(&relax->arena, n, sizeof *relax->stay);
+    relax->edge_scale =
+        ss_arena_get(&relax->arena, (size_t)edges->count, sizeof *relax->edge_scale);
+    if (!cursor || ss_arena_status(&relax->arena) != SOFTSIM_OK) {
         ss_memory_free(cursor);
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -148,17 +148,15 @@ static softsim_status allocate_states(ss_cnn_relax *relax, softsim_error *error)
                           (long long)(SS_CNN_COLUMN_BYTES >> 20));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
-    relax->slot_of = ss_memory_get(n, sizeof *relax->slot_of);
-    relax->cell = ss_memory_get(slots, sizeof *relax->cell);
-    relax->seen = ss_memory_get(slots, sizeof *relax->seen);
-    relax->kap = ss_memory_get(slots * padded, sizeof *relax->kap);
-    relax->block = ss_memory_get(blocks, sizeof *relax->block);
-    bool is_good = relax->slot_of && relax->cell && relax->seen && relax->kap && relax->block;
-    for (size_t b = 0; is_good && b < blocks; ++b) {
-        relax->block[b] = ss_memory_get(n, sizeof **relax->block);
-        is_good = relax->block[b] != NULL;
+    relax->slot_of = ss_arena_get(&relax->arena, n, sizeof *relax->slot_of);
+    relax->cell = ss_arena_get(&relax->arena, slots, sizeof *relax->cell);
+    relax->seen = ss_arena_get(&relax->arena, slots, sizeof *relax->seen);
+    relax->kap = ss_arena_get(&relax->arena, slots * padded, sizeof *relax->kap);
+    relax->block = ss_arena_get(&relax->arena, blocks, sizeof *relax->block);
+    for (size_t b = 0; relax->block && b < blocks; ++b) {
+        relax->block[b] = ss_arena_get(&relax->arena, n, sizeof **relax->block);
     }
-    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return ss_arena_status(&relax->arena);
 }
 
 softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const ss_mesh *mesh,
@@ -196,15 +194,7 @@ void ss_cnn_relax_destroy(ss_cnn_relax **relax)
     if (!gone) {
         return;
     }
-    for (int32_t b = 0; gone->block && b <= gone->block_count; ++b) {
-        ss_memory_free(gone->block[b]);
-    }
-    void *const owned[] = {gone->row,        gone->neighbour, gone->share, gone->stay,
-                           gone->edge_scale, gone->slot_of,   gone->cell,  gone->seen,
-                           gone->block,      gone->kap};
-    for (size_t k = 0; k < sizeof owned / sizeof *owned; ++k) {
-        ss_memory_free(owned[k]);
-    }
+    ss_arena_free(&gone->arena);
     ss_memory_free(gone);
     *relax = NULL;
 }

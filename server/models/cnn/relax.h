@@ -19,6 +19,7 @@
 enum { SS_CNN_RELAX_WIDTH = 8 };
 
 typedef struct ss_cnn_relax {
+    ss_arena arena;
     const ss_cnn_network *network;
     int32_t steps;        /* of the network, an advance */
     double step;          /* of its own time: C = 1, so in m^2 over the unit of rho */

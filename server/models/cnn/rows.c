@@ -17,20 +17,21 @@ static int32_t *node_degrees(const ss_cnn_network *network)
     return degree;
 }
 
-static bool allocate_rows(ss_cnn_rows *rows, int32_t row_count, int32_t entry_count,
-                          int32_t group_count)
+static softsim_status allocate_rows(ss_cnn_rows *rows, int32_t row_count, int32_t entry_count,
+                                    int32_t group_count, ss_arena *arena)
 {
+    const size_t entries = (size_t)entry_count;
     rows->row_count = row_count;
     rows->entry_count = entry_count;
     rows->group_count = 0;
-    rows->group = ss_memory_get((size_t)group_count, sizeof *rows->group);
-    rows->block_group = ss_memory_get((size_t)rows->block_count + 1, sizeof *rows->block_group);
-    rows->node = ss_memory_get((size_t)row_count, sizeof *rows->node);
-    rows->neighbour = ss_memory_get((size_t)entry_count, sizeof *rows->neighbour);
-    rows->edge = ss_memory_get((size_t)entry_count, sizeof *rows->edge);
-    rows->arm = ss_memory_get((size_t)entry_count * 4, sizeof *rows->arm);
-    return rows->group && rows->block_group && rows->node && rows->neighbour && rows->edge &&
-           rows->arm;
+    rows->group = ss_arena_get(arena, (size_t)group_count, sizeof *rows->group);
+    rows->block_group =
+        ss_arena_get(arena, (size_t)rows->block_count + 1, sizeof *rows->block_group);
+    rows->node = ss_arena_get(arena, (size_t)row_count, sizeof *rows->node);
+    rows->neighbour = ss_arena_get(arena, entries, sizeof *rows->neighbour);
+    rows->edge = ss_arena_get(arena, entries, sizeof *rows->edge);
+    rows->arm = ss_arena_get(arena, entries * 4, sizeof *rows->arm);
+    return ss_arena_status(arena);
 }
 
 /* Blocks of consecutive nodes where the body is large enough for a part of it to be worth having.
@@ -90,8 +91,9 @@ softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t 
     set_blocks(network->node_count, rows);
     /* No block has more groups than rows, or than degrees. */
     const int64_t most = (int64_t)max_degree * rows->block_count;
-    if (!allocate_rows(rows, row_count, entry_count,
-                       most < row_count ? (int32_t)most : row_count)) {
+    status = allocate_rows(rows, row_count, entry_count,
+                           most < row_count ? (int32_t)most : row_count, &network->arena);
+    if (status != SOFTSIM_OK) {
         goto done;
     }
     int32_t row = 0, entry = 0;
@@ -117,19 +119,8 @@ softsim_status ss_cnn_network_build_rows(ss_cnn_network *network, const uint8_t 
             rows->arm[4 * at + 3] = 1;
         }
     }
-    status = SOFTSIM_OK;
 done:
     ss_memory_free(degree);
     ss_memory_free(cursor);
     return status;
-}
-
-void ss_cnn_rows_fini(ss_cnn_rows *rows)
-{
-    ss_memory_free(rows->group);
-    ss_memory_free(rows->block_group);
-    ss_memory_free(rows->node);
-    ss_memory_free(rows->neighbour);
-    ss_memory_free(rows->edge);
-    ss_memory_free(rows->arm);
 }

@@ -45,7 +45,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* Sine of the angle between a direction and the triangle's normal, below which the projection says
@@ -264,10 +263,10 @@ static int compare_sides(const void *a, const void *b)
 }
 
 /* Sides of all elements, sorted, so that those of one edge are neighbours. */
-static element_side *sorted_sides(const ss_cnn_fabric *fabric, int64_t count)
+static element_side *sorted_sides(const ss_cnn_fabric *fabric, int64_t count, ss_arena *scratch)
 {
     const element_kind *kind = &kinds[fabric->element];
-    element_side *side = ss_memory_get((size_t)count, sizeof *side);
+    element_side *side = ss_arena_get(scratch, (size_t)count, sizeof *side);
     for (int64_t h = 0; side && h < count; ++h) {
         const int32_t element = (int32_t)(h / kind->sides), s = (int32_t)(h % kind->sides);
         const int32_t *node = element_nodes(fabric, element);
@@ -280,39 +279,38 @@ static element_side *sorted_sides(const ss_cnn_fabric *fabric, int64_t count)
     return side;
 }
 
-static bool allocate_edges(ss_cnn_network *network, int32_t count)
+static softsim_status allocate_edges(ss_cnn_network *network, int32_t count)
 {
     ss_cnn_edges *edges = &network->edges;
+    ss_arena *arena = &network->arena;
     const int32_t padded = (count + 7) / 8 * 8;
     const size_t size = (size_t)padded;
     edges->count = count;
     edges->padded_count = padded;
-    edges->from = ss_memory_get(size, sizeof *edges->from);
-    edges->to = ss_memory_get(size, sizeof *edges->to);
-    edges->x = ss_memory_get(size, sizeof *edges->x);
-    edges->y = ss_memory_get(size, sizeof *edges->y);
-    edges->z = ss_memory_get(size, sizeof *edges->z);
-    network->edge_weight = ss_memory_get(size, sizeof *network->edge_weight);
-    network->edge_rho = ss_memory_get(size, sizeof *network->edge_rho);
-    network->edge_square = ss_memory_get(size, sizeof *network->edge_square);
-    return edges->from && edges->to && edges->x && edges->y && edges->z && network->edge_weight &&
-           network->edge_rho && network->edge_square;
+    edges->from = ss_arena_get(arena, size, sizeof *edges->from);
+    edges->to = ss_arena_get(arena, size, sizeof *edges->to);
+    edges->x = ss_arena_get(arena, size, sizeof *edges->x);
+    edges->y = ss_arena_get(arena, size, sizeof *edges->y);
+    edges->z = ss_arena_get(arena, size, sizeof *edges->z);
+    network->edge_weight = ss_arena_get(arena, size, sizeof *network->edge_weight);
+    network->edge_rho = ss_arena_get(arena, size, sizeof *network->edge_rho);
+    network->edge_square = ss_arena_get(arena, size, sizeof *network->edge_square);
+    return ss_arena_status(arena);
 }
 
 /* One edge for each run of equal sides; out_edge[element x sides + side] is its number. */
 static softsim_status number_edges(ss_cnn_network *network, const ss_cnn_fabric *fabric,
-                                   int32_t **out_edge)
+                                   ss_arena *scratch, int32_t **out_edge)
 {
     const int sides = kinds[fabric->element].sides;
     const int64_t count = (int64_t)sides * ss_cnn_element_count(fabric);
-    element_side *side = sorted_sides(fabric, count);
-    int32_t *edge_of = *out_edge = ss_memory_get((size_t)count, sizeof *edge_of);
+    element_side *side = sorted_sides(fabric, count, scratch);
+    int32_t *edge_of = *out_edge = ss_arena_get(scratch, (size_t)count, sizeof *edge_of);
     int32_t edge_count = 0, e = -1;
     for (int64_t h = 0; side && h < count; ++h) {
         edge_count += h == 0 || side[h].i != side[h - 1].i || side[h].j != side[h - 1].j;
     }
-    if (!side || !edge_of || !allocate_edges(network, edge_count)) {
-        ss_memory_free(side);
+    if (!side || !edge_of || allocate_edges(network, edge_count) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
     double sum = 0.0;
@@ -333,7 +331,6 @@ static softsim_status number_edges(ss_cnn_network *network, const ss_cnn_fabric 
         edge_of[(int64_t)sides * side[h].element + side[h].side] = e;
     }
     network->mean_edge = edge_count > 0 ? sum / edge_count : 0.0;
-    ss_memory_free(side);
     return SOFTSIM_OK;
 }
 
@@ -365,10 +362,11 @@ softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_
 {
     int32_t *edge = NULL;
     double *along = NULL;
-    softsim_status status = number_edges(network, fabric, &edge);
+    ss_arena scratch = {0};
+    softsim_status status = number_edges(network, fabric, &scratch, &edge);
     if (status == SOFTSIM_OK && fabric->rho_across) {
-        along = ss_memory_get((size_t)network->edges.count, sizeof *along);
-        status = along ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+        along = ss_arena_get(&scratch, (size_t)network->edges.count, sizeof *along);
+        status = ss_arena_status(&scratch);
     }
     const int32_t *next = edge;
     for (int32_t k = 0; status == SOFTSIM_OK && k < ss_cnn_element_count(fabric); ++k) {
@@ -384,8 +382,7 @@ softsim_status ss_cnn_network_build_edges(ss_cnn_network *network, const ss_cnn_
     if (status == SOFTSIM_OK) {
         set_conduction(network, fabric, along);
     }
-    ss_memory_free(along);
-    ss_memory_free(edge);
+    ss_arena_free(&scratch);
     return status;
 }
 
