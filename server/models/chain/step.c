@@ -30,6 +30,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/common/substeps.h"
 #include "rt/vec.h"
 
 /* Groups awake beyond which plain loops are quicker, and sub-steps until the front is sought. */
@@ -39,8 +40,6 @@ enum { FRONT_AGE = 16 };
 #define RETURN_TIME 10.0
 /* Less than this share of the deepest counts as going back. */
 #define FALLING_SHARE 0.999
-/* Body sizes beyond which a displacement means nothing. */
-#define MAX_DISPLACEMENT 100.0
 /* Energy from nowhere over all stored, before it is said: rounding, and the kinks of links. */
 #define MAX_SILENT_GAIN 0.02
 
@@ -266,7 +265,7 @@ static bool is_finite_now(const ss_model *model)
  * one that is no number. */
 static bool clamp_displacements(ss_model *model)
 {
-    const double limit = MAX_DISPLACEMENT * model->diagonal;
+    const double limit = SS_MAX_DISPLACEMENT * model->diagonal;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         const double u = (double)model->u[at];
         if (isnan(u)) {
@@ -276,8 +275,7 @@ static bool clamp_displacements(ss_model *model)
     }
     lose_front(model);
     model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
-    ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
-                  "displacement beyond a hundred times the body was cut off");
+    ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED, SS_CLAMPED_REASON);
     return true;
 }
 
@@ -321,7 +319,7 @@ static bool answer(ss_model *model, double h, double far, bool is_full, bool is_
     const double reached = ss_chain_loads_work(model, 1.0);
     model->work += reached;
     model->load_work += left + reached;
-    return motion.largest <= MAX_DISPLACEMENT * model->diagonal || clamp_displacements(model);
+    return motion.largest <= SS_MAX_DISPLACEMENT * model->diagonal || clamp_displacements(model);
 }
 
 /* On to sub-step `index` of `count`, `h` seconds long, on `share` of the tools' way; false when the
@@ -473,8 +471,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     const double share = by_time > most ? count * h / dt : 1.0;
     if (by_time > most) {
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;
-        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
-                      "needs more sub-steps than max_substeps: slower than real time");
+        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED, SS_SLOW_REASON);
     }
     if (ss_chain_is_aggregated(model)) {
         ss_chain_refine(model);

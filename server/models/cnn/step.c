@@ -33,6 +33,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/common/substeps.h"
 #include "rt/vec.h"
 
 /* Of the stable step. */
@@ -50,8 +51,6 @@ enum { MAX_REJECTED = 40 };
 /* Up to this share all of it can be taken out, and the motion is still to be trusted: what a step
  * near the limit makes of a load that sets in. */
 #define MAX_SLIGHT_GAIN 0.1
-/* Diagonals of the body: a displacement beyond is cut off. */
-#define MAX_DISPLACEMENT 100.0
 
 /* ---- the stable step ---- */
 
@@ -446,7 +445,7 @@ static void take_gain(ss_model *model, double gain)
         left > 0.0 && gain <= MAX_SLIGHT_GAIN * (model->elastic + model->kinetic + gain);
     if (!is_slight || model->verdict < SOFTSIM_VERDICT_GUARDED) {
         model->verdict = is_slight ? SOFTSIM_VERDICT_GUARDED : SOFTSIM_VERDICT_DEGRADED;
-        model->reason = "energy from nowhere was taken out of the motion";
+        model->reason = SS_GAIN_REASON;
     }
 }
 
@@ -487,22 +486,13 @@ static void tell_loss(ss_model *model, double loss)
 /* A displacement far beyond the body means nothing any more and would drown every digit. */
 static void clamp_displacements(ss_model *model)
 {
-    const double limit = MAX_DISPLACEMENT * model->diagonal;
-    if (!(model->totals.largest > limit * limit)) {
-        return;
-    }
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        ss_real *u = model->u + 4 * (ptrdiff_t)i, *v = model->v + 4 * (ptrdiff_t)i;
-        const double length = sqrt((double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] +
-                                   (double)u[2] * (double)u[2]);
-        for (int k = 0; length > limit && k < 3; ++k) {
-            u[k] = (ss_real)((double)u[k] * (limit / length));
-            v[k] = 0;
-            model->is_ready = false;
-            model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
-            model->verdict = SOFTSIM_VERDICT_DEGRADED;
-            model->reason = "displacement beyond a hundred times the body was cut off";
-        }
+    const double limit = SS_MAX_DISPLACEMENT * model->diagonal;
+    if (model->totals.largest > limit * limit &&
+        ss_clamp_displacements(model->node_count, limit, model->u, model->v)) {
+        model->is_ready = false;
+        model->fault_bits |= SS_MODEL_FAULT_CLAMPED;
+        model->verdict = SOFTSIM_VERDICT_DEGRADED;
+        model->reason = SS_CLAMPED_REASON;
     }
 }
 
@@ -575,39 +565,24 @@ static void fault(ss_model *model)
 {
     model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
     model->verdict = SOFTSIM_VERDICT_FAULT;
-    model->reason = "not finite: last good state restored, waiting for reset";
+    model->reason = SS_KEPT_REASON;
     model->is_ready = false;
 }
 
 /* Where the outer step stands. */
 typedef struct progress {
-    double left, path; /* s still to simulate; 0..1 of the tools' way */
-    double cap;        /* s: after a sub-step was taken back */
-    int32_t motion, attempts, accepted, rejected;
+    ss_substeps steps;
+    double cap; /* s: after a sub-step was taken back */
+    int32_t accepted, rejected;
     bool is_telling; /* what was taken back could have been felt */
 } progress;
 
 /* Sub-steps for what is left where each may be twice as long as the one before, up to `stable`. */
 static double least_substeps(const progress *p, double stable)
 {
-    const double growing = p->cap < p->left ? 1.0 + ilogb(p->left / p->cap) : 0.0;
-    return growing + ceil(p->left / stable - 1e-9);
-}
-
-/* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
- * else the longest stable one, and its share of the way. */
-static void plan_substep(ss_model *model, const progress *p, double *out_h, double *out_fraction)
-{
-    const double stable = fmin(STEP_SHARE * model->bound, p->cap);
-    const double by_time = ceil(p->left / stable - 1e-9);
-    const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
-    const double needed = fmax(fmax(by_time, by_way), 1.0);
-    const double available = fmax(1.0, (double)(model->plan.max_substeps - p->attempts));
-    const double parts = fmin(needed, available);
-    const double h = fmin(p->left / parts, stable);
-    *out_h = h;
-    const bool is_slow = least_substeps(p, STEP_SHARE * model->bound) > available;
-    *out_fraction = is_slow ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
+    const double left = p->steps.left;
+    const double growing = p->cap < left ? 1.0 + ilogb(left / p->cap) : 0.0;
+    return growing + ss_substeps_needed(&p->steps, stable);
 }
 
 /* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
@@ -622,12 +597,12 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     swap_states(model);
     ss_tools_settle(&model->tools, false, &model->dissipated);
     ss_cnn_source_restore(model);
-    gather(model, p->path, p->path);
+    gather(model, p->steps.path, p->steps.path);
     model->has_totals = false;
     model->work = before->work;
     model->dissipated = before->dissipated;
     model->load_work = before->load_work;
-    prepare(model, p->path); /* books what it changes by itself */
+    prepare(model, p->steps.path); /* books what it changes by itself */
 }
 
 static double ledger_sum(const ss_model *model)
@@ -661,17 +636,18 @@ static void move_window(ss_model *model, double path)
 static bool try_substep(ss_model *model, progress *p)
 {
     double h, fraction;
-    plan_substep(model, p, &h, &fraction);
+    const double stable = STEP_SHARE * model->bound;
+    ss_substeps_plan(&p->steps, fmin(stable, p->cap), least_substeps(p, stable), &h, &fraction);
     const double balance = ledger_sum(model);
-    ss_cnn_driven_place(model, p->path, fraction, h);
+    ss_cnn_driven_place(model, p->steps.path, fraction, h);
     const ledger before = {model->work, model->dissipated, model->load_work};
     ss_cnn_source_keep(model);
-    runge_kutta(model, h, p->path, fraction);
-    ++p->attempts;
+    runge_kutta(model, h, p->steps.path, fraction);
+    ++p->steps.taken;
     ss_tools_fade(&model->tools, h);
     bool is_good = is_finite_state(model);
     double loads = 0.0, gain = 0.0;
-    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    const double next = ss_substeps_next(&p->steps, fraction);
     if (is_good) {
         ss_cnn_driven_place(model, next, 0.0, 0.0);
         loads = ss_cnn_loads_work(model);
@@ -697,8 +673,8 @@ static bool try_substep(ss_model *model, progress *p)
         relax_network(model, next);
     }
     move_window(model, next);
-    p->left -= h;
-    p->path = next;
+    p->steps.left -= h;
+    p->steps.path = next;
     p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);
     ++p->accepted;
     return true;
@@ -744,8 +720,10 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         }
     }
     const double balance = ledger_sum(model);
-    progress p = {.left = dt, .cap = (double)INFINITY, .motion = motion_steps(model)};
-    while (p.path < 1.0 && (p.attempts < model->plan.max_substeps || p.accepted == 0)) {
+    progress p = {
+        .steps = {.left = dt, .motion = motion_steps(model), .most = model->plan.max_substeps},
+        .cap = (double)INFINITY};
+    while (p.steps.path < 1.0 && (p.steps.taken < p.steps.most || p.accepted == 0)) {
         if (!try_substep(model, &p)) {
             return;
         }
@@ -760,13 +738,13 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step was taken back and halved";
     }
-    if (p.left > 1e-6 * dt) {
+    if (p.steps.left > 1e-6 * dt) {
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;
         model->verdict = SOFTSIM_VERDICT_DEGRADED;
-        model->reason = "needs more sub-steps than max_substeps: slower than real time";
+        model->reason = SS_SLOW_REASON;
     }
     judge_turned(model);
     model->substeps = p.accepted;
-    model->travelled = p.path;
+    model->travelled = p.steps.path;
     ++model->step;
 }

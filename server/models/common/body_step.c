@@ -37,12 +37,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/common/substeps.h"
 #include "rt/vec.h"
 
-/* Edges that a node may go in an explicit sub-step; diagonals of the body that it may be displaced.
- */
-#define MAX_EDGES        0.2
-#define MAX_DISPLACEMENT 100.0
+/* Edges that a node may go in an explicit sub-step. */
+#define MAX_EDGES 0.2
 /* Gains, added up (ss_plan_pool_gain): of the energy. */
 #define MAX_SILENT_GAIN 0.01
 /* Of the energy: what the shadow (see set_motion) may be. A mode at omega h has (omega h / 2)^2 of
@@ -229,22 +228,12 @@ static void fault(ss_body *body, const char *reason)
 /* A displacement far beyond the body means nothing any more and would drown every digit. */
 static void clamp_displacements(ss_body *body)
 {
-    const double limit = MAX_DISPLACEMENT * body->diagonal;
-    if (!(ss_body_largest(body->nodes.count, body->nodes.u) > limit * limit)) {
-        return;
+    const double limit = SS_MAX_DISPLACEMENT * body->diagonal;
+    if (ss_body_largest(body->nodes.count, body->nodes.u) > limit * limit) {
+        (void)ss_clamp_displacements(body->nodes.count, limit, body->nodes.u, body->nodes.v);
+        body->is_ready = false;
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_CLAMPED, SS_CLAMPED_REASON);
     }
-    for (int32_t i = 0; i < body->nodes.count; ++i) {
-        ss_real *u = body->nodes.u + 4 * (ptrdiff_t)i, *v = body->nodes.v + 4 * (ptrdiff_t)i;
-        const double length = sqrt((double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] +
-                                   (double)u[2] * (double)u[2]);
-        for (int k = 0; length > limit && k < 3; ++k) {
-            u[k] = (ss_real)((double)u[k] * (limit / length));
-            v[k] = 0;
-        }
-    }
-    body->is_ready = false;
-    ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_CLAMPED,
-                  "displacement beyond a hundred times the body was cut off");
 }
 
 /* Energy from nowhere over the last outer step, judged. `gain`: of the ledger; `moved`: of kinetic
@@ -281,8 +270,7 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
     }
     set_motion(body);
     body->pool = 0.0;
-    ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
-                  "energy from nowhere was taken out of the motion");
+    ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY, SS_GAIN_REASON);
 }
 
 /* What the limit of speeds took is booked as it would have moved on, which is too much where forces
@@ -302,28 +290,6 @@ static void judge_slowed(ss_body *body, double gain, double dt)
 }
 
 /* ---- the outer step ---- */
-
-/* Where the outer step stands. */
-typedef struct progress {
-    double left, path; /* s still to simulate; 0..1 of the tools' way */
-    int32_t motion, done;
-} progress;
-
-/* Length and way of the next sub-step: equal parts of what is left where the budget allows it,
- * else the longest stable one, and its share of the way. */
-static void plan_substep(const ss_body *body, const progress *p, double *out_h,
-                         double *out_fraction)
-{
-    const double stable = body->longest;
-    const double by_time = ceil(p->left / stable - 1e-9);
-    const double by_way = ceil((1.0 - p->path) * p->motion - 1e-9);
-    const double needed = fmax(fmax(by_time, by_way), 1.0);
-    const double available = fmax(1.0, (double)(body->plan.max_substeps - p->done));
-    const double parts = fmin(needed, available);
-    const double h = fmin(p->left / parts, stable);
-    *out_h = h;
-    *out_fraction = by_time > available ? (1.0 - p->path) * (h / p->left) : (1.0 - p->path) / parts;
-}
 
 /* Work of loads, gravity and supports. */
 static void book_load(ss_body *body, double work)
@@ -367,23 +333,23 @@ static void move_tools(ss_body *body, double path)
 }
 
 /* Is there way left, and a sub-step for it? */
-static bool goes_on(const ss_body *body, const progress *p)
+static bool goes_on(const ss_substeps *p)
 {
-    return p->path < 1.0 && p->done < body->plan.max_substeps;
+    return p->path < 1.0 && p->taken < p->most;
 }
 
 /* One sub-step; false when the body is at fault. Work is force times way, the forces' mean at both
  * ends; a model that takes contact implicitly has the tools at their end before the nodes move. */
-static bool substep(ss_body *body, progress *p)
+static bool substep(ss_body *body, ss_substeps *p)
 {
     const ss_body_elastic *law = &body->own.elastic;
     double h, fraction;
-    plan_substep(body, p, &h, &fraction);
+    ss_substeps_plan(p, body->longest, ss_substeps_needed(p, body->longest), &h, &fraction);
     if (!(h > 0.0)) {
         fault(body, "no step is stable: last good state restored, waiting for reset");
         return false;
     }
-    const double next = 1.0 - p->path - fraction < 1e-12 ? 1.0 : p->path + fraction;
+    const double next = ss_substeps_next(p, fraction);
     body->path = p->path;
     place_driven(body, p->path, fraction, h, true);
     book_load(body, 0.5 * h * ss_body_driven_power(body));
@@ -398,11 +364,11 @@ static bool substep(ss_body *body, progress *p)
     if (is_finite && law->after_substep) {
         law->after_substep(law->owner, body, h);
     }
-    ++p->done;
+    ++p->taken;
     p->left -= h;
     p->path = next;
     if (is_finite) {
-        evaluate(body, next, !goes_on(body, p));
+        evaluate(body, next, !goes_on(p));
         ss_tools_settle(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_driven_power(body));
         if (!has_implicit_contact(body)) {
@@ -410,7 +376,7 @@ static bool substep(ss_body *body, progress *p)
         }
         set_bound(body);
     } else {
-        fault(body, "not finite: last good state restored, waiting for reset");
+        fault(body, SS_KEPT_REASON);
     }
     return is_finite;
 }
@@ -462,8 +428,9 @@ void ss_body_step(ss_body *body, double time, double dt,
     ready(body, false);
     body->law_step = body->own.elastic.stable_step(body->own.elastic.owner, body);
     set_bound(body);
-    progress p = {.left = dt, .motion = ss_body_motion_steps(body)};
-    while (goes_on(body, &p)) {
+    ss_substeps p = {
+        .left = dt, .motion = ss_body_motion_steps(body), .most = body->plan.max_substeps};
+    while (goes_on(&p)) {
         if (!substep(body, &p)) {
             return;
         }
@@ -472,7 +439,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     book_losses(body, body->nodes.kick_lag);
     body->settled_lag = body->nodes.kick_lag;
     if (!isfinite(ledger_sum(body))) {
-        fault(body, "not finite: last good state restored, waiting for reset");
+        fault(body, SS_KEPT_REASON);
         return;
     }
     const double gain = ledger_sum(body) - before;
@@ -483,10 +450,9 @@ void ss_body_step(ss_body *body, double time, double dt,
     }
     clamp_displacements(body);
     if (p.left > 1e-6 * dt) {
-        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_BUDGET,
-                      "needs more sub-steps than max_substeps: slower than real time");
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_BUDGET, SS_SLOW_REASON);
     }
-    body->substeps = p.done;
+    body->substeps = p.taken;
     body->travelled = p.path;
     ++body->step;
 }
