@@ -191,10 +191,8 @@ static bool push_cell(ss_model *model, int32_t cell)
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
         if (c[0] == cell || c[1] == cell || c[2] == cell) {
-            double u[3], v[3], n[3];
-            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-            ss_cross3(n, u, v);
+            double n[3];
+            ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
             ss_add3(normal, normal, n);
         }
     }

@@ -53,10 +53,8 @@ static void set_volumes(ss_model *model)
     const ss_mesh *mesh = model->plan.mesh;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
-        double u[3], v[3], n[3];
-        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-        ss_cross3(n, u, v);
+        double n[3];
+        ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
         for (int a = 0; a < 3; ++a) {
             for (int k = 0; k < 3; ++k) {
                 model->normal[4 * (ptrdiff_t)c[a] + k] += (ss_real)(n[k] / 6.0);

@@ -66,10 +66,8 @@ static double touched_cells(const ss_model_plan *plan, const ss_shape *shape)
     double area = 0.0;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
-        double u[3], v[3], n[3];
-        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-        ss_cross3(n, u, v);
+        double n[3];
+        ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
         area += 0.5 * ss_norm3(n);
     }
     const double share = area / mesh->node_count, edge = 1.1 * sqrt(share);

@@ -88,10 +88,8 @@ static void weigh_triangles(const ss_model *model, const ss_acting_load *load, d
     const ss_mesh *mesh = model->plan.mesh;
     for (int32_t t = 0; t < load->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[load->triangle[t]];
-        double u[3], v[3], n[3];
-        ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-        ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-        ss_cross3(n, u, v);
+        double n[3];
+        ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
         for (int k = 0; k < 3; ++k) {
             raw[c[k]] += ss_norm3(n);
         }

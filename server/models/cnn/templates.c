@@ -164,10 +164,8 @@ static void align_quad(const double *direction, const double *const p[4], ss_cnn
 /* Projects into the plane; false when nothing is left. */
 static bool project(const double direction[3], const double *const p[4], double out[3])
 {
-    double u[3], v[3], n[3];
-    ss_sub3(u, p[1], p[0]);
-    ss_sub3(v, p[2], p[0]);
-    ss_cross3(n, u, v);
+    double n[3];
+    ss_normal3(n, p[0], p[1], p[2]);
     ss_copy3(out, direction);
     if (ss_normalize3(n) > 0.0) {
         ss_madd3(out, direction, -ss_dot3(direction, n), n);

@@ -288,10 +288,8 @@ static void push_node(ss_body *body, int32_t node)
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
         if (c[0] == node || c[1] == node || c[2] == node) {
-            double u[3], v[3], n[3];
-            ss_sub3(u, mesh->position[c[1]], mesh->position[c[0]]);
-            ss_sub3(v, mesh->position[c[2]], mesh->position[c[0]]);
-            ss_cross3(n, u, v);
+            double n[3];
+            ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
             ss_add3(normal, normal, n);
             ++triangles;
         }

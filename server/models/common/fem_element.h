@@ -42,18 +42,10 @@ SS_INLINE ss_wide all(double s)
 
 /* ---- matrices ---- */
 
-/* Gradient of a nodal field. */
-SS_INLINE tensor gradient(const element *e, const ss_real *field)
+/* Gradient of a field whose values at corners 1 to 3 are `d`, less that at corner 0. */
+SS_INLINE tensor gradient_of(const element *e, const ss_wide d[3][3])
 {
-    ss_wide u0[3], d[3][3];
     tensor h;
-    ss_wide_gather(field, e->at, u0);
-    for (int a = 0; a < 3; ++a) {
-        ss_wide_gather(field, e->at + SS_FEM_LANES * (a + 1), d[a]);
-        for (int i = 0; i < 3; ++i) {
-            d[a][i] = d[a][i] - u0[i];
-        }
-    }
     for (int j = 0; j < 3; ++j) {
         const ss_wide g0 = ss_wide_load(e->shape + SS_FEM_LANES * j);
         const ss_wide g1 = ss_wide_load(e->shape + SS_FEM_LANES * (3 + j));
@@ -65,10 +57,23 @@ SS_INLINE tensor gradient(const element *e, const ss_real *field)
     return h;
 }
 
-/* out += s P grad N at the four corners. */
-SS_INLINE void spread(const element *e, const tensor *p, ss_real *out)
+/* Gradient of a nodal field. */
+SS_INLINE tensor gradient(const element *e, const ss_real *field)
 {
-    ss_wide f[4][3];
+    ss_wide u0[3], d[3][3];
+    ss_wide_gather(field, e->at, u0);
+    for (int a = 0; a < 3; ++a) {
+        ss_wide_gather(field, e->at + SS_FEM_LANES * (a + 1), d[a]);
+        for (int i = 0; i < 3; ++i) {
+            d[a][i] = d[a][i] - u0[i];
+        }
+    }
+    return gradient_of(e, (const ss_wide(*)[3])d);
+}
+
+/* P grad N of the four corners. */
+SS_INLINE void corner_forces(const element *e, const tensor *p, ss_wide f[4][3])
+{
     for (int a = 0; a < 3; ++a) {
         const ss_wide g0 = ss_wide_load(e->shape + SS_FEM_LANES * (3 * a));
         const ss_wide g1 = ss_wide_load(e->shape + SS_FEM_LANES * (3 * a + 1));
@@ -80,6 +85,13 @@ SS_INLINE void spread(const element *e, const tensor *p, ss_real *out)
     for (int i = 0; i < 3; ++i) {
         f[0][i] = all(0.0) - ((f[1][i] + f[2][i]) + f[3][i]);
     }
+}
+
+/* out += P grad N. */
+SS_INLINE void spread(const element *e, const tensor *p, ss_real *out)
+{
+    ss_wide f[4][3];
+    corner_forces(e, p, f);
     for (int a = 0; a < 4; ++a) {
         ss_wide_scatter_add(out, e->at + SS_FEM_LANES * a, f[a]);
     }

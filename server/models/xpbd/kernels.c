@@ -120,7 +120,6 @@ SS_INLINE stiffness stiffness_of(ss_tissue_kind kind, const element *e, const sy
 SS_INLINE tensor moved_gradient(const element *e, const ss_real *u, const ss_real *step)
 {
     ss_wide d[4][3], more[3];
-    tensor h;
     for (int a = 0; a < 4; ++a) {
         ss_wide_gather(u, e->at + SS_FEM_LANES * a, d[a]);
     }
@@ -132,15 +131,7 @@ SS_INLINE tensor moved_gradient(const element *e, const ss_real *u, const ss_rea
             d[a][i] = (d[a][i] - d[0][i]) + (more[i] - first[i]);
         }
     }
-    for (int j = 0; j < 3; ++j) {
-        const ss_wide g0 = ss_wide_load(e->shape + SS_FEM_LANES * j);
-        const ss_wide g1 = ss_wide_load(e->shape + SS_FEM_LANES * (3 + j));
-        const ss_wide g2 = ss_wide_load(e->shape + SS_FEM_LANES * (6 + j));
-        for (int i = 0; i < 3; ++i) {
-            h.m[i][j] = ss_wide_fma(d[3][i], g2, ss_wide_fma(d[2][i], g1, d[1][i] * g0));
-        }
-    }
-    return h;
+    return gradient_of(e, (const ss_wide(*)[3])(d + 1));
 }
 
 /* The corners' way: -h^2 w_a R grad N_a added to the step. */
@@ -148,17 +139,7 @@ SS_INLINE void move(const element *e, const ss_real *light, ss_wide step, const 
                     ss_real *way)
 {
     ss_wide f[4][3];
-    for (int a = 0; a < 3; ++a) {
-        const ss_wide g0 = ss_wide_load(e->shape + SS_FEM_LANES * (3 * a));
-        const ss_wide g1 = ss_wide_load(e->shape + SS_FEM_LANES * (3 * a + 1));
-        const ss_wide g2 = ss_wide_load(e->shape + SS_FEM_LANES * (3 * a + 2));
-        for (int i = 0; i < 3; ++i) {
-            f[a + 1][i] = ss_wide_fma(r->m[i][2], g2, ss_wide_fma(r->m[i][1], g1, r->m[i][0] * g0));
-        }
-    }
-    for (int i = 0; i < 3; ++i) {
-        f[0][i] = all(0.0) - ((f[1][i] + f[2][i]) + f[3][i]);
-    }
+    corner_forces(e, r, f);
     for (int a = 0; a < 4; ++a) {
         const ss_wide w = step * ss_wide_load(light + SS_FEM_LANES * a);
         for (int i = 0; i < 3; ++i) {
