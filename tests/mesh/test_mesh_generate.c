@@ -95,7 +95,7 @@ bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void
         {"kidney --points 800", 800, 1.44e-4, 0.03, 25.0},
     };
     for (int32_t i = 0; i < COUNT(cases); ++i) {
-        if (cases[i].points > FULL_IN_RELEASE(INT32_MAX, 3000)) {
+        if (cases[i].points > FULL_IN_RELEASE(INT32_MAX, 1000)) {
             continue;
         }
         char arguments[256];

@@ -19,6 +19,7 @@
 #include <sys/wait.h>
 
 #include "bench/felt/play.h"
+#include "common/effort.h"
 #include "common/folder_fixture.h"
 #include "rt/vec.h"
 #include "world/world.h"
@@ -204,6 +205,7 @@ static int run(const char *arguments)
 static void a_rate_compared_with_itself_differs_in_nothing(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     char arguments[4096], line[1024];
     snprintf(arguments, sizeof arguments,
              "--scene " SOURCE_DIR "/server/scenes/kidney.yaml --rates 1000 --quick --out %s",

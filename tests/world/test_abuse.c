@@ -263,7 +263,8 @@ static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 static void a_slow_press_hands_out_nothing(void **state)
 {
     (void)state;
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+    const int32_t count = FULL_IN_RELEASE(ss_assay_subject_count(), 1);
+    for (int32_t s = 0; s < count; ++s) {
         const ss_assay_result r = abuse(s, SS_ASSAY_CONTROL, 0.0, 1);
         const double most = 0.5e-3; /* J; 1 to 80 mJ are put in */
         if (!(r.is_agreed && r.handed_out_j < most && r.driven_j < most &&

@@ -64,15 +64,10 @@ static softsim_world *make_press(const press *one, const char *contact)
     return start_world(one->name, text);
 }
 
-/* How often the deformed surface winds about a point: 1 inside, 0 outside. Solid angles (van
- * Oosterom and Strackee 1983). */
-static double winding(softsim_world *world, const double p[3])
+/* How often the deformed surface, its nodes at `x`, winds about a point: 1 inside, 0 outside. Solid
+ * angles (van Oosterom and Strackee 1983). */
+static double winding(softsim_world *world, double (*x)[3], const double p[3])
 {
-    softsim_state s;
-    softsim_read(world, &s);
-    double(*x)[3] = calloc((size_t)s.node_count, sizeof *x);
-    assert_non_null(x);
-    softsim_read_nodes(world, x, NULL, NULL);
     const int32_t(*triangle)[3] = softsim_triangles(world);
     double sum = 0.0;
     for (int32_t t = 0; t < softsim_triangle_count(world); ++t) {
@@ -93,7 +88,6 @@ static double winding(softsim_world *world, const double p[3])
                               r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
         sum += atan2(volume, l[0] * l[1] * l[2] + dot[0] * l[0] + dot[1] * l[1] + dot[2] * l[2]);
     }
-    free(x);
     return sum / (2.0 * 3.14159265358979323846);
 }
 
@@ -101,14 +95,20 @@ static double winding(softsim_world *world, const double p[3])
  * mesh) the mesh winds about; 0 or 7 where there is no doubt. */
 static int count_inside(softsim_world *world, const double p[3])
 {
+    softsim_state s;
+    softsim_read(world, &s);
+    double(*node)[3] = calloc((size_t)s.node_count, sizeof *node);
+    assert_non_null(node);
+    softsim_read_nodes(world, node, NULL, NULL);
     int count = 0;
     for (int k = 0; k < 7; ++k) {
         double x[3] = {p[0], p[1], p[2]};
         if (k > 0) {
             x[(k - 1) / 2] += k % 2 ? 0.003 : -0.003;
         }
-        count += winding(world, x) > 0.5;
+        count += winding(world, node, x) > 0.5;
     }
+    free(node);
     return count;
 }
 

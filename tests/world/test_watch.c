@@ -14,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/effort.h"
 #include "common/hand_fixture.h"
 #include "pressed_fixture.h"
 #include "rt/vec.h"
@@ -203,6 +204,7 @@ static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
 static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     for (int is_shaking = 0; is_shaking < 2; ++is_shaking) {
         ss_world *world = make_scene(KIDNEY, NULL, 0);
         softsim_state s;
@@ -238,6 +240,7 @@ static bool is_said(const ss_world *world, const char *words)
 static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state)
 {
     (void)state;
+    SKIP_WHERE_REPEATED();
     static const char *const stiffer[] = {
         "model.pretension_j=4", "model.rest_stiffness_n_per_m3=2e5",
         "haptic.coupling.damping_n_s_per_m=8", "haptic.max_force_n=20"};
