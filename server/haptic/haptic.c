@@ -3,7 +3,7 @@
 /*
  * One haptic tick, in order:
  *   poses     the newest pose x, the hand's filtered velocity v, the observer's sums
- *   gate      whether the hand may feel anything: watchdog, entry, pause, fault, stop
+ *   admission whether the hand may feel anything: watchdog, entry, pause, fault, stop
  *   result    a new local model, taken so that the force does not step; grasp edges
  *   coupling  the spring that lets the hand feel at most K_max
  *   balance   proxy and contact forces, within the force limit
@@ -46,7 +46,7 @@ struct ss_haptic {
     double p[3], pdot[3];
     double spring; /* K_c */
     ss_slip slip;
-    ss_admission gate;
+    ss_admission admission;
     ss_law law;
     bool is_fault;
     int64_t result_tick;
@@ -206,7 +206,7 @@ static beginning take_poses(ss_haptic *haptic, const ss_haptic_input *input, boo
     return begins;
 }
 
-/* ---- gate, result, grasp ---- */
+/* ---- admission, result, grasp ---- */
 
 static void place_proxy(ss_haptic *haptic)
 {
@@ -223,7 +223,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
 {
     const bool is_reset = input->starts != haptic->starts;
     haptic->starts = input->starts;
-    const ss_admission_input gate = {
+    const ss_admission_input learnt = {
         .tick = input->tick,
         .period = haptic->config.period,
         .pose_tick = haptic->pose_tick,
@@ -237,7 +237,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .result_tick = haptic->result_tick,
         .has_force = ss_norm3(haptic->last_force) > 0.0,
     };
-    if (ss_admission_step(&haptic->gate, &gate)) {
+    if (ss_admission_step(&haptic->admission, &learnt)) {
         place_proxy(haptic);
     }
 }
@@ -246,8 +246,8 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
  * left. */
 static const softsim_pose *held_pose(const ss_haptic *haptic)
 {
-    return haptic->is_returning && haptic->gate.phase == SS_PHASE_RAMPING ? &haptic->left
-                                                                          : &haptic->pose;
+    return haptic->is_returning && haptic->admission.phase == SS_PHASE_RAMPING ? &haptic->left
+                                                                               : &haptic->pose;
 }
 
 /* The pose and hand velocity that the coupling sees. */
@@ -259,7 +259,7 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
     if (pose != &haptic->pose) {
         ss_set3(v, 0.0, 0.0, 0.0);
     }
-    ss_admission_pose(&haptic->gate, x, v);
+    ss_admission_pose(&haptic->admission, x, v);
 }
 
 /* Does the tool touch, where it was placed? */
@@ -277,7 +277,7 @@ static bool is_touching(const ss_local_model *result)
 static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const double normal[3])
 {
     double v[3];
-    ss_admission_fade(&haptic->gate, tick, point, normal);
+    ss_admission_fade(&haptic->admission, tick, point, normal);
     haptic->law.viscous = 0.0;
     used_pose(haptic, haptic->p, v);
     ++haptic->entries;
@@ -287,7 +287,7 @@ static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const 
 static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t tick)
 {
     ss_law *law = &haptic->law;
-    const bool is_first = haptic->gate.phase == SS_PHASE_WAITING;
+    const bool is_first = haptic->admission.phase == SS_PHASE_WAITING;
     double x[3], v[3], normal[3], point[3], depth = 0.0;
     used_pose(haptic, x, v);
     if (!is_first && haptic->is_pressed && result->set.is_held && !law->held.is_held) {
@@ -301,9 +301,9 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     } else if (is_first && is_touching(result)) {
         enter(haptic, tick, point, normal);
     } else if (is_first) {
-        ss_admission_enter(&haptic->gate);
+        ss_admission_enter(&haptic->admission);
     } else if (is_near) {
-        ss_admission_follow(&haptic->gate, law->result_period, point, normal);
+        ss_admission_follow(&haptic->admission, law->result_period, point, normal);
     }
 }
 
@@ -329,10 +329,10 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     ss_copy3(haptic->surface_proxy, result->proxy);
     haptic->surface_depth = result->set.depth;
     haptic->engulfed = ss_contact_is_engulfed(&result->set) ? result->set.engulfed : 0.0;
-    const ss_phase phase = haptic->gate.phase;
+    const ss_phase phase = haptic->admission.phase;
     /* The model may have heard of a reset before we do, or after. */
     if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
-        result->tick >= haptic->gate.placed && result->starts == haptic->starts) {
+        result->tick >= haptic->admission.placed && result->starts == haptic->starts) {
         use_result(haptic, result, input->tick);
     }
     return true;
@@ -387,7 +387,7 @@ static void update_spring(ss_haptic *haptic)
     if (is_in_contact) {
         /* A tool found inside meets tissue that gave no sign of how stiff it will be: the spring
          * for soft tissue would not have yielded when all of the depth is let in. */
-        const bool is_entering = haptic->gate.phase == SS_PHASE_ENTERING;
+        const bool is_entering = haptic->admission.phase == SS_PHASE_ENTERING;
         const double stiffer = exp(SPRING_RATE * config->period);
         const double softer = is_entering ? exp(ENTRY_SPRING_RATE * config->period) : stiffer;
         wanted = fmin(haptic->spring * stiffer, fmax(haptic->spring / softer, wanted));
@@ -528,11 +528,11 @@ static int32_t next_seq(int32_t seq)
     return seq < INT32_MAX ? seq + 1 : 1;
 }
 
-/* What of the force the gate lets through; nothing of one that begins within a ramp. */
+/* What of the force the admission lets through; nothing of one that begins within a ramp. */
 static double gain_of(const ss_haptic *haptic)
 {
-    const bool is_new = haptic->gate.phase == SS_PHASE_RAMPING && !(haptic->ramp_from > 0.0);
-    return is_new ? 0.0 : ss_admission_gain(&haptic->gate);
+    const bool is_new = haptic->admission.phase == SS_PHASE_RAMPING && !(haptic->ramp_from > 0.0);
+    return is_new ? 0.0 : ss_admission_gain(&haptic->admission);
 }
 
 static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
@@ -574,7 +574,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_proxy_target *target = &haptic->output.target;
     target->tick = input->tick;
     target->pose_seq = haptic->pose.seq;
-    target->is_present = haptic->gate.phase != SS_PHASE_SILENT;
+    target->is_present = haptic->admission.phase != SS_PHASE_SILENT;
     target->is_grasping = haptic->is_pressed && target->is_present;
     target->grasp_edges = haptic->grasp_edges;
     target->teleports = haptic->teleports;
@@ -693,10 +693,10 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const double *const vector[] = {
         haptic->pose.position, haptic->pdot,       haptic->slip.direction,
         haptic->slip.aside,    law->held.value,    law->held.offset,
-        law->residual,         law->released,      haptic->gate.entry_point,
-        haptic->left.position, law->held.position, haptic->gate.entry_normal};
-    const double number[] = {haptic->slip.share, haptic->slip.length,    law->slowness,
-                             law->viscous,       haptic->gate.held_back, haptic->ramp_from};
+        law->residual,         law->released,      haptic->admission.entry_point,
+        haptic->left.position, law->held.position, haptic->admission.entry_normal};
+    const double number[] = {haptic->slip.share, haptic->slip.length,         law->slowness,
+                             law->viscous,       haptic->admission.held_back, haptic->ramp_from};
     const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.has_let_go, haptic->is_pressed,
                             haptic->is_returning, law->held.is_held};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
@@ -713,8 +713,8 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
                             haptic->v[0],     haptic->v[1],        haptic->v[2],
                             haptic->spring,   observer->limit,     observer->worst,
                             observer->energy, observer->delay_p95, haptic->slip.limit};
-    const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->gate.phase,
-                              haptic->gate.ticks,        haptic->law.tick,
+    const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->admission.phase,
+                              haptic->admission.ticks,   haptic->law.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
                               (int64_t)haptic->teleports};
     uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
@@ -733,7 +733,7 @@ static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const 
 {
     const double gain = gain_of(haptic);
     ss_scale3(out_sent, whole, gain);
-    if (haptic->gate.phase == SS_PHASE_RAMPING) {
+    if (haptic->admission.phase == SS_PHASE_RAMPING) {
         /* What the law makes of its offsets meanwhile is none of the ramp's. */
         ss_limit_force(out_sent, gain * haptic->ramp_from);
     } else {
@@ -763,7 +763,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
                          ss_law_active_count(&haptic->law) > 0, tick);
         step_gate(haptic, input, begins);
         ss_law_decay(&haptic->law, haptic->config.period,
-                     haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->gate));
+                     haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->admission));
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x, v);
@@ -771,7 +771,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         update_limit(haptic, tick);
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
         int32_t flags =
-            ss_admission_flags(&haptic->gate) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
+            ss_admission_flags(&haptic->admission) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
         settle_force(haptic, input, whole, is_limited, &flags, sent);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             write_force(haptic, input, sent, whole, flags);

@@ -255,7 +255,7 @@ typedef struct ss_admission {
     double held_back; /* share of the depth that a ramp found not yet let in */
 } ss_admission;
 
-/* What the gate learns in a tick. */
+/* What the admission learns in a tick. */
 typedef struct ss_admission_input {
     int64_t tick;
     double period;
@@ -269,24 +269,24 @@ typedef struct ss_admission_input {
 } ss_admission_input;
 
 /* Moves the phase; true when the law is void and the proxy goes to the pose. */
-bool ss_admission_step(ss_admission *gate, const ss_admission_input *input);
+bool ss_admission_step(ss_admission *admission, const ss_admission_input *input);
 /* Share of the depth that entering has not let in yet. */
-double ss_admission_left(const ss_admission *gate);
+double ss_admission_left(const ss_admission *admission);
 /* The first result for this place: enters. */
-void ss_admission_enter(ss_admission *gate);
+void ss_admission_enter(ss_admission *admission);
 /* The tool was found inside: enters by fading, from the surface at `point` in this tick on. */
-void ss_admission_fade(ss_admission *gate, int64_t tick, const double point[3],
+void ss_admission_fade(ss_admission *admission, int64_t tick, const double point[3],
                        const double normal[3]);
 /* Follows the surface while entering. */
-void ss_admission_follow(ss_admission *gate, double period, const double point[3],
+void ss_admission_follow(ss_admission *admission, double period, const double point[3],
                          const double normal[3]);
 /* The pose and hand velocity to use: faded towards the surface while entering, and as far as that
  * had come while ramping. */
-void ss_admission_pose(const ss_admission *gate, double x[3], double v[3]);
+void ss_admission_pose(const ss_admission *admission, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */
-double ss_admission_gain(const ss_admission *gate);
+double ss_admission_gain(const ss_admission *admission);
 /* Flags 8, 16, 64. */
-int32_t ss_admission_flags(const ss_admission *gate);
+int32_t ss_admission_flags(const ss_admission *admission);
 
 /* |force| <= limit: scales `force`, returns true when it did. */
 bool ss_limit_force(double force[3], double limit);

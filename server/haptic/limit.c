@@ -38,139 +38,142 @@
  */
 #define ENTRY_SPEED 0.05
 
-static void begin(ss_admission *gate, ss_phase phase)
+static void begin(ss_admission *admission, ss_phase phase)
 {
-    gate->phase = phase;
-    gate->ticks = 0;
+    admission->phase = phase;
+    admission->ticks = 0;
 }
 
-double ss_admission_left(const ss_admission *gate)
+double ss_admission_left(const ss_admission *admission)
 {
-    return gate->phase == SS_PHASE_ENTERING ? fmax(0.0, 1.0 - (double)gate->ticks / SS_ENTRY_TICKS)
-                                            : 0.0;
+    return admission->phase == SS_PHASE_ENTERING
+               ? fmax(0.0, 1.0 - (double)admission->ticks / SS_ENTRY_TICKS)
+               : 0.0;
 }
 
 /* Is the force to go, or to stay away, whatever the phase? */
-static bool is_barred(const ss_admission *gate)
+static bool is_barred(const ss_admission *admission)
 {
-    return gate->is_stopped || gate->is_stale || gate->is_paused || gate->is_model_late;
+    return admission->is_stopped || admission->is_stale || admission->is_paused ||
+           admission->is_model_late;
 }
 
-static bool place(ss_admission *gate, int64_t tick)
+static bool place(ss_admission *admission, int64_t tick)
 {
-    begin(gate, SS_PHASE_WAITING);
-    gate->placed = tick;
+    begin(admission, SS_PHASE_WAITING);
+    admission->placed = tick;
     return true;
 }
 
-bool ss_admission_step(ss_admission *gate, const ss_admission_input *input)
+bool ss_admission_step(ss_admission *admission, const ss_admission_input *input)
 {
     const int64_t tick = input->tick;
-    ++gate->ticks;
-    const int64_t answered = input->has_result ? input->result_tick : gate->placed;
-    gate->is_stopped = gate->is_stopped || input->is_stopping;
-    gate->is_stale = tick - input->pose_tick >= SS_WATCHDOG_TICKS;
-    gate->is_paused = input->is_paused;
+    ++admission->ticks;
+    const int64_t answered = input->has_result ? input->result_tick : admission->placed;
+    admission->is_stopped = admission->is_stopped || input->is_stopping;
+    admission->is_stale = tick - input->pose_tick >= SS_WATCHDOG_TICKS;
+    admission->is_paused = input->is_paused;
     /* Once late, late until it answers for where the proxy is now. */
     const bool is_overdue = (double)(tick - answered) * input->period > MODEL_TIMEOUT ||
-                            (gate->is_model_late && !input->has_result);
-    gate->is_model_late =
-        !input->is_paused && gate->phase != SS_PHASE_SILENT && (input->is_fault || is_overdue);
+                            (admission->is_model_late && !input->has_result);
+    admission->is_model_late =
+        !input->is_paused && admission->phase != SS_PHASE_SILENT && (input->is_fault || is_overdue);
     /* The end of a ramp or of the fade. */
-    if (gate->phase == SS_PHASE_RAMPING && gate->ticks >= SS_RAMP_TICKS) {
-        if (gate->is_stopped || gate->is_stale) {
-            begin(gate, SS_PHASE_SILENT);
+    if (admission->phase == SS_PHASE_RAMPING && admission->ticks >= SS_RAMP_TICKS) {
+        if (admission->is_stopped || admission->is_stale) {
+            begin(admission, SS_PHASE_SILENT);
             return true;
         }
-        return place(gate, tick);
+        return place(admission, tick);
     }
-    if (gate->phase == SS_PHASE_ENTERING && gate->ticks >= SS_ENTRY_TICKS) {
-        begin(gate, SS_PHASE_IN);
+    if (admission->phase == SS_PHASE_ENTERING && admission->ticks >= SS_ENTRY_TICKS) {
+        begin(admission, SS_PHASE_IN);
     }
-    switch (gate->phase) {
+    switch (admission->phase) {
     case SS_PHASE_SILENT:
-        return !gate->is_stopped && !gate->is_stale && place(gate, tick);
+        return !admission->is_stopped && !admission->is_stale && place(admission, tick);
     case SS_PHASE_WAITING:
-        if (gate->is_stopped || gate->is_stale) {
-            begin(gate, SS_PHASE_SILENT);
+        if (admission->is_stopped || admission->is_stale) {
+            begin(admission, SS_PHASE_SILENT);
             return true;
         }
-        return (input->is_reset || input->is_new_holder) && place(gate, tick);
+        return (input->is_reset || input->is_new_holder) && place(admission, tick);
     case SS_PHASE_ENTERING:
     case SS_PHASE_IN:
         if (input->is_new_holder || (input->is_reset && !input->has_force)) {
-            return place(gate, tick);
+            return place(admission, tick);
         }
-        if (is_barred(gate) || input->is_reset) {
-            gate->held_back = ss_admission_left(gate);
-            begin(gate, SS_PHASE_RAMPING);
-            if (gate->is_stale && !input->is_reset) {
+        if (is_barred(admission) || input->is_reset) {
+            admission->held_back = ss_admission_left(admission);
+            begin(admission, SS_PHASE_RAMPING);
+            if (admission->is_stale && !input->is_reset) {
                 /* From the tick of silence, though the thread may have slept through it. */
-                gate->ticks = tick - (input->pose_tick + SS_WATCHDOG_TICKS);
+                admission->ticks = tick - (input->pose_tick + SS_WATCHDOG_TICKS);
             }
         }
         return false;
     case SS_PHASE_RAMPING:
-        return input->is_new_holder && !gate->is_stopped && place(gate, tick);
+        return input->is_new_holder && !admission->is_stopped && place(admission, tick);
     }
     return false;
 }
 
-void ss_admission_enter(ss_admission *gate)
+void ss_admission_enter(ss_admission *admission)
 {
-    begin(gate, SS_PHASE_IN);
+    begin(admission, SS_PHASE_IN);
 }
 
-void ss_admission_fade(ss_admission *gate, int64_t tick, const double point[3],
+void ss_admission_fade(ss_admission *admission, int64_t tick, const double point[3],
                        const double normal[3])
 {
-    begin(gate, SS_PHASE_ENTERING);
-    gate->placed = tick;
-    ss_copy3(gate->entry_point, point);
-    ss_copy3(gate->entry_normal, normal);
+    begin(admission, SS_PHASE_ENTERING);
+    admission->placed = tick;
+    ss_copy3(admission->entry_point, point);
+    ss_copy3(admission->entry_normal, normal);
 }
 
-void ss_admission_follow(ss_admission *gate, double period, const double point[3],
+void ss_admission_follow(ss_admission *admission, double period, const double point[3],
                          const double normal[3])
 {
     const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
     double move[3];
-    ss_sub3(move, point, gate->entry_point);
+    ss_sub3(move, point, admission->entry_point);
     ss_scale3(move, move, share);
-    const double inward = -ss_dot3(move, gate->entry_normal);
-    ss_madd3(move, move, fmax(0.0, inward - ENTRY_SPEED * period), gate->entry_normal);
-    ss_add3(gate->entry_point, gate->entry_point, move);
+    const double inward = -ss_dot3(move, admission->entry_normal);
+    ss_madd3(move, move, fmax(0.0, inward - ENTRY_SPEED * period), admission->entry_normal);
+    ss_add3(admission->entry_point, admission->entry_point, move);
     for (int i = 0; i < 3; ++i) {
-        gate->entry_normal[i] += share * (normal[i] - gate->entry_normal[i]);
+        admission->entry_normal[i] += share * (normal[i] - admission->entry_normal[i]);
     }
-    if (ss_normalize3(gate->entry_normal) == 0.0) {
-        ss_copy3(gate->entry_normal, normal);
+    if (ss_normalize3(admission->entry_normal) == 0.0) {
+        ss_copy3(admission->entry_normal, normal);
     }
 }
 
-void ss_admission_pose(const ss_admission *gate, double x[3], double v[3])
+void ss_admission_pose(const ss_admission *admission, double x[3], double v[3])
 {
-    const double left = gate->phase == SS_PHASE_RAMPING ? gate->held_back : ss_admission_left(gate);
+    const double left =
+        admission->phase == SS_PHASE_RAMPING ? admission->held_back : ss_admission_left(admission);
     if (!(left > 0.0)) {
         return;
     }
     double inward[3];
-    ss_sub3(inward, gate->entry_point, x);
-    const double depth = ss_dot3(gate->entry_normal, inward);
+    ss_sub3(inward, admission->entry_point, x);
+    const double depth = ss_dot3(admission->entry_normal, inward);
     if (depth > 0.0) {
-        ss_madd3(x, x, left * depth, gate->entry_normal);
-        ss_madd3(v, v, -left * ss_dot3(gate->entry_normal, v), gate->entry_normal);
+        ss_madd3(x, x, left * depth, admission->entry_normal);
+        ss_madd3(v, v, -left * ss_dot3(admission->entry_normal, v), admission->entry_normal);
     }
 }
 
-double ss_admission_gain(const ss_admission *gate)
+double ss_admission_gain(const ss_admission *admission)
 {
-    switch (gate->phase) {
+    switch (admission->phase) {
     case SS_PHASE_ENTERING:
     case SS_PHASE_IN:
         return 1.0;
     case SS_PHASE_RAMPING:
-        return fmax(0.0, 1.0 - (double)(gate->ticks + 1) / SS_RAMP_TICKS);
+        return fmax(0.0, 1.0 - (double)(admission->ticks + 1) / SS_RAMP_TICKS);
     case SS_PHASE_SILENT:
     case SS_PHASE_WAITING:
         break;
@@ -178,16 +181,17 @@ double ss_admission_gain(const ss_admission *gate)
     return 0.0;
 }
 
-int32_t ss_admission_flags(const ss_admission *gate)
+int32_t ss_admission_flags(const ss_admission *admission)
 {
     int32_t flags = 0;
-    if (gate->phase == SS_PHASE_RAMPING || gate->phase == SS_PHASE_ENTERING || is_barred(gate)) {
+    if (admission->phase == SS_PHASE_RAMPING || admission->phase == SS_PHASE_ENTERING ||
+        is_barred(admission)) {
         flags |= SOFTSIM_FORCE_RAMPING;
     }
-    if (gate->is_stale) {
+    if (admission->is_stale) {
         flags |= SOFTSIM_FORCE_STALE;
     }
-    if (gate->is_model_late) {
+    if (admission->is_model_late) {
         flags |= SOFTSIM_FORCE_MODEL_FAULT;
     }
     return flags;

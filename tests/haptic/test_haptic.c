@@ -559,7 +559,7 @@ static void target_has_the_whole_orientation(void **state)
     rig_end(&r);
 }
 
-/* The gate takes it wherever it is, before the ramp is over or even before the loop saw the
+/* The admission takes it wherever it is, before the ramp is over or even before the loop saw the
  * silence: the same device, so its force may not step. */
 static void device_that_returns_elsewhere_ramps_first(void **state)
 {
