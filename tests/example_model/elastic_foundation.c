@@ -8,6 +8,7 @@
  *
  * with A_i a third of the triangles around it. How a model is added: server/models/README.md.
  */
+#include "models/common/life.h"
 #include "models/common/plan.h"
 #include "rt/memory.h"
 
@@ -73,24 +74,22 @@ static double stable_step(void *owner, const ss_body *body)
 
 static void destroy(ss_model *model)
 {
-    if (model != NULL) {
-        ss_body_destroy(&model->body);
-        ss_memory_free(model);
-    }
+    ss_body_destroy(&model->body);
+    ss_memory_free(model);
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_error *error)
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
     const int32_t count = plan->mesh->node_count;
     const double sigma = plan->param[AREA_DENSITY].number;
-    ss_model *model = ss_memory_get(1, sizeof *model);
-    double *area = ss_memory_get((size_t)count, 2 * sizeof *area);
-    softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (model != NULL && area != NULL) {
-        double *mass = area + count;
-        for (int32_t i = 0; i < count; ++i) {
-            area[i] = sigma;
-        }
+    ss_arena scratch = {0};
+    double *area = ss_arena_get(&scratch, (size_t)count, sizeof *area);
+    double *mass = ss_arena_get(&scratch, (size_t)count, sizeof *mass);
+    softsim_status status = ss_arena_status(&scratch);
+    for (int32_t i = 0; status == SOFTSIM_OK && i < count; ++i) {
+        area[i] = sigma;
+    }
+    if (status == SOFTSIM_OK) {
         ss_body_area_masses(plan->mesh, area, mass);
         model->rate2 = plan->param[STIFFNESS].number / sigma;
         const ss_body_plan body = {.name = "elastic-foundation",
@@ -105,13 +104,13 @@ static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_
         status = ss_body_create(&body, &model->body, error);
         status = status == SOFTSIM_OK ? ss_body_start(model->body) : status;
     }
-    ss_memory_free(area);
-    if (status != SOFTSIM_OK) {
-        destroy(model);
-        return status;
-    }
-    *out = model;
-    return SOFTSIM_OK;
+    ss_arena_free(&scratch);
+    return status;
+}
+
+static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_error *error)
+{
+    return ss_model_make(sizeof(ss_model), build, destroy, plan, out, error);
 }
 
 static double step_cost_us(const ss_model_plan *plan)
