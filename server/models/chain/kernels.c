@@ -3,7 +3,7 @@
 #include "models/chain/kernels.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more by kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ * once more for AVX2 with 256-bit vectors and fused multiply-add.
  *
  *   d = P_b - P_a,  u = |d|,  ex = max(u - lmax, 0) - max(lmin - u, 0)
  *   g = w/2 ex d/u;  dP_a += g, dP_b -= g            (Zhang et al. 2018, equations 7 to 13)

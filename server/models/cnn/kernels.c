@@ -3,7 +3,7 @@
 #include "models/cnn/kernels.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more by kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ * once more for AVX2 with 256-bit vectors and fused multiply-add.
  *
  * Where the time goes: the product reads three things an entry (neighbour, kap, u of the
  * neighbour) and is bound by loads, so differences u_i - u_j are free, and they lose no digits

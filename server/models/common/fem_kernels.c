@@ -3,7 +3,7 @@
 #include "models/common/fem_element.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more by fem_kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ * once more for AVX2 with 256-bit vectors and fused multiply-add.
  *
  * Element e with corners 0..3, from displacements relative to corner 0:
  *

@@ -3,7 +3,7 @@
 #include "models/corotational/kernels.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more by kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ * once more for AVX2 with 256-bit vectors and fused multiply-add.
  *
  * Element with displacement gradient H, F = I + H, and the rotation R nearest to F:
  *

@@ -3,8 +3,8 @@
 #include "models/xpbd/kernels.h"
 #include "models/common/fem_element.h"
 /*
- * The kernels, written once; compiled for the baseline processor as they stand, and once more by
- * kernels_avx2.c with 256-bit vectors and fused multiply-add.
+ * The kernels, written once; compiled for the baseline processor as they stand, and once more
+ * for AVX2 with 256-bit vectors and fused multiply-add.
  *
  * One constraint a tetrahedron, in the sense of extended position-based dynamics (Macklin, Mueller,
  * Chentanez 2016, eqs. (18) and (17), with multipliers that begin at 0 in every sub-step: Macklin
