@@ -64,11 +64,11 @@
 /* clang-format on */
 
 typedef struct softsim_server_status {
-#define SOFTSIM_SCALAR(type, name, line, text)       type name;
+#define SOFTSIM_NUMBER(type, name, line, text)       type name;
 #define SOFTSIM_ARRAY(type, name, count, line, text) type name[count];
 #define SOFTSIM_TEXT(name, line)                     const char *name;
-    SOFTSIM_SERVER_STATUS_LIST(SOFTSIM_SCALAR, SOFTSIM_ARRAY, SOFTSIM_TEXT)
-#undef SOFTSIM_SCALAR
+    SOFTSIM_SERVER_STATUS_LIST(SOFTSIM_NUMBER, SOFTSIM_ARRAY, SOFTSIM_TEXT)
+#undef SOFTSIM_NUMBER
 #undef SOFTSIM_ARRAY
 #undef SOFTSIM_TEXT
 } softsim_server_status;

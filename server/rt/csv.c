@@ -36,13 +36,13 @@ static char *cut_cell(char **cursor)
     char *start = *cursor + strspn(*cursor, blanks), *end = start;
     const bool is_quoted = *start == '"';
     if (is_quoted) {
-        const char *from = start + 1;
+        char *from = start + 1;
         for (; *from != '\0' && (*from != '"' || from[1] == '"'); ++from) {
             from += *from == '"';
             *end++ = *from;
         }
         from += strcspn(from, ",");
-        *cursor = *from == ',' ? (char *)from + 1 : NULL;
+        *cursor = *from == ',' ? from + 1 : NULL;
         *end = '\0';
         return start;
     }
