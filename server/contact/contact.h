@@ -233,8 +233,8 @@ typedef struct ss_contact_set {
  * model adds its own). When nothing touches, the nearest patch within `near` (m) with its gap, or
  * no contact and depth = -near. Stiffness and viscosity are left 0 for the model to fill.
  * Call after ss_surface_refit to `u`. RT-safe. */
-void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
-                       double near, ss_contact_set *out_set);
+void ss_touch_contacts(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, double near,
+                       ss_contact_set *out_set);
 
 /* Is the tool inside the tissue, without a grasp that has it there? RT-safe. */
 static inline bool ss_contact_is_engulfed(const ss_contact_set *set)

@@ -456,8 +456,8 @@ static void set_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_
     out_set->depth = deepest;
 }
 
-void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
-                       double near, ss_contact_set *out_set)
+void ss_touch_contacts(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, double near,
+                       ss_contact_set *out_set)
 {
     *out_set = (ss_contact_set){0};
     if (!ss_is_finite(pose->position, 3) || !ss_is_finite(pose->orientation, 4)) {
@@ -466,7 +466,7 @@ void ss_touch_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_po
     ss_frame frame;
     ss_touch_frame(touch, pose, &frame);
     set_contacts(touch, u, pose, &frame, near, out_set);
-    if (ss_touch_is_engulfed(touch, u, pose)) {
+    if (ss_touch_is_engulfed(touch, u, pose, fmax(0.0, out_set->depth))) {
         out_set->engulfed = way_out(touch, u, pose, &frame);
     }
 }

@@ -10,12 +10,12 @@
  * to both of its facets, corners and degenerate facets included. Two triangles know the points on
  * their common side from different rows, though, and rounding opens a crack of 1e-9 m there: a
  * second ray must agree, and both are aslant, since meshes and tools like to lie along axes.
- * Cost: the leaves of the tree that a ray meets, some 2 us. Rejected: the nearest point's side
- * (ss_contact_locate), which looks at all triangles.
+ * Cost: the leaves of the tree that a ray meets, some 2 us: a middle that was outside, and that
+ * neither it nor the surface can have carried in since, is not asked for. Rejected: the nearest
+ * point's side (ss_contact_locate), which looks at all triangles.
  */
 #include <math.h>
 
-#include "contact/shape.h"
 #include "contact/touch.h"
 #include "rt/vec.h"
 
@@ -142,28 +142,63 @@ static bool is_far(const ss_surface *surface, const ss_wide *x)
     return is_out;
 }
 
-bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose)
+/* No point of the surface is nearer to the tool's middle. A point of a facet is within twice the
+ * facet's reach of a sample, no sample is more than `deepest` inside the tool, and depths change by
+ * no more than the way. */
+static double clear_of(const ss_touch *touch, double deepest)
 {
+    const bool is_whole = touch->dropped_from == touch->candidate_count;
+    return is_whole ? touch->core_depth - deepest - 2.0 * (double)touch->facet_most : 0.0;
+}
+
+/* A middle that was outside is so until it and the surface have moved by what was between them,
+ * straight from how they were then. Half of that, for a step may have moved the tissue since. */
+static bool is_still_outside(const ss_touch *touch, const double middle[3])
+{
+    const ss_outside *last = &touch->outside;
     const ss_surface *surface = touch->surface;
-    double middle[3] = {0.0, 0.0, 0.0};
-    if (touch->shape.kind == SS_SHAPE_CONVEX) {
-        ss_convex_centre(touch->shape.convex, middle);
-    }
-    ss_rotate(middle, pose->orientation, middle);
-    ss_wide at = {0};
-    for (int k = 0; k < 3; ++k) {
-        at[k] = (ss_real)(pose->position[k] + middle[k] - surface->centre[k]);
-    }
-    if (!surface->is_closed || surface->fit == 0 || is_far(surface, &at)) {
+    if (!last->is_known || surface->fit > last->fit + 1) {
         return false;
     }
-    const double width = surface->moved + touch->margin;
+    double way[3];
+    ss_sub3(way, middle, last->middle);
+    const double refitted = surface->fit > last->fit ? surface->fit_moved : 0.0;
+    return ss_norm3(way) + last->moved + refitted + surface->moved < 0.5 * last->clear;
+}
+
+static bool is_wound_about(const ss_touch *touch, const ss_real *u, const ss_wide *at)
+{
+    const double width = touch->surface->moved + touch->margin;
     for (int k = 0; k < 2; ++k) {
         const beam ray = {
-            .origin = at, .slope = {slopes[k][0], slopes[k][1]}, .side = k == 0 ? 1.0 : -1.0};
-        if (cross_surface(surface, u, &ray, width) <= 0) {
+            .origin = *at, .slope = {slopes[k][0], slopes[k][1]}, .side = k == 0 ? 1.0 : -1.0};
+        if (cross_surface(touch->surface, u, &ray, width) <= 0) {
             return false;
         }
     }
     return true;
+}
+
+bool ss_touch_is_engulfed(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                          double deepest)
+{
+    const ss_surface *surface = touch->surface;
+    double middle[3];
+    ss_wide at = {0};
+    ss_rotate(middle, pose->orientation, touch->core);
+    ss_add3(middle, middle, pose->position);
+    for (int k = 0; k < 3; ++k) {
+        at[k] = (ss_real)(middle[k] - surface->centre[k]);
+    }
+    if (!surface->is_closed || surface->fit == 0) {
+        return false;
+    }
+    const bool is_outside =
+        is_far(surface, &at) || is_still_outside(touch, middle) || !is_wound_about(touch, u, &at);
+    touch->outside = (ss_outside){.is_known = is_outside,
+                                  .clear = clear_of(touch, deepest),
+                                  .fit = surface->fit,
+                                  .moved = surface->moved};
+    ss_copy3(touch->outside.middle, middle);
+    return !is_outside;
 }

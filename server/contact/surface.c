@@ -291,6 +291,7 @@ void ss_surface_refit(ss_surface *surface, const ss_real *u)
     fit_boxes(surface, u);
     memcpy(surface->fitted_u, u, 4 * sizeof(ss_real) * (size_t)surface->node_count);
     surface->fit++;
+    surface->fit_moved = surface->moved;
     surface->moved = 0.0;
 }
 

@@ -94,6 +94,7 @@ struct ss_surface {
     ss_real *fitted_u; /* the displacement that the boxes were fitted to, 4 a node */
     int64_t fit;       /* how often they were; 0: not yet */
     double moved;      /* m, no node had moved further since then at the last refit */
+    double fit_moved;  /* m, nor between the last two fits */
 };
 
 static inline int32_t ss_leaf_first_triangle(const ss_surface *surface, int32_t leaf)

@@ -94,6 +94,11 @@ softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
     touch->slack = 0.25 * options->delta;
     touch->spare = 0.25 * options->delta;
     touch->bounding_radius = radius;
+    if (shape->kind == SS_SHAPE_CONVEX) {
+        ss_convex_centre(shape->convex, touch->core);
+    }
+    double normal[3];
+    touch->core_depth = -ss_shape_distance(shape, touch->core, normal);
     touch->hard_from = (ss_real)(SS_TOUCH_HARD_FROM * ss_shape_inradius(shape));
     touch->margin = (sizeof(ss_real) == 4 ? 1e-5 : 1e-12) * (surface->size + radius);
     double low;
@@ -392,6 +397,7 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
     touch->sample_count = 0;
     touch->group_count = 0;
     touch->dropped_from = touch->candidate_count;
+    touch->facet_most = 0;
     for (int32_t i = 0; i < touch->candidate_count; ++i) {
         ss_candidate *candidate = &touch->candidate[i];
         const int32_t t = candidate->triangle;
@@ -403,11 +409,12 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
         if (!(candidate->facet_radius >= 0)) {
             candidate->facet_radius = facet_radius(&surface->grid, point) + 2 * moved;
         }
+        const ss_real facet_reach = candidate->facet_radius + 2 * moved;
+        touch->facet_most = facet_reach > touch->facet_most ? facet_reach : touch->facet_most;
         const bool is_kept = touch->sample_count + most <= touch->sample_capacity &&
                              touch->dropped_from == touch->candidate_count;
         ss_sample *sample = is_kept ? touch->sample + touch->sample_count : spare;
-        const int32_t count =
-            find_samples(surface, &frame, point, candidate->facet_radius + 2 * moved, sample);
+        const int32_t count = find_samples(surface, &frame, point, facet_reach, sample);
         if (count == 0) {
             continue;
         }

@@ -41,6 +41,15 @@ typedef struct ss_sweep {
     double square; /* |along|^2 */
 } ss_sweep;
 
+/* Where the tool's middle was found outside of the tissue. */
+typedef struct ss_outside {
+    bool is_known;
+    double middle[3];
+    double clear; /* m, no point of the surface was nearer to it */
+    int64_t fit;  /* of the surface then, */
+    double moved; /* m, and how far nodes had moved since */
+} ss_outside;
+
 struct ss_touch {
     const ss_surface *surface;
     ss_shape shape;
@@ -50,6 +59,8 @@ struct ss_touch {
     double spare;      /* m: the tool may be so far off the gathered path */
     double margin;     /* m, over rounding when something is left out */
     double bounding_radius;
+    double core[3];        /* the middle of the tool, in its frame */
+    double core_depth;     /* m, how deep that is in the tool */
     int32_t station_count; /* contacts along the axis, from station_low to station_high */
     double station_low, station_high;
 
@@ -82,6 +93,9 @@ struct ss_touch {
     ss_group *group;
     int32_t group_count;
     int32_t dropped_from; /* candidate from which samples were no longer kept, or the count */
+    ss_real facet_most;   /* m, no facet near the tool reaches further from its centroid */
+
+    ss_outside outside;
 };
 
 /* ---- touch.c ---- */
@@ -122,8 +136,10 @@ static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pos
 
 /* ---- inside.c ---- */
 
-/* Does the tool's middle lie inside a closed surface, fitted to `u`? */
-bool ss_touch_is_engulfed(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose);
+/* Does the tool's middle lie inside a closed surface, fitted to `u`? The deepest sample of the last
+ * penalty, at `pose`, was `deepest` inside the tool. */
+bool ss_touch_is_engulfed(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+                          double deepest);
 
 /* Is the ball about the candidate's triangle further than `distance` from the tool? */
 static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candidate *c,

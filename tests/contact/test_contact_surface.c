@@ -446,6 +446,38 @@ static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
     close_touch();
 }
 
+/* A ball that wanders in and out of a body that swings, slowly and in jumps, asked again and again;
+ * and each time as if for the first time. */
+static void what_is_remembered_of_the_inside_stays_right(void **state)
+{
+    (void)state;
+    make_sphere(3, 0.02);
+    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    int inside = 0, changes = 0;
+    bool was_inside = false;
+    for (int i = 0; i < 6000; ++i) {
+        const double rate = i < 3000 ? 1.0 : 10.0;
+        const double stretch = 0.2 * sin(0.003 * rate * i), shift = 0.003 * sin(0.002 * rate * i);
+        for (int32_t k = 0; k < mesh.node_count; ++k) {
+            u[4 * k] = (ss_real)(stretch * positions[k][0]);
+            u[4 * k + 2] = (ss_real)shift;
+        }
+        const double jump = i % 97 == 0 ? 0.02 * random_unit() : 0.0;
+        const double radius = 0.0195 + 0.004 * sin(0.0037 * rate * i) + jump,
+                     turn = 0.001 * rate * i;
+        const ss_tool_pose pose = pose_at(radius * cos(turn), 0.001, radius * sin(turn));
+        const bool is_inside = engulfed_at(&pose) > 0.0;
+        touch->outside.is_known = false;
+        assert_int_equal(engulfed_at(&pose) > 0.0, is_inside);
+        inside += is_inside;
+        changes += is_inside != was_inside;
+        was_inside = is_inside;
+    }
+    print_message("inside %d times of 6000, %d changes\n", inside, changes);
+    assert_true(inside > 1000 && inside < 5000 && changes > 40);
+    close_touch();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -464,6 +496,7 @@ int main(void)
         cmocka_unit_test(dented_tissue_is_where_it_rests_too),
         cmocka_unit_test(a_tool_may_have_no_way_out),
         cmocka_unit_test(a_tool_is_engulfed_when_its_middle_is_inside),
+        cmocka_unit_test(what_is_remembered_of_the_inside_stays_right),
         cmocka_unit_test(no_tool_is_engulfed_by_an_open_sheet_or_from_outside),
     };
     return cmocka_run_group_tests_name("contact_surface", tests, NULL, NULL);
