@@ -154,11 +154,12 @@ static void pauses_and_resumes_ramp_and_enter(void **state)
     enum { GAPS = sizeof gaps / sizeof *gaps };
     bool is_good = true;
     write_block_mesh();
-    for (int m = FULL_IN_RELEASE(0, LIGHT); m < MODELS; ++m) {
+    for (int m = FULL_IN_RELEASE(0, MODELS - 1); m < MODELS; ++m) {
         for (int g = 0; g < GAPS; ++g) {
+            const int count = is_all || gaps[g] < 50 ? 20 : FULL_IN_LONG_RUN(20, 6);
             for (int way = 0; way < ORDERS; ++way) {
                 if (is_repeatable(m) && (is_all || (g % MODELS == m && way == g % ORDERS))) {
-                    is_good = storm(m, (heard)way, pause, gaps[g], 20) && is_good;
+                    is_good = storm(m, (heard)way, pause, gaps[g], count) && is_good;
                 }
             }
         }
