@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "common/effort.h"
 #include "daemon_fixture.h"
 #include "rt/vec.h"
 
@@ -318,9 +319,17 @@ static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
     snprintf(soft_scene, sizeof soft_scene, "%s", in_folder("soft.yaml"));
     snprintf(path, sizeof path, "%s", in_folder("hold.csv"));
     snprintf(csv, sizeof csv, "%s", in_folder("held.csv"));
-    const char *const generate[] = {"softsim-mesh", "generate", "block", "--tetrahedra",
-                                    "--size-mm",    "80,80,40", "--out", mesh,
-                                    "--points",     "800",      NULL};
+    const char *const generate[] = {"softsim-mesh",
+                                    "generate",
+                                    "block",
+                                    "--tetrahedra",
+                                    "--size-mm",
+                                    "80,80,40",
+                                    "--out",
+                                    mesh,
+                                    "--points",
+                                    FULL_IN_RELEASE("800", "200"),
+                                    NULL};
     const char *const first[] = {"softsimd", stiff_scene, NULL};
     const char *const second[] = {"softsimd", soft_scene, NULL};
     const char *const takeover[] = {"softsimd", soft_scene, "--takeover", NULL};
