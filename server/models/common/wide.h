@@ -49,9 +49,6 @@
 
 /* The language's own vectors, so that one definition does for every processor; a function of the
  * instruction set where the compiler finds none by itself (SS_QUAD_OP, where it has one). */
-#ifdef SOFTSIM_DOUBLE
-#pragma GCC diagnostic ignored "-Wpsabi" /* of calls: all of these are inlined */
-#endif
 typedef ss_real ss_quad __attribute__((vector_size(4 * sizeof(ss_real)), may_alias));
 
 #if (defined(SS_WIDE_AVX2) || defined(SS_WIDE_SSE2)) && !defined(SOFTSIM_DOUBLE)
