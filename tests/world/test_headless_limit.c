@@ -3,7 +3,8 @@
 /*
  * The force limit in the headless world, on bodies of every model: a slow press to well beyond the
  * limit, a slide there and back, judged against the same path without a limit (limit_judge.h); and
- * the simulated hands of the bridge pressing into the same bodies, in closed loop.
+ * the simulated hands of the bridge pressing into the same bodies, in closed loop, also while the
+ * limit is raised.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,6 +24,8 @@
 #include "world/world.h"
 
 enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000 };
+/* N, out of reach. */
+static const double RAISED = 100.0;
 
 /* ---- a slow press ---- */
 
@@ -157,6 +160,38 @@ static void a_changed_limit_flings_nothing(void **state)
         last = size;
     }
     softsim_destroy(&world);
+}
+
+/* Pressed 16 mm, held, the limit lowered to .5 N and raised again: the force comes back to what it
+ * was, the proxy to where it was. */
+static void a_limit_that_came_and_went_leaves_nothing(void **state)
+{
+    (void)state;
+    SKIP_WHERE_REPEATED();
+    const body *b = &bodies[2];
+    softsim_world *world = make_world(b, 8.0);
+    softsim_force before = {0}, force = {0};
+    for (int n = 0; n < 3000; ++n) {
+        double x[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + (0.020 * smooth(n / 600.0) - 0.004) * b->in[a];
+        }
+        if (n == 1200) {
+            before = force;
+            set_limit(world, 0.5);
+        } else if (n == 2000) {
+            assert_true(fabs(limit_norm(force.force) - 0.5) <= 1e-4);
+            set_limit(world, 8.0);
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        force = feel(world, &pose);
+    }
+    softsim_destroy(&world);
+    assert_true(limit_norm(before.force) > 0.8);
+    for (int a = 0; a < 3; ++a) {
+        assert_true(fabs(force.force[a] - before.force[a]) <= 0.01 * limit_norm(before.force));
+        assert_true(fabs(force.proxy[a] - before.proxy[a]) <= 0.05e-3);
+    }
 }
 
 /* Raised from .3 N to more than the tissue answers with at all: the force grows to what it answers
@@ -324,11 +359,11 @@ static void axes_of(const body *b, double axis[3][3])
     }
 }
 
-/* A simulated hand presses, slides and lifts; a force takes effect in the tick after. */
-static void move_hand(const body *b, double limit, int hand, ss_felt *out)
+/* A simulated hand presses, slides and lifts; a force takes effect in the tick after. The limit
+ * becomes that of the world in tick `raise`. */
+static void move_hand(const body *b, double limit, int hand, int raise, ss_felt_row row[HAND_TICKS])
 {
-    static ss_felt_row row[HAND_TICKS];
-    softsim_world *world = make_world(b, limit);
+    softsim_world *world = make_world(b, RAISED);
     const ss_sim_config config = {.body = (ss_sim_body)hand,
                                   .grip = (ss_sim_grip)hand,
                                   .script = SS_SCRIPT_PRESS,
@@ -338,10 +373,14 @@ static void move_hand(const body *b, double limit, int hand, ss_felt *out)
     double axis[3][3];
     softsim_force force = {.seq = -1};
     axes_of(b, axis);
+    set_limit(world, limit);
     assert_int_equal(ss_sim_create(&config, &device, NULL), SOFTSIM_OK);
     for (int n = 0; n < HAND_TICKS; ++n) {
         ss_device_sample sample;
         double x[3], exerted[3] = {0.0, 0.0, 0.0};
+        if (n == raise) {
+            set_limit(world, RAISED);
+        }
         assert_true(device.read(device.state, &sample));
         row[n] =
             (ss_felt_row){.time_s = 1e-3 * n, .flags = force.flags, .age_us = force.model_age_us};
@@ -361,8 +400,39 @@ static void move_hand(const body *b, double limit, int hand, ss_felt *out)
     }
     device.destroy(device.state);
     softsim_destroy(&world);
+}
+
+static void judge_hand(const body *b, double limit, int hand, ss_felt *out)
+{
+    static ss_felt_row row[HAND_TICKS];
     const ss_felt_options options = {.intended_contacts = 2};
+    move_hand(b, limit, hand, HAND_TICKS, row);
     assert_int_equal(ss_felt_judge(row, HAND_TICKS, &options, out), SOFTSIM_OK);
+}
+
+/* A hand that presses against .3 N, when the limit is raised out of reach: it feels no more than
+ * the same hand with that limit from the beginning, which has come as deep at speed, and in the end
+ * the same. */
+static void a_hand_feels_a_raised_limit_without_overshoot(void **state)
+{
+    (void)state;
+    static ss_felt_row row[HAND_TICKS], open[HAND_TICKS];
+    enum { RAISE = 950, END = 1390 };
+    for (int hand = FULL_IN_RELEASE(1, 2); hand < 3; ++hand) {
+        double most = 0.0, open_most = 0.0;
+        move_hand(&bodies[0], 0.3, hand, RAISE, row);
+        move_hand(&bodies[0], RAISED, hand, HAND_TICKS, open);
+        for (int n = 0; n <= END; ++n) {
+            most = fmax(most, limit_norm(row[n].f));
+            open_most = fmax(open_most, limit_norm(open[n].f));
+            assert_true(n > RAISE || limit_norm(row[n].f) <= 0.3 * 1.0001);
+        }
+        const double end = limit_norm(row[END].f), open_end = limit_norm(open[END].f);
+        print_message("hand %d, .3 to %g N: %.3f N at most of %.3f, in the end %.3f of %.3f\n",
+                      hand, RAISED, most, open_most, end, open_end);
+        assert_true(most <= open_most);
+        assert_true(fabs(end - open_end) <= 0.02 * open_end);
+    }
 }
 
 static void hands_press_without_a_motor(void **state)
@@ -378,13 +448,13 @@ static void hands_press_without_a_motor(void **state)
             continue;
         }
         ss_felt felt;
-        move_hand(b, limit, n % 3, &felt);
+        judge_hand(b, limit, n % 3, &felt);
         /* A light hand on stiff tissue rings down from touching it, at 13 Hz, without a limit too:
          * the limit adds nothing to that (a tenth: how it lands is another). */
         double most = 0.05e-3;
         if (felt.chatter_m.value >= most) {
             ss_felt open;
-            move_hand(b, 100.0, n % 3, &open);
+            judge_hand(b, RAISED, n % 3, &open);
             most = 1.1 * open.chatter_m.value;
         }
         const bool is_still = felt.net_energy_j.value >= -1e-3 && felt.chatter_m.value <= most;
@@ -403,10 +473,12 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slow_press_stays_at_the_limit),
         cmocka_unit_test(a_changed_limit_flings_nothing),
+        cmocka_unit_test(a_limit_that_came_and_went_leaves_nothing),
         cmocka_unit_test(a_limit_raised_out_of_reach_does_not_overshoot),
         cmocka_unit_test(pauses_and_resets_do_not_step),
         cmocka_unit_test(a_grasp_drawn_at_the_limit_flings_nothing),
         cmocka_unit_test(hands_press_without_a_motor),
+        cmocka_unit_test(a_hand_feels_a_raised_limit_without_overshoot),
     };
     return cmocka_run_group_tests_name("limit", tests, make_folder, remove_folder);
 }

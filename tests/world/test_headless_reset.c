@@ -78,6 +78,9 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
     const bool is_pause = strcmp(name[0], "pause") == 0;
     /* Chains keep a dent: a tool that is let in again feels nothing in it. */
     const bool keeps_dent = is_pause && strcmp(b->name, "chainmail") == 0;
+    /* The hybrid's particles, which wake anew under a tool that is let in again, push up to half as
+     * much more before they come to rest where they were. */
+    const double most = is_pause && strcmp(b->name, "hm1") == 0 ? 1.6 : 1.1;
     /* A body at rest is not struck at all; one that was held deep springs back against the tool. */
     const double struck = is_pause ? 3.0 : 1.1;
     softsim_world *world = make_world(b, LIMIT);
@@ -107,7 +110,7 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
     }
     softsim_read(world, &state);
     softsim_destroy(&world);
-    const bool is_good = j.most <= 1.1 * j.held && j.rise <= 0.05 * j.held &&
+    const bool is_good = j.most <= most * j.held && j.rise <= 0.05 * j.held &&
                          j.fall <= 0.05 * j.held &&
                          j.model <= struck * fmax(j.held, j.held_model) &&
                          (keeps_dent || fabs(j.end - j.held) <= 0.1 * j.held) &&
@@ -139,13 +142,6 @@ static void resets_are_entered_anew(void **state)
     assert_true(is_good);
 }
 
-/* Not the hybrid: taken out of its dent and let in again the tool comes to rest on another of its
- * shapes, with up to three times the force. */
-static bool is_repeatable(int model)
-{
-    return strcmp(bodies[models[model].body].name, "hm1") != 0;
-}
-
 static void pauses_and_resumes_ramp_and_enter(void **state)
 {
     (void)state;
@@ -158,7 +154,7 @@ static void pauses_and_resumes_ramp_and_enter(void **state)
         for (int g = 0; g < GAPS; ++g) {
             const int count = is_all || gaps[g] < 50 ? 20 : FULL_IN_LONG_RUN(20, 6);
             for (int way = 0; way < ORDERS; ++way) {
-                if (is_repeatable(m) && (is_all || (g % MODELS == m && way == g % ORDERS))) {
+                if (is_all || (g % MODELS == m && way == g % ORDERS)) {
                     is_good = storm(m, (heard)way, pause, gaps[g], count) && is_good;
                 }
             }
