@@ -86,7 +86,7 @@ static void a_hangup_ends_in_order(void **state)
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
     start_server();
     process_start(&child, argv, NULL);
-    for (int i = 0; i < 12000 && stand_in.poses < 100; ++i) {
+    while (stand_in.poses < 100 && !process_has_ended(&child)) {
         poll(NULL, 0, 5);
     }
     process_signal(&child, SIGHUP);

@@ -76,7 +76,7 @@ kill -0 "$server" || fault "the neighbour shut the server down"
 [ "$(received)" -ge 1 ] || fault "a program of this host is not heard"
 "$bin/softsim-monitor" --command 'status' >/dev/null || fault "this host's command is not taken"
 if command -v lcm-logger >/dev/null; then
-  timeout 60 lcm-logger -q "$folder/log" &
+  timeout 900 lcm-logger -q "$folder/log" &
   logger=$!
   for _ in $(seq 300); do
     grep -qa SOFTSIM_STATUS "$folder/log" 2>/dev/null && break

@@ -11,7 +11,7 @@ bad=0
 expect() {
   local status=$1 text=$2 said got=0
   shift 2
-  said=$(timeout 10 "$@" 2>&1) || got=$?
+  said=$(timeout 900 "$@" 2>&1) || got=$?
   if [ "$got" != "$status" ] || [[ "$said" != *"$text"* ]]; then
     echo "$*: status $got, not $status with '$text': $said" >&2
     bad=1

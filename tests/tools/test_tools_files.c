@@ -23,7 +23,7 @@ static void a_full_disk_ends_a_run(void **state)
     if (access("/dev/full", W_OK) != 0) {
         skip();
     }
-    assert_int_equal(run("timeout 60 " BIN_DIR
+    assert_int_equal(run("timeout 900 " BIN_DIR
                          "/softsim-run --duration 1000000 --csv /dev/full scene.yaml",
                          out, sizeof out),
                      1);
@@ -103,7 +103,7 @@ static void a_pipe_is_refused_as_any_input(void **state)
         if (!has_program(bad[i].program)) {
             continue;
         }
-        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+        (void)snprintf(command, sizeof command, "{ timeout 900 " BIN_DIR "/%s %s; } </dev/null",
                        bad[i].program, bad[i].options);
         const bool is_piped = strchr(bad[i].options, '|') != NULL; /* it wants no terminal */
         const int status = run(command, out, sizeof out);
@@ -147,7 +147,7 @@ static void a_pipe_is_refused_as_any_output(void **state)
         if (!has_program(bad[i].program)) {
             continue;
         }
-        (void)snprintf(command, sizeof command, "{ timeout 60 " BIN_DIR "/%s %s; } </dev/null",
+        (void)snprintf(command, sizeof command, "{ timeout 900 " BIN_DIR "/%s %s; } </dev/null",
                        bad[i].program, bad[i].options);
         const int status = run(command, out, sizeof out);
         if (status != 2 || strstr(out, bad[i].says) == NULL ||
@@ -239,7 +239,7 @@ static void a_reader_who_stalls_holds_up_no_run(void **state)
     char out[1024];
     assert_int_equal(run("mkfifo stalled && exec 3<>stalled && "
                          "dd if=/dev/zero of=stalled bs=4096 oflag=nonblock 2>/dev/null; "
-                         "rm -f run.csv; timeout 60 " BIN_DIR
+                         "rm -f run.csv; timeout 900 " BIN_DIR
                          "/softsim-run --duration 1.2 --csv run.csv --hash scene.yaml 2>stalled; "
                          "status=$?; wc -l <run.csv; exit $status",
                          out, sizeof out),
@@ -253,7 +253,7 @@ static void a_full_disk_leaves_the_rows_of_a_run(void **state)
     (void)state;
     char out[4096];
     write_inputs();
-    assert_int_equal(run("{ ulimit -f 700 && timeout 100 " BIN_DIR
+    assert_int_equal(run("{ ulimit -f 700 && timeout 900 " BIN_DIR
                          "/softsim-run --duration 1000000 "
                          "--csv full.csv --reactions full.txt scene.yaml; }",
                          out, sizeof out),
