@@ -201,7 +201,8 @@ bool ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
 
 /* ---- what the haptic loop gets ---- */
 
-/* One contact of the local contact model (haptic.md section 2). */
+/* One contact of the local contact model: force and stiffness at one pose, from which the haptic
+ * loop computes forces between two results (haptic/law.c). */
 typedef struct ss_contact {
     double point[3];        /* c, on the deformed surface */
     double normal[3];       /* out of the tissue, unit */

@@ -35,8 +35,8 @@
  * Across e the spring stays stiff: the proxy goes sideways with the hand, beside it by as much as
  * the slip left it, and that part fades in 0.1 s (haptic.c), so that in the end the force points
  * from the hand to the proxy. A spring that is softened all ways puts the proxy on the point of the
- * surface nearest to the hand at once, which deeper than the surface's centre of curvature (16 mm
- * in a kidney) is anywhere: the direction turned by 30 to 90 degrees a tick.
+ * surface nearest to the hand at once. Below the centre of curvature (16 mm in a kidney) the
+ * nearest surface point is not unique: the direction turned by 30 to 90 degrees a tick.
  *
  * K_c yields only as much as stability needs: 1/K_c = max(1/20000, 1/K_max - 1/k), hence the felt
  * stiffness K_c k/(K_c + k) is min(k, K_max), nearly.

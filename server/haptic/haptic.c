@@ -338,8 +338,8 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     return true;
 }
 
-/* The proxy stays where it is: flung to the hand, it would take along what the model has not yet
- * let go. */
+/* The proxy stays where it is. Moved to the hand at once, the proxy would drag the nodes that the
+ * model still grasps. */
 static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
 {
     const double damping = haptic->config.damping;
@@ -549,8 +549,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_utime_us = haptic->pose.utime_us;
     force->model_age_us = age_us(haptic, input->tick);
     const bool is_engulfed = haptic->engulfed > 0.0 && gain_of(haptic) > 0.0;
-    /* What is left of contacts that have just ended is contact still, and so is tissue all around.
-     */
+    /* A decaying force still counts as contact; so does a tool inside the tissue. */
     const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
     force->contact_count = is_in_contact ? active : is_felt ? 1 : 0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
@@ -685,8 +684,8 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
     ss_add3(out_position, target->proxy, move);
 }
 
-/* What no force has shown yet, and later ones will: the pose, and what the limit, an update, a
- * grasp let go and an entry leave. */
+/* State that affects later forces but not the forces sent so far: the pose, and what the force
+ * limit, an update, an ended grasp and an entry leave. */
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
     const ss_law *law = &haptic->law;
@@ -734,7 +733,8 @@ static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const 
     const double gain = gain_of(haptic);
     ss_scale3(out_sent, whole, gain);
     if (haptic->admission.phase == SS_PHASE_RAMPING) {
-        /* What the law makes of its offsets meanwhile is none of the ramp's. */
+        /* The local contact model's offsets still change during the ramp; they must not raise the
+         * ramped force. */
         ss_limit_force(out_sent, gain * haptic->ramp_from);
     } else {
         haptic->ramp_from = ss_norm3(out_sent);

@@ -4,12 +4,12 @@
 /*
  * The parts of one haptic tick, shared by the files of this folder and by its tests.
  *
- * law.c       the local contact model as a law affine in the proxy, offsets, grasp
- * coupling.c  the yielding spring between hand and proxy, the balance, the force limit
- * slip.c      what the force limit and a grasp let go leave between hand and proxy
- * limit.c     slew limit, ramps (watchdog, pause, fault, stop), entry into tissue
- * observer.c  energy per contact, loop delay, stiffness limit
- * haptic.c    the tick
+ * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue; slew
+ * law.c        the local contact model as a law affine in the proxy, offsets, grasp
+ * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
+ * slip.c       what the force limit and a grasp let go leave between hand and proxy
+ * observer.c   energy per contact, loop delay, stiffness limit
+ * haptic.c     the tick
  *
  * Symbols: x pose used, p proxy, p- proxy of the tick before, v hand velocity, T period,
  * n normal out of the tissue, F force on the hand. SI units, world frame. All functions RT-safe.
@@ -232,7 +232,7 @@ void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, boo
 /* The rule K_max(tau). */
 double ss_observer_rule(const ss_haptic_config *config, double delay, bool corrects);
 
-/* ---- limit.c ---- */
+/* ---- admission.c ---- */
 
 typedef enum ss_phase {
     SS_PHASE_SILENT,   /* no device: the tool is out of the world */

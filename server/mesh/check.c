@@ -551,7 +551,7 @@ int32_t ss_mesh_list_findings(const ss_mesh *mesh, const ss_mesh_report *report,
         if (f->where == NULL) {
             f->where = has_quads ? "quad" : "triangle";
         }
-        /* All of them turned is a habit of some programs, and one word to undo. */
+        /* Some programs write every tetrahedron inverted; swapping two nodes of each repairs it. */
         f->is_minor = f->is_minor || (fault == &report->inverted_tetrahedron &&
                                       fault->count == mesh->tetrahedron_count);
     }

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * How tissue deforms: one interface, one file per model, one row in the table of models.
+ * How tissue deforms: one interface, one folder per model, one row in the table of models.
  *
  * In: a plan (mesh, fixed nodes, parameters, tools, loads) and, each step, where the tools go.
  * Out: node displacements, a contact set per tool with its stiffness, energies, verdict.

@@ -346,7 +346,7 @@ static const ss_scene_row haptic_row[] = {
      .min = 10,
      .max = 1e6,
      .fallback = 2000,
-     .help = "never faster than this, on the way down neither",
+     .help = "largest rate of change of the force, rising or falling",
      FIELD(max_slew_n_per_s),
      LIVE(SS_LIVE_MAX_SLEW)},
     {.name = "max_jump_m",

@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What nobody had of the energy that a hand is given, in any part of a contact.
+ * Energy given to the hand beyond the energy available, in any part of a contact: stored in tissue
+ * and coupling, or put in by others.
  *
  * E_n is what the hand was given up to tick n of the contact, less what others than this hand and
  * the tissue put in meanwhile. U_n = S_n + F_n |p_n - x_n| is what may be given from then on: what

@@ -32,8 +32,8 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         const double size = ss_shape_inradius(&world->scene->tool[p].shape);
         if (info->verdict < SOFTSIM_VERDICT_FAULT && probe->waited > 0) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
-            info->reason = "a tool was found inside the tissue, which has no place for it, and is "
-                           "not felt: take it out";
+            info->reason = "a tool is inside the tissue, no free place was found for it, and its "
+                           "force is zero: take it out";
         } else if (probe->is_used && ss_contact_is_engulfed(set) &&
                    info->verdict < SOFTSIM_VERDICT_FAULT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;

@@ -48,7 +48,8 @@ void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info)
     info->fault_bits |= watch->verdict >= SOFTSIM_VERDICT_DEGRADED ? SS_MODEL_FAULT_ENERGY : 0u;
     info->reason =
         watch->verdict == SOFTSIM_VERDICT_FAULT
-            ? "the tissue took up energy that no hand has: it stands still, waiting for reset"
+            ? "the tissue gained more energy than any tool could supply; the simulation is "
+              "stopped until reset"
             : "the tissue took up more energy than a hand at haptic.max_force_n gives: move "
               "slower, "
               "or steady the tracker";
@@ -112,7 +113,7 @@ static void take_answer(ss_hand_watch *watch, const ss_hand_tick *now)
     ss_copy3(watch->torque[0], now->sent->torque);
 }
 
-/* What nobody had of what the hand is given in a part of the contact, as far as results tell. Other
+/* Energy given to the hand in a part of the contact that nobody had, as far as results tell. Other
  * hands, loads and the entry explain what they put in; what they take out is not looked at, for
  * what they took the tissue may have had from anyone. */
 static double judge_parts(ss_hand_watch *watch, const ss_hand_tick *now,
@@ -144,9 +145,9 @@ static ss_hand_verdict judge_hand(double handed_out, double let_in, double made)
     if (made > most_handed_out && made > driven) {
         return (ss_hand_verdict){made > most_guarded ? SOFTSIM_VERDICT_DEGRADED
                                                      : SOFTSIM_VERDICT_GUARDED,
-                                 "more than 10 mJ were handed to the hand that neither it nor the "
-                                 "tissue had: it moves or "
-                                 "shakes faster than forces can follow; steady it, or lower "
+                                 "in part of a contact the hand got over 10 mJ that neither it nor "
+                                 "the tissue had supplied: it moves or shakes faster than forces "
+                                 "can follow; steady it, or lower "
                                  "haptic.coupling.stiffness_n_per_m"};
     }
     if (driven > most_handed_out) {
@@ -187,7 +188,8 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
     if (now->pose && watch->sender_epoch != now->sender_epoch) {
-        /* Another device, or the same from elsewhere: what lies between is nobody's way. */
+        /* Another device, or the same from elsewhere: the distance between the two poses is not
+         * counted as motion. */
         *watch = (ss_hand_watch){.sender_epoch = now->sender_epoch,
                                  .told = watch->told,
                                  .until = watch->until,

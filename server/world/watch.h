@@ -11,10 +11,10 @@
  *
  *   U <- max(0, U e^(-dt/0.1 s) + dS - dW - L sum d)
  *
- * adds up has no hand behind it. Beyond L R + |W|/10 (R the tools' bounding radius) the verdict is
- * guarded, beyond ten times that degraded; beyond a hundred times it is a fault: the model is
- * stepped no more, forces ramp to zero, `reset` recovers. Scenes without a tool are not watched:
- * there a model's own ledger has all work.
+ * adds up is energy that no tool work explains. Beyond L R + |W|/10 (R the tools' bounding radius)
+ * the verdict is guarded, beyond ten times that degraded; beyond a hundred times it is a fault: the
+ * model is stepped no more, forces ramp to zero, `reset` recovers. Scenes without a tool are not
+ * watched: there a model's own ledger has all work.
  *
  * Hand. E = sum F.(x_j+1 - x_j) + T.theta_j since a contact's first force, F and T the answer to
  * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. The same is
@@ -26,13 +26,13 @@
  * until 20 ms after the last force, and with a clock until the client has named that one. Where
  * that alone is handed back, guarded for that reason.
  *
- * A contact as a whole excuses what tissue hands out late by what it swallowed before. So each part
+ * Over a whole contact, energy absorbed early can hide energy created later. So each part
  * of a contact is judged too, by the same two limits, where the model tells what it has stored:
  * supply.h. What an entry, loads and the hands of other tools put in explains what this hand gets.
  * Rejected: a verdict on the power of a tick (a release after a slow press is quick).
  *
- * Silence. A hand that jumps, or is faster than velocities are cut at, leaves the tool behind,
- * which comes up in the coupling's damping over its stiffness. Where that is longer than
+ * Lag. After a jump, or above the velocity limit, the proxy lags the hand, and catches up with the
+ * time constant of the coupling, its damping over its stiffness. Where that is longer than
  * SS_LONGEST_TRAIL_S and the tool has been 3 mm behind for 20 ms while nothing was felt, degraded:
  * a blow is then felt late or not at all. Refusing such a scene was rejected: both values may be
  * set while it runs, and a hand that never jumps is served well.

@@ -85,7 +85,7 @@ typedef struct ss_world_probe {
     ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
     uint32_t last_teleports;
-    int64_t waited;         /* steps on end: found inside the tissue, which has no place for it */
+    int64_t waited;         /* steps on end: inside the tissue, and no free place found for it */
     double depth;           /* m, how deep it stood there when a place was looked for */
     bool is_found_inside;   /* it stands where it just touches, until it is entered */
     uint32_t found_entries; /* of the target then */

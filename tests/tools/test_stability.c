@@ -2,8 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * The stability report: its body is a mesh at every flatness; the audit finds each way in which
- * what is published can be wrong, and nothing in what is right; verdicts agree with it exactly when
- * they own up; every run is listed once; and runs of the models that are built in end as they must.
+ * what is published can be wrong, and nothing in what is right; a verdict agrees with it exactly
+ * when it declares what was found; every run is listed once; and runs of the models that are built
+ * in end as they must.
  */
 #include <setjmp.h>
 #include <stdarg.h>

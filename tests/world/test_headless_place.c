@@ -345,7 +345,7 @@ static void a_tool_without_a_place_is_told(void **state)
     assert_int_equal(force.contact_count, 1);
     assert_true(force.depth > 0.005);
     assert_int_equal(now.verdict, SOFTSIM_VERDICT_DEGRADED);
-    assert_non_null(strstr(now.reason, "no place"));
+    assert_non_null(strstr(now.reason, "no free place"));
     assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
 }
 

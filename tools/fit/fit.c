@@ -290,8 +290,7 @@ void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), 
         }
     }
     if (s->misfit > MISFIT_WARNING) {
-        ss_say(&t, "the model does not repeat the data: it has another shape, whatever the "
-                   "parameters");
+        ss_say(&t, "no parameters fit the data: the model's curve has a different shape");
     }
     if (fit->run.verdict > SOFTSIM_VERDICT_GOOD) {
         ss_say(&t, "the model's own verdict in these runs: %s", fit->run.reason);

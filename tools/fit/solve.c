@@ -12,12 +12,12 @@
  * a factor of two.
  *
  * What the data tell. Along an eigenvector v of J^T J the residual changes by |J v| for each factor
- * of e, at right angles to what is left of it. Where a factor of two makes the misfit less than 2 %
- * larger (a change of a fifth of it), or stays below a floor, since no data are perfect, v is flat:
- * the data do not tell it. The answer is then moved back along v to where it started, if the misfit
- * allows; a parameter that nothing is known of keeps the user's value. Rejected: standard errors
- * s^2 (J^T J)^-1, which take the misfit for independent noise and so promise more the more points a
- * smooth curve has.
+ * of e, at right angles to what is left of it. v is flat if a factor of two
+ * along it raises the misfit by under 2 % (a change of a fifth of it), or changes it by less than a
+ * floor, since no data are perfect: the data do not tell it. The answer is then moved back along v
+ * to where it started, if the misfit allows; a parameter that nothing is known of keeps the user's
+ * value. Rejected: standard errors s^2 (J^T J)^-1, which take the misfit for independent noise and
+ * so promise more the more points a smooth curve has.
  */
 #include "solve.h"
 

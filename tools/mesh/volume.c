@@ -579,7 +579,8 @@ static double find_edge(maker *m)
             least = fabs(log(ratio));
             best = h;
         }
-        /* Shorter strides later on: counts go in jumps, and must not keep it jumping. */
+        /* The step of h shrinks with each iteration: node counts are discontinuous in h, and a
+         * fixed step could oscillate. */
         h *= pow(clamp(ratio, 0.1, 10.0), 0.4 / (1.0 + 0.1 * i));
     }
     return best;

@@ -680,8 +680,8 @@ static bool try_substep(ss_model *model, progress *p)
     return true;
 }
 
-/* The network of a volume has no volumes. Of a window, what it left aside is as it was last filled:
- * far off, where nothing turns. */
+/* The network does not compute element volumes. Inactive nodes keep their last positions: far from
+ * the window, where no element inverts. */
 static void judge_turned(ss_model *model)
 {
     const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;

@@ -237,7 +237,7 @@ static double turn(ss_fem *fem, double *out_residual)
     return fmax(quotient, 0.0) * (1.0 + fmax(*out_residual, MARGIN));
 }
 
-/* At rest, from a motion that has a part of everything. */
+/* Power iteration at rest, from a random start vector. */
 static void settle(ss_fem *fem)
 {
     ss_fem_stability *s = &fem->stability;

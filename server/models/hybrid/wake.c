@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/hybrid/hybrid.h"
 /*
- * Which particles are awake: those near a tool, and what it costs nobody to change them.
+ * Activation of particles near a tool, with mass and momentum conserved.
  *
  * Where. The layer's search grid lies over rest positions, so the tool is pulled back to rest: by
  * the mean displacement of the skin around it. A particle is wanted when it is nearer to the

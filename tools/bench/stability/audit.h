@@ -14,8 +14,7 @@
  * so that any finding is a silent failure; `good` also promises the shape at rest after release,
  * while a guarded one may have been left elsewhere (folded, say), or have handed out energy: what
  * the sampling of a quick hand gives, but not so much that the hand is driven. `degraded` and
- * `fault` own up to a result that cannot be trusted, but even then nothing that is not finite may
- * be published.
+ * `fault` declare the result untrusted, but even then nothing that is not finite may be published.
  * Thread: any; nothing here reads a clock.
  */
 #include <stdbool.h>
@@ -81,7 +80,7 @@ double ss_audit_balance_error(const ss_audit *audit);
 double ss_audit_work_error(const ss_audit *audit);
 double ss_audit_recovery_error(const ss_audit *audit);
 
-/* Does the program's worst verdict own up to what was found? */
+/* Does the program's worst verdict agree with what was found? */
 bool ss_audit_agrees(uint32_t found, softsim_verdict worst);
 /* "not finite, too far", or "" when nothing was found; at least 192 bytes. */
 void ss_audit_text(uint32_t found, char *out, int32_t size);

@@ -350,7 +350,8 @@ static void put_words(const ss_stability *list, ss_page *page)
         "nothing grow after release, is the body back within 10 %% of its largest displacement. "
         "A verdict of good or guarded promises a result to be trusted; with one finding against "
         "it the run is a failure (but guards may take energy out, and leave a body in another "
-        "shape). Degraded and fault own up; then only what is not finite is a failure. Control "
+        "shape). Degraded and fault declare the result untrusted; such a run fails only if a "
+        "published value is not finite. Control "
         "runs must have no finding, and be good or guarded; none is refused but loads by a model "
         "without forces.",
         list->count);
@@ -374,12 +375,12 @@ static void put_words(const ss_stability *list, ss_page *page)
                  "10 m accepted, 1), from side to side (2); a box that spins upright (0) or end "
                  "over end (1); pause and resume in turn. The hand is judged from poses and "
                  "forces, and from what the program says it stored, where its proxy was and when "
-                 "it let a tool in (flag 8): with an answer that acts at once or from the next "
-                 "pose on, whichever is worse, no contact may hand out more than 10 mJ, and no "
-                 "part of one 10 mJ more than was stored at its beginning, and be called good; "
-                 "more than 100 mJ beyond what a tool found inside was let in with may not be "
-                 "called guarded either; no "
-                 "force may pass the limit of %g N and no depth the body's size.",
+                 "it let a tool in (flag 8). A contact may give the hand at most 10 mJ under "
+                 "verdict good, and 100 mJ under guarded. The force is applied at once or one "
+                 "pose later; the worse case counts. Under good, a part of a contact may also "
+                 "give at most 10 mJ more than was stored at its beginning; under guarded, the "
+                 "energy with which a tool found inside was let in is not counted. No force may "
+                 "exceed the limit of %g N and no depth the body's size.",
                  SS_ASSAY_MAX_FORCE);
 }
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * When the hand may feel anything at all, and how much.
+ * The admission gate: its states, and the share of the force that each lets through. (The force
+ * limit is in coupling.c and slip.c.)
  *
  *   SILENT --pose--> WAITING --result for this place--> ENTERING --500 ticks--> IN
  *      ^                ^  \________ not inside _________________________________^ |
