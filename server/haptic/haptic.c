@@ -688,21 +688,21 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
  * limit, an update, an ended grasp and an entry leave. */
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
-    const ss_law *law = &haptic->law;
-    const double *const vector[] = {
-        haptic->pose.position, haptic->pdot,       haptic->slip.direction,
-        haptic->slip.aside,    law->held.value,    law->held.offset,
-        law->residual,         law->released,      haptic->admission.entry_point,
-        haptic->left.position, law->held.position, haptic->admission.entry_normal};
-    const double number[] = {haptic->slip.share, haptic->slip.length,         law->slowness,
-                             law->viscous,       haptic->admission.held_back, haptic->ramp_from};
+    const double *const vector[] = {haptic->pose.position,         haptic->pdot,
+                                    haptic->slip.direction,        haptic->slip.aside,
+                                    haptic->left.position,         haptic->admission.entry_point,
+                                    haptic->admission.entry_normal};
+    const double number[] = {haptic->slip.share, haptic->slip.length, haptic->admission.held_back,
+                             haptic->ramp_from};
     const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.has_let_go, haptic->is_pressed,
-                            haptic->is_returning, law->held.is_held};
+                            haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }
     hash = ss_hash_bytes(hash, number, sizeof number);
-    return ss_hash_bytes(hash, flag, sizeof flag);
+    hash = ss_hash_bytes(hash, flag, sizeof flag);
+    hash = ss_hash_bytes(hash, &haptic->entries, sizeof haptic->entries);
+    return ss_law_hash(&haptic->law, hash);
 }
 
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
@@ -719,10 +719,6 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
     uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
     hash = ss_hash_bytes(hash, state, sizeof state);
     hash = ss_hash_bytes(hash, number, sizeof number);
-    for (int32_t i = 0; i < haptic->law.count; ++i) {
-        const double contact[2] = {haptic->law.contact[i].value, haptic->law.contact[i].offset};
-        hash = ss_hash_bytes(hash, contact, sizeof contact);
-    }
     return haptic->has_pose ? hash_hidden(haptic, hash) : hash;
 }
 

@@ -151,6 +151,8 @@ void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64
 /* Torque of the last tick's values about the tool's origin. */
 void ss_law_torque(const ss_law *law, double out[3]);
 int32_t ss_law_active_count(const ss_law *law);
+/* What results and ticks have left in it. */
+uint64_t ss_law_hash(const ss_law *law, uint64_t hash);
 
 /* ---- coupling.c ---- */
 

@@ -30,6 +30,7 @@
 
 #include <string.h>
 
+#include "rt/hash.h"
 #include "rt/vec.h"
 
 #define STIFFNESS_MIN    1.0  /* N/m */
@@ -228,6 +229,23 @@ int32_t ss_law_active_count(const ss_law *law)
         active += law->contact[i].value > 0.0;
     }
     return active;
+}
+
+uint64_t ss_law_hash(const ss_law *law, uint64_t hash)
+{
+    const double *const vector[] = {law->held.value, law->held.offset, law->held.position,
+                                    law->residual,   law->released,    law->outward};
+    const double number[] = {law->slowness, law->viscous};
+    const uint8_t flag[] = {law->held.is_held, (uint8_t)law->free_ticks};
+    for (int32_t i = 0; i < law->count; ++i) {
+        const double contact[2] = {law->contact[i].value, law->contact[i].offset};
+        hash = ss_hash_bytes(hash, contact, sizeof contact);
+    }
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
+        hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
+    }
+    hash = ss_hash_bytes(hash, number, sizeof number);
+    return ss_hash_bytes(hash, flag, sizeof flag);
 }
 
 /* Adds k n n^T + k_t (I - n n^T). */

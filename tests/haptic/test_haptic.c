@@ -498,6 +498,60 @@ static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
     assert_true(hash[0] != hash[1]);
 }
 
+/* Each of what steers the force after the next result. */
+static void the_hash_tells_laws_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what;
+        size_t offset, size;
+    } cases[] = {
+#define CASE(field) {#field, offsetof(ss_law, field), sizeof((ss_law){0}.field)}
+        CASE(free_ticks),    CASE(outward),      CASE(residual),         CASE(released),
+        CASE(slowness),      CASE(viscous),      CASE(held.value),       CASE(held.offset),
+        CASE(held.position), CASE(held.is_held), CASE(contact[0].value), CASE(contact[0].offset),
+#undef CASE
+    };
+    ss_law law;
+    ss_law_clear(&law);
+    law.count = 1;
+    const uint64_t plain = ss_law_hash(&law, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        ss_law other = law;
+        ((unsigned char *)&other)[cases[i].offset] ^= 1U;
+        if (ss_law_hash(&other, 1) == plain) {
+            fail_msg("the hash does not see %s", cases[i].what);
+        }
+    }
+}
+
+/* One is found inside once, the other in the step before, too: the simulation awaits another number
+ * of entries, and all else is the same. */
+static void the_hash_tells_entries_apart(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    uint64_t hash[2];
+    for (int k = 0; k < 2; ++k) {
+        rig r;
+        rig_start(&r, &config);
+        rig_tick(&r, 0.0);
+        for (int i = 0; i < 2; ++i) {
+            rig_result(&r, 300.0, 0.0, 1);
+            r.result.is_found_inside = k == 0 || i == 1;
+            r.result.outward[2] = 1.0;
+            assert_near(rig_tick(&r, 0.0), 0.0, 0.0);
+        }
+        for (int i = 0; i < SS_RAMP_TICKS; ++i) {
+            assert_near(rig_tick(&r, 0.0), 0.0, 0.0);
+        }
+        assert_int_equal(r.out.target.entries, 2 - k);
+        hash[k] = ss_haptic_hash(r.haptic, 1);
+        rig_end(&r);
+    }
+    assert_true(hash[0] != hash[1]);
+}
+
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
 static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
 {
@@ -778,6 +832,8 @@ int main(void)
         cmocka_unit_test(a_ramp_from_nothing_gives_nothing),
         cmocka_unit_test(the_jump_to_the_surface_is_not_felt),
         cmocka_unit_test(the_hash_tells_hands_apart_before_their_forces_do),
+        cmocka_unit_test(the_hash_tells_laws_apart),
+        cmocka_unit_test(the_hash_tells_entries_apart),
         cmocka_unit_test(a_ramp_that_interrupts_an_entry_only_falls),
         cmocka_unit_test(new_holder_starts_without_force),
         cmocka_unit_test(target_has_the_whole_orientation),
