@@ -26,8 +26,10 @@ done
 # Of the library, what its headers declare and nothing else; each header stands by itself, in C++ too.
 headers=("$prefix"/include/softsim/*.h)
 grep -hoE '\bsoftsim_[a-z_]+\(' "${headers[@]}" | tr -d '(' | sort -u >"$work/declared"
-library=$(echo "$prefix"/lib*/libsoftsim.so.0 "$prefix"/lib*/*/libsoftsim.so.0 | tr ' ' '\n' | grep -v '\*')
+library=$(echo "$prefix"/lib*/libsoftsim.so.0.1 "$prefix"/lib*/*/libsoftsim.so.0.1 | tr ' ' '\n' | grep -v '\*')
 nm -D --defined-only "$library" | sed 's/.* //' | sort -u >"$work/exported"
+soname=$(objdump -p "$library" | awk '$1 == "SONAME" { print $2 }')
+[ "$soname" = libsoftsim.so.0.1 ] || fail "SONAME is $soname: before 1.0 a minor is an interface of its own"
 diff "$work/declared" "$work/exported" || fail "< is declared, > exported"
 ! grep -nE 'lcm/|\<lcm_t\>|struct _softsim|softsim_[a-z_]+_t\>' "${headers[@]}" || fail "a header shows a type of LCM"
 for header in "${headers[@]}"; do
@@ -52,7 +54,7 @@ build_examples() {
 # What `world` says of the kidney of PREFIX; its last line is the hash.
 run_world() {
   local program=$1 prefix=$2
-  LD_LIBRARY_PATH=$(dirname "$(find "$prefix/" -name libsoftsim.so.0)") "$program" "$prefix/share/softsim/scenes/kidney.yaml"
+  LD_LIBRARY_PATH=$(dirname "$(find "$prefix/" -name libsoftsim.so.0.1)") "$program" "$prefix/share/softsim/scenes/kidney.yaml"
 }
 build_examples "$prefix" "$work/a"
 said=$(run_world "$work/a/world" "$prefix")
@@ -81,7 +83,7 @@ flags=-n
 [ "$(id -u)" = 0 ] || flags=-rn
 if unshare $flags true 2>/dev/null; then
   # shellcheck disable=SC2016
-  LD_LIBRARY_PATH=$(dirname "$(find "$prefix/" -name libsoftsim.so.0)") unshare $flags bash -euc '
+  LD_LIBRARY_PATH=$(dirname "$(find "$prefix/" -name libsoftsim.so.0.1)") unshare $flags bash -euc '
     ip link set lo up && ip route add 224.0.0.0/4 dev lo
     coproc daemon { exec "$1/bin/softsimd" "$1/share/softsim/scenes/kidney.yaml" 2>daemon.err; }
     server=$daemon_PID
