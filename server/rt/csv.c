@@ -73,12 +73,25 @@ bool ss_csv_number(const char *cell, double *out)
 
 /* ---- columns of numbers ---- */
 
-/* 1: a line; 0: the end of the file; -1: too long a line, or unreadable, and the end then. */
+/* As fgets, with the length: a NUL among the bytes hides no more than itself. */
+static size_t take_line(FILE *file, char text[SS_CSV_LINE_SIZE])
+{
+    size_t length = 0;
+    int byte = 0;
+    while (length < SS_CSV_LINE_SIZE - 1 && byte != '\n' && (byte = getc(file)) != EOF) {
+        text[length++] = (char)byte;
+    }
+    text[length] = '\0';
+    return length;
+}
+
+/* 1: a line; 0: the end of the file; -1: no line of text, or unreadable, and the end then. */
 static int read_line(ss_csv *csv, char **out_text, softsim_error *error)
 {
     *out_text = NULL;
     while (csv->file != NULL && *out_text == NULL) {
-        if (fgets(csv->text, SS_CSV_LINE_SIZE, csv->file) == NULL) {
+        const size_t length = take_line(csv->file, csv->text);
+        if (length == 0) {
             const bool is_end = ferror(csv->file) == 0;
             if (!is_end) {
                 softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be read", csv->path);
@@ -87,9 +100,16 @@ static int read_line(ss_csv *csv, char **out_text, softsim_error *error)
             return is_end ? 0 : -1;
         }
         ++csv->line;
-        if (strlen(csv->text) == SS_CSV_LINE_SIZE - 1) {
+        if (length == SS_CSV_LINE_SIZE - 1) {
             softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%lld: longer than %d characters",
                               csv->path, (long long)csv->line, SS_CSV_LINE_SIZE - 2);
+            ss_csv_close(csv);
+            return -1;
+        }
+        if (strlen(csv->text) != length) {
+            softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                              "%s:%lld: a NUL at character %d: not a text; save it as UTF-8",
+                              csv->path, (long long)csv->line, (int)strlen(csv->text) + 1);
             ss_csv_close(csv);
             return -1;
         }
@@ -108,8 +128,8 @@ static softsim_status find_columns(ss_csv *csv, const char *const *name, int32_t
     strcpy(csv->text, csv->head);
     csv->column_count = ss_csv_split(csv->text, cell, SS_CSV_MAX_COLUMNS);
     if (csv->column_count > SS_CSV_MAX_COLUMNS) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:1: more than %d columns", csv->path,
-                          SS_CSV_MAX_COLUMNS);
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s:%lld: more than %d columns", csv->path,
+                          (long long)csv->head_line, SS_CSV_MAX_COLUMNS);
         return SOFTSIM_ERROR_FORMAT;
     }
     softsim_status status = SOFTSIM_OK;
@@ -120,8 +140,8 @@ static softsim_status find_columns(ss_csv *csv, const char *const *name, int32_t
         }
         if (i < required && csv->place[i] < 0) {
             status = SOFTSIM_ERROR_FORMAT;
-            softsim_error_add(error, status, "%s:1: no column '%s' in the head line", csv->path,
-                              name[i]);
+            softsim_error_add(error, status, "%s:%lld: no column '%s' in the head line", csv->path,
+                              (long long)csv->head_line, name[i]);
         }
     }
     return status;
@@ -141,6 +161,7 @@ softsim_status ss_csv_open(ss_csv *csv, const char *path, const char *const *nam
     if (read_line(csv, &text, error) < 0) {
         return SOFTSIM_ERROR_FORMAT;
     }
+    csv->head_line = csv->line > 0 ? csv->line : 1;
     strcpy(csv->head, text != NULL ? text : "");
     const softsim_status status = find_columns(csv, name, required, error);
     if (status != SOFTSIM_OK) {

@@ -28,7 +28,7 @@ enum { SS_CSV_MAX_WANTED = 16, SS_CSV_MAX_COLUMNS = 64, SS_CSV_LINE_SIZE = 8192 
 typedef struct ss_csv {
     FILE *file;
     const char *path;
-    int64_t line;
+    int64_t line, head_line;
     bool is_strict; /* set by the caller: every row is finite numbers, as many as the head has */
     int32_t column_count, wanted_count;
     int32_t place[SS_CSV_MAX_WANTED]; /* of each wanted column in the file; -1: not there */

@@ -93,6 +93,60 @@ static void columns_are_found_by_name_and_faults_have_their_line(void **state)
     assert_non_null(strstr(error.text, "wide.csv:1: more than 64 columns"));
 }
 
+/* Comments and blank lines may stand before it. */
+static void faults_of_the_head_have_its_line(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"b"};
+    char wide[240] = "# made by hand\n\n";
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_csv csv;
+    assert_int_equal(
+        ss_csv_open(&csv, write_text("late.csv", "\n# t\n\na,c\n1,2\n"), name, 1, 1, &error),
+        SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "late.csv:4: no column 'b'"));
+    memset(wide + strlen(wide), ',', 200);
+    assert_int_equal(ss_csv_open(&csv, write_text("wide.csv", wide), name, 1, 0, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "wide.csv:3: more than 64 columns"));
+    assert_int_equal(ss_csv_open(&csv, write_text("empty.csv", ""), name, 1, 1, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "empty.csv:1: no column 'b'"));
+}
+
+/* It would hide the rest of its line. The last one is UTF-16. */
+static void a_nul_is_refused(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"a"};
+    static const struct {
+        const char *bytes;
+        size_t size;
+        const char *fault;
+    } cases[] = {
+        {"a,b\n1,2\0,3\n4,5\n", 15, ":2: a NUL at character 4"},
+        {"a,b\n1,2\0", 8, ":2: a NUL at character 4"},
+        {"a,b\n\0\n", 6, ":2: a NUL at character 1"},
+        {"a\0,b\n1,2\n", 9, ":1: a NUL at character 2"},
+        {"\xff\xfe"
+         "a\0,\0b\0\n\0",
+         10, ":1: a NUL at character 4"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        ss_csv csv;
+        double value = 0.0;
+        const char *path = write_bytes("nul.csv", cases[i].bytes, cases[i].size);
+        if (ss_csv_open(&csv, path, name, 1, 1, &error) == SOFTSIM_OK) {
+            assert_int_equal(ss_csv_next(&csv, &value, &error), -1);
+            ss_csv_close(&csv);
+        }
+        if (strstr(error.text, cases[i].fault) == NULL) {
+            fail_msg("'%s' is not in: %s", cases[i].fault, error.text);
+        }
+    }
+}
+
 /* One row each, after the head line a,b. */
 static void strict_rows_are_whole_and_finite(void **state)
 {
@@ -131,6 +185,8 @@ int main(void)
         cmocka_unit_test(cells_are_cut_at_commas),
         cmocka_unit_test(blank_lines_and_comments_are_passed_over),
         cmocka_unit_test(columns_are_found_by_name_and_faults_have_their_line),
+        cmocka_unit_test(faults_of_the_head_have_its_line),
+        cmocka_unit_test(a_nul_is_refused),
         cmocka_unit_test(strict_rows_are_whole_and_finite),
     };
     return cmocka_run_group_tests_name("softsim.rt.csv", tests, make_folder, remove_folder);
