@@ -44,7 +44,7 @@ typedef struct ss_device_class {
     const char *name;     /* for --device */
     const char *help;     /* what it is, in a few words */
     const ss_arg *option; /* its own, into its own variables; for --help they begin with its name */
-    int32_t option_count;
+    int32_t option_count; /* 0: `option` may be NULL */
     const char *const *input; /* a file that an option names and it reads; NULL: none */
     bool ends;                /* of itself, as a recording does */
     bool is_hand; /* with a hand of its own: it moves as forces push it, about the contact */

@@ -133,8 +133,10 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
                               table[i]->name);
             return SS_ARGS_BAD;
         }
-        memcpy(rows + row_count, table[i]->option, (size_t)table[i]->option_count * sizeof *rows);
-        row_count += table[i]->option_count;
+        /* A device without options may have no table of them. */
+        for (int32_t k = 0; k < table[i]->option_count; ++k) {
+            rows[row_count++] = table[i]->option[k];
+        }
     }
     const ss_args_result result =
         ss_args_parse(argc, argv, usage, about, rows, row_count, NULL, 0, 0, NULL, error);
