@@ -540,6 +540,12 @@ static void explain(const ss_model *model, const ss_notes *out)
                  model->is_by_violation ? "largest violation first" : "first in, first out",
                  model->iterations);
     ss_tools_warn_unheld(&model->tools, model->is_held, out);
+    if (model->plan.contact_stiffness > 0.0) {
+        ss_note_warning(out, "contact.stiffness_n_per_m3",
+                        "not used: chainmail has no contact stiffness, and the felt stiffness is "
+                        "the working force over the tool's radius; give contact.working_force_n "
+                        "instead");
+    }
     ss_note_left_out(out, "forces, energies, reactions",
                      "there are none in a chain; the felt force is the coupling's, working force "
                      "over tool radius times the dent");

@@ -72,12 +72,13 @@ static double contact_stiffness(const ss_model *model, double radius, double are
     if (plan->contact_stiffness > 0.0) {
         return plan->contact_stiffness;
     }
-    const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
     double valence = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
         valence += model->valence[i] / model->node_count;
     }
-    return fmax(working / (0.03 * radius * radius * radius), 2.0 * model->k * valence / area);
+    /* A contact softer than the links would not hold its cells. There is no upper bound, as models
+     * with an explicit penalty need it: this step is stable whatever kc is. */
+    return fmax(ss_plan_working_stiffness(plan, radius), 2.0 * model->k * valence / area);
 }
 
 static softsim_status create_tool(ss_model *model, int index, double area)

@@ -154,6 +154,12 @@ void ss_chain_explain(const ss_model *model, const ss_notes *out)
                          tool->stiffness, tool->rest_felt);
         }
     }
+    if (model->is_current && model->plan.contact_stiffness > 0.0) {
+        ss_note_warning(out, "contact.stiffness_n_per_m3",
+                        "not used: with source: current the contact stiffness follows from "
+                        "link_stiffness_n_per_m and the area of a cell; give source: position, or "
+                        "leave the key out");
+    }
     if (!model->tools.surface) {
         ss_note_left_out(out, "contact", "no tool");
     }

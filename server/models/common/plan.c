@@ -386,7 +386,7 @@ double ss_plan_smallest_tool(const ss_model_plan *plan)
     return smallest;
 }
 
-static double working_stiffness(const ss_model_plan *plan, double radius)
+double ss_plan_working_stiffness(const ss_model_plan *plan, double radius)
 {
     const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
     return working / (0.03 * radius * radius * radius);
@@ -397,7 +397,7 @@ double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, doubl
     if (plan->contact_stiffness > 0.0) {
         return plan->contact_stiffness;
     }
-    return fmin(stable, working_stiffness(plan, radius));
+    return fmin(stable, ss_plan_working_stiffness(plan, radius));
 }
 
 const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, double radius)
@@ -405,7 +405,7 @@ const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, 
     if (plan->contact_stiffness > 0.0) {
         return "raise contact.stiffness_n_per_m3, or lower haptic.max_force_n";
     }
-    if (stiffness >= working_stiffness(plan, radius)) {
+    if (stiffness >= ss_plan_working_stiffness(plan, radius)) {
         return "raise contact.working_force_n, or lower haptic.max_force_n";
     }
     return "lower haptic.max_force_n: no stiffer contact is stable with the sub-steps planned";

@@ -76,8 +76,11 @@ softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char 
 int32_t ss_plan_tool_count(const ss_model_plan *plan);
 /* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
 double ss_plan_smallest_tool(const ss_model_plan *plan);
+/* Contact stiffness (N/m^3) with which a tool of radius R (m) sinks in by a tenth of R at the
+ * working force. */
+double ss_plan_working_stiffness(const ss_model_plan *plan, double radius);
 /* Contact stiffness (N/m^3) for a tool of radius R (m): as given, else `stable`, but no stiffer
- * than a penetration of a tenth of R at the working force. */
+ * than the working stiffness. */
 double ss_plan_contact_stiffness(const ss_model_plan *plan, double stable, double radius);
 /* What to do about a tool of radius R (m) that sinks in too far with this contact stiffness
  * (N/m^3): it depends on what limits the stiffness. Static text. */

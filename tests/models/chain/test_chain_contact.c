@@ -362,6 +362,28 @@ static void the_plan_says_where_a_held_force_fades(void **state)
     }
 }
 
+/* Held cells have the contact stiffness that is given, a current source its own. */
+static void a_contact_stiffness_that_is_not_used_is_told(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; ++k) {
+        const bool is_current = k % 2 == 1, is_given = k >= 2;
+        setup s;
+        setup_init(&s, "cnn-chainmail", make_box(3, 3, 3, EDGE));
+        add_sphere(&s, 0, RADIUS);
+        give(&s, "source", is_current);
+        s.plan.contact_stiffness = is_given ? 4.25e6 : 0.0;
+        create(&s);
+        assert_int_equal(note_count(s.class, s.model, SS_NOTE_WARNING, "contact.stiffness_n_per_m3",
+                                    "source: position"),
+                         is_current && is_given);
+        assert_int_equal(
+            note_count(s.class, s.model, SS_NOTE_USED, "contact.tools", "contact 4.25e+06 N/m^3"),
+            !is_current && is_given);
+        setup_fini(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -376,6 +398,7 @@ int main(void)
         cmocka_unit_test(books_balance_under_a_tool),
         cmocka_unit_test(teleport_ends_well),
         cmocka_unit_test(the_plan_says_where_a_held_force_fades),
+        cmocka_unit_test(a_contact_stiffness_that_is_not_used_is_told),
         cmocka_unit_test(deep_poke_inverts_no_tetrahedron_and_is_undone)};
     return cmocka_run_group_tests_name("chain_contact", tests, NULL, NULL);
 }

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "common/chain_fixture.h"
+#include "common/note_fixture.h"
 
 enum { PLANE = 21, MIDDLE = PLANE * PLANE / 2 };
 
@@ -285,6 +286,22 @@ static void too_few_parts_are_said(void **state)
     setup_fini(&s);
 }
 
+static void a_contact_stiffness_that_is_not_used_is_told(void **state)
+{
+    (void)state;
+    for (int given = 0; given < 2; ++given) {
+        setup s;
+        setup_init(&s, "chainmail", make_box(3, 3, 3, 0.01));
+        add_sphere(&s, 0, 0.015);
+        s.plan.contact_stiffness = given * 1e6;
+        create(&s);
+        assert_int_equal(note_count(s.class, s.model, SS_NOTE_WARNING, "contact.stiffness_n_per_m3",
+                                    "give contact.working_force_n"),
+                         given);
+        setup_fini(&s);
+    }
+}
+
 static void forces_are_refused_by_name(void **state)
 {
     (void)state;
@@ -313,6 +330,7 @@ int main(void)
         cmocka_unit_test(axes_that_are_not_driven_are_free),
         cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
         cmocka_unit_test(too_few_parts_are_said),
+        cmocka_unit_test(a_contact_stiffness_that_is_not_used_is_told),
         cmocka_unit_test(forces_are_refused_by_name)};
     return cmocka_run_group_tests_name("chainmail", tests, NULL, NULL);
 }
