@@ -11,7 +11,8 @@
  * `line` is the line of the monitor's page that shows it ("": none), `text` the words, with a value
  * in place of each of: @d a whole number, @n the same, negative for none, @0 @1 @2 that many
  * decimals, @g three digits, @l seconds, infinite for any, @M millions. The line "probe" is one
- * for each probe. Counters count from the server's start.
+ * for each probe; any other must be in lines[] of clients/monitor/show.c, else the field is not
+ * shown (a test compares the two). Counters count from the server's start.
  */
 #include <stdint.h>
 

@@ -468,6 +468,48 @@ static void json_is_well_formed(void **state)
     free(text);
 }
 
+/* Each line that a field names is a line of the page, and the field is on it. */
+static void every_field_with_a_line_is_on_the_page(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *line, *text;
+    } listed[] = {
+#define SCALAR(type, name, line, text)       {#name, line, text},
+#define ARRAY(type, name, count, line, text) {#name, line, text},
+#define TEXT(name, line)                     {#name, line, ""},
+        SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)
+#undef SCALAR
+#undef ARRAY
+#undef TEXT
+    };
+    softsim_server_status status = {.scene = "", .model = "", .reason = "", .probe_periods = {1}};
+    const ss_show_hand hand[SOFTSIM_MAX_PROBES] = {{0}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    fputc('\n', out);
+    ss_show_page(out, &status, hand);
+    assert_int_equal(fclose(out), 0);
+    for (size_t i = 0; i < sizeof listed / sizeof *listed; ++i) {
+        if (listed[i].line[0] == '\0') {
+            continue;
+        }
+        char start[32];
+        snprintf(start, sizeof start, "\n%s ", listed[i].line);
+        const char *line = strstr(text, start);
+        /* The words after the last value: " MB" of "@M MB". */
+        const char *last = strrchr(listed[i].text, '@');
+        const char *words = last ? last + 2 : "";
+        const char *found = line ? strstr(line + 1, words) : NULL;
+        if (found == NULL || found > strchr(line + 1, '\n')) {
+            fail_msg("%s: nothing of it on a line \"%s\" of the page", listed[i].name,
+                     listed[i].line);
+        }
+    }
+    free(text);
+}
+
 static void fill(double *value, int count, double with)
 {
     for (int i = 0; i < count; ++i) {
@@ -534,6 +576,7 @@ int main(void)
         cmocka_unit_test(script_device_follows_its_path),
         cmocka_unit_test(the_csv_of_a_path_is_finite),
         cmocka_unit_test(json_is_well_formed),
+        cmocka_unit_test(every_field_with_a_line_is_on_the_page),
         cmocka_unit_test(figures_of_a_stranger_are_bounded),
     };
     return cmocka_run_group_tests_name("bridge", tests, make_folder, remove_folder);
