@@ -62,8 +62,11 @@ typedef struct ss_model_plan {
     int32_t contact_parts;    /* as ss_surface_create takes it; 0: chosen */
     double max_force;         /* N, the haptic limit: for the penetration warning */
     double step;              /* s, the outer step the world intends */
-    int32_t max_substeps;
-    int32_t threads; /* for set-up work; results do not depend on it */
+    int32_t max_substeps;     /* that a step may take */
+    int32_t substep_budget;   /* simulation.max_substeps, whether a step is held to it or not: what
+                                 is planned is the same in real time and without a clock; 0: as
+                                 max_substeps */
+    int32_t threads;          /* for set-up work; results do not depend on it */
 } ss_model_plan;
 
 typedef struct ss_model ss_model;

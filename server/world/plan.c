@@ -117,6 +117,7 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .max_force = scene->max_force_n,
                           .max_substeps =
                               world->has_budget ? scene->max_substeps : UNTIMED_SUBSTEPS,
+                          .substep_budget = scene->max_substeps,
                           .threads = world->threads};
     ss_copy3(plan.gravity, scene->gravity);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {

@@ -478,7 +478,7 @@ static void a_soft_contact_is_told_with_what_limits_it(void **state)
         double working_force, given;
         const char *remedy;
     } cases[] = {{1e-3, 0.0, "force: raise contact.working_force_n, or lower haptic.max_force_n"},
-                 {1e9, 0.0, "force: lower haptic.max_force_n: no stiffer contact is stable"},
+                 {1e9, 0.0, "force: raise simulation.rate_hz or simulation.max_substeps, or lower"},
                  {2.0, 1e3, "force: raise contact.stiffness_n_per_m3, or lower"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         setup s;

@@ -235,8 +235,11 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
     (void)state;
     static const struct {
         const char *name;
+        const char *set;
         double rate_hz, most;
-    } cases[] = {{"kidney", 60.0, 0.03}, {"kidney", 120.0, 0.01}, {"liver", 60.0, 0.01}};
+    } cases[] = {{"kidney", "simulation.max_substeps=128", 60.0, 0.03},
+                 {"kidney", "simulation.max_substeps=64", 120.0, 0.01},
+                 {"liver", "simulation.max_substeps=64", 60.0, 0.01}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         char path[4096];
         ss_felt_place place;
@@ -249,6 +252,8 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
         ss_scene_destroy(&scene);
         for (int i = 0; i < 2; ++i) {
             const ss_felt_run run = {.rate_hz = i == 0 ? cases[k].rate_hz : 1000.0,
+                                     .set = &cases[k].set,
+                                     .set_count = 1,
                                      .import_program = BIN_DIR "/softsim-import"};
             assert_int_equal(ss_felt_play(path, &place, SS_FELT_PRESS, &run, &at[i], &error),
                              SOFTSIM_OK);
@@ -261,12 +266,43 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
     }
 }
 
+/* A contact that real time plans is the one that softsim-run, lockstep and reports have. */
+static void what_is_planned_does_not_depend_on_a_clock(void **state)
+{
+    (void)state;
+    static const char *const mode[] = {"", "--lockstep"};
+    char contact[2][512] = {"", ""};
+    for (int i = 0; i < 2; ++i) {
+        char command[8192], line[512];
+        snprintf(command, sizeof command,
+                 BIN_DIR "/softsimd --explain %s --set simulation.rate_hz=60 " SOURCE_DIR
+                         "/server/scenes/kidney.yaml 2>%s",
+                 mode[i], in_folder("err"));
+        FILE *plan = popen(command, "r");
+        assert_non_null(plan);
+        while (fgets(line, sizeof line, plan)) {
+            if (strstr(line, "tool 0: contact ")) {
+                snprintf(contact[i], sizeof contact[i], "%s", line);
+            }
+        }
+        assert_int_equal(pclose(plan), 0);
+    }
+    assert_true(contact[0][0] != '\0');
+    assert_string_equal(contact[0], contact[1]);
+}
+
 static void wrong_arguments_are_named(void **state)
 {
     (void)state;
-    static const char *const wrong[] = {"--rates 5",      "--rates 60,,90",  "--rates x",
-                                        "--rates 2000",   "--delays-ms 1.5", "--delays-ms -1",
-                                        "--delays-ms 21", "--jobs 0"};
+    static const char *const wrong[] = {"--scene a/b.yaml --scene b.yaml",
+                                        "--rates 5",
+                                        "--rates 60,,90",
+                                        "--rates x",
+                                        "--rates 2000",
+                                        "--delays-ms 1.5",
+                                        "--delays-ms -1",
+                                        "--delays-ms 21",
+                                        "--jobs 0"};
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; ++k) {
         char text[512] = "", option[64];
         assert_int_equal(run(wrong[k]), 2);
@@ -288,6 +324,7 @@ int main(void)
         cmocka_unit_test(a_force_that_is_a_tenth_more_is_a_tenth_off),
         cmocka_unit_test(a_rate_compared_with_itself_differs_in_nothing),
         cmocka_unit_test(a_held_press_is_the_same_at_every_rate),
+        cmocka_unit_test(what_is_planned_does_not_depend_on_a_clock),
         cmocka_unit_test(wrong_arguments_are_named),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -96,6 +96,27 @@ static void results_come_one_period_late(void **state)
     softsim_destroy(&world);
 }
 
+/* Its share of the energy is rounding there, whose gain once had sub-steps repeated: eleven a step,
+ * longer than the step's own time. The bound asks for one to three. */
+static void a_tool_that_stands_beside_the_body_repeats_no_substep(void **state)
+{
+    (void)state;
+    for (double gap = 0.0; gap < 0.003; gap += 0.0004) {
+        softsim_world *world = make_world(1, NULL, 0);
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        softsim_state now;
+        for (int32_t k = 0; k < 50; ++k) {
+            const softsim_pose pose = pose_at(0, k + 1, 0.0, 0.006, TOUCH + 0.001 + gap);
+            const int32_t channel = 0;
+            softsim_tick(world, &pose, &channel, 1, force);
+        }
+        softsim_read(world, &now);
+        assert_true(magnitude(force[0].force) == 0.0);
+        assert_true(now.substeps <= ceil(now.simulation_period_s / (0.69 * now.stable_step_s)));
+        softsim_destroy(&world);
+    }
+}
+
 /* The worst verdict is that of the steps, not of those that happened to be read. */
 static void the_worst_verdict_needs_no_reading(void **state)
 {
@@ -193,6 +214,7 @@ int main(void)
         cmocka_unit_test(two_tools_close_together_keep_the_ledger),
         cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
         cmocka_unit_test(results_come_one_period_late),
+        cmocka_unit_test(a_tool_that_stands_beside_the_body_repeats_no_substep),
         cmocka_unit_test(the_worst_verdict_needs_no_reading),
         cmocka_unit_test(a_run_without_a_clock_has_no_budget),
         cmocka_unit_test(a_configuration_without_its_cookie_is_refused),

@@ -52,7 +52,8 @@ static double substep_cost_us(const ss_model_plan *plan)
 double ss_chain_planned_substeps(const ss_model_plan *plan)
 {
     const double step = plan->step > 0.0 ? plan->step : USUAL_STEP;
-    const double most = fmin(MOST_SUBSTEPS, plan->max_substeps);
+    const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
+    const double most = fmin(MOST_SUBSTEPS, budget);
     return fmax(1.0, fmin(floor(SUBSTEP_SHARE * step * 1e6 / substep_cost_us(plan)), most));
 }
 

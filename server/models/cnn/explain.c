@@ -118,7 +118,8 @@ static double contact_substeps(const ss_model_plan *plan)
     const double rest = free_cost_us(plan, &contact, &substep);
     const double room_us = CONTACT_TIME_SHARE * 1e6 * plan->step - rest - contact;
     const double affordable = substep > 0.0 ? 1.0 + room_us / substep : CONTACT_MOST_SUBSTEPS;
-    const double most = fmin(CONTACT_MOST_SUBSTEPS, CONTACT_BUDGET_SHARE * plan->max_substeps);
+    const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
+    const double most = fmin(CONTACT_MOST_SUBSTEPS, CONTACT_BUDGET_SHARE * budget);
     return fmax(CONTACT_SUBSTEPS, fmin(fmin(plan->step / CONTACT_SUBSTEP_S, affordable), most));
 }
 

@@ -408,7 +408,9 @@ const char *ss_plan_contact_remedy(const ss_model_plan *plan, double stiffness, 
     if (stiffness >= ss_plan_working_stiffness(plan, radius)) {
         return "raise contact.working_force_n, or lower haptic.max_force_n";
     }
-    return "lower haptic.max_force_n: no stiffer contact is stable with the sub-steps planned";
+    return "raise simulation.rate_hz or simulation.max_substeps, or lower haptic.max_force_n: no "
+           "stiffer "
+           "contact is stable with the sub-steps planned";
 }
 
 void ss_plan_say_substeps(const ss_model_plan *plan, double longest, const ss_notes *out)

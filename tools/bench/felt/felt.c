@@ -9,6 +9,7 @@
  *
  * A run is one scene and one path, with all its rates: they share the references.
  */
+#include <ctype.h>
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +29,7 @@
 #include "rt/vec.h"
 #include "world/world.h"
 
-enum { EXIT_BAD_INPUT = 2, MAX_SCENES = 64, MAX_RATES = 16, MAX_DELAYS = 8, PATH_SIZE = 4352 };
+enum { MAX_SCENES = 64, MAX_RATES = 16, MAX_DELAYS = 8, PATH_SIZE = 4352 };
 static const double reference_hz = 1000.0, finest_hz = 1e4;
 static const double run_timeout_s = 1800.0;
 /* Just noticeable, and still usable: shares of the mean force; J. */
@@ -52,12 +53,21 @@ typedef struct report {
     int32_t delay_count;
 } report;
 
-/* A scene's name: its file without folder and ending. */
+/* A scene's name: its file without folder and ending, as files and gnuplot take it. */
 static void name_of(const char *path, char *out, size_t size)
 {
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     snprintf(out, size, "%.*s", (int)strcspn(name, "."), name);
+    for (char *c = out; *c != '\0'; ++c) {
+        *c = isalnum((unsigned char)*c) || *c == '-' ? *c : '_';
+    }
+}
+
+/* The rate that is run: a step is a whole number of haptic periods. */
+static double run_hz(double rate_hz)
+{
+    return reference_hz / round(reference_hz / rate_hz);
 }
 
 /* ---- one run ---- */
@@ -332,8 +342,8 @@ static softsim_status plot_scene(const report *r, const ss_sweep_result *result,
                 "with lines lw 3 lc rgb '#bbbbbb' title '1000 Hz'",
                 path, name, path);
         for (int32_t i = 0; i < r->rate_count; ++i) {
-            fprintf(script.file, ", '' skip 1 using 1:%d with lines lc %d title '%g Hz'", i + 3,
-                    i + 1, r->rate_hz[i]);
+            fprintf(script.file, ", '' skip 1 using 1:%d with lines lc %d title '%.3g Hz'", i + 3,
+                    i + 1, run_hz(r->rate_hz[i]));
         }
         fputc('\n', script.file);
     }
@@ -531,16 +541,16 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
         {"--jobs", SS_ARG_INTEGER, &r->jobs, 1, SS_SWEEP_MAX_JOBS, "N", "runs at a time (1)"},
         {"--out", SS_ARG_STRING, &r->out, 0, 0, "DIR", "for the report (felt-report)"},
     };
-    int32_t count = 0;
-    const char *positional = NULL;
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",
         "Measures what a hand feels when the simulation is slower than the haptic loop: press, "
         "poke, tap and slide at several rates and delays, against the same scene at 1000 Hz.\n"
         "felt.csv: p50, p99, max: difference of the force in contact over its mean; impulse_error, "
         "peak_error, held_error, static_error: shares, signed; net_energy_j: least balance of a "
-        "contact, negative where the hand was driven.",
-        rows, (int32_t)(sizeof rows / sizeof rows[0]), &positional, 0, 0, &count, error);
+        "contact, negative where the hand was driven. rate_hz is as asked for; the simulation runs "
+        "at "
+        "the nearest whole number of haptic periods a step, 60 at 58.8 Hz.",
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
     if (result != SS_ARGS_RUN) {
         return result;
     }
@@ -567,6 +577,19 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     for (int32_t i = 0; i < r->scene_list.count; ++i) {
         add_scene(r, r->scene_list.value[i]);
     }
+    for (int32_t i = 1; i < r->scene_count; ++i) {
+        char name[2][128];
+        name_of(r->scene[i], name[0], sizeof name[0]);
+        for (int32_t k = 0; k < i; ++k) {
+            name_of(r->scene[k], name[1], sizeof name[1]);
+            if (strcmp(name[0], name[1]) == 0) {
+                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                                  "--scene: two scenes are called %s, and so would be their "
+                                  "pictures; report one of them, or rename it",
+                                  name[0]);
+            }
+        }
+    }
     if (r->scene_count == 0) {
         r->is_bundled = true;
         add_bundled(r);
@@ -578,23 +601,8 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-static int run_report(int argc, char **argv)
+static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_error *error)
 {
-    report *r = calloc(1, sizeof *r);
-    softsim_error error = {.status = SOFTSIM_OK};
-    if (r == NULL) {
-        fputs("softsim-bench felt: out of memory\n", stderr);
-        return EXIT_FAILURE;
-    }
-    const ss_args_result parsed = parse_options(argc, argv, r, &error);
-    if (parsed != SS_ARGS_RUN) {
-        if (parsed == SS_ARGS_BAD) {
-            ss_args_print_error(argv[0], &error);
-        }
-        free(r);
-        return parsed == SS_ARGS_BAD ? EXIT_BAD_INPUT : EXIT_SUCCESS;
-    }
-    ss_process_catch_stop();
     const ss_sweep sweep = {.folder = r->out,
                             .name = "felt",
                             .count = r->scene_count * SS_FELT_PATHS,
@@ -603,27 +611,40 @@ static int run_report(int argc, char **argv)
                             .context = r,
                             .label = label,
                             .run = run_one};
-    ss_sweep_result result = {.is_complete = false};
-    softsim_status status = ss_report_make_folder(r->out, &error);
-    if (status == SOFTSIM_OK) {
-        status = ss_sweep_execute(&sweep, &result, &error);
-        if (status == SOFTSIM_OK && result.is_complete) {
-            status = write_csv(r, &result, &error);
-            status = status == SOFTSIM_OK ? write_page(r, &result, &error) : status;
-            if (status == SOFTSIM_OK) {
-                print_rows(r, &result);
-                ss_sweep_forget(&sweep, &result);
-            }
+    ss_sweep_result result;
+    softsim_status status = ss_sweep_execute(&sweep, &result, error);
+    if (status == SOFTSIM_OK && result.is_complete) {
+        status = write_csv(r, &result, error);
+        status = status == SOFTSIM_OK ? write_page(r, &result, error) : status;
+        if (status == SOFTSIM_OK) {
+            print_rows(r, &result);
+            ss_sweep_forget(&sweep, &result);
         }
     }
-    const int32_t lost = result.lost;
+    *out_lost = result.lost;
     ss_sweep_result_fini(&result);
-    free(r);
-    if (status != SOFTSIM_OK) {
-        ss_args_print_error(argv[0], &error);
-        return status == SOFTSIM_ERROR_ARGUMENT ? EXIT_BAD_INPUT : EXIT_FAILURE;
+    return status;
+}
+
+static int run_report(int argc, char **argv)
+{
+    report *r = calloc(1, sizeof *r);
+    softsim_error error = {.status = SOFTSIM_OK};
+    int exit_code = EXIT_FAILURE;
+    int32_t lost = 0;
+    if (r == NULL) {
+        fputs("softsim-bench felt: out of memory\n", stderr);
+        return exit_code;
     }
-    return lost == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    const ss_args_result parsed = parse_options(argc, argv, r, &error);
+    if (ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
+        softsim_status status = ss_report_begin(r->out, NULL, &error);
+        status = status == SOFTSIM_OK ? sweep_and_report(r, &lost, &error) : status;
+        exit_code = ss_args_finish(argv[0], status, &error);
+        exit_code = exit_code == 0 && lost > 0 ? EXIT_FAILURE : exit_code;
+    }
+    free(r);
+    return exit_code;
 }
 
 const ss_report_class ss_report_felt = {.name = "felt",

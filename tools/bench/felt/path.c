@@ -55,13 +55,11 @@ static void mean_normal(const ss_mesh *mesh, const double point[3], double reach
     double nearest = INFINITY, sum[3] = {0.0, 0.0, 0.0};
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *node = mesh->triangle[t];
-        const double *p = mesh->position[node[0]];
-        double e[3], f[3], n[3], middle[3], way[3];
-        ss_sub3(e, mesh->position[node[1]], p);
-        ss_sub3(f, mesh->position[node[2]], p);
-        ss_cross3(n, e, f);
-        ss_add3(middle, e, f);
-        ss_madd3(middle, p, 1.0 / 3.0, middle);
+        double n[3], middle[3], way[3];
+        ss_normal3(n, mesh->position[node[0]], mesh->position[node[1]], mesh->position[node[2]]);
+        ss_add3(middle, mesh->position[node[0]], mesh->position[node[1]]);
+        ss_add3(middle, middle, mesh->position[node[2]]);
+        ss_scale3(middle, middle, 1.0 / 3.0);
         ss_sub3(way, middle, point);
         const double distance = ss_norm3(way);
         if (distance < nearest && ss_norm3(sum) == 0.0) {

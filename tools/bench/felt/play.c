@@ -155,7 +155,6 @@ softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_fe
     }
     softsim_state state;
     softsim_read(world, &state);
-    out->simulated_hz = 1.0 / state.simulation_period_s;
     out->verdict = state.worst_verdict;
     snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason ? state.worst_reason : "");
 end:

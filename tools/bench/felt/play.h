@@ -22,11 +22,10 @@ typedef struct ss_felt_run {
 } ss_felt_run;
 
 typedef struct ss_felt_trace {
-    int32_t count;       /* milliseconds */
-    double (*force)[3];  /* N, on the device */
-    double net_j;        /* least energy balance of a contact: negative, the hand was driven */
-    double held_n;       /* of a press: mean over the last 100 ms before it goes back; else NAN */
-    double simulated_hz; /* the rate that was run */
+    int32_t count;      /* milliseconds */
+    double (*force)[3]; /* N, on the device */
+    double net_j;       /* least energy balance of a contact: negative, the hand was driven */
+    double held_n;      /* of a press: mean over the last 100 ms before it goes back; else NAN */
     softsim_verdict verdict;
     char reason[128];
 } ss_felt_trace;
