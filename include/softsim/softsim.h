@@ -7,7 +7,8 @@
  *
  * Time moves by ticks of one haptic period. Each tick takes at most one pose per probe, judged by
  * the same receive checks as in the daemon's lockstep, and gives one force per probe. Equal input
- * gives equal bits, for any number of threads.
+ * gives equal bits, for any number of threads. What computes does so without denormals, whatever
+ * the calling thread's mode, and leaves that mode as it was.
  * Thread: a world belongs to one thread at a time.
  */
 #include <stdbool.h>

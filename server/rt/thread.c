@@ -35,16 +35,44 @@ struct ss_thread {
     char name[NAME_SIZE];
 };
 
-void ss_thread_flush_denormals(void)
+#if defined(__SSE__)
+#define FLUSH_BITS UINT64_C(0x8040) /* FTZ (bit 15) and DAZ (bit 6) */
+#else
+#define FLUSH_BITS (UINT64_C(1) << 24) /* FZ of FPCR: flushes inputs and results */
+#endif
+
+static uint64_t read_mode(void)
+{
+    uint64_t mode = 0;
+#if defined(__SSE__)
+    mode = _mm_getcsr();
+#elif defined(__aarch64__)
+    __asm__ volatile("mrs %0, fpcr" : "=r"(mode));
+#endif
+    return mode;
+}
+
+static void write_mode(uint64_t mode)
 {
 #if defined(__SSE__)
-    _mm_setcsr(_mm_getcsr() | 0x8040u); /* FTZ (bit 15) and DAZ (bit 6) */
+    _mm_setcsr((uint32_t)mode);
 #elif defined(__aarch64__)
-    uint64_t fpcr = 0;
-    __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
-    fpcr |= (uint64_t)1 << 24; /* FZ: flushes inputs and results */
-    __asm__ volatile("msr fpcr, %0" : : "r"(fpcr));
+    __asm__ volatile("msr fpcr, %0" : : "r"(mode));
+#else
+    (void)mode;
 #endif
+}
+
+uint64_t ss_thread_flush_denormals(void)
+{
+    const uint64_t mode = read_mode();
+    write_mode(mode | FLUSH_BITS);
+    return mode & FLUSH_BITS;
+}
+
+void ss_thread_restore_denormals(uint64_t before)
+{
+    write_mode((read_mode() & ~FLUSH_BITS) | before);
 }
 
 /* Not inlined: the touched frame must be below the body's, and gone again before it runs. */

@@ -32,8 +32,10 @@ void ss_thread_join(ss_thread **thread);
 /* Locks all memory of the process; false where not allowed. Thread: set-up only. */
 bool ss_thread_lock_memory(void);
 /* Flush-to-zero and denormals-are-zero for the calling thread; every thread that runs a kernel
- * calls it (headless runs too, so that results agree). RT-safe. */
-void ss_thread_flush_denormals(void);
+ * calls it (headless runs too, so that results agree). Returns what was set before, for a thread
+ * that is not ours to be given back as it was. RT-safe. */
+uint64_t ss_thread_flush_denormals(void);
+void ss_thread_restore_denormals(uint64_t before);
 
 /* An eventfd: signal from any thread (one write, RT loops' named exception), wait by poll(fd). */
 int ss_wake_open(void); /* -1 on failure */

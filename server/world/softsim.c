@@ -4,6 +4,7 @@
 /* The public headless API: a softsim_world is an ss_world that moves in lockstep. */
 #include <string.h>
 
+#include "rt/thread.h"
 #include "rt/vec.h"
 #include "world/world.h"
 
@@ -31,7 +32,9 @@ softsim_world *softsim_create(const char *scene_path, const softsim_config *conf
                                       .is_lockstep = true,
                                       .import_program = config->import_program};
     ss_world *world = NULL;
+    const uint64_t denormals = ss_thread_flush_denormals();
     ss_world_create(&options, &world, error);
+    ss_thread_restore_denormals(denormals);
     return (softsim_world *)world;
 }
 
@@ -49,6 +52,7 @@ void softsim_destroy(softsim_world **world)
 softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, const int32_t *channel,
                              int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES])
 {
+    const uint64_t denormals = ss_thread_flush_denormals();
     /* As in the daemon, a pose is normalised once, where it comes in. */
     softsim_pose normal[SOFTSIM_MAX_PROBES];
     count = count < SOFTSIM_MAX_PROBES ? count : SOFTSIM_MAX_PROBES;
@@ -56,11 +60,15 @@ softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, con
         normal[i] = pose[i];
         ss_gate_normalize(&normal[i]);
     }
-    return ss_world_lockstep((ss_world *)world, normal, channel, count, out_force);
+    const softsim_refusal refusal =
+        ss_world_lockstep((ss_world *)world, normal, channel, count, out_force);
+    ss_thread_restore_denormals(denormals);
+    return refusal;
 }
 
 void softsim_read(softsim_world *public_world, softsim_state *out_state)
 {
+    const uint64_t denormals = ss_thread_flush_denormals();
     ss_world *world = (ss_world *)public_world;
     ss_world_settle(world);
     ss_model_info info;
@@ -100,6 +108,7 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
     for (int i = 0; i < 3; ++i) {
         out_state->step_us[i] = ss_histogram_quantile(world->step_time, quantile[i]);
     }
+    ss_thread_restore_denormals(denormals);
 }
 
 void softsim_read_nodes(softsim_world *public_world, double (*out_position)[3],
@@ -158,10 +167,8 @@ const char *softsim_prescribed_name(const softsim_world *world, int32_t entry)
     return "fixed";
 }
 
-void softsim_read_reaction(softsim_world *public_world, int32_t entry, double out_force[3])
+static void read_reaction(ss_world *world, int32_t entry, double out_force[3])
 {
-    ss_world *world = (ss_world *)public_world;
-    ss_world_settle(world);
     if (entry < 0) {
         world->model_class->reaction(world->model, -1, out_force);
         return;
@@ -176,7 +183,19 @@ void softsim_read_reaction(softsim_world *public_world, int32_t entry, double ou
     }
 }
 
+void softsim_read_reaction(softsim_world *public_world, int32_t entry, double out_force[3])
+{
+    ss_world *world = (ss_world *)public_world;
+    const uint64_t denormals = ss_thread_flush_denormals();
+    ss_world_settle(world);
+    read_reaction(world, entry, out_force);
+    ss_thread_restore_denormals(denormals);
+}
+
 uint64_t softsim_hash(softsim_world *world)
 {
-    return ss_world_hash((ss_world *)world);
+    const uint64_t denormals = ss_thread_flush_denormals();
+    const uint64_t hash = ss_world_hash((ss_world *)world);
+    ss_thread_restore_denormals(denormals);
+    return hash;
 }

@@ -15,7 +15,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rt/thread.h"
 #include "rt/vec.h"
+#include "softsim/softsim.h"
 #include "world/world.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"
@@ -374,10 +376,53 @@ static void a_world_is_set_up_without_denormals(void **state)
     ss_world_destroy(&world);
 }
 
+static bool are_denormals_kept(void)
+{
+    const volatile double least = DBL_MIN;
+    const volatile double half = least * 0.5;
+    return half > 0.0;
+}
+
+/* A program's own arithmetic goes on as it was; what the world computes does not depend on it. */
+static void a_world_leaves_the_callers_arithmetic_alone(void **state)
+{
+    (void)state;
+    uint64_t hash[2];
+    const uint64_t before = ss_thread_flush_denormals();
+    for (int k = 0; k < 2; ++k) {
+        ss_thread_restore_denormals(0);
+        if (k == 1) {
+            ss_thread_flush_denormals();
+        }
+        const bool are_kept = are_denormals_kept();
+        softsim_config config = softsim_default_config();
+        config.import_program = BIN_DIR "/softsim-import";
+        softsim_error error = {.status = SOFTSIM_OK};
+        softsim_world *world = softsim_create(SCENES "cylinder.yaml", &config, &error);
+        assert_non_null(world);
+        assert_true(are_denormals_kept() == are_kept);
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        for (int i = 0; i < 50; ++i) {
+            softsim_tick(world, NULL, NULL, 0, force);
+        }
+        assert_true(are_denormals_kept() == are_kept);
+        softsim_state seen;
+        double reaction[3];
+        softsim_read(world, &seen);
+        softsim_read_reaction(world, -1, reaction);
+        hash[k] = softsim_hash(world);
+        assert_true(are_denormals_kept() == are_kept);
+        softsim_destroy(&world);
+    }
+    ss_thread_restore_denormals(before);
+    assert_true(hash[0] == hash[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_world_is_set_up_without_denormals), /* first: the mode stays */
+        cmocka_unit_test(a_world_leaves_the_callers_arithmetic_alone),
         cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
         cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
         cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
