@@ -7,7 +7,8 @@
  *
  * In: the scene's plan and the rows of SS_FEM_ROWS at the start of the model's table. Out: the
  * functions that ss_body_elastic asks for. fem_material.c reads parameters, fem_average.c cures
- * locking, fem_step.c derives the stable step, fem_kernels.h has the hot loops.
+ * locking, fem_force.c has forces, fem_step.c derives the stable step, fem_elastic.c puts all
+ * together, fem_kernels.h has the hot loops.
  * Memory: by ss_fem_create. Thread: create, destroy and explain set-up only; the rest by the
  * simulation thread, RT-safe and deterministic.
  */

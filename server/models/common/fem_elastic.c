@@ -2,10 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/fem.h"
 /*
- * The elastic body of tetrahedra: its parts put together, its forces, what it says of itself.
+ * The elastic body of tetrahedra: its parts put together, and what it says of itself.
  */
-#include <math.h>
-
 #include "models/common/dispatch.h"
 #include "rt/memory.h"
 #include "rt/note.h"
@@ -61,49 +59,6 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
         return SOFTSIM_ERROR_MEMORY;
     }
     return SOFTSIM_OK;
-}
-
-/* ---- forces ---- */
-
-void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
-                  ss_body_energy *out)
-{
-    ss_fem *fem = owner;
-    ss_fem_pass pass = {.blocks = &fem->blocks,
-                        .kind = fem->kind,
-                        .u = u,
-                        .v = v,
-                        .out = force,
-                        .wants_energy = out->is_wanted};
-    if (fem->average.modulus) {
-        pass.energy = ss_fem_average_update(fem, u, out->is_wanted);
-        pass.pressure = fem->average.pressure;
-    }
-    fem->kernels->force(&pass);
-    fem->u = u;
-    fem->stability.strain = fmax(fem->stability.strain, sqrt(pass.strain));
-    out->elastic = pass.energy;
-    out->power = pass.power;
-}
-
-void ss_fem_tangent(void *owner, const ss_real *x, ss_real *out)
-{
-    ss_fem *fem = owner;
-    ss_fem_pass pass = {.blocks = &fem->blocks, .kind = fem->kind, .u = fem->u, .x = x, .out = out};
-    if (fem->average.modulus) {
-        ss_fem_average_change(fem, x);
-        pass.pressure = fem->average.pressure;
-        pass.change = fem->average.change;
-    }
-    fem->kernels->tangent(&pass);
-}
-
-void ss_fem_diagonal(void *owner, double *diagonal)
-{
-    const ss_fem *fem = owner;
-    for (int32_t i = 0; i < fem->blocks.node_count; ++i) {
-        diagonal[i] += fem->diagonal[i];
-    }
 }
 
 /* ---- what it says ---- */
