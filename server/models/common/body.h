@@ -11,7 +11,7 @@
  * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
  * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body.c derives the ledger,
- * body_contact.c the stiffness that a tool feels.
+ * body_felt.c the stiffness that a tool feels.
  *
  * Nodes: the mesh's, then any of the model's own (particles). Arrays of nodes have 4 ss_real each,
  * x y z 0, on 64 bytes, their count padded to a multiple of 8 nodes with zeros.

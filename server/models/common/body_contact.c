@@ -188,6 +188,15 @@ static const ss_real *lay_skin(ss_body *body, const ss_real *u)
     return ss_body_skin_u(body, u);
 }
 
+const ss_real *ss_body_refit(ss_body *body)
+{
+    const ss_real *u = lay_skin(body, body->nodes.u);
+    if (body->fitted_step != body->step) {
+        refit(body, u);
+    }
+    return u;
+}
+
 void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
@@ -409,24 +418,4 @@ void ss_body_external(ss_body *body, const ss_real *u, double path)
 double ss_body_path_start(const ss_body *body)
 {
     return body->path;
-}
-
-/* ---- what the hand is told ---- */
-
-void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
-{
-    ss_tool *tool = ss_tools_find(&body->tools, probe, out);
-    if (!tool || !body->is_ready) {
-        return;
-    }
-    const ss_real *u = lay_skin(body, body->nodes.u);
-    if (body->fitted_step != body->step) {
-        refit(body, u);
-    }
-    double normal[3];
-    if (ss_tool_fill_contacts(tool, u, near, out, normal)) {
-        ss_body_feel(body, probe, normal);
-        ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
-    }
-    tool->was_touching = ss_tool_is_touching(tool);
 }

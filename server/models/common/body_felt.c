@@ -217,7 +217,8 @@ static double damping_met(ss_body *body, const ss_real *y)
     return body->own.mass_damping * mass + viscous * stiff;
 }
 
-void ss_body_feel(ss_body *body, int probe, const double normal[3])
+/* Improves felt and viscosity of tool `probe` for a push along `normal`. */
+static void feel(ss_body *body, int probe, const double normal[3])
 {
     ss_tool *tool = &body->tools.tool[probe];
     ss_body_touch *touch = &body->felt[probe];
@@ -251,6 +252,20 @@ void ss_body_feel(ss_body *body, int probe, const double normal[3])
     }
     const double viscosity = damping_met(body, touch->shape_y);
     touch->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+}
+
+void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
+{
+    ss_tool *tool = ss_tools_find(&body->tools, probe, out);
+    if (!tool || !body->is_ready) {
+        return;
+    }
+    double normal[3];
+    if (ss_tool_fill_contacts(tool, ss_body_refit(body), near, out, normal)) {
+        feel(body, probe, normal);
+        ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
+    }
+    tool->was_touching = ss_tool_is_touching(tool);
 }
 
 /* ---- at rest ---- */

@@ -181,10 +181,10 @@ int32_t ss_body_motion_steps(ss_body *body);
 void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *force);
 /* An upper bound of omega^2 of the contact alone, 1/s^2, at the last evaluation. */
 double ss_body_contact_rate2(ss_body *body);
-/* Fills tool->rest_felt. Thread: set-up only. */
-softsim_status ss_body_set_rest_felt(ss_body *body);
+/* The contact surface at the end of the step, once a step; returns its displacements. */
+const ss_real *ss_body_refit(ss_body *body);
 
 /* ---- body_felt.c: how stiff a tool feels it ---- */
 
-/* Improves felt and viscosity of tool `probe` for a push along `normal`. */
-void ss_body_feel(ss_body *body, int probe, const double normal[3]);
+/* Fills tool->rest_felt. Thread: set-up only. */
+softsim_status ss_body_set_rest_felt(ss_body *body);
