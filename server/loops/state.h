@@ -62,7 +62,8 @@ typedef struct ss_loops {
     int64_t silent_ns[SOFTSIM_MAX_PROBES];  /* since when it has been stale */
     char slow_reason[128];
     double peak_force;
-    int64_t next_status_ns;
+    int64_t status_ns; /* when the last one went out */
+    bool is_status_asked;
     int64_t queue_refused; /* poses that found their ring full */
     ss_haptic_stats haptic_stats;
     ss_simulation_stats simulation_stats;

@@ -3,9 +3,11 @@
 /*
  * A raw UDP flooder: hostile datagrams to an LCM group, with no LCM in between. Each kind is one
  * row of the table below. Only for a private network namespace or a machine of your own:
- *   flood KIND [--rate PACKETS_PER_S] [--burst N] [--seconds S] [--ttl T] [--to ADDRESS] [--list]
+ *   flood KIND [--rate PACKETS_PER_S] [--burst N] [--sockets N] [--seconds S] [--ttl T]
+ *         [--to ADDRESS] [--list]
  * Rate 0 is as fast as the kernel takes them. Packets go out in bursts, one a millisecond unless
- * --burst says how many at once. Says at the end what it sent.
+ * --burst says how many at once, by each socket in turn: each is a sender of its own. Says at the
+ * end what it sent.
  */
 #include <arpa/inet.h>
 #include <getopt.h>
@@ -27,7 +29,7 @@
 #include "softsim_reply_t.h"
 #include "softsim_server_status_t.h"
 
-enum { MAX_PACKET = 65507, BIG = 60000, BATCH = 64, LISTEN_S = 10 };
+enum { MAX_PACKET = 65507, BIG = 60000, BATCH = 64, LISTEN_S = 10, MAX_SOCKETS = 64 };
 static const char GROUP[] = "239.255.76.67";
 static const uint16_t PORT = 7667;
 
@@ -454,33 +456,37 @@ static bool hear_holder(void)
 typedef struct flood_plan {
     const char *kind;
     double rate, seconds;
-    int burst, ttl;
+    int burst, ttl, sockets;
     struct sockaddr_in to;
 } flood_plan;
 
 /* Makes and sends `count` datagrams of the kind, "mixed": of all in turn. How many went out. */
-static int64_t send_some(int fd, const flood_plan *plan, int kind, int count)
+static int64_t send_some(const int fd[], const flood_plan *plan, int kind, int count)
 {
     static packet p;
     int64_t sent = 0;
     for (int i = 0; i < count; ++i) {
         ++number;
         kinds[kind < KIND_COUNT ? kind : (int)(number % MIXED_COUNT)].make(&p);
-        sent += sendto(fd, p.byte, (size_t)p.size, 0, (const struct sockaddr *)&plan->to,
-                       sizeof plan->to) == p.size;
+        sent += sendto(fd[number % (uint32_t)plan->sockets], p.byte, (size_t)p.size, 0,
+                       (const struct sockaddr *)&plan->to, sizeof plan->to) == p.size;
     }
     return sent;
 }
 
 static int flood(const flood_plan *plan, int kind)
 {
-    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    int fd[MAX_SOCKETS];
     const int64_t start_ns = now_ns();
     const int64_t end_ns = start_ns + (int64_t)(plan->seconds * 1e9);
     int64_t sent = 0;
-    if (fd < 0 || setsockopt(fd, IPPROTO_IP, IP_MULTICAST_TTL, &plan->ttl, sizeof plan->ttl) != 0) {
-        perror("flood");
-        return 1;
+    for (int i = 0; i < plan->sockets; ++i) {
+        fd[i] = socket(AF_INET, SOCK_DGRAM, 0);
+        if (fd[i] < 0 ||
+            setsockopt(fd[i], IPPROTO_IP, IP_MULTICAST_TTL, &plan->ttl, sizeof plan->ttl) != 0) {
+            perror("flood");
+            return 1;
+        }
     }
     int burst = plan->burst;
     if (burst == 0) {
@@ -498,27 +504,27 @@ static int flood(const flood_plan *plan, int kind)
     const double took_s = 1e-9 * (double)(now_ns() - start_ns);
     printf("flood: %s: %lld packets, %.0f a second\n", plan->kind, (long long)sent,
            (double)sent / took_s);
-    close(fd);
+    for (int i = 0; i < plan->sockets; ++i) {
+        close(fd[i]);
+    }
     return 0;
 }
 
 static int usage(void)
 {
-    fprintf(stderr, "flood: flood KIND|mixed [--rate N] [--burst N] [--seconds S] [--ttl T] "
-                    "[--to ADDRESS]; kinds: flood --list\n");
+    fprintf(stderr, "flood: flood KIND|mixed [--rate N] [--burst N] [--sockets N] [--seconds S] "
+                    "[--ttl T] [--to ADDRESS]; kinds: flood --list\n");
     return 2;
 }
 
 int main(int argc, char **argv)
 {
-    static const struct option options[] = {{"rate", required_argument, NULL, 'r'},
-                                            {"burst", required_argument, NULL, 'b'},
-                                            {"seconds", required_argument, NULL, 's'},
-                                            {"ttl", required_argument, NULL, 't'},
-                                            {"to", required_argument, NULL, 'a'},
-                                            {"list", no_argument, NULL, 'l'},
-                                            {NULL, 0, NULL, 0}};
-    flood_plan plan = {.rate = 1000.0, .seconds = 1.0};
+    static const struct option options[] = {
+        {"rate", required_argument, NULL, 'r'},    {"burst", required_argument, NULL, 'b'},
+        {"sockets", required_argument, NULL, 'n'}, {"seconds", required_argument, NULL, 's'},
+        {"ttl", required_argument, NULL, 't'},     {"to", required_argument, NULL, 'a'},
+        {"list", no_argument, NULL, 'l'},          {NULL, 0, NULL, 0}};
+    flood_plan plan = {.rate = 1000.0, .seconds = 1.0, .sockets = 1};
     const char *to = GROUP;
     for (int c = 0; (c = getopt_long(argc, argv, "", options, NULL)) != -1;) {
         switch (c) {
@@ -527,6 +533,9 @@ int main(int argc, char **argv)
             break;
         case 'b':
             plan.burst = atoi(optarg);
+            break;
+        case 'n':
+            plan.sockets = atoi(optarg);
             break;
         case 's':
             plan.seconds = fmin(atof(optarg), 600.0);
@@ -553,7 +562,8 @@ int main(int argc, char **argv)
         ++kind;
     }
     if ((kind == KIND_COUNT && strcmp(plan.kind, "mixed") != 0) ||
-        inet_pton(AF_INET, to, &plan.to.sin_addr) != 1 || plan.burst < 0 || plan.rate < 0.0) {
+        inet_pton(AF_INET, to, &plan.to.sin_addr) != 1 || plan.burst < 0 || plan.rate < 0.0 ||
+        plan.sockets < 1 || plan.sockets > MAX_SOCKETS) {
         return usage();
     }
     if (strcmp(plan.kind, "pose-holder") == 0 && !hear_holder()) {

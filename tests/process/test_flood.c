@@ -24,10 +24,17 @@ static int end_all(void **state)
     return tear_down(state);
 }
 
+static void start_flood_from(const char *sockets, const char *kind, const char *rate,
+                             const char *seconds)
+{
+    const char *const argv[] = {"flood", kind,        "--rate", rate, "--sockets",
+                                sockets, "--seconds", seconds,  NULL};
+    process_start(&flooder, argv, NULL);
+}
+
 static void start_flood(const char *kind, const char *rate, const char *seconds)
 {
-    const char *const argv[] = {"flood", kind, "--rate", rate, "--seconds", seconds, NULL};
-    process_start(&flooder, argv, NULL);
+    start_flood_from("1", kind, rate, seconds);
 }
 
 static void expect_run(const char *const *argv)
@@ -87,6 +94,7 @@ static void a_server_starts_under_the_self_tests_of_others(void **state)
 typedef struct listener {
     softsim_client *client;
     softsim_server_status status;
+    int64_t densest_us;             /* the least between one status and the next */
     int32_t replied_id, reply_code; /* of the newest reply */
 } listener;
 
@@ -94,6 +102,10 @@ static void take_status(void *context, const softsim_server_status *status, int6
 {
     listener *l = context;
     (void)now;
+    if (l->status.seq > 0) {
+        const int64_t apart_us = (status->utime - l->status.utime) / (status->seq - l->status.seq);
+        l->densest_us = apart_us < l->densest_us ? apart_us : l->densest_us;
+    }
     l->status = *status;
 }
 
@@ -108,7 +120,7 @@ static void take_reply(void *context, int32_t id, int32_t code, const char *text
 static void listen_open(listener *l)
 {
     softsim_error error = {.status = SOFTSIM_OK};
-    *l = (listener){.client = NULL};
+    *l = (listener){.densest_us = INT64_MAX};
     const softsim_client_config config = {
         .context = l, .handle_status = take_status, .handle_reply = take_reply};
     assert_int_equal(softsim_client_open(&config, &l->client, &error), SOFTSIM_OK);
@@ -221,6 +233,24 @@ static void commands_have_a_budget(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* Each request was answered by a status of its own, to all: a server that was asked often enough
+ * spoke as often as one who floods, and its clients and other servers took it for one. */
+static void requests_of_many_are_answered_by_few_statuses(void **state)
+{
+    (void)state;
+    listener l;
+    start_daemon(tube(), NULL);
+    listen_open(&l);
+    listen_next(&l);
+    start_flood_from("8", "command-status", "4000", "1");
+    assert_int_equal(process_finish(&flooder), 0);
+    assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > 0);
+    assert_true(l.densest_us < 250000); /* asked, it answers sooner than it would speak */
+    assert_true(l.densest_us >= 50000); /* and twenty times a second at most */
+    softsim_client_close(&l.client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* The holder's commands, one after the other, under a flood of `kind`. */
 static void expect_no_command_lost(const char *kind)
 {
@@ -320,6 +350,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(poses_under_the_holders_number_change_nothing, make_folder,
                                         end_all),
         cmocka_unit_test_setup_teardown(commands_have_a_budget, make_folder, end_all),
+        cmocka_unit_test_setup_teardown(requests_of_many_are_answered_by_few_statuses, make_folder,
+                                        end_all),
         cmocka_unit_test_setup_teardown(a_flood_of_status_requests_loses_no_command, make_folder,
                                         end_all),
         cmocka_unit_test_setup_teardown(a_flood_of_statuses_loses_no_command, make_folder, end_all),
