@@ -31,8 +31,8 @@ enum {
     FORCE_WORK_BURST = 4096,
     OTHER_WORK_PER_MS = 10, /* statuses; replies */
     OTHER_WORK_BURST = 256,
-    /* Of one sender: a server answers as many requests for one. Beyond it is muted, so that the
-     * server that was heard first is heard on. */
+    /* Of one sender; a server sends 20 at most, however often it is asked. Beyond it is muted, so
+     * that the server that was heard first is heard on. */
     STATUSES_PER_S = 200,
     STATUS_BURST = 256,
     NAME_SIZE = 32, /* of a command, as the server takes it */
@@ -184,7 +184,8 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
         lanes[count++] = force_lane;
     }
     if (client->config.handle_status != NULL) {
-        lanes[count++] = status_lane;
+        lanes[count] = status_lane;
+        lanes[count++].followed = &client->status_origin.first.source;
     }
     if (client->config.handle_reply != NULL) {
         lanes[count++] = reply_lane;

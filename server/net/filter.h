@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SS_FILTER_MAX_NAMES = 4, SS_FILTER_MAX_PART = 16, SS_FILTER_MAX_MUTED = 8 };
+enum { SS_FILTER_MAX_NAMES = 4, SS_FILTER_MAX_PART = 16, SS_FILTER_MAX_MUTED = 16 };
 
 /* What a message of one lane has at a place and that of another has not. */
 typedef struct ss_filter_part {

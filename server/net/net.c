@@ -7,9 +7,9 @@
  * of one starves no other; everything is drained at each wake, as far as the budgets go: together
  * they hold the net thread under a fifth of a core. Each sender of commands and of requests has
  * another budget, since a reply and a status cost what fifty poses do, and so that none takes
- * another's; who is far beyond it is not heard at all for a while (receiver.c). Messages are
- * encoded into one fixed buffer (the generated publish functions allocate). Nothing here is called
- * by the real-time loops: lcm_publish locks.
+ * another's (senders.h); who is far beyond it is not heard at all for a while (receiver.c).
+ * Messages are encoded into one fixed buffer (the generated publish functions allocate). Nothing
+ * here is called by the real-time loops: lcm_publish locks.
  */
 #include <stdatomic.h>
 #include <stdio.h>
@@ -42,11 +42,11 @@ enum {
     REQUEST_WORK_PER_MS = 4,
     STATUS_WORK_PER_MS = 8, /* ours too */
     OTHER_WORK_BURST = 256,
-    /* Of one sender; SS_SENDERS of them at a time. */
+    /* Of one sender: SS_SENDERS of them, and the rest together as one more. */
     COMMANDS_PER_S = 100,
     REQUESTS_PER_S = 20, /* two servers that start ask for as many */
     COMMAND_BURST = 50,
-    MUTED_PER_S = 200, /* beyond, a sender is muted */
+    MUTED_PER_S = 200, /* beyond, a sender is muted; no honest one can be made to say as much */
     MUTED_BURST = 256,
     COMMAND_NAME_AT = 32, /* byte of a message: its length, then its characters and a NUL */
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
@@ -186,7 +186,7 @@ static void run_command(ss_net *net, const ss_packet *packet, ss_senders *sender
     const int64_t now_ns = ss_clock_now_ns();
     ss_budget *budget = ss_senders_find(senders, packet->source, now_ns);
     softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
-    if (refusal == SOFTSIM_ACCEPTED && (!budget || ss_budget_left(budget, now_ns) < 1)) {
+    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(budget, now_ns) < 1) {
         refusal = SOFTSIM_REFUSED_OTHER; /* too many to answer */
     }
     if (refusal != SOFTSIM_ACCEPTED) {
@@ -332,10 +332,8 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     net->calls = *calls;
     net->is_lockstep = config->is_lockstep;
     net->sender = ss_wire_draw_sender();
-    net->commands =
-        (ss_senders){.interval_ns = 1000000000 / COMMANDS_PER_S, .burst = COMMAND_BURST};
-    net->requests =
-        (ss_senders){.interval_ns = 1000000000 / REQUESTS_PER_S, .burst = COMMAND_BURST};
+    net->commands = ss_senders_make(COMMANDS_PER_S, COMMAND_BURST);
+    net->requests = ss_senders_make(REQUESTS_PER_S, COMMAND_BURST);
     compute_hashes();
     name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);

@@ -24,8 +24,9 @@
  *
  * A budget keeps our threads, not the others who send: their messages find the buffer full. So
  * where a lane says how much one sender may send, who sends more is muted: the filter drops what
- * comes from its address and port, for a second, and each time twice as long as before, up to a
- * minute. A few milliseconds after that are its own again, until it is muted anew.
+ * comes from its address and port, for a second. It then starts with little: who goes on is muted
+ * again before it has filled the buffer, and who has become slow is heard. A lane's limit is one
+ * that nobody can make an honest sender break, and the sender that a lane follows is never muted.
  *
  * Alternatives rejected: a socket for each sender, which nobody knows before it has spoken; reading
  * all there is and dropping it here, which a flood of one core pays with another; LCM with `bind`
@@ -64,17 +65,18 @@ enum {
     STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
     READ_COST = 4,
     BYTES_COST = 1024,
+    AFTER_MUTE = 4, /* messages at once, of who is heard again */
     TEST_TRIES = 100
 };
 static const int64_t NS_PER_MS = 1000000;
 static const int64_t NS_PER_S = 1000000000;
 static const int64_t TEST_WAIT_NS = 100000000; /* ten seconds in all, as LCM's own */
-static const int64_t FIRST_MUTE_NS = 1000000000, LONGEST_MUTE_NS = 64000000000;
+static const int64_t MUTE_NS = 1000000000;
 static const char TEST_CHANNEL[] = "LCM_SELF_TEST"; /* LCM's, so that spies know it */
 
 typedef struct muted_sender {
     uint64_t source;
-    int64_t until_ns, length_ns; /* 0: never */
+    int64_t until_ns;
 } muted_sender;
 
 typedef struct lane_state {
@@ -185,37 +187,39 @@ static void mute_senders(lane_state *lane, int64_t now_ns)
     (void)ss_filter_attach(&lane->filter, lane->fd);
 }
 
-static void mute(lane_state *lane, uint64_t source, int64_t now_ns)
+/* False when it is muted already, and what came was in the buffer before, or too many are. */
+static bool mute(lane_state *lane, uint64_t source, int64_t now_ns)
 {
-    muted_sender *place = &lane->muted[0];
-    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED && place->source != source; ++i) {
+    muted_sender *place = NULL;
+    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
         muted_sender *muted = &lane->muted[i];
-        place = muted->source == source || muted->until_ns < place->until_ns ? muted : place;
+        if (muted->until_ns <= now_ns) {
+            place = muted;
+        } else if (muted->source == source) {
+            return false;
+        }
     }
-    if (place->source != source) {
-        *place = (muted_sender){.source = source};
+    if (place == NULL) {
+        return false;
     }
-    if (place->until_ns > now_ns) {
-        return; /* what was in the buffer already */
-    }
-    const int64_t twice_ns = 2 * place->length_ns;
-    place->length_ns = twice_ns == 0                ? FIRST_MUTE_NS
-                       : twice_ns < LONGEST_MUTE_NS ? twice_ns
-                                                    : LONGEST_MUTE_NS;
-    place->until_ns = now_ns + place->length_ns;
+    *place = (muted_sender){.source = source, .until_ns = now_ns + MUTE_NS};
     mute_senders(lane, now_ns);
+    return true;
 }
 
 /* May this sender say more in this lane? */
 static bool may_say(lane_state *lane, uint64_t source, int64_t now_ns)
 {
-    ss_budget *budget =
-        lane->lane.sender_per_s > 0 ? ss_senders_find(&lane->senders, source, now_ns) : NULL;
-    if (budget == NULL) {
+    const ss_lane *limits = &lane->lane;
+    if (limits->sender_per_s == 0 || (limits->followed != NULL && *limits->followed == source)) {
         return true;
     }
+    ss_budget *budget = ss_senders_find(&lane->senders, source, now_ns);
     if (ss_budget_left(budget, now_ns) < 1) {
-        mute(lane, source, now_ns);
+        if (mute(lane, source, now_ns) && budget != &lane->senders.shared) {
+            const int64_t nearly_ns = now_ns + MUTE_NS - AFTER_MUTE * budget->interval_ns;
+            budget->spent_ns = nearly_ns > budget->spent_ns ? nearly_ns : budget->spent_ns;
+        }
         return false;
     }
     ss_budget_spend(budget, 1);
@@ -269,7 +273,7 @@ static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void
 }
 
 /* What to wait for, and until when: a lane that has spent its budget waits for that of a whole
- * batch. */
+ * batch; who is muted is let in again in time. */
 static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
                       struct pollfd waiting[])
 {
@@ -287,6 +291,7 @@ static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
             const int64_t again_ns = ss_budget_when(&lane->budget, batch);
             limit_ns = again_ns < limit_ns ? again_ns : limit_ns;
         }
+        limit_ns = lane->unmute_ns < limit_ns ? lane->unmute_ns : limit_ns;
     }
     return limit_ns;
 }
@@ -501,8 +506,7 @@ static softsim_status open_lanes(ss_receiver *receiver, const ss_receiver_config
             (ss_budget){.interval_ns = NS_PER_MS / lane->lane.per_ms, .burst = lane->lane.burst};
         lane->unmute_ns = INT64_MAX;
         if (lane->lane.sender_per_s > 0) {
-            lane->senders = (ss_senders){.interval_ns = NS_PER_S / lane->lane.sender_per_s,
-                                         .burst = lane->lane.sender_burst};
+            lane->senders = ss_senders_make(lane->lane.sender_per_s, lane->lane.sender_burst);
         }
         status =
             url->is_memq ? subscribe_memq(receiver, lane) : open_lane(receiver, lane, url, error);

@@ -36,6 +36,7 @@ typedef struct ss_lane {
     /* Messages of one sender a second, and at once after a pause; who sends more is muted. 0: as
      * many as it likes. */
     int32_t sender_per_s, sender_burst;
+    const uint64_t *followed; /* the sender that is never muted, whoever it is by then; or NULL */
     void (*receive)(void *context, const ss_packet *packet);
 } ss_lane;
 

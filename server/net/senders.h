@@ -6,9 +6,14 @@
  * told by the address and port that their packets come from: the number in a message is whatever
  * its writer likes.
  *
- * The table is short, which bounds what all together may ask for. A newcomer gets the place of one
- * whose budget is full again, so that forgetting it changes nothing; where there is none it gets
- * nothing. No clock in here: the caller gives the time. Thread: one.
+ * The table is short, which bounds what all together may ask for. A newcomer gets a free place, or
+ * that of one whose budget is full again, so that forgetting it changes nothing; where there is
+ * none it shares one more budget with all who have no place. Who keeps the places busy is many
+ * senders, and then takes nothing from a newcomer either; more senders than that can.
+ *
+ * Rejected: the place of whoever has most left, with what is left there: a sender who asks for
+ * little would lose it to those who ask for much. No clock in here: the caller gives the time.
+ * Thread: one.
  */
 #include <stdint.h>
 
@@ -22,10 +27,12 @@ typedef struct ss_sender {
 } ss_sender;
 
 typedef struct ss_senders {
-    int64_t interval_ns, burst; /* parameters, of each budget */
+    ss_budget shared; /* of all without a place; the parameters of each */
     int32_t count;
     ss_sender sender[SS_SENDERS];
 } ss_senders;
 
-/* The sender's budget, or NULL: as many others are busy as there are places. */
+/* Each may say `per_s` messages a second, and `burst` at once after a pause. */
+ss_senders ss_senders_make(int32_t per_s, int32_t burst);
+/* The sender's budget, or the shared one. */
 ss_budget *ss_senders_find(ss_senders *senders, uint64_t source, int64_t now_ns);

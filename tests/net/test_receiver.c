@@ -11,10 +11,13 @@
 
 #include <arpa/inet.h>
 #include <cmocka.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "net/receiver.h"
@@ -390,6 +393,115 @@ static void a_sender_who_says_too_much_is_muted(void **state)
     close_receiver(&receiver);
 }
 
+/* Sends `count` and waits until `receiver` has read them: a mark of another comes behind them. */
+static void say_all(ss_receiver *receiver, heard *h, int from, int count, int other)
+{
+    const int marks = h->other_marks;
+    for (int i = 0; i < count; ++i) {
+        send_message(from, "T_STATUS", SIZE);
+    }
+    send_message(other, "T_STATUS", MARK);
+    while (h->other_marks == marks) {
+        assert_true(ss_receiver_wait(receiver, -1, ss_clock_now_ns() + 60000000000) > 0);
+    }
+}
+
+/* Others keep all places busy: then too a flood does not fill the buffer. */
+static void a_sender_without_a_place_is_muted_too(void **state)
+{
+    (void)state;
+    enum { MAY_SAY = 40, OTHERS = 8, FLOOD = 20000 };
+    ss_lane strict[2] = {lanes[0], lanes[1]};
+    heard h;
+    strict[1].sender_per_s = 1;
+    strict[1].sender_burst = MAY_SAY;
+    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    const int flooder = sender_open(0);
+    int other[OTHERS];
+    for (int i = 0; i < OTHERS; ++i) {
+        other[i] = sender_open(0);
+        say_all(receiver, &h, other[i], 10, other[i]);
+    }
+    assert_int_equal(h.others, 10 * OTHERS);
+    say_all(receiver, &h, flooder, MAY_SAY + 1, other[0]);
+    for (int i = 0; i < FLOOD; ++i) {
+        send_message(flooder, "T_STATUS", SIZE);
+    }
+    say_all(receiver, &h, other[0], 1, other[1]);
+    assert_in_range(h.others, 10 * OTHERS + MAY_SAY + 1, 10 * OTHERS + MAY_SAY + 60);
+    for (int i = 0; i < OTHERS; ++i) {
+        close(other[i]);
+    }
+    close(flooder);
+    close_receiver(&receiver);
+}
+
+/* Whatever it says: without it the others are all that is left to hear. */
+static void the_sender_that_is_followed_is_never_muted(void **state)
+{
+    (void)state;
+    enum { MAY_SAY = 4, SAYS = 100 };
+    ss_lane strict[2] = {lanes[0], lanes[1]};
+    heard h;
+    uint64_t followed = 0;
+    strict[1].sender_per_s = 1;
+    strict[1].sender_burst = MAY_SAY;
+    strict[1].followed = &followed;
+    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    const int leader = sender_open(0), other = sender_open(0);
+    say_all(receiver, &h, leader, 1, other);
+    followed = h.source;
+    say_all(receiver, &h, leader, SAYS, other);
+    assert_int_equal(h.others, 1 + SAYS);
+    close(leader);
+    close(other);
+    close_receiver(&receiver);
+}
+
+/* Says something now and then until it is told to stop. */
+typedef struct talker {
+    int fd;
+    atomic_bool is_stopped;
+} talker;
+
+static void *talk(void *argument)
+{
+    talker *t = argument;
+    while (!atomic_load(&t->is_stopped)) {
+        const struct timespec pause = {.tv_nsec = 10000000};
+        send_message(t->fd, "T_STATUS", SIZE);
+        nanosleep(&pause, NULL);
+    }
+    return NULL;
+}
+
+/* With nobody else there is nothing that would end the wait sooner. */
+static void a_wait_lets_the_muted_in_when_their_time_is_over(void **state)
+{
+    (void)state;
+    enum { MAY_SAY = 4 };
+    ss_lane strict[2] = {lanes[0], lanes[1]};
+    heard h;
+    strict[1].sender_per_s = 50;
+    strict[1].sender_burst = MAY_SAY;
+    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    const int other = sender_open(0);
+    talker t = {.fd = sender_open(0)};
+    pthread_t thread;
+    say_all(receiver, &h, t.fd, 10 * MAY_SAY, other);
+    const int before = h.others;
+    assert_int_equal(pthread_create(&thread, NULL, talk, &t), 0);
+    const int32_t handled =
+        ss_receiver_wait(receiver, -1, ss_clock_now_ns() + (int64_t)60000000000);
+    atomic_store(&t.is_stopped, true);
+    pthread_join(thread, NULL);
+    assert_true(handled > 0);
+    assert_true(h.others > before);
+    close(t.fd);
+    close(other);
+    close_receiver(&receiver);
+}
+
 static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
 {
     (void)state;
@@ -441,6 +553,9 @@ int main(void)
         cmocka_unit_test(a_part_of_the_message_chooses_between_lanes),
         cmocka_unit_test(a_flood_is_read_no_faster_than_the_budget),
         cmocka_unit_test(a_sender_who_says_too_much_is_muted),
+        cmocka_unit_test(a_sender_without_a_place_is_muted_too),
+        cmocka_unit_test(the_sender_that_is_followed_is_never_muted),
+        cmocka_unit_test(a_wait_lets_the_muted_in_when_their_time_is_over),
         cmocka_unit_test(a_signal_is_not_kept_waiting_by_a_flood),
     };
     return PROCESS_RUN_GROUP("receiver", tests, NULL, NULL);

@@ -252,7 +252,7 @@ static void requests_of_many_are_answered_by_few_statuses(void **state)
 }
 
 /* The holder's commands, one after the other, under a flood of `kind`. */
-static void expect_no_command_lost(const char *kind)
+static void expect_no_command_lost_under(const char *sockets, const char *kind, const char *rate)
 {
     enum { COMMANDS = 40 };
     listener l;
@@ -267,7 +267,7 @@ static void expect_no_command_lost(const char *kind)
                                .velocity = {NAN, NAN, NAN},
                                .applied_force = {NAN, NAN, NAN}};
     assert_true(softsim_client_send_pose(l.client, &pose, 0));
-    start_flood(kind, "20000", "600");
+    start_flood_from(sockets, kind, rate, "600");
     /* Requests beyond the budget are counted; statuses come from a second server. */
     for (int tries = 0; listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] == 0 &&
                         softsim_client_read_counts(l.client).second == 0;
@@ -292,6 +292,11 @@ static void expect_no_command_lost(const char *kind)
     assert_int_equal(stop_daemon(), 0);
 }
 
+static void expect_no_command_lost(const char *kind)
+{
+    expect_no_command_lost_under("1", kind, "20000");
+}
+
 static void a_flood_of_status_requests_loses_no_command(void **state)
 {
     (void)state;
@@ -309,6 +314,13 @@ static void a_flood_of_commands_loses_no_command_of_another(void **state)
 {
     (void)state;
     expect_no_command_lost("command-pause");
+}
+
+/* Each is slow enough never to be muted, and asks for more than its budget: all places are busy. */
+static void slow_floods_of_many_lose_no_command_of_another(void **state)
+{
+    (void)state;
+    expect_no_command_lost_under("8", "command-pause", "1200");
 }
 
 /* Statuses that another process forges as fast as it can filled the monitor's buffer: the server
@@ -357,6 +369,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_flood_of_statuses_loses_no_command, make_folder, end_all),
         cmocka_unit_test_setup_teardown(a_flood_of_commands_loses_no_command_of_another,
                                         make_folder, end_all),
+        cmocka_unit_test_setup_teardown(slow_floods_of_many_lose_no_command_of_another, make_folder,
+                                        end_all),
         cmocka_unit_test_setup_teardown(a_monitor_stays_with_the_server_it_heard_first, make_folder,
                                         end_all),
     };

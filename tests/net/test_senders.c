@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* net/senders: who sends much takes nothing from another, how many ever they are. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdbool.h>
+
+#include "net/senders.h"
+
+enum { PER_S = 100, BURST = 50, NEWCOMER = 1000 };
+static const int64_t MS = 1000000, START = 5000000000;
+
+static bool say(ss_senders *senders, uint64_t source, int64_t now_ns)
+{
+    ss_budget *budget = ss_senders_find(senders, source, now_ns);
+    const bool may = ss_budget_left(budget, now_ns) >= 1;
+    ss_budget_spend(budget, may);
+    return may;
+}
+
+/* `count` senders that never stop, each half as often again as it may, for two seconds. */
+static int64_t keep_busy(ss_senders *senders, int count)
+{
+    int64_t now_ns = START;
+    for (int i = 0; i < 3 * PER_S; ++i) {
+        now_ns = START + i * 1000 * MS * 2 / (3 * PER_S);
+        for (uint64_t s = 1; s <= (uint64_t)count; ++s) {
+            say(senders, s, now_ns);
+        }
+    }
+    return now_ns;
+}
+
+static void each_has_a_budget_of_its_own(void **state)
+{
+    (void)state;
+    ss_senders senders = ss_senders_make(PER_S, BURST);
+    for (uint64_t s = 1; s <= SS_SENDERS; ++s) {
+        for (int i = 0; i < BURST; ++i) {
+            assert_true(say(&senders, s, START));
+        }
+        assert_false(say(&senders, s, START));
+    }
+    assert_true(say(&senders, 1, START + 10 * MS));
+    assert_false(say(&senders, 1, START + 10 * MS));
+}
+
+static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
+{
+    (void)state;
+    ss_senders senders = ss_senders_make(PER_S, BURST);
+    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
+    assert_false(say(&senders, 1, now_ns));
+    for (int i = 0; i < BURST; ++i) {
+        assert_true(say(&senders, NEWCOMER, now_ns));
+    }
+    assert_false(say(&senders, NEWCOMER, now_ns));
+}
+
+static void all_without_a_place_share_one_budget(void **state)
+{
+    (void)state;
+    ss_senders senders = ss_senders_make(PER_S, BURST);
+    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
+    int heard = 0;
+    for (uint64_t s = NEWCOMER; s < NEWCOMER + 1000; ++s) {
+        heard += say(&senders, s, now_ns);
+    }
+    assert_int_equal(heard, BURST);
+}
+
+static void a_place_is_taken_only_when_its_budget_is_full(void **state)
+{
+    (void)state;
+    ss_senders senders = ss_senders_make(PER_S, BURST);
+    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
+    const int64_t full_ns = now_ns + 1000 * MS * (BURST + 1) / PER_S;
+    ss_budget *first = ss_senders_find(&senders, 1, now_ns);
+    assert_ptr_equal(ss_senders_find(&senders, NEWCOMER, now_ns), &senders.shared);
+    assert_ptr_equal(ss_senders_find(&senders, NEWCOMER, full_ns), first);
+    assert_true(say(&senders, NEWCOMER, full_ns));
+    /* Then it is the newcomer's: the one before is a newcomer itself. */
+    assert_ptr_not_equal(ss_senders_find(&senders, 1, full_ns), first);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_has_a_budget_of_its_own),
+        cmocka_unit_test(a_newcomer_is_heard_where_all_places_are_busy),
+        cmocka_unit_test(all_without_a_place_share_one_budget),
+        cmocka_unit_test(a_place_is_taken_only_when_its_budget_is_full),
+    };
+    return cmocka_run_group_tests_name("senders", tests, NULL, NULL);
+}
