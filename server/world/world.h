@@ -149,7 +149,7 @@ typedef struct ss_world {
     int64_t substeps; /* of all steps */
     bool simulation_paused;
     uint32_t simulation_starts; /* resets and resumes heard of */
-    bool is_dented;             /* a tool has touched the tissue */
+    int64_t dented_until;       /* step: before it, tissue that a tool held off may spring back */
     bool is_hashed;             /* `hash` is that of the state as it is; lockstep */
     uint64_t hash;
     double lag; /* as in the stats */

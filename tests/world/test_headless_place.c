@@ -349,12 +349,85 @@ static void a_tool_without_a_place_is_told(void **state)
     assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
 }
 
+/* ---- where tissue was ---- */
+
+/* A ball of 8 mm that comes to stand 4 mm clear of a block whose top goes down by 12 mm in 0.2 s.
+ */
+static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_off,
+                                  int32_t *out_ramping)
+{
+    static const int cells[3] = {8, 8, 4};
+    static const double size[3] = {60.0, 60.0, 30.0};
+    static const double high = 0.060, low = 0.030 - 0.012 + 0.008;
+    const softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    write_box_mesh(cells, size);
+    softsim_world *world = softsim_create(
+        write_text("lowered.yaml",
+                   "softsim: 1\n"
+                   "object:\n  mesh: block.msh\n  units: mm\n"
+                   "  fixed: [{box_m: [[-1, -1, -1], [1, 1, 0.0001]]}]\n"
+                   "model:\n  name: mass-spring\n  youngs_modulus_pa: 10000\n"
+                   "  density_kg_m3: 1060\n  mass_damping_per_s: 30\n"
+                   "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n"
+                   "prescribed:\n"
+                   "  - {box_m: [[-1, -1, 0.0299], [1, 1, 1]], displacement_m: [0, 0, -0.012], "
+                   "ramp_s: 0.2}\n"),
+        &config, &error);
+    if (world == NULL) {
+        fail_msg("%s", error.text);
+    }
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    double most = 0.0;
+    int32_t seq = 0;
+    for (int n = 0; n < 1400; ++n) {
+        const double in = smooth(n < 1000 ? (n - 400) / 400.0 : (1400 - n) / 400.0);
+        const double x[3] = {0.0, 0.0, has_touched ? high + (low - 0.003 - high) * in : high};
+        const softsim_pose pose = pose_of(++seq, x);
+        most = fmax(most, ss_norm3(feel(world, &pose).force));
+    }
+    assert_true((most > 0.0) == has_touched);
+    if (is_reset) {
+        command((ss_world *)world, "reset");
+    }
+    for (int n = 0; n < (is_reset ? 600 : 1000); ++n) {
+        softsim_tick(world, NULL, NULL, 0, force);
+    }
+    *out_off = 0.0;
+    *out_ramping = 0;
+    for (int n = 0; n < 600; ++n) {
+        const double x[3] = {0.0, 0.0, low + 0.004};
+        const softsim_pose pose = pose_of(++seq, x);
+        const softsim_force now = feel(world, &pose);
+        *out_off = fmax(*out_off, fabs(now.proxy[2] - x[2]));
+        *out_ramping += (now.flags & SOFTSIM_FORCE_RAMPING) != 0;
+    }
+    softsim_destroy(&world);
+}
+
+/* Tissue that has gone elsewhere of itself does not spring back to where it rested. */
+static void a_tool_stands_where_tissue_was(void **state)
+{
+    (void)state;
+    static const char *const before[] = {"not touched", "touched", "touched and reset"};
+    for (int k = 0; k < 3; ++k) {
+        double off = 0.0;
+        int32_t ramping = 0;
+        come_where_tissue_was(k > 0, k == 2, &off, &ramping);
+        print_message("%s before: proxy off by %.2f mm, %d ticks ramping\n", before[k], 1e3 * off,
+                      (int)ramping);
+        assert_true(off < 1e-4);
+        assert_int_equal(ramping, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tool_that_is_pulled_out_is_let_go),
         cmocka_unit_test(a_tool_in_a_cavity_is_free),
         cmocka_unit_test(a_tool_without_a_place_is_told),
+        cmocka_unit_test(a_tool_stands_where_tissue_was),
         cmocka_unit_test(a_touch_just_after_the_first_pose_is_felt),
         cmocka_unit_test(a_tool_that_moved_is_felt_as_one_that_was_pressed),
     };
