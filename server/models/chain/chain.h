@@ -6,7 +6,8 @@
  * cnn_chainmail.c has the equations and the class; material.c reads the parameters;
  * step.c steps; contact.c is where tools touch; load.c everything that acts
  * without a tool; coarse.c the coarse level and aggregated cells; guard.c keeps
- * tetrahedra from turning inside out; net.c and kernels.c the links.
+ * tetrahedra from turning inside out; net.c and kernels.c the links; cost.c counts what a step
+ * costs; state.c is what all of them do to the state.
  *
  * Displacements and pulls dP are in metres, energies of the network W in square metres; a link's
  * tension is k w ex, so energy is 2 k W and a force f is a current f/(2 k).
@@ -142,8 +143,17 @@ struct ss_model {
     const char *reason;
 };
 
+/* ---- state.c ---- */
 /* A verdict that is worse than what was said so far in this step. */
 void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason);
+/* All groups of a node are looked at in the next sub-step. */
+void ss_chain_wake(ss_model *model, int32_t node);
+
+/* ---- cost.c ---- */
+/* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
+ * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
+double ss_chain_planned_substeps(const ss_model_plan *plan);
+double ss_chain_step_cost_us(const ss_model_plan *plan);
 
 /* ---- material.c ---- */
 /* Parameters into links and nodes; everything refused about them. Thread: set-up only. */
@@ -219,12 +229,6 @@ void ss_chain_guard_withdraw(ss_model *model, double share);
 /* ---- step.c ---- */
 void ss_chain_step(ss_model *model, double time, double dt,
                    const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
-/* All groups of a node are looked at in the next sub-step. */
-void ss_chain_wake(ss_model *model, int32_t node);
 
-/* ---- world/explain.c ---- */
-/* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
- * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
-double ss_chain_planned_substeps(const ss_model_plan *plan);
-double ss_chain_step_cost_us(const ss_model_plan *plan);
+/* ---- explain.c ---- */
 void ss_chain_explain(const ss_model *model, const ss_notes *out);

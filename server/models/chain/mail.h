@@ -3,7 +3,7 @@
 #pragma once
 /*
  * Private to chainmail: its parameters and state, and what its files call of one another.
- * chainmail.c has the law and the class, mail_tools.c the tools.
+ * chainmail.c has the law and the class, mail_tools.c the tools, mail.c what both do to a node.
  */
 #include "models/chain/net.h"
 #include "models/common/tools.h"
@@ -65,7 +65,7 @@ struct ss_model {
     const char *reason;
 };
 
-/* ---- chainmail.c ---- */
+/* ---- mail.c ---- */
 
 /* Moves a node; fixed and driven axes stay. */
 void ss_mail_move_to(ss_model *model, int32_t node, const double u[3]);

@@ -43,21 +43,6 @@ enum { FRONT_AGE = 16 };
 /* Energy from nowhere over all stored, before it is said: rounding, and the kinks of links. */
 #define MAX_SILENT_GAIN 0.02
 
-void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason)
-{
-    if (verdict > model->verdict) {
-        model->verdict = verdict;
-        model->reason = reason;
-    }
-}
-
-void ss_chain_wake(ss_model *model, int32_t node)
-{
-    for (int32_t k = model->net->first[node]; k < model->net->first[node + 1]; ++k) {
-        ss_chain_set_add(&model->front.awake, model->net->at[k] / SS_CHAIN_LANES);
-    }
-}
-
 /* Everything that is published is at rest from now on, but the energies of before. */
 static void fault(ss_model *model)
 {
