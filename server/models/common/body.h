@@ -10,7 +10,7 @@
  * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
  * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
- * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body.c derives the ledger,
+ * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body_step.c derives the ledger,
  * body_felt.c the stiffness that a tool feels.
  *
  * Nodes: the mesh's, then any of the model's own (particles). Arrays of nodes have 4 ss_real each,
