@@ -26,11 +26,6 @@ typedef struct ss_loop_threads {
     bool is_fifo_refused;
 } ss_loop_threads;
 
-void ss_loops_end(ss_loops *loops)
-{
-    atomic_store_explicit(&loops->is_over, true, memory_order_release);
-}
-
 static softsim_status start_loop(ss_loops *loops, const char *name, int priority,
                                  void *(*body)(void *), ss_thread **out_thread,
                                  ss_loop_threads *threads, softsim_error *error)

@@ -82,7 +82,10 @@ void *ss_loops_simulation(void *argument);
 void *ss_loops_publish(void *argument);
 
 /* Main shall end. Thread: any. */
-void ss_loops_end(ss_loops *loops);
+static inline void ss_loops_end(ss_loops *loops)
+{
+    atomic_store_explicit(&loops->is_over, true, memory_order_release);
+}
 /* Renews the rate, right behind a step so that slow steps are not counted by halves, and marks
  * every quarter of a second where the simulation is. Thread: that which steps; RT-safe. */
 void ss_loops_measure_rate(ss_loops *loops);
