@@ -95,18 +95,6 @@ static ss_args_result parse(int argc, char **argv, ss_accuracy_options *out, sof
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-bool ss_accuracy_is_listed(const char *list, const char *name)
-{
-    const size_t length = strlen(name);
-    for (const char *at = list; at != NULL; at = *at == ',' ? at + 1 : NULL) {
-        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) {
-            return true;
-        }
-        at += strcspn(at, ",");
-    }
-    return list == NULL;
-}
-
 static void check_models(const ss_accuracy_options *o, softsim_error *error)
 {
     for (const char *at = o->model; at != NULL;) {

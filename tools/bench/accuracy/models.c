@@ -7,6 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+bool ss_accuracy_is_listed(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    for (const char *at = list; at != NULL; at = *at == ',' ? at + 1 : NULL) {
+        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) {
+            return true;
+        }
+        at += strcspn(at, ",");
+    }
+    return list == NULL;
+}
+
 const ss_model_class *ss_accuracy_model_find(const char *name)
 {
     const ss_model_class *model = ss_model_find(name);

@@ -11,6 +11,8 @@
 #include "models/model.h"
 #include "rt/args.h"
 
+/* Is `name`, of a model or a mesh, in the list "a,b,c"? No list: everything is. */
+bool ss_accuracy_is_listed(const char *list, const char *name);
 /* NULL: there is no such model, or it has no hints. */
 const ss_model_class *ss_accuracy_model_find(const char *name);
 /* Has it physical parameters of its own, so that nothing is fitted? */

@@ -28,9 +28,6 @@ typedef struct ss_accuracy {
     ss_accuracy_worth worth; /* of a scene's reference */
 } ss_accuracy;
 
-/* Is `name` in the list "a,b,c"? No list: everything is. */
-bool ss_accuracy_is_listed(const char *list, const char *name);
-
 /* ---- page.c ---- */
 
 softsim_status ss_accuracy_write_dynamics(ss_accuracy *r, softsim_error *error);
