@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * The runs of the stability report and what came of them: shared by stability.c, which lists and
- * does them, and page.c, which writes them down. Thread: main.
+ * The runs of the stability report and what came of them: runs.c lists and does them, page.c
+ * writes them down, stability.c is the report. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>

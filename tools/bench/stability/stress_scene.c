@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "rt/random.h"
-#include "rt/vec.h"
 
 /* s: 1 / 14 at 10 kPa, the first shear mode of the specimen, damped about critically. */
 static const double tau_10kpa_s = 0.0714;
@@ -214,15 +213,6 @@ static void write_fixed(const ss_assay_plan *plan, FILE *file)
 
 /* ---- the tool's path ---- */
 
-void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z)
-{
-    const int32_t at = plan->way_count++;
-    plan->way_s[at] = at > 0 ? plan->way_s[at - 1] + seconds : 0.0;
-    plan->way[at][0] = x;
-    plan->way[at][1] = 0.0;
-    plan->way[at][2] = z;
-}
-
 /* Down onto the top at `speed` until the sphere is `depth` in it, and later up again. */
 static void plan_path(ss_assay_plan *plan)
 {
@@ -258,17 +248,7 @@ void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, int32_t tick,
                         double out_position[3], double out_orientation[4])
 {
     static const double upright[4] = {1.0, 0.0, 0.0, 0.0};
-    int32_t at = 0;
-    while (at + 1 < plan->way_count && plan->way_s[at + 1] <= time_s) {
-        ++at;
-    }
-    ss_copy3(out_position, plan->way[at]);
-    if (at + 1 < plan->way_count && time_s > plan->way_s[at]) {
-        double way[3];
-        ss_sub3(way, plan->way[at + 1], plan->way[at]);
-        ss_madd3(out_position, plan->way[at],
-                 (time_s - plan->way_s[at]) / (plan->way_s[at + 1] - plan->way_s[at]), way);
-    }
+    ss_assay_plan_at(plan, time_s, out_position);
     memcpy(out_orientation, upright, sizeof upright);
     ss_assay_abuse(plan, time_s, tick, out_position, out_orientation);
 }

@@ -52,10 +52,12 @@ void ss_assay_plan_make(const ss_assay *trial, ss_assay_plan *out);
 /* Where the tool is at a tick. */
 void ss_assay_plan_tool(const ss_assay_plan *plan, double time_s, int32_t tick,
                         double out_position[3], double out_orientation[4]);
-/* The tool's centre goes on to (x, 0, z), in so many seconds. */
-void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z);
 /* The scene, with its mesh body.msh beside it. */
 void ss_assay_plan_write(const ss_assay_plan *plan, FILE *file);
+
+/* way.c: the tool's centre goes on to (x, 0, z), in so many seconds; and where it is on its way. */
+void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z);
+void ss_assay_plan_at(const ss_assay_plan *plan, double time_s, double out_position[3]);
 
 /* abuse.c: the way of an abused tool, what is added to it at a tick, and the commands that
  * come before that tick. */
