@@ -86,7 +86,8 @@ typedef struct ss_world_probe {
     bool was_present;
     uint32_t last_teleports;
     int64_t waited;         /* steps on end: inside the tissue, and no free place found for it */
-    double depth;           /* m, how deep it stood there when a place was looked for */
+    int64_t look_at;        /* of them: a place is looked for again */
+    double depth;           /* m, how deep it stood there lately */
     bool is_found_inside;   /* it stands where it just touches, until it is entered */
     uint32_t found_entries; /* of the target then */
     double outward[3];      /* the way there */

@@ -292,8 +292,8 @@ static void a_tool_that_is_pulled_out_is_let_go(void **state)
 
 /* ---- in a cavity ---- */
 
-/* A ball that stands still in the middle of a hollow of 40 mm. */
-static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_state)
+/* A block of 80 mm with a hollow of 40 mm. */
+static softsim_world *make_hollow(double radius_mm)
 {
     static const int cells[3] = {8, 8, 8};
     static const double size[3] = {80.0, 80.0, 80.0};
@@ -313,6 +313,13 @@ static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_stat
     if (world == NULL) {
         fail_msg("%s", error.text);
     }
+    return world;
+}
+
+/* A ball that stands still in the middle of the hollow. */
+static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_state)
+{
+    softsim_world *world = make_hollow(radius_mm);
     softsim_force force = {.seq = 0};
     for (int n = 0; n < 200; ++n) {
         const softsim_pose pose = pose_of(n + 1, (const double[3]){0.0, 0.0, 0.040});
@@ -347,6 +354,33 @@ static void a_tool_without_a_place_is_told(void **state)
     assert_int_equal(now.verdict, SOFTSIM_VERDICT_DEGRADED);
     assert_non_null(strstr(now.reason, "no free place"));
     assert_true(now.elastic_j <= 0.0 && now.kinetic_j <= 0.0);
+}
+
+/* Looks are dear, and one that found nothing is likely to again: eight in 2.5 s, at 0, 20, 60, 140,
+ * 300, 620, 1260 and 2260 ms. A tool that comes out is in the world within 20 ms all the same. */
+static void a_place_is_looked_for_ever_less_often(void **state)
+{
+    (void)state;
+    softsim_world *world = make_hollow(26.0);
+    const ss_world_probe *probe = &((ss_world *)world)->probe[0];
+    int looks = 0, n = 0, came = 0;
+    int64_t last = 0;
+    for (; n < 2500; ++n) {
+        const softsim_pose pose = pose_of(n + 1, (const double[3]){0.0, 0.0, 0.040});
+        (void)feel(world, &pose);
+        looks += probe->look_at != last;
+        last = probe->look_at;
+        assert_false(probe->was_present);
+    }
+    assert_in_range(looks, 7, 8);
+    /* At 1 m/s; it is out after 66 mm. */
+    for (; !probe->was_present && came < 1000; ++n, ++came) {
+        const softsim_pose pose = pose_of(n + 1, (const double[3]){0.0, 0.0, 0.040 + 1e-3 * came});
+        (void)feel(world, &pose);
+    }
+    /* One more step stands at it, and its target is of the step before. */
+    assert_true(came <= 66 + 20 + 2);
+    softsim_destroy(&world);
 }
 
 /* ---- where tissue was ---- */
@@ -427,6 +461,7 @@ int main(void)
         cmocka_unit_test(a_tool_that_is_pulled_out_is_let_go),
         cmocka_unit_test(a_tool_in_a_cavity_is_free),
         cmocka_unit_test(a_tool_without_a_place_is_told),
+        cmocka_unit_test(a_place_is_looked_for_ever_less_often),
         cmocka_unit_test(a_tool_stands_where_tissue_was),
         cmocka_unit_test(a_touch_just_after_the_first_pose_is_felt),
         cmocka_unit_test(a_tool_that_moved_is_felt_as_one_that_was_pressed),
