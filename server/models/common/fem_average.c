@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 /*
  * The cure for locking: dilatation is resisted by nodes, not by elements.
  *

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 /*
  * The forces of the elastic body, and how they change: a sweep of the kernels over all elements,
  * with the pressures of the nodes where those resist dilatation.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 /*
  * Material of every element from the scene's rows, and what of it is refused, all in one go.
  *

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 /*
  * fem: a volume of linear tetrahedra under Green strain with viscous stress, explicit in time.
  *

@@ -13,7 +13,7 @@
  * Thread: as model.h says.
  */
 #include "models/common/body.h"
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 #include "models/common/turned.h"
 #include "models/hybrid/layer_kernels.h"
 #include "models/hybrid/point_grid.h"

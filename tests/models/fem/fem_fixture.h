@@ -6,7 +6,7 @@
 #include "common/setup_fixture.h"
 #include "mesh/tetrahedron.h"
 #include "models/common/body.h"
-#include "models/common/fem.h"
+#include "models/common/fem_elastic.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
