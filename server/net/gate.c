@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "net/gate.h"
 /*
  * The receive checks: which poses may move a probe. No LCM, no clock: the same decisions on the
  * same poses in the daemon, in lockstep and in headless runs.
@@ -29,7 +30,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "net/net.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 

@@ -6,57 +6,18 @@
  *
  * In: LCM messages (raw, hostile: length, type hash and bounds are checked before decoding).
  * Out: accepted poses into one ring per probe, commands into a ring; forces, replies, status and
- * mesh messages onto the wire. `gate` holds the receive checks without any LCM, for headless runs
+ * mesh messages onto the wire. gate.h has the receive checks without any LCM, for headless runs
  * (softsim-run) and lockstep: the same decisions on the same poses.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "net/gate.h"
 #include "rt/mailbox.h"
 #include "rt/ring.h"
 #include "rt/thread.h"
 #include "softsim/status.h"
 #include "softsim/types.h"
-
-/* ---- receive checks ---- */
-
-typedef struct ss_gate_config {
-    uint8_t used_probes; /* bit n: probe n has a tool in the scene */
-    double max_jump_m;
-    double period_s;  /* the haptic period: ownership lapses after 0.5 s of silence */
-    bool is_lockstep; /* pose age is not judged; time is simulated */
-} ss_gate_config;
-
-typedef struct ss_gate ss_gate;
-
-/* Thread: set-up only. */
-ss_gate *ss_gate_create(const ss_gate_config *config);
-void ss_gate_destroy(ss_gate **gate);
-void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m);
-/* Judges a decoded pose that came in on channel `channel_probe` at `now_ns` (monotonic in real
- * time, simulated in lockstep). Counts it. SOFTSIM_ACCEPTED or the refusal.
- * *out_epoch grows when the probe changes hands or its holder returns after the watchdog
- * (50 haptic ticks without a good pose). Thread: net (or the only thread of a headless run). */
-softsim_refusal ss_gate_judge(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
-                              int64_t now_ns, uint32_t *out_epoch);
-/* True at most ten times a second per probe (in lockstep always: there every pose is answered): a
- * foreign sender may be told so (zero force, flag 32). Never who uses the holder's number from
- * another address: the answer would reach the holder. Thread: net. */
-bool ss_gate_may_answer_other(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
-                              int64_t now_ns);
-/* Scales an orientation that passes for a unit quaternion to length 1; leaves any other for
- * ss_gate_judge to refuse. Every pose passes here once before it is judged, whatever its source,
- * so that all runs of a log agree; decoding calls it. RT-safe. */
-void ss_gate_normalize(softsim_pose *pose);
-/* Counts what never became a pose. */
-void ss_gate_refuse(ss_gate *gate, softsim_refusal reason);
-
-typedef struct ss_gate_counts {
-    int64_t received; /* whatever came in: accepted poses and all refused */
-    int64_t refused[SOFTSIM_REFUSED_COUNT];
-} ss_gate_counts;
-/* Thread: any. */
-void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);
 
 /* ---- what crosses between the net thread and the loops ---- */
 

@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "net/codec.h"
+#include "net/gate.h"
 #include "net/status.h"
 #include "rt/clock.h"
 #include "rt/files.h"
