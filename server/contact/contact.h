@@ -11,7 +11,7 @@
  *
  * Method (Loop 1987 subdivision rows of the rest mesh as contact samples; one potential of node
  * positions and tool pose, no memory): a sample x_q = sum_i B_qi P_i carries rest area A_q and is
- * pushed out of the tool by A_q kc (-d)+ n (harder where the tool is about to go through: touch.c);
+ * pushed out of the tool by A_q kc (-d)+ n (harder where the tool is about to go through: query.c);
  * a weight sample x_s at the centroid of a quarter of a
  * triangle gives w_i = sum_s A_s b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected: nodes or facets
  * as contact points, whose force ripples as the tool passes from one to the next; libccd on
@@ -78,7 +78,7 @@ typedef struct ss_tool_pose {
 void ss_tool_pose_blend(const ss_tool_pose *from, const ss_tool_pose *to, double s,
                         ss_tool_pose *out);
 /* No point of the tool moves further than this on that path, m. Sub-steps of at most R/4 keep the
- * penalty from tunnelling; the gather covers the whole path whatever its length. RT-safe. */
+ * penalty from tunnelling; the broad phase covers the whole path whatever its length. RT-safe. */
 double ss_tool_motion_bound(const ss_shape *shape, const ss_tool_pose *from,
                             const ss_tool_pose *to);
 
@@ -112,66 +112,67 @@ double ss_surface_mean_edge(const ss_surface *surface);
 /* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node); keeps it, and
  * widens the queries, while no node has moved much since the last refit: one pass over the nodes.
  * Where a tool is present, for the displacements that a step begins with, and for those that
- * ss_touch_contacts looks at (the same, a step later); by the simulation thread; RT-safe. The
- * hierarchy belongs to the surface but is scratch: one simulation thread per surface. */
+ * ss_contact_query_contacts looks at (the same, a step later); by the simulation thread; RT-safe.
+ * The hierarchy belongs to the surface but is scratch: one simulation thread per surface. */
 void ss_surface_refit(ss_surface *surface, const ss_real *u);
 
 /* ---- one tool touching the surface ---- */
 
-typedef struct ss_touch ss_touch; /* scratch of one tool */
+typedef struct ss_contact_query ss_contact_query; /* scratch of one tool */
 
-typedef struct ss_touch_options {
+typedef struct ss_contact_query_options {
     double delta;     /* m, reach of the source weights: max(mean edge, R/2) */
     double stiffness; /* N/m^3, kc */
-} ss_touch_options;
+} ss_contact_query_options;
 
-softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
-                               const ss_touch_options *options, ss_touch **out_touch);
-void ss_touch_destroy(ss_touch **touch);
-void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3);
+softsim_status ss_contact_query_create(const ss_surface *surface, const ss_shape *shape,
+                                       const ss_contact_query_options *options,
+                                       ss_contact_query **out_query);
+void ss_contact_query_destroy(ss_contact_query **query);
+void ss_contact_query_set_stiffness(ss_contact_query *query, double stiffness_n_per_m3);
 
 /* Finds the triangles that the tool may reach on its way from `from` to `to` (swept; the path of
  * ss_tool_pose_blend). Call once a step after ss_surface_refit, which tells it whether
  * tissue came near that was out of reach; an earlier gather that still covers the path is kept.
- * Complete for poses on the path while no node has moved further than delta (for ss_touch_weigh:
- * delta/4) since this call. Nothing is gathered for a pose that is not finite. Returns their
- * number. RT-safe. */
-int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
-                        const ss_tool_pose *to);
-/* Will a gather on that path keep the earlier one? Then the hierarchy need not be refitted for it.
- * RT-safe. */
-bool ss_touch_is_gathered(const ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
-                          const ss_tool_pose *to);
+ * Complete for poses on the path while no node has moved further than delta (for
+ * ss_contact_query_weigh: delta/4) since this call. Nothing is gathered for a pose that is not
+ * finite. Returns their number. RT-safe. */
+int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
+                                     const ss_tool_pose *from, const ss_tool_pose *to);
+/* Will a broad phase on that path keep the earlier one? Then the hierarchy need not be refitted for
+ * it. RT-safe. */
+bool ss_contact_query_is_covered(const ss_contact_query *query, const ss_real *u,
+                                 const ss_tool_pose *from, const ss_tool_pose *to);
 
 /* Source weights at `pose`: touched nodes with w_i > 0 in increasing node order (deterministic).
  * *out_node, *out_weight stay valid until the next weigh; out_total = W. `is_source[i]` false
  * (fixed nodes) gives no weight; NULL: every node is a source. Returns the count. Keeps d_s, n_s
  * for the forces. RT-safe. */
-int32_t ss_touch_weigh(ss_touch *touch, const ss_real *u, const uint8_t *is_source,
-                       const ss_tool_pose *pose, const int32_t **out_node,
-                       const double **out_weight, double *out_total);
+int32_t ss_contact_query_weigh(ss_contact_query *query, const ss_real *u, const uint8_t *is_source,
+                               const ss_tool_pose *pose, const int32_t **out_node,
+                               const double **out_weight, double *out_total);
 /* The forces through the weights: f_s = -A_s phi'(d_s) (sum_i b_si mu_i) n_s, added to `force`
  * (4 ss_real a node) by b_si and, with opposite sign, to the tool's force and torque about its
  * origin. `mu`: one value per node returned by the last weigh. RT-safe. */
-void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *force,
-                            double tool_force[3], double tool_torque[3]);
+void ss_contact_query_weight_forces(const ss_contact_query *query, const double *mu, ss_real *force,
+                                    double tool_force[3], double tool_torque[3]);
 
 /* Penalty of the samples inside the tool at `pose`: f_q = A_q kc (-d)+ n added to `force` by
  * B_qi (NULL: the tool's share alone is wanted), ten times as stiff beyond 0.3 of the tool's
  * inradius; the opposite added to tool force and torque; returns the energy.
  * Keeps the active samples for the three calls below. RT-safe. */
-double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, ss_real *force,
-                        double tool_force[3], double tool_torque[3]);
+double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                                ss_real *force, double tool_force[3], double tool_torque[3]);
 /* Change of the penalty forces for node motions du (4 ss_real a node; NULL: none) and a tool
- * translation dx, linearised at the last ss_touch_penalty (d f_q = -A kc c' n n.(B du - dx)): added
- * to dforce (may be NULL) and dtool. RT-safe. */
-void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3], ss_real *dforce,
-                      double dtool[3]);
+ * translation dx, linearised at the last ss_contact_query_penalty (d f_q = -A kc c' n n.(B du -
+ * dx)): added to dforce (may be NULL) and dtool. RT-safe. */
+void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, const double dx[3],
+                              ss_real *dforce, double dtool[3]);
 /* Adds kc sum_q A_q c' B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
  * and the tangent's preconditioner. RT-safe. */
-void ss_touch_diagonal(const ss_touch *touch, double *diagonal);
+void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal);
 /* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
-int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node);
+int32_t ss_contact_query_reach(const ss_contact_query *query, const int32_t **out_node);
 
 /* The point of triangle abc that is closest to p. RT-safe. */
 void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],
@@ -228,14 +229,14 @@ typedef struct ss_contact_set {
                          which its contact holds off no longer; else 0 */
 } ss_contact_set;
 
-/* The points, normals, depths and forces of the last ss_touch_penalty, reduced to at most
+/* The points, normals, depths and forces of the last ss_contact_query_penalty, reduced to at most
  * SS_MAX_CONTACTS: one for a sphere (through its centre), up to four along the axis of other
  * tools; their forces sum to the penalty's. Force and torque of the set are the penalty's too (the
  * model adds its own). When nothing touches, the nearest patch within `near` (m) with its gap, or
  * no contact and depth = -near. Stiffness and viscosity are left 0 for the model to fill.
  * Call after ss_surface_refit to `u`. RT-safe. */
-void ss_touch_contacts(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, double near,
-                       ss_contact_set *out_set);
+void ss_contact_query_contacts(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                               double near, ss_contact_set *out_set);
 
 /* Is the tool inside the tissue, without a grasp that has it there? RT-safe. */
 static inline bool ss_contact_is_engulfed(const ss_contact_set *set)

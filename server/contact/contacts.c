@@ -24,8 +24,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "contact/internal.h"
 #include "contact/shape.h"
-#include "contact/touch.h"
 #include "rt/vec.h"
 
 enum { MAX_STATIONS = 4 };
@@ -125,9 +125,9 @@ static void set_curvature(const tally *sum, const double normal[3], double out[3
 /* ---- touching ---- */
 
 /* The shares of stations in a sample at height z on the tool. */
-static void station_shares(const ss_touch *touch, double z, double out[MAX_STATIONS])
+static void station_shares(const ss_contact_query *query, double z, double out[MAX_STATIONS])
 {
-    const int count = touch->station_count;
+    const int count = query->station_count;
     for (int k = 0; k < count; ++k) {
         out[k] = 0.0;
     }
@@ -135,8 +135,8 @@ static void station_shares(const ss_touch *touch, double z, double out[MAX_STATI
         out[0] = 1.0;
         return;
     }
-    const double span = touch->station_high - touch->station_low;
-    const double at = fmax(0.0, fmin(1.0, (z - touch->station_low) / span)) * (count - 1);
+    const double span = query->station_high - query->station_low;
+    const double at = fmax(0.0, fmin(1.0, (z - query->station_low) / span)) * (count - 1);
     const int below = at < count - 1 ? (int)at : count - 2;
     out[below] = 1.0 - (at - below);
     out[below + 1] = at - below;
@@ -172,25 +172,26 @@ static void add_sample(const ss_sample *sample, double weight, tally *sum)
 }
 
 /* Sums the samples up per station; the deepest one's depth. */
-static double tally_samples(const ss_touch *touch, const ss_frame *frame,
+static double tally_samples(const ss_contact_query *query, const ss_frame *frame,
                             tally station[MAX_STATIONS])
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     double deepest = 0.0;
-    for (int32_t g = 0; g < touch->group_count; ++g) {
-        const ss_group *group = &touch->group[g];
-        const double scale = touch->stiffness * (double)surface->area[group->triangle] /
+    for (int32_t g = 0; g < query->group_count; ++g) {
+        const ss_group *group = &query->group[g];
+        const double scale = query->stiffness * (double)surface->area[group->triangle] /
                              (surface->grid.facet_count * surface->grid.part_count);
         for (int32_t i = 0; i < group->count; ++i) {
-            const ss_sample *s = &touch->sample[group->first + i];
+            const ss_sample *s = &query->sample[group->first + i];
             const double depth = (double)s->depth;
             const double z = (double)(s->r[0] * frame->axis[0] + s->r[1] * frame->axis[1] +
                                       s->r[2] * frame->axis[2]);
             double share[MAX_STATIONS];
-            station_shares(touch, z, share);
+            station_shares(query, z, share);
             deepest = fmax(deepest, depth);
-            for (int k = 0; k < touch->station_count; ++k) {
-                const double weight = scale * (double)ss_touch_push(touch, s->depth) * share[k];
+            for (int k = 0; k < query->station_count; ++k) {
+                const double weight =
+                    scale * (double)ss_contact_query_push(query, s->depth) * share[k];
                 if (!(weight > 0.0)) {
                     continue;
                 }
@@ -217,8 +218,8 @@ static void shift_to_line(const tally *sum, double most, double r[3])
     }
 }
 
-static void set_contact(const ss_touch *touch, const ss_frame *frame, const ss_tool_pose *pose,
-                        const tally *sum, ss_contact *out)
+static void set_contact(const ss_contact_query *query, const ss_frame *frame,
+                        const ss_tool_pose *pose, const tally *sum, ss_contact *out)
 {
     double r[3];
     double gradient[3];
@@ -237,11 +238,11 @@ static void set_contact(const ss_touch *touch, const ss_frame *frame, const ss_t
     } else {
         ss_scale3(out->normal, gradient, -1.0);
     }
-    if (touch->shape.kind == SS_SHAPE_SPHERE) {
-        ss_madd3(out->point, pose->position, mean_depth - touch->shape.radius, out->normal);
+    if (query->shape.kind == SS_SHAPE_SPHERE) {
+        ss_madd3(out->point, pose->position, mean_depth - query->shape.radius, out->normal);
     } else {
         ss_madd3(r, r, -mean_depth - d, gradient);
-        shift_to_line(sum, 0.25 * ss_shape_inradius(&touch->shape), r);
+        shift_to_line(sum, 0.25 * ss_shape_inradius(&query->shape), r);
         ss_add3(out->point, pose->position, r);
     }
     set_curvature(sum, out->normal, out->curvature);
@@ -335,7 +336,7 @@ static void search_triangle(const ss_surface *surface, const ss_frame *frame, co
 
 /* No point of the box is nearer to the tool than this: by the box's ball to the tool itself, and
  * by the box to the tool's ball. */
-static double box_bound(const ss_touch *touch, const ss_frame *frame, const ss_box *box)
+static double box_bound(const ss_contact_query *query, const ss_frame *frame, const ss_box *box)
 {
     const ss_wide middle = (box->low + box->high) / 2 - frame->origin;
     const ss_wide half = (box->high - box->low) / 2;
@@ -344,22 +345,22 @@ static double box_bound(const ss_touch *touch, const ss_frame *frame, const ss_b
         const double outside = fabs((double)middle[k]) - (double)half[k];
         gap[k] = outside > 0.0 ? outside : 0.0;
     }
-    const double by_box = ss_norm3(gap) - touch->bounding_radius;
+    const double by_box = ss_norm3(gap) - query->bounding_radius;
     const double by_tool = distance_at(frame, &middle) - length_of(&half);
-    return fmax(by_box, by_tool) - touch->surface->moved - touch->margin;
+    return fmax(by_box, by_tool) - query->surface->moved - query->margin;
 }
 
-static void search_tree(const ss_touch *touch, const ss_frame *frame, const ss_real *u,
+static void search_tree(const ss_contact_query *query, const ss_frame *frame, const ss_real *u,
                         nearest *best)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     struct {
         int32_t node;
         double bound;
     } stack[SS_TREE_STACK];
     int depth = 0;
     stack[depth].node = 0;
-    stack[depth++].bound = box_bound(touch, frame, &surface->box[0]);
+    stack[depth++].bound = box_bound(query, frame, &surface->box[0]);
     while (depth > 0) {
         const int32_t at = stack[--depth].node;
         if (!(stack[depth].bound < best->distance)) {
@@ -374,8 +375,8 @@ static void search_tree(const ss_touch *touch, const ss_frame *frame, const ss_r
             continue;
         }
         /* The nearer child first. */
-        const double left = box_bound(touch, frame, &surface->box[2 * at + 1]);
-        const double right = box_bound(touch, frame, &surface->box[2 * at + 2]);
+        const double left = box_bound(query, frame, &surface->box[2 * at + 1]);
+        const double right = box_bound(query, frame, &surface->box[2 * at + 2]);
         const int nearer = left <= right ? 1 : 2;
         stack[depth].node = 2 * at + 3 - nearer;
         stack[depth++].bound = fmax(left, right);
@@ -384,12 +385,12 @@ static void search_tree(const ss_touch *touch, const ss_frame *frame, const ss_r
     }
 }
 
-static void set_near(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+static void set_near(const ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
                      const ss_frame *frame, double near, ss_contact_set *out_set)
 {
     nearest best = {.distance = near, .triangle = -1};
     out_set->depth = -near;
-    search_tree(touch, frame, u, &best);
+    search_tree(query, frame, u, &best);
     if (best.triangle < 0) {
         return;
     }
@@ -402,7 +403,7 @@ static void set_near(const ss_touch *touch, const ss_real *u, const ss_tool_pose
     if (ss_dot3(best.facet_normal, contact->normal) > 0.5) {
         ss_copy3(contact->normal, best.facet_normal);
     }
-    add_tissue(touch->surface, best.triangle, best.code, 1.0, &sum);
+    add_tissue(query->surface, best.triangle, best.code, 1.0, &sum);
     set_curvature(&sum, contact->normal, contact->curvature);
     ss_copy3(out_set->point, contact->point);
     ss_copy3(out_set->normal, contact->normal);
@@ -412,43 +413,43 @@ static void set_near(const ss_touch *touch, const ss_real *u, const ss_tool_pose
 /* ---- engulfed ---- */
 
 /* How far a tool inside the tissue has to go to the nearest place outside. */
-static double way_out(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+static double way_out(const ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
                       const ss_frame *frame)
 {
     nearest best = {.distance = INFINITY, .triangle = -1};
-    search_tree(touch, frame, u, &best);
+    search_tree(query, frame, u, &best);
     double inward[3], support[3];
     ss_rotate_back(inward, pose->orientation, best.r);
     ss_scale3(inward, inward, -1.0);
     ss_normalize3(inward);
-    ss_shape_support(&touch->shape, inward, support);
+    ss_shape_support(&query->shape, inward, support);
     return ss_norm3(best.r) + ss_dot3(support, inward);
 }
 
-static void set_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
+static void set_contacts(const ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
                          const ss_frame *frame, double near, ss_contact_set *out_set)
 {
     tally station[MAX_STATIONS];
     tally whole = {.weight = 0.0};
     memset(station, 0, sizeof station);
-    const double deepest = tally_samples(touch, frame, station);
-    for (int k = 0; k < touch->station_count; ++k) {
+    const double deepest = tally_samples(query, frame, station);
+    for (int k = 0; k < query->station_count; ++k) {
         add_tally(&whole, &station[k]);
     }
     if (!(whole.weight > 0.0)) {
         if (near > 0.0 && isfinite(near)) {
-            set_near(touch, u, pose, frame, near, out_set);
+            set_near(query, u, pose, frame, near, out_set);
         }
         return;
     }
-    for (int k = 0; k < touch->station_count; ++k) {
+    for (int k = 0; k < query->station_count; ++k) {
         if (station[k].weight > 1e-9 * whole.weight) {
-            set_contact(touch, frame, pose, &station[k], &out_set->contact[out_set->count]);
+            set_contact(query, frame, pose, &station[k], &out_set->contact[out_set->count]);
             out_set->count++;
         }
     }
     ss_contact mean;
-    set_contact(touch, frame, pose, &whole, &mean);
+    set_contact(query, frame, pose, &whole, &mean);
     ss_copy3(out_set->point, mean.point);
     ss_copy3(out_set->normal, mean.normal);
     ss_copy3(out_set->force, whole.force);
@@ -456,17 +457,17 @@ static void set_contacts(const ss_touch *touch, const ss_real *u, const ss_tool_
     out_set->depth = deepest;
 }
 
-void ss_touch_contacts(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, double near,
-                       ss_contact_set *out_set)
+void ss_contact_query_contacts(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                               double near, ss_contact_set *out_set)
 {
     *out_set = (ss_contact_set){0};
     if (!ss_is_finite(pose->position, 3) || !ss_is_finite(pose->orientation, 4)) {
         return;
     }
     ss_frame frame;
-    ss_touch_frame(touch, pose, &frame);
-    set_contacts(touch, u, pose, &frame, near, out_set);
-    if (ss_touch_is_engulfed(touch, u, pose, fmax(0.0, out_set->depth))) {
-        out_set->engulfed = way_out(touch, u, pose, &frame);
+    ss_contact_query_frame(query, pose, &frame);
+    set_contacts(query, u, pose, &frame, near, out_set);
+    if (ss_contact_query_is_engulfed(query, u, pose, fmax(0.0, out_set->depth))) {
+        out_set->engulfed = way_out(query, u, pose, &frame);
     }
 }

@@ -16,7 +16,7 @@
  */
 #include <math.h>
 
-#include "contact/touch.h"
+#include "contact/internal.h"
 #include "rt/vec.h"
 
 /* origin + h (slope[0], slope[1], side), h > 0. */
@@ -145,18 +145,18 @@ static bool is_far(const ss_surface *surface, const ss_wide *x)
 /* No point of the surface is nearer to the tool's middle. A point of a facet is within twice the
  * facet's reach of a sample, no sample is more than `deepest` inside the tool, and depths change by
  * no more than the way. */
-static double clear_of(const ss_touch *touch, double deepest)
+static double clear_of(const ss_contact_query *query, double deepest)
 {
-    const bool is_whole = touch->dropped_from == touch->candidate_count;
-    return is_whole ? touch->core_depth - deepest - 2.0 * (double)touch->facet_most : 0.0;
+    const bool is_whole = query->dropped_from == query->candidate_count;
+    return is_whole ? query->core_depth - deepest - 2.0 * (double)query->facet_most : 0.0;
 }
 
 /* A middle that was outside is so until it and the surface have moved by what was between them,
  * straight from how they were then. Half of that, for a step may have moved the tissue since. */
-static bool is_still_outside(const ss_touch *touch, const double middle[3])
+static bool is_still_outside(const ss_contact_query *query, const double middle[3])
 {
-    const ss_outside *last = &touch->outside;
-    const ss_surface *surface = touch->surface;
+    const ss_outside *last = &query->outside;
+    const ss_surface *surface = query->surface;
     if (!last->is_known || surface->fit > last->fit + 1) {
         return false;
     }
@@ -166,26 +166,26 @@ static bool is_still_outside(const ss_touch *touch, const double middle[3])
     return ss_norm3(way) + last->moved + refitted + surface->moved < 0.5 * last->clear;
 }
 
-static bool is_wound_about(const ss_touch *touch, const ss_real *u, const ss_wide *at)
+static bool is_wound_about(const ss_contact_query *query, const ss_real *u, const ss_wide *at)
 {
-    const double width = touch->surface->moved + touch->margin;
+    const double width = query->surface->moved + query->margin;
     for (int k = 0; k < 2; ++k) {
         const beam ray = {
             .origin = *at, .slope = {slopes[k][0], slopes[k][1]}, .side = k == 0 ? 1.0 : -1.0};
-        if (cross_surface(touch->surface, u, &ray, width) <= 0) {
+        if (cross_surface(query->surface, u, &ray, width) <= 0) {
             return false;
         }
     }
     return true;
 }
 
-bool ss_touch_is_engulfed(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
-                          double deepest)
+bool ss_contact_query_is_engulfed(ss_contact_query *query, const ss_real *u,
+                                  const ss_tool_pose *pose, double deepest)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     double middle[3];
     ss_wide at = {0};
-    ss_rotate(middle, pose->orientation, touch->core);
+    ss_rotate(middle, pose->orientation, query->core);
     ss_add3(middle, middle, pose->position);
     for (int k = 0; k < 3; ++k) {
         at[k] = (ss_real)(middle[k] - surface->centre[k]);
@@ -194,11 +194,11 @@ bool ss_touch_is_engulfed(ss_touch *touch, const ss_real *u, const ss_tool_pose 
         return false;
     }
     const bool is_outside =
-        is_far(surface, &at) || is_still_outside(touch, middle) || !is_wound_about(touch, u, &at);
-    touch->outside = (ss_outside){.is_known = is_outside,
-                                  .clear = clear_of(touch, deepest),
+        is_far(surface, &at) || is_still_outside(query, middle) || !is_wound_about(query, u, &at);
+    query->outside = (ss_outside){.is_known = is_outside,
+                                  .clear = clear_of(query, deepest),
                                   .fit = surface->fit,
                                   .moved = surface->moved};
-    ss_copy3(touch->outside.middle, middle);
+    ss_copy3(query->outside.middle, middle);
     return !is_outside;
 }

@@ -26,8 +26,8 @@
 static const double least_radius_per_edge = 0.3;
 
 /* Boxes are kept, and queries widened, until a node has moved so many mean edges: half of half a
- * touch's slack (a quarter of its reach, a mean edge or more), so that a gather lasts as long as
- * the boxes do. At 50 mm/s and 2 kHz one fit in ten steps (1212 nodes: 11 us, else 1.2 us). */
+ * touch's slack (a quarter of its reach, a mean edge or more), so that a broad phase lasts as long
+ * as the boxes do. At 50 mm/s and 2 kHz one fit in ten steps (1212 nodes: 11 us, else 1.2 us). */
 static const double stale_motion = 0.0625;
 
 /* ---- sample grid ---- */

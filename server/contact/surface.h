@@ -3,7 +3,7 @@
 #pragma once
 /*
  * Private to contact/: the layout of a contact surface, shared by subdivide.c (rows), surface.c
- * (create, hierarchy), curvature.c, touch.c (forces) and
+ * (create, hierarchy), curvature.c, query.c (forces) and
  * contacts.c.
  *
  * A triangle's samples do not carry rows of their own. Its level-2 Loop points (15, on the

@@ -18,7 +18,7 @@
  *
  * The spring holds at most the limit L (haptic.max_force_n). Where the force on the hand
  * F = sum F_i n_i + R would exceed it (R: forces that decay whatever the proxy does), the spring
- * softens along the unit vector e of the law's force, from K to 1/c, until |F| = L:
+ * softens along the unit vector e of the local contact model's force, from K to 1/c, until |F| = L:
  *   (K (I - e e^T) + e e^T / c) d = G(d) = sum F_i n_i,   |G + R| = L,
  * e that of the tick before, or of this one where the limit is only just reached. The proxy slips
  * out of the tissue along the force until the contacts, be it one or eight, exert L: what the
@@ -43,8 +43,8 @@
  *
  * Rejected: a proxy with mass (one more state, no better feel, hands out energy), a rigid
  * constraint to the last surface (chatters: the surface is a period old), and cutting the force
- * after the balance and moving the proxy to where the law exerts what is left (the law is stiff
- * along its normals only: what it cannot give sends the proxy away).
+ * after the balance and moving the proxy to where the local contact model exerts what is left (the
+ * local contact model is stiff along its normals only: what it cannot give sends the proxy away).
  */
 #include "haptic/internal.h"
 
@@ -54,7 +54,8 @@
 
 /* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
 #define STIFFEST 20000.0
-/* m: a slip, L c, beyond this is none: the law has no stiffness against the force. */
+/* m: a slip, L c, beyond this is none: the local contact model has no stiffness against the force.
+ */
 #define FARTHEST 10.0
 /* Of the limit: how near the force comes to it. */
 #define LIMIT_TOLERANCE 1e-9
@@ -148,8 +149,8 @@ static void add_outer(double a[3][3], double slope, const double n[3])
     }
 }
 
-/* The law's own slope: the active rows (bits of `active`) and the grasp. */
-static void law_slope(const ss_balance *balance, uint32_t active, double a[3][3])
+/* The local contact model's own slope: the active rows (bits of `active`) and the grasp. */
+static void local_slope(const ss_balance *balance, uint32_t active, double a[3][3])
 {
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) {
@@ -220,7 +221,7 @@ static void solve_active(const ss_balance *balance, const tether *spring, uint32
 {
     double a[3][3];
     double b[3] = {0.0, 0.0, 0.0};
-    law_slope(balance, active, a);
+    local_slope(balance, active, a);
     for (int r = 0; r < 3; ++r) {
         a[r][r] += spring->across;
         b[r] = balance->is_held ? balance->held_force[r] : 0.0;
@@ -257,14 +258,14 @@ static int settle(const ss_balance *balance, const tether *spring, double d[3], 
 }
 
 /* G = sum F_i n_i, and F on the hand; returns |F|. */
-static double sum_forces(const ss_balance *balance, const ss_rest *rest, double out_law[3],
+static double sum_forces(const ss_balance *balance, const ss_rest *rest, double out_local[3],
                          double out_whole[3])
 {
-    ss_copy3(out_law, rest->held);
+    ss_copy3(out_local, rest->held);
     for (int32_t i = 0; i < balance->count; ++i) {
-        ss_madd3(out_law, out_law, rest->force[i], balance->row[i].normal);
+        ss_madd3(out_local, out_local, rest->force[i], balance->row[i].normal);
     }
-    ss_add3(out_whole, out_law, balance->decaying);
+    ss_add3(out_whole, out_local, balance->decaying);
     return ss_norm3(out_whole);
 }
 
@@ -272,10 +273,10 @@ static double sum_forces(const ss_balance *balance, const ss_rest *rest, double 
 static double fall_of_force(const ss_balance *balance, const ss_rest *rest, const tether *spring,
                             const double d[3], const double whole[3], double size)
 {
-    double a[3][3], law[3][3], way[3], turn[3], change[3];
+    double a[3][3], local[3][3], way[3], turn[3], change[3];
     const bool is_even = spring->along == spring->across;
-    law_slope(balance, active_rows(balance, rest->force), law);
-    memcpy(a, law, sizeof a);
+    local_slope(balance, active_rows(balance, rest->force), local);
+    memcpy(a, local, sizeof a);
     for (int r = 0; r < 3; ++r) {
         a[r][r] += spring->across;
     }
@@ -284,7 +285,7 @@ static double fall_of_force(const ss_balance *balance, const ss_rest *rest, cons
     ss_scale3(way, is_even ? d : way, spring->along * spring->along);
     ss_coupling_solve(a, way, turn);
     for (int r = 0; r < 3; ++r) {
-        change[r] = ss_dot3(law[r], turn);
+        change[r] = ss_dot3(local[r], turn);
     }
     return ss_dot3(whole, change) / size;
 }
@@ -300,8 +301,8 @@ static bool soften(const ss_balance *balance, const double axis[3], bool is_even
     double low = stiffest, high = INFINITY, c = stiffest;
     tether spring = {balance->spring, balance->spring, axis};
     for (int i = 0; i < SS_LIMIT_TRIES; ++i) {
-        double law[3], whole[3];
-        const double size = sum_forces(balance, rest, law, whole);
+        double local[3], whole[3];
+        const double size = sum_forces(balance, rest, local, whole);
         if (fabs(size - limit) <= LIMIT_TOLERANCE * limit) {
             return true;
         }

@@ -47,7 +47,7 @@ struct ss_haptic {
     double spring; /* K_c */
     ss_slip slip;
     ss_admission admission;
-    ss_law law;
+    ss_local_contact local;
     bool is_fault;
     int64_t result_tick;
     double model_force[3], surface_point[3], surface_normal[3], surface_depth, surface_proxy[3];
@@ -210,7 +210,7 @@ static beginning take_poses(ss_haptic *haptic, const ss_haptic_input *input, boo
 
 static void place_proxy(ss_haptic *haptic)
 {
-    ss_law_clear(&haptic->law);
+    ss_local_contact_clear(&haptic->local);
     ss_copy3(haptic->p, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_slip_clear(&haptic->slip);
@@ -233,7 +233,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .is_stopping = input->is_stopping,
         .is_new_holder = begins.is_new_holder,
         .is_fault = haptic->is_fault,
-        .has_result = haptic->law.is_known,
+        .has_result = haptic->local.is_known,
         .result_tick = haptic->result_tick,
         .has_force = ss_norm3(haptic->last_force) > 0.0,
     };
@@ -278,24 +278,25 @@ static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const 
 {
     double v[3];
     ss_admission_fade(&haptic->admission, tick, point, normal);
-    haptic->law.viscous = 0.0;
+    haptic->local.viscous = 0.0;
     used_pose(haptic, haptic->p, v);
     ++haptic->entries;
 }
 
-/* A result for where the proxy is now: the law, and entry if it is the first. */
+/* A result for where the proxy is now: the local contact model, and entry if it is the first. */
 static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t tick)
 {
-    ss_law *law = &haptic->law;
+    ss_local_contact *local = &haptic->local;
     const bool is_first = haptic->admission.phase == SS_PHASE_WAITING;
     double x[3], v[3], normal[3], point[3], depth = 0.0;
     used_pose(haptic, x, v);
-    if (!is_first && haptic->is_pressed && result->set.is_held && !law->held.is_held) {
-        ss_law_hold(law, haptic->p, haptic->pdot);
+    if (!is_first && haptic->is_pressed && result->set.is_held && !local->held.is_held) {
+        ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    ss_law_take(law, result, &haptic->config, tick, x, haptic->p, haptic->pdot,
-                is_first || result->is_found_inside);
-    const bool is_near = ss_law_surface(law, haptic->pose.position, normal, point, &depth);
+    ss_local_contact_take(local, result, &haptic->config, tick, x, haptic->p, haptic->pdot,
+                          is_first || result->is_found_inside);
+    const bool is_near =
+        ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
     if (result->is_found_inside) {
         enter(haptic, tick, result->proxy, result->outward);
     } else if (is_first && is_touching(result)) {
@@ -303,7 +304,7 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     } else if (is_first) {
         ss_admission_enter(&haptic->admission);
     } else if (is_near) {
-        ss_admission_follow(&haptic->admission, law->result_period, point, normal);
+        ss_admission_follow(&haptic->admission, local->result_period, point, normal);
     }
 }
 
@@ -345,9 +346,9 @@ static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
     const double damping = haptic->config.damping;
     double aside[3];
     for (int i = 0; i < 3; ++i) {
-        double load = damping * v[i] + haptic->law.residual[i];
-        for (int32_t k = 0; k < haptic->law.count; ++k) {
-            load += haptic->law.contact[k].value * haptic->law.contact[k].direction[i];
+        double load = damping * v[i] + haptic->local.residual[i];
+        for (int32_t k = 0; k < haptic->local.count; ++k) {
+            load += haptic->local.contact[k].value * haptic->local.contact[k].direction[i];
         }
         aside[i] = haptic->p[i] - x[i] - load / haptic->spring;
     }
@@ -359,15 +360,15 @@ static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
                          const double x[3], const double v[3])
 {
-    ss_law *law = &haptic->law;
+    ss_local_contact *local = &haptic->local;
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
-    if (law->held.is_held && (!haptic->is_pressed || is_refused)) {
-        ss_law_release(law, x, haptic->p, haptic->pdot);
+    if (local->held.is_held && (!haptic->is_pressed || is_refused)) {
+        ss_local_contact_release(local, x, haptic->p, haptic->pdot);
         let_go(haptic, x, v);
-    } else if (!law->held.is_held && input->tick == haptic->press_tick &&
-               ss_law_active_count(law) > 0) {
-        ss_law_hold(law, haptic->p, haptic->pdot);
+    } else if (!local->held.is_held && input->tick == haptic->press_tick &&
+               ss_local_contact_active_count(local) > 0) {
+        ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
 }
 
@@ -376,9 +377,9 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
 static void update_spring(ss_haptic *haptic)
 {
     const ss_haptic_config *config = &haptic->config;
-    const bool is_in_contact = ss_law_active_count(&haptic->law) > 0;
+    const bool is_in_contact = ss_local_contact_active_count(&haptic->local) > 0;
     double tissue[3][3];
-    ss_law_stiffness(&haptic->law, is_in_contact, tissue);
+    ss_local_contact_stiffness(&haptic->local, is_in_contact, tissue);
     double wanted = ss_coupling_spring(haptic->observer.limit, ss_coupling_largest(tissue));
     if (config->between_steps != SS_BETWEEN_LOCAL) {
         /* Without a law the tissue has no stiffness: nothing to share it with. */
@@ -409,7 +410,7 @@ static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
 {
     double tissue[3][3];
     double k = 0.0;
-    ss_law_stiffness(&haptic->law, true, tissue);
+    ss_local_contact_stiffness(&haptic->local, true, tissue);
     for (int r = 0; r < 3; ++r) {
         k += normal[r] * ss_dot3(tissue[r], normal);
     }
@@ -424,11 +425,11 @@ static void update_limit(ss_haptic *haptic, int64_t tick)
                        felt_stiffness(haptic, slip->direction));
     if (is_lowered) {
         /* The proxy goes out as fast as that asks: what is viscous in the tissue holds it back. */
-        haptic->law.viscous = 1.0;
+        haptic->local.viscous = 1.0;
     }
 }
 
-/* What the coupling wants of the proxy, and what the law answers. */
+/* What the coupling wants of the proxy, and what the local contact model answers. */
 static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
                         ss_balance *balance)
 {
@@ -436,42 +437,42 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     const double damper = config->damping / config->period;
     const ss_slip *slip = &haptic->slip;
     *balance = (ss_balance){.spring = haptic->spring + damper, .limit = slip->limit};
-    ss_add3(balance->decaying, haptic->law.residual, haptic->law.released);
+    ss_add3(balance->decaying, haptic->local.residual, haptic->local.released);
     for (int i = 0; i < 3; ++i) {
         /* What a grasp let go leaves is felt, and does not move the proxy. */
         const double pull = haptic->spring * (x[i] + slip->aside[i]) + config->damping * v[i] +
-                            damper * haptic->p[i] + haptic->law.residual[i];
+                            damper * haptic->p[i] + haptic->local.residual[i];
         balance->p_free[i] = pull / balance->spring;
     }
     if (slip->share < 1.0) {
         ss_copy3(balance->axis, slip->direction);
     }
-    ss_law_rows(&haptic->law, config->period, x, haptic->p, balance);
+    ss_local_contact_rows(&haptic->local, config->period, x, haptic->p, balance);
 }
 
-/* Balances the proxy against the law within the limit; writes the values of the law, p and the
- * whole force. Returns true when limited. */
+/* Balances the proxy against the local contact model within the limit; writes the values of the
+ * local contact model, p and the whole force. Returns true when limited. */
 static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
                           double out_force[3])
 {
     const ss_haptic_config *config = &haptic->config;
-    ss_law *law = &haptic->law;
+    ss_local_contact *local = &haptic->local;
     ss_balance balance;
     ss_rest rest;
     set_balance(haptic, x, v, &balance);
     ss_coupling_balance(&balance, &rest);
-    for (int32_t i = 0; i < law->count; ++i) {
-        law->contact[i].value = i < balance.count ? rest.force[i] : 0.0;
+    for (int32_t i = 0; i < local->count; ++i) {
+        local->contact[i].value = i < balance.count ? rest.force[i] : 0.0;
     }
-    ss_copy3(law->held.value, rest.held);
-    ss_law_force(law, out_force);
+    ss_copy3(local->held.value, rest.held);
+    ss_local_contact_force(local, out_force);
     double along[3];
     ss_sub3(along, out_force, balance.decaying);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->spring, config->period);
-    ss_law_settle(law, haptic->slip.direction);
-    ss_law_force(law, out_force);
-    if (config->between_steps != SS_BETWEEN_LOCAL && !law->held.is_held) {
-        ss_law_extrapolate(law, config, tick, out_force);
+    ss_local_contact_settle(local, haptic->slip.direction);
+    ss_local_contact_force(local, out_force);
+    if (config->between_steps != SS_BETWEEN_LOCAL && !local->held.is_held) {
+        ss_local_contact_extrapolate(local, config, tick, out_force);
     }
     const bool is_cut = ss_limit_force(out_force, haptic->slip.limit);
     double off[3];
@@ -499,13 +500,13 @@ static int32_t age_us(const ss_haptic *haptic, int64_t tick)
 static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_engulfed,
                           softsim_force *force)
 {
-    const ss_law *law = &haptic->law;
+    const ss_local_contact *local = &haptic->local;
     int32_t strongest = 0;
-    for (int32_t i = 1; i < law->count; ++i) {
-        strongest = law->contact[i].value > law->contact[strongest].value ? i : strongest;
+    for (int32_t i = 1; i < local->count; ++i) {
+        strongest = local->contact[i].value > local->contact[strongest].value ? i : strongest;
     }
     ss_copy3(force->normal,
-             law->count > 0 ? law->contact[strongest].direction : haptic->surface_normal);
+             local->count > 0 ? local->contact[strongest].direction : haptic->surface_normal);
     double move[3];
     ss_sub3(move, haptic->p, haptic->surface_proxy);
     ss_madd3(move, move, -ss_dot3(move, force->normal), force->normal);
@@ -540,7 +541,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
 {
     softsim_force *force = &haptic->output.force;
     const double size = ss_norm3(whole);
-    const int32_t active = ss_law_active_count(&haptic->law);
+    const int32_t active = ss_local_contact_active_count(&haptic->local);
     const bool is_in_contact = active > 0 && gain_of(haptic) > 0.0;
     force->seq = next_seq(force->seq);
     force->sender = haptic->pose.sender;
@@ -553,11 +554,11 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
     force->contact_count = is_in_contact ? active : is_felt ? 1 : 0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
-                   (haptic->law.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
+                   (haptic->local.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);
     ss_set3(force->torque, 0.0, 0.0, 0.0);
     if (haptic->config.tool_gyration > 0.0 && size > 0.0) {
-        ss_law_torque(&haptic->law, force->torque);
+        ss_local_contact_torque(&haptic->local, force->torque);
         ss_scale3(force->torque, force->torque, ss_norm3(sent) / size);
     }
     ss_copy3(force->model_force, haptic->model_force);
@@ -702,7 +703,7 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     hash = ss_hash_bytes(hash, number, sizeof number);
     hash = ss_hash_bytes(hash, flag, sizeof flag);
     hash = ss_hash_bytes(hash, &haptic->entries, sizeof haptic->entries);
-    return ss_law_hash(&haptic->law, hash);
+    return ss_local_contact_hash(&haptic->local, hash);
 }
 
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
@@ -713,7 +714,7 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
                             haptic->spring,   observer->limit,     observer->worst,
                             observer->energy, observer->delay_p95, haptic->slip.limit};
     const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->admission.phase,
-                              haptic->admission.ticks,   haptic->law.tick,
+                              haptic->admission.ticks,   haptic->local.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
                               (int64_t)haptic->teleports};
     uint64_t hash = ss_hash_bytes(seed, &haptic->digest, sizeof haptic->digest);
@@ -756,10 +757,11 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         const bool corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0;
         double x[3], v[3], whole[3], sent[3];
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
-                         ss_law_active_count(&haptic->law) > 0, tick);
+                         ss_local_contact_active_count(&haptic->local) > 0, tick);
         step_gate(haptic, input, begins);
-        ss_law_decay(&haptic->law, haptic->config.period,
-                     haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->admission));
+        ss_local_contact_decay(&haptic->local, haptic->config.period,
+                               haptic->slip.share < 1.0 ? 1.0
+                                                        : ss_admission_left(&haptic->admission));
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x, v);

@@ -5,7 +5,7 @@
  * The parts of one haptic tick, shared by the files of this folder and by its tests.
  *
  * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue; slew
- * law.c        the local contact model as a law affine in the proxy, offsets, grasp
+ * local_contact.c        the local contact model as a law affine in the proxy, offsets, grasp
  * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
  * slip.c       what the force limit and a grasp let go leave between hand and proxy
  * observer.c   energy per contact, loop delay, stiffness limit
@@ -37,10 +37,11 @@ enum {
     SS_STAY_TICKS = 25,     /* of the proxy after a grasp: models let go in 20 ms */
 };
 
-/* ---- law.c ---- */
+/* ---- local_contact.c ---- */
 
-/* One contact of the law: parameters as received, state, and what this tick made of them. */
-typedef struct ss_law_contact {
+/* One contact of the local contact model: parameters as received, state, and what this tick made of
+ * them. */
+typedef struct ss_local_contact_contact {
     double normal[3], point[3];
     double force;           /* N at p_k; -k gap where near */
     double model_stiffness; /* N/m, k_n clamped */
@@ -52,23 +53,23 @@ typedef struct ss_law_contact {
     double offset;          /* N, o */
     double direction[3];    /* n', the normal bent by the curvature */
     double value;           /* N, F(p) >= 0 of the last tick */
-} ss_law_contact;
+} ss_local_contact_contact;
 
 /* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all
  * directions. */
-typedef struct ss_law_held {
+typedef struct ss_local_contact_held {
     bool is_held;
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];
     double offset[3]; /* N, o */
     double value[3];  /* N, F(p) of the last tick */
-} ss_law_held;
+} ss_local_contact_held;
 
-typedef struct ss_law {
+typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
-    ss_law_contact contact[SS_MAX_CONTACTS];
-    ss_law_held held;
+    ss_local_contact_contact contact[SS_MAX_CONTACTS];
+    ss_local_contact_held held;
     bool is_apart;        /* entering, or at the limit */
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
@@ -85,7 +86,7 @@ typedef struct ss_law {
     int32_t free_ticks; /* since a contact was active, SS_RAMP_TICKS at most */
     double outward[3];  /* unit, of the force of the last one that was; 0: none yet */
     double released[3]; /* N, decaying: the force of a grasp let go */
-} ss_law;
+} ss_local_contact;
 
 /* One row of the balance: F(p) = max(0, free_force - slope n.(p - p_free)). */
 typedef struct ss_balance_row {
@@ -107,7 +108,8 @@ typedef struct ss_balance {
      * once let go, moves nothing. */
     double decaying[3];
     double limit; /* N, L > 0: of the force on the hand */
-    /* Along which the spring softens, unit: the law's force of the tick before; 0: of this one. */
+    /* Along which the spring softens, unit: the local contact model's force of the tick before; 0:
+     * of this one. */
     double axis[3];
 } ss_balance;
 
@@ -119,40 +121,41 @@ typedef struct ss_rest {
     double share; /* of the spring that is left: 1 below the limit */
 } ss_rest;
 
-void ss_law_clear(ss_law *law);
+void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
  * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. */
-void ss_law_decay(ss_law *law, double period, double apart);
+void ss_local_contact_decay(ss_local_contact *local, double period, double apart);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
-void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
-                 int64_t tick, const double x[3], const double p[3], const double pdot[3],
-                 bool is_fresh);
+void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
+                           const ss_haptic_config *config, int64_t tick, const double x[3],
+                           const double p[3], const double pdot[3], bool is_fresh);
 /* Starts or ends a grasp without changing the force. */
-void ss_law_hold(ss_law *law, const double p[3], const double pdot[3]);
-void ss_law_release(ss_law *law, const double x[3], const double p[3], const double pdot[3]);
+void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3]);
+void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
+                              const double pdot[3]);
 /* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */
-void ss_law_rows(ss_law *law, double period, const double x[3], const double p[3],
-                 ss_balance *balance);
-/* Where the law puts the tissue's surface: *out_depth > 0 when `x` is inside the plane of vanishing
- * force, with its normal and a point of it. False when no contact is known. */
-bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], double out_point[3],
-                    double *out_depth);
+void ss_local_contact_rows(ss_local_contact *local, double period, const double x[3],
+                           const double p[3], ss_balance *balance);
+/* Where the local contact model puts the tissue's surface: *out_depth > 0 when `x` is inside the
+ * plane of vanishing force, with its normal and a point of it. False when no contact is known. */
+bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
+                              double out_normal[3], double out_point[3], double *out_depth);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
-void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3]);
+void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3]);
 /* After a tick's values were set: `direction` of their force, 0 without any. What updates left then
  * only pushes out, along the last one: it draws no tool in, nor aside. */
-void ss_law_settle(ss_law *law, const double direction[3]);
+void ss_local_contact_settle(ss_local_contact *local, const double direction[3]);
 /* The whole force of the last tick's values. */
-void ss_law_force(const ss_law *law, double out[3]);
+void ss_local_contact_force(const ss_local_contact *local, double out[3]);
 /* What `hold` and `linear` hand out in its place. */
-void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64_t tick,
-                        double out[3]);
+void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
+                                  int64_t tick, double out[3]);
 /* Torque of the last tick's values about the tool's origin. */
-void ss_law_torque(const ss_law *law, double out[3]);
-int32_t ss_law_active_count(const ss_law *law);
+void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
+int32_t ss_local_contact_active_count(const ss_local_contact *local);
 /* What results and ticks have left in it. */
-uint64_t ss_law_hash(const ss_law *law, uint64_t hash);
+uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash);
 
 /* ---- coupling.c ---- */
 
@@ -174,7 +177,7 @@ typedef struct ss_slip {
     double limit;        /* N, of the force; follows config.max_force */
     double share;        /* of the coupling that is left: 1 below the limit */
     double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
-    double direction[3]; /* of the law's force, unit or 0 */
+    double direction[3]; /* of the local contact model's force, unit or 0 */
     double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
     int32_t stay;        /* ticks in which it does not yet */
     bool has_let_go;     /* left by a grasp: the whole of it, until the force is at the limit */
@@ -188,7 +191,7 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
                     double stiffness);
 /* A grasp was let go with the coupling's force-free point `aside` of the hand. */
 void ss_slip_let_go(ss_slip *slip, const double aside[3]);
-/* What a balance with a coupling of `spring` leaves; `force` is the law's. */
+/* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period);
 
@@ -270,7 +273,7 @@ typedef struct ss_admission_input {
     bool has_force; /* something to ramp down from */
 } ss_admission_input;
 
-/* Moves the phase; true when the law is void and the proxy goes to the pose. */
+/* Moves the phase; true when the local contact model is void and the proxy goes to the pose. */
 bool ss_admission_step(ss_admission *admission, const ss_admission_input *input);
 /* Share of the depth that entering has not let in yet. */
 double ss_admission_left(const ss_admission *admission);

@@ -4,12 +4,12 @@
  * What the force limit, and a grasp that was let go, leave between the hand and the proxy.
  *
  * The coupling is without force where the proxy is at x + aside. At the limit the proxy slips out
- * along the law's force (coupling.c); what of that slip lies across the force when the force turns
- * goes into `aside`, so that the proxy stays, and fades: in the end the force points from the hand
- * to the proxy. A grasp let go leaves all of it there: the model lets go in 20 ms, in which the
- * proxy may not move. `aside` belongs to the hand's point, not to where the coupling and its damper
- * together would have the proxy: that depends on the spring, which is another one in and out of
- * contact.
+ * along the local contact model's force (coupling.c); what of that slip lies across the force when
+ * the force turns goes into `aside`, so that the proxy stays, and fades: in the end the force
+ * points from the hand to the proxy. A grasp let go leaves all of it there: the model lets go in 20
+ * ms, in which the proxy may not move. `aside` belongs to the hand's point, not to where the
+ * coupling and its damper together would have the proxy: that depends on the spring, which is
+ * another one in and out of contact.
  */
 #include "haptic/internal.h"
 #include "rt/vec.h"

@@ -26,19 +26,19 @@ static bool listen_until(ss_net *net, int64_t until_ns, int64_t *next_ask_ns)
 }
 
 /* Is there another server? False when LCM is broken. */
-static bool find_rival(ss_net *net, bool *out_is_alive)
+static bool find_other_server(ss_net *net, bool *out_is_alive)
 {
-    const ss_rival *rival = ss_net_rival(net);
+    const ss_other_server *other = ss_net_other_server(net);
     const int64_t start_ns = ss_clock_now_ns();
     const int64_t latest_ns = start_ns + LISTEN_NS + CONFIRM_NS; /* whoever speaks how often */
     int64_t next_ask_ns = start_ns;
     for (;;) {
         const int64_t now_ns = ss_clock_now_ns();
-        const int64_t confirmed_ns = rival->first_ns + CONFIRM_NS;
-        const int64_t until_ns = rival->last_ns == 0        ? start_ns + LISTEN_NS
+        const int64_t confirmed_ns = other->first_ns + CONFIRM_NS;
+        const int64_t until_ns = other->last_ns == 0        ? start_ns + LISTEN_NS
                                  : confirmed_ns < latest_ns ? confirmed_ns
                                                             : latest_ns;
-        *out_is_alive = ss_rival_is_alive(rival, now_ns);
+        *out_is_alive = ss_other_server_is_alive(other, now_ns);
         if (*out_is_alive || now_ns >= until_ns) {
             return true;
         }
@@ -51,14 +51,14 @@ static bool find_rival(ss_net *net, bool *out_is_alive)
 /* Tells the other server to shut down until it is silent, or for some time. */
 static bool take_over(ss_net *net)
 {
-    const ss_rival *rival = ss_net_rival(net);
+    const ss_other_server *other = ss_net_other_server(net);
     const int64_t start_ns = ss_clock_now_ns();
     int64_t next_ask_ns = start_ns, next_tell_ns = start_ns;
     for (;;) {
         const int64_t now_ns = ss_clock_now_ns();
-        const int64_t silent_from_ns = rival->last_ns > start_ns ? rival->last_ns : start_ns;
+        const int64_t silent_from_ns = other->last_ns > start_ns ? other->last_ns : start_ns;
         if (now_ns - silent_from_ns > SILENT_NS) {
-            ss_net_forget_rival(net);
+            ss_net_forget_other_server(net);
             return true;
         }
         if (now_ns - start_ns > TAKEOVER_NS) {
@@ -77,11 +77,11 @@ static bool take_over(ss_net *net)
 softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_error *error)
 {
     bool is_taken = false;
-    bool is_good = find_rival(net, &is_taken);
+    bool is_good = find_other_server(net, &is_taken);
     if (is_good && is_taken && options->takeover) {
         is_good = take_over(net);
     } else if (is_good && is_taken) {
-        const ss_net_status *first = &ss_net_rival(net)->status;
+        const ss_net_status *first = &ss_net_other_server(net)->status;
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "another server answers on prefix %s: %.400s, up %.1f s; stop it, give "
                           "this one another --prefix, or replace it with --takeover",
@@ -98,11 +98,11 @@ softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_e
 
 bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, softsim_error *error)
 {
-    const ss_rival *rival = ss_net_rival(net);
+    const ss_other_server *other = ss_net_other_server(net);
     const int64_t now_ns = ss_clock_now_ns();
     const double uptime_s = 1e-6 * (double)(now_ns / 1000 - claim->start_us);
-    if (uptime_s > YOUNG_S || !ss_rival_is_alive(rival, now_ns) ||
-        !ss_rival_is_senior(rival, uptime_s, claim->start_us)) {
+    if (uptime_s > YOUNG_S || !ss_other_server_is_alive(other, now_ns) ||
+        !ss_other_server_is_senior(other, uptime_s, claim->start_us)) {
         return true;
     }
     if (options->takeover) {
@@ -115,6 +115,6 @@ bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, soft
     softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
                       "gives way to the server that was first on prefix %s: %.400s, up %.1f s; "
                       "stop it, give this one another --prefix, or replace it with --takeover",
-                      options->prefix, rival->status.scene, rival->status.uptime_s);
+                      options->prefix, other->status.scene, other->status.uptime_s);
     return false;
 }

@@ -123,9 +123,9 @@ static void wait_for_end(ss_loops *loops)
         if (left <= 0) {
             return;
         }
-        const ss_opinion *opinion = ss_mailbox_take(loops->opinion, NULL);
+        const ss_judgement *judgement = ss_mailbox_take(loops->judgement, NULL);
         if (loops->options->log_level >= SS_LOG_WARNING) {
-            ss_tell(&loops->teller, opinion, now);
+            ss_tell(&loops->teller, judgement, now);
         }
         const int64_t wait = left < 50000000 ? left : 50000000;
         const struct timespec timeout = {.tv_nsec = (long)wait};
@@ -170,7 +170,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     ss_pace_init(&loops->pace, loops->step_period_ns);
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
-    loops->opinion = ss_mailbox_create(sizeof(ss_opinion));
+    loops->judgement = ss_mailbox_create(sizeof(ss_judgement));
     loops->teller = (ss_teller){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
@@ -182,7 +182,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     }
     ss_loop_threads threads = {0};
     softsim_status status = SOFTSIM_ERROR_SYSTEM;
-    if (!loops->opinion) {
+    if (!loops->judgement) {
         status = SOFTSIM_ERROR_MEMORY;
         softsim_error_add(error, status, "no memory for the loops");
     } else if (loops->wake_fd < 0 || loops->event_fd < 0) {
@@ -228,7 +228,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     if (loops->event_fd >= 0) {
         close(loops->event_fd);
     }
-    ss_mailbox_destroy(&loops->opinion);
+    ss_mailbox_destroy(&loops->judgement);
     ss_memory_free(loops);
     return status;
 }

@@ -44,7 +44,7 @@ typedef struct ss_loops {
     atomic_int refreshes;                         /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
     _Atomic double rate_hz;                       /* simulation -> net: achieved */
-    ss_mailbox *opinion;                          /* net -> main: ss_opinion */
+    ss_mailbox *judgement;                        /* net -> main: ss_judgement */
     ss_rate_meter meter;                          /* simulation thread; net in lockstep */
     ss_pace pace;                                 /* simulation thread */
 
@@ -89,5 +89,5 @@ static inline void ss_loops_end(ss_loops *loops)
 /* Renews the rate, right behind a step so that slow steps are not counted by halves, and marks
  * every quarter of a second where the simulation is. Thread: that which steps; RT-safe. */
 void ss_loops_measure_rate(ss_loops *loops);
-/* Status and opinion of this moment. Thread: net. */
+/* Status and judgement of this moment. Thread: net. */
 void ss_loops_send_status(ss_loops *loops);

@@ -3,7 +3,7 @@
 #include "loops/state.h"
 /*
  * What the server says of itself, four times a second and when asked: the report on the wire, and
- * the opinion that the main thread tells on stderr.
+ * the judgement that the main thread tells on stderr.
  */
 #include <stdio.h>
 #include <string.h>
@@ -53,12 +53,12 @@ static const char *probe_reason(const ss_loops *loops)
 static void judge(ss_loops *loops, softsim_server_status *report)
 {
     const ss_model_info *info = &loops->simulation_stats.info;
-    report->verdict = info->verdict;
+    report->verdict = (int32_t)info->verdict;
     report->reason = info->reason ? info->reason : "";
     report->fault_bits = (int32_t)info->fault_bits;
     const ss_hand_verdict *hand = &loops->haptic_stats.hand;
     if ((int32_t)hand->verdict > report->verdict) {
-        report->verdict = hand->verdict;
+        report->verdict = (int32_t)hand->verdict;
         report->reason = hand->reason;
     }
     if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
@@ -150,11 +150,12 @@ void ss_loops_send_status(ss_loops *loops)
            sizeof report.stiffness_limit_n_per_m);
     judge(loops, &report);
     ss_net_send_status(loops->net, &report);
-    ss_opinion *opinion = ss_mailbox_draft(loops->opinion);
-    opinion->verdict = report.verdict;
-    snprintf(opinion->reason, sizeof opinion->reason, "%s", report.reason);
-    const ss_rival *rival = ss_net_rival(loops->net);
-    const bool has_rival = ss_rival_is_alive(rival, ss_clock_now_ns());
-    snprintf(opinion->rival, sizeof opinion->rival, "%.200s", has_rival ? rival->status.scene : "");
-    ss_mailbox_post(loops->opinion);
+    ss_judgement *judgement = ss_mailbox_draft(loops->judgement);
+    judgement->verdict = (softsim_verdict)report.verdict;
+    snprintf(judgement->reason, sizeof judgement->reason, "%s", report.reason);
+    const ss_other_server *other = ss_net_other_server(loops->net);
+    const bool has_other_server = ss_other_server_is_alive(other, ss_clock_now_ns());
+    snprintf(judgement->other, sizeof judgement->other, "%.200s",
+             has_other_server ? other->status.scene : "");
+    ss_mailbox_post(loops->judgement);
 }

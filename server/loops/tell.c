@@ -10,32 +10,32 @@
 static const int64_t VERDICT_LOG_NS = 10000000000; /* between two warnings of one verdict */
 
 /* When the verdict gets to degraded or worse: once, until it was better in between. */
-static void log_verdict(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
+static void log_verdict(ss_teller *teller, const ss_judgement *judgement, int64_t now_ns)
 {
-    if (opinion->verdict < SOFTSIM_VERDICT_DEGRADED) {
+    if (judgement->verdict < SOFTSIM_VERDICT_DEGRADED) {
         teller->logged_verdict = SOFTSIM_VERDICT_GOOD;
         return;
     }
-    if (opinion->verdict <= teller->logged_verdict ||
-        (opinion->verdict < SOFTSIM_VERDICT_FAULT && now_ns < teller->next_verdict_log_ns)) {
+    if (judgement->verdict <= teller->logged_verdict ||
+        (judgement->verdict < SOFTSIM_VERDICT_FAULT && now_ns < teller->next_verdict_log_ns)) {
         return;
     }
-    ss_plain_print(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(opinion->verdict),
-                   opinion->reason);
-    teller->logged_verdict = opinion->verdict;
+    ss_plain_print(stderr, "softsimd: warning: %s: %s\n", softsim_verdict_name(judgement->verdict),
+                   judgement->reason);
+    teller->logged_verdict = judgement->verdict;
     teller->next_verdict_log_ns = now_ns + VERDICT_LOG_NS;
 }
 
 /* Two servers on one prefix answer every pose twice. */
-static void log_rival(ss_teller *teller, const ss_opinion *opinion)
+static void log_other_server(ss_teller *teller, const ss_judgement *judgement)
 {
-    if (opinion->rival[0] != '\0' && !teller->is_rival_logged) {
+    if (judgement->other[0] != '\0' && !teller->is_other_server_logged) {
         ss_plain_print(
             stderr,
             "softsimd: warning: another server answers on prefix %s: %s; clients let go while "
             "they hear both: stop one, or give it another --prefix\n",
-            teller->prefix, opinion->rival);
-        teller->is_rival_logged = true;
+            teller->prefix, judgement->other);
+        teller->is_other_server_logged = true;
     }
 }
 
@@ -65,14 +65,14 @@ static void log_refusals(ss_teller *teller, int64_t now_ns)
     teller->logged_refusals = total;
 }
 
-void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns)
+void ss_tell(ss_teller *teller, const ss_judgement *judgement, int64_t now_ns)
 {
     if (!ss_program_can_tell()) {
         return;
     }
     log_refusals(teller, now_ns);
-    if (opinion) {
-        log_verdict(teller, opinion, now_ns);
-        log_rival(teller, opinion);
+    if (judgement) {
+        log_verdict(teller, judgement, now_ns);
+        log_other_server(teller, judgement);
     }
 }

@@ -9,11 +9,11 @@
 #include "net/net.h"
 
 /* What the newest status says. */
-typedef struct ss_opinion {
+typedef struct ss_judgement {
     softsim_verdict verdict;
     char reason[160];
-    char rival[256]; /* scene of another server on this prefix; empty: none */
-} ss_opinion;
+    char other[256]; /* scene of another server on this prefix; empty: none */
+} ss_judgement;
 
 typedef struct ss_teller {
     /* parameters */
@@ -23,8 +23,8 @@ typedef struct ss_teller {
     int64_t next_log_ns, logged_refusals;
     int64_t next_verdict_log_ns;
     softsim_verdict logged_verdict; /* good again once it is better than degraded */
-    bool is_rival_logged;
+    bool is_other_server_logged;
 } ss_teller;
 
-/* Warns of what is new, as soon as there is room; `opinion` is NULL before the first status. */
-void ss_tell(ss_teller *teller, const ss_opinion *opinion, int64_t now_ns);
+/* Warns of what is new, as soon as there is room; `judgement` is NULL before the first status. */
+void ss_tell(ss_teller *teller, const ss_judgement *judgement, int64_t now_ns);

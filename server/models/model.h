@@ -95,8 +95,8 @@ typedef struct ss_model_info {
     softsim_verdict verdict;
     const char *reason; /* static text; "" when good */
     double stable_step; /* s, computed for the present state */
-    double travelled;   /* share of the way of tools and driven nodes in the last step: 1, and less
-                           in a step that was slower than time */
+    double travelled;   /* share of the way of tools and prescribed nodes in the last step: 1, and
+                           less   in a step that was slower than time */
     double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
     double load_work; /* J: the part of it that loads, gravity and supports did */
 } ss_model_info;

@@ -69,7 +69,7 @@ struct ss_net {
     int32_t reply_seq;
     atomic_int_least64_t dropped; /* statistics: relaxed */
     int64_t sender;               /* of the own commands, which come back too */
-    ss_rival rival;
+    ss_other_server other;
     char reply_text[REPLY_TEXT_SIZE];
     char status_text[3][STATUS_TEXT_SIZE];
     uint8_t buffer[SS_WIRE_MAX_MESSAGE];
@@ -143,14 +143,14 @@ int64_t ss_net_dropped(const ss_net *net)
     return atomic_load_explicit(&net->dropped, memory_order_relaxed);
 }
 
-const ss_rival *ss_net_rival(const ss_net *net)
+const ss_other_server *ss_net_other_server(const ss_net *net)
 {
-    return &net->rival;
+    return &net->other;
 }
 
-void ss_net_forget_rival(ss_net *net)
+void ss_net_forget_other_server(ss_net *net)
 {
-    net->rival = (ss_rival){0};
+    net->other = (ss_other_server){0};
 }
 
 void ss_net_send_command(ss_net *net, const char *name)
@@ -226,7 +226,7 @@ static void receive_status(void *context, const ss_packet *packet)
     ss_net_status status;
     if (ss_net_decode_status(packet->data, packet->size, &status) == SOFTSIM_ACCEPTED &&
         net->status_utime[(uint32_t)status.seq % STATUS_MEMORY] != status.utime_us) {
-        ss_rival_hear(&net->rival, &status, ss_clock_now_ns());
+        ss_other_server_hear(&net->other, &status, ss_clock_now_ns());
     }
 }
 

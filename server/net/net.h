@@ -105,18 +105,18 @@ typedef struct ss_net_calls {
                               int32_t text_size);
 } ss_net_calls;
 
-/* Another server on the prefix, by what it says of itself; see rival.c. */
-typedef struct ss_rival {
+/* Another server on the prefix, by what it says of itself; see other_server.c. */
+typedef struct ss_other_server {
     int64_t first_ns, last_ns; /* when it was first and last heard; 0: never */
     ss_net_status status;      /* the newest */
-} ss_rival;
+} ss_other_server;
 /* Takes a status of another server; of several, the first until it is silent. Thread: net. */
-void ss_rival_hear(ss_rival *rival, const ss_net_status *status, int64_t now_ns);
+void ss_other_server_hear(ss_other_server *other, const ss_net_status *status, int64_t now_ns);
 /* Is it there to stay? One that ends says a last word, and is heard for less than 0.3 s then. */
-bool ss_rival_is_alive(const ss_rival *rival, int64_t now_ns);
+bool ss_other_server_is_alive(const ss_other_server *other, int64_t now_ns);
 /* Was it there before a server that has run for `uptime_s` since `start_us`, by the statuses of
  * both? Of two servers at most one gets a yes, whatever the delay between them. */
-bool ss_rival_is_senior(const ss_rival *rival, double uptime_s, int64_t start_us);
+bool ss_other_server_is_senior(const ss_other_server *other, double uptime_s, int64_t start_us);
 
 typedef struct ss_net ss_net;
 
@@ -134,9 +134,9 @@ bool ss_net_send_force(ss_net *net, const softsim_force *force);
 /* Thread: any. */
 int64_t ss_net_dropped(const ss_net *net);
 /* The server heard on this prefix that is not this one. Thread: net. */
-const ss_rival *ss_net_rival(const ss_net *net);
+const ss_other_server *ss_net_other_server(const ss_net *net);
 /* It has ended: from here on only who is heard anew is one. Thread: net. */
-void ss_net_forget_rival(ss_net *net);
+void ss_net_forget_other_server(ss_net *net);
 /* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
 void ss_net_send_command(ss_net *net, const char *name);
 

@@ -29,8 +29,8 @@
  *
  * Two spans are open at any time: a tick costs a few comparisons whatever the rates are.
  * Rejected: a delay line of ticks, as long as the slowest simulation is late (400 ticks a probe)
- * and searched at each; the work of tools in the model's ledger, in which the forces are the
- * model's and not those that the hand felt.
+ * and searched at each; the work of tools in the model's energy balance, in which the forces are
+ * the model's and not those that the hand felt.
  *
  * One probe. Thread: haptic; RT-safe. Start from zero.
  */

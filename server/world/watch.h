@@ -4,17 +4,17 @@
 /*
  * Energy that no work explains, watched from outside the models: one rule for all of them.
  *
- * Tissue. A model's own ledger books whatever force met a tool on its way as the tool's work. But
- * no hand does more than haptic.max_force_n allows: beyond that the proxy slips. With S the kinetic
- * and elastic energy, W the work of loads, gravity and supports, d the furthest way of any point of
- * a tool in a step and L the limit, what
+ * Tissue. A model's own energy balance books whatever force met a tool on its way as the tool's
+ * work. But no hand does more than haptic.max_force_n allows: beyond that the proxy slips. With S
+ * the kinetic and elastic energy, W the work of loads, gravity and supports, d the furthest way of
+ * any point of a tool in a step and L the limit, what
  *
  *   U <- max(0, U e^(-dt/0.1 s) + dS - dW - L sum d)
  *
  * adds up is energy that no tool work explains. Beyond L R + |W|/10 (R the tools' bounding radius)
  * the verdict is guarded, beyond ten times that degraded; beyond a hundred times it is a fault: the
  * model is stepped no more, forces ramp to zero, `reset` recovers. Scenes without a tool are not
- * watched: there a model's own ledger has all work.
+ * watched: there a model's own energy balance has all work.
  *
  * Hand. E = sum F.(x_j+1 - x_j) + T.theta_j since a contact's first force, F and T the answer to
  * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. The same is

@@ -131,7 +131,7 @@ static inline ss_model_info info_of(const setup *s)
 }
 
 /* What is stored and gone less what was brought in: 0 where the books are right. */
-static inline double ledger(const setup *s)
+static inline double energy_gain(const setup *s)
 {
     const ss_model_info info = info_of(s);
     return info.elastic + info.kinetic - info.work + info.dissipated;

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "contact/touch.h"
+#include "contact/internal.h"
 #include "rt/memory.h"
 #include "rt/random.h"
 #include "rt/vec.h"
@@ -132,29 +132,29 @@ static inline void make_sphere(int levels, double radius)
 /* ---- one tool on one surface ---- */
 
 static ss_surface *surface;
-static ss_touch *touch;
+static ss_contact_query *query;
 static ss_real *u;     /* displacement */
 static ss_real *force; /* on nodes */
 static double tool_force[3], tool_torque[3];
 
-static inline void open_touch(const ss_shape *shape, int parts, double delta, double stiffness)
+static inline void open_query(const ss_shape *shape, int parts, double delta, double stiffness)
 {
     softsim_error error = {0};
-    const ss_touch_options options = {delta, stiffness};
+    const ss_contact_query_options options = {delta, stiffness};
     assert_int_equal(ss_surface_create(&mesh, 0.0, parts, &surface, &error), SOFTSIM_OK);
-    assert_int_equal(ss_touch_create(surface, shape, &options, &touch), SOFTSIM_OK);
+    assert_int_equal(ss_contact_query_create(surface, shape, &options, &query), SOFTSIM_OK);
     u = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
     force = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
 }
 
-static inline void close_touch(void)
+static inline void close_query(void)
 {
     const int64_t before = ss_memory_in_use();
-    ss_touch_destroy(&touch);
+    ss_contact_query_destroy(&query);
     ss_surface_destroy(&surface);
     ss_memory_free(u);
     ss_memory_free(force);
-    assert_null(touch);
+    assert_null(query);
     assert_null(surface);
     assert_true(ss_memory_in_use() < before);
 }
@@ -188,7 +188,7 @@ static inline void shake_nodes(double size)
 static inline int32_t gather(const ss_tool_pose *from, const ss_tool_pose *to)
 {
     ss_surface_refit(surface, u);
-    return ss_touch_gather(touch, u, from, to);
+    return ss_contact_query_broad_phase(query, u, from, to);
 }
 
 static inline void clear_forces(void)
@@ -201,7 +201,7 @@ static inline void clear_forces(void)
 static inline double penalty(const ss_tool_pose *pose)
 {
     clear_forces();
-    return ss_touch_penalty(touch, u, pose, force, tool_force, tool_torque);
+    return ss_contact_query_penalty(query, u, pose, force, tool_force, tool_torque);
 }
 
 static const ss_shape sphere_5mm = {.kind = SS_SHAPE_SPHERE, .radius = 0.005};

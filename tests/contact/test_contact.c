@@ -26,13 +26,13 @@ static const double *test_mu; /* per mesh node */
 static double potential(const ss_tool_pose *pose)
 {
     if (test_mu == NULL) {
-        return ss_touch_penalty(touch, u, pose, NULL, (double[3]){0}, (double[3]){0});
+        return ss_contact_query_penalty(query, u, pose, NULL, (double[3]){0}, (double[3]){0});
     }
     const int32_t *node;
     const double *weight;
     double total;
     double sum = 0.0;
-    const int32_t count = ss_touch_weigh(touch, u, NULL, pose, &node, &weight, &total);
+    const int32_t count = ss_contact_query_weigh(query, u, NULL, pose, &node, &weight, &total);
     for (int32_t i = 0; i < count; ++i) {
         sum += test_mu[node[i]] * weight[i];
     }
@@ -92,13 +92,13 @@ static void penalty_forces_are_minus_the_gradient(void **state)
     test_mu = NULL;
     seed_state = 11;
     for (int k = 0; k < SHAPE_COUNT; ++k) {
-        open_touch(&shapes[k], 2, 0.005, 5e7);
+        open_query(&shapes[k], 2, 0.005, 5e7);
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
         gather(&pose, &pose);
         assert_true(penalty(&pose) > 0.0);
         check_gradient(&pose, IS_DOUBLE ? 1e-9 : 1e-5, IS_DOUBLE ? 1e-5 : 0.03);
-        close_touch();
+        close_query();
     }
 }
 
@@ -112,7 +112,7 @@ static void weight_forces_are_minus_the_gradient(void **state)
         mu[i] = random_unit() - 0.3;
     }
     for (int k = 0; k < SHAPE_COUNT; ++k) {
-        open_touch(&shapes[k], 1, 0.008, 1.0);
+        open_query(&shapes[k], 1, 0.008, 1.0);
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.024, 0.024, 0.024);
         gather(&pose, &pose);
@@ -121,7 +121,7 @@ static void weight_forces_are_minus_the_gradient(void **state)
         double listed[MAX_NODES];
         double total;
         double sum = 0.0;
-        const int32_t count = ss_touch_weigh(touch, u, NULL, &pose, &node, &weight, &total);
+        const int32_t count = ss_contact_query_weigh(query, u, NULL, &pose, &node, &weight, &total);
         for (int32_t i = 0; i < count; ++i) {
             assert_true(weight[i] > 0.0);
             assert_true(i == 0 || node[i] > node[i - 1]);
@@ -130,11 +130,11 @@ static void weight_forces_are_minus_the_gradient(void **state)
         }
         assert_near(sum, total, 1e-15);
         clear_forces();
-        ss_touch_weight_forces(touch, listed, force, tool_force, tool_torque);
+        ss_contact_query_weight_forces(query, listed, force, tool_force, tool_torque);
         test_mu = mu;
         check_gradient(&pose, IS_DOUBLE ? 1e-9 : 1e-5, IS_DOUBLE ? 1e-5 : 0.02);
         test_mu = NULL;
-        close_touch();
+        close_query();
     }
 }
 
@@ -143,7 +143,7 @@ static void forces_of_tissue_and_tool_cancel(void **state)
     (void)state;
     make_sphere(3, 0.04);
     seed_state = 13;
-    open_touch(&shapes[1], 2, 0.005, 5e7);
+    open_query(&shapes[1], 2, 0.005, 5e7);
     const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
     gather(&pose, &pose);
     penalty(&pose);
@@ -157,7 +157,7 @@ static void forces_of_tissue_and_tool_cancel(void **state)
     for (int c = 0; c < 3; ++c) {
         assert_near(sum[c], -tool_force[c], (IS_DOUBLE ? 1e-13 : 1e-5) * ss_norm3(tool_force));
     }
-    close_touch();
+    close_query();
 }
 
 /* ---- weights ---- */
@@ -179,7 +179,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
     for (int32_t k = 0; k < 6; ++k) {
         add_triangle(0, 1 + k, 1 + (k + 1) % 6);
     }
-    open_touch(&ball, SS_SURFACE_CENTROIDS, 0.2, 400.0);
+    open_query(&ball, SS_SURFACE_CENTROIDS, 0.2, 400.0);
     u[2] = (ss_real)-0.12;
     for (int k = 0; k < 2; ++k) {
         const int32_t *node;
@@ -187,7 +187,8 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
         double total;
         const ss_tool_pose pose = pose_at(0.0, 0.0, height[k]);
         gather(&pose, &pose);
-        assert_int_equal(ss_touch_weigh(touch, u, is_source, &pose, &node, &weight, &total), 1);
+        assert_int_equal(ss_contact_query_weigh(query, u, is_source, &pose, &node, &weight, &total),
+                         1);
         assert_int_equal(node[0], 0);
         assert_near(total, expected[k], IS_DOUBLE ? 1e-15 : 1e-7);
     }
@@ -196,10 +197,10 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
     gather(&deep, &deep);
     assert_near(penalty(&deep), 0.0203713525955681, IS_DOUBLE ? 1e-15 : 2e-7);
     assert_near(tool_force[2], 1.27794961556580, IS_DOUBLE ? 1e-13 : 1e-5);
-    close_touch();
+    close_query();
 }
 
-/* ---- what the gather may not change ---- */
+/* ---- what the broad phase may not change ---- */
 
 static void gather_radius_does_not_change_a_bit(void **state)
 {
@@ -210,7 +211,7 @@ static void gather_radius_does_not_change_a_bit(void **state)
     make_sphere(3, 0.04);
     seed_state = 14;
     for (int k = 0; k < SHAPE_COUNT; ++k) {
-        open_touch(&shapes[k], 2, 0.006, 5e7);
+        open_query(&shapes[k], 2, 0.006, 5e7);
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
         const ss_tool_pose away = pose_at(-0.06, 0.05, 0.01);
@@ -223,7 +224,7 @@ static void gather_radius_does_not_change_a_bit(void **state)
             const double *weight;
             double total;
             reach[wide] = gather(wide ? &away : &pose, &pose);
-            count[wide] = ss_touch_weigh(touch, u, NULL, &pose, &node, &weight, &total);
+            count[wide] = ss_contact_query_weigh(query, u, NULL, &pose, &node, &weight, &total);
             energy[wide] = penalty(&pose);
             const size_t bytes = (size_t)count[wide];
             if (wide == 0) {
@@ -241,7 +242,7 @@ static void gather_radius_does_not_change_a_bit(void **state)
         assert_memory_equal(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
         assert_memory_equal(first_force, tool_force, sizeof first_force);
         assert_memory_equal(&energy[0], &energy[1], sizeof energy[0]);
-        close_touch();
+        close_query();
     }
 }
 
@@ -253,12 +254,12 @@ static void kept_gathers_do_not_change_a_bit(void **state)
     static ss_real kept[4 * MAX_NODES];
     make_sphere(3, 0.04);
     for (int k = 0; k < SHAPE_COUNT; ++k) {
-        open_touch(&shapes[k], 2, 0.006, 5e7);
-        const ss_touch_options options = {0.006, 5e7};
+        open_query(&shapes[k], 2, 0.006, 5e7);
+        const ss_contact_query_options options = {0.006, 5e7};
         ss_surface *other = NULL;
-        ss_touch *fresh = NULL;
+        ss_contact_query *fresh = NULL;
         assert_int_equal(ss_surface_create(&mesh, 0.0, 2, &other, NULL), SOFTSIM_OK);
-        assert_int_equal(ss_touch_create(other, &shapes[k], &options, &fresh), SOFTSIM_OK);
+        assert_int_equal(ss_contact_query_create(other, &shapes[k], &options, &fresh), SOFTSIM_OK);
         seed_state = 17;
         const ss_tool_pose start = random_pose(0.0, 0.0, 0.043);
         ss_tool_pose at = start;
@@ -275,19 +276,21 @@ static void kept_gathers_do_not_change_a_bit(void **state)
             }
             ss_surface_refit(surface, u);
             kept_boxes += surface->moved > 0.0;
-            const double before = touch->sweep.start[0];
-            ss_touch_gather(touch, u, &at, &next);
-            kept_gathers += touch->sweep.start[0] == before;
+            const double before = query->sweep.start[0];
+            ss_contact_query_broad_phase(query, u, &at, &next);
+            kept_gathers += query->sweep.start[0] == before;
             const double energy = penalty(&next);
             memcpy(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
             pressed += energy;
 
             other->fit = 0;
             ss_surface_refit(other, u);
-            ss_touch_gather(fresh, u, &(ss_tool_pose){{NAN}, {0.0}}, &next); /* forgets */
-            ss_touch_gather(fresh, u, &next, &next);
+            ss_contact_query_broad_phase(fresh, u, &(ss_tool_pose){{NAN}, {0.0}},
+                                         &next); /* forgets */
+            ss_contact_query_broad_phase(fresh, u, &next, &next);
             clear_forces();
-            const double again = ss_touch_penalty(fresh, u, &next, force, tool_force, tool_torque);
+            const double again =
+                ss_contact_query_penalty(fresh, u, &next, force, tool_force, tool_torque);
             assert_memory_equal(&energy, &again, sizeof energy);
             assert_memory_equal(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
             at = next;
@@ -295,18 +298,18 @@ static void kept_gathers_do_not_change_a_bit(void **state)
         assert_true(kept_boxes > 100 && kept_boxes < 149);
         assert_true(kept_gathers > 75 && kept_gathers < 149);
         assert_true(pressed > 0.0);
-        ss_touch_destroy(&fresh);
+        ss_contact_query_destroy(&fresh);
         ss_surface_destroy(&other);
-        close_touch();
+        close_query();
     }
 }
 
-/* Nodes that move after the gather, up to delta, must not be culled. */
+/* Nodes that move after the broad phase, up to delta, must not be culled. */
 static void motion_after_the_gather_is_seen(void **state)
 {
     (void)state;
     make_plane(40, 40, 0.002);
-    open_touch(&sphere_5mm, 1, 0.006, 5e7);
+    open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0105);
     gather(&pose, &pose);
     assert_near(penalty(&pose), 0.0, 0.0);
@@ -318,7 +321,7 @@ static void motion_after_the_gather_is_seen(void **state)
     gather(&pose, &pose);
     const double fresh = penalty(&pose);
     assert_memory_equal(&late, &fresh, sizeof late);
-    close_touch();
+    close_query();
 }
 
 /* Beside a long path is not on it, even within half its length of its middle. */
@@ -326,7 +329,7 @@ static void a_gather_is_not_kept_off_its_path(void **state)
 {
     (void)state;
     make_plane(40, 40, 0.002);
-    open_touch(&sphere_5mm, 1, 0.006, 5e7);
+    open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose from = pose_at(-0.025, 0.0, 0.004);
     const ss_tool_pose to = pose_at(0.025, 0.0, 0.004);
     const ss_tool_pose beside = pose_at(0.0, 0.02, 0.004);
@@ -335,7 +338,7 @@ static void a_gather_is_not_kept_off_its_path(void **state)
     assert_near(penalty(&beside), 0.0, 0.0);
     gather(&beside, &beside);
     assert_true(penalty(&beside) > 0.0);
-    close_touch();
+    close_query();
 }
 
 static void shifting_body_and_tool_together_changes_nothing(void **state)
@@ -352,7 +355,7 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
             }
             ss_add3(pose.position, pose.position, shift);
         }
-        open_touch(&shapes[0], 2, 0.005, 5e7);
+        open_query(&shapes[0], 2, 0.005, 5e7);
         gather(&pose, &pose);
         penalty(&pose);
         if (pass == 0) {
@@ -361,7 +364,7 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
         for (int c = 0; c < 3; ++c) {
             assert_near(tool_force[c], first[c], (IS_DOUBLE ? 1e-10 : 1e-4) * ss_norm3(first));
         }
-        close_touch();
+        close_query();
     }
 }
 
@@ -369,7 +372,7 @@ static void a_fast_tool_gathers_what_it_crosses(void **state)
 {
     (void)state;
     make_plane(20, 20, 0.005);
-    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose from = pose_at(0.01, 0.005, 0.025);
     const ss_tool_pose to = pose_at(-0.01, 0.0, -0.025);
     assert_true(ss_tool_motion_bound(&sphere_5mm, &from, &to) > 0.05);
@@ -381,7 +384,7 @@ static void a_fast_tool_gathers_what_it_crosses(void **state)
     gather(&crossing, &crossing);
     const double there = penalty(&crossing);
     assert_memory_equal(&swept, &there, sizeof swept);
-    close_touch();
+    close_query();
 }
 
 /* ---- smoothness ---- */
@@ -395,7 +398,7 @@ static void force_on_a_plane_does_not_ripple(void **state)
     const double r = 0.005;
     const double height = r - 0.0012;
     make_plane(16, 16, r);
-    open_touch(&sphere_5mm, 2, r, 5e7);
+    open_query(&sphere_5mm, 2, r, 5e7);
     double sum = 0.0;
     double squares = 0.0;
     double side = 0.0;
@@ -418,7 +421,7 @@ static void force_on_a_plane_does_not_ripple(void **state)
     assert_true(sqrt(fmax(0.0, squares / STEPS - mean * mean)) < 1e-3 * mean);
     assert_true(most - least < 3e-3 * mean);
     assert_true(side < 2e-3 * mean);
-    close_touch();
+    close_query();
 }
 
 /* ---- linearisation ---- */
@@ -431,7 +434,7 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
     const double radius = 0.005, kc = 1e7;
     double before = 0.0;
     make_plane(41, 41, 0.0004);
-    open_touch(&sphere_5mm, 2, 0.005, kc);
+    open_query(&sphere_5mm, 2, 0.005, kc);
     for (int k = 1; k <= 19; ++k) {
         const double z = radius * (1.0 - 0.05 * k);
         const ss_tool_pose pose = pose_at(0.0001, 0.0002, z);
@@ -443,7 +446,7 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
         assert_true(tool_force[2] > before || k > 15);
         before = tool_force[2];
     }
-    close_touch();
+    close_query();
 }
 
 /* A box's face over the whole plane has one normal, so that the tangent is exact. */
@@ -452,7 +455,7 @@ static void tangent_and_diagonal_match_differences(void **state)
     (void)state;
     const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {0.2, 0.2, 0.004}};
     make_plane(14, 14, 0.005);
-    open_touch(&box, 2, 0.005, 5e7);
+    open_query(&box, 2, 0.005, 5e7);
     seed_state = 15;
     ss_real *du = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
     ss_real *dforce = ss_memory_get((size_t)mesh.node_count, 4 * sizeof(ss_real));
@@ -470,8 +473,8 @@ static void tangent_and_diagonal_match_differences(void **state)
     for (int32_t i = 0; i < mesh.node_count; ++i) {
         du[4 * i + 2] = (ss_real)(1e-4 * (random_unit() - 0.5));
     }
-    ss_touch_tangent(touch, du, dx, dforce, dtool);
-    ss_touch_diagonal(touch, diagonal);
+    ss_contact_query_tangent(query, du, dx, dforce, dtool);
+    ss_contact_query_diagonal(query, diagonal);
 
     for (int32_t i = 0; i < 4 * mesh.node_count; ++i) {
         u[i] += du[i];
@@ -491,7 +494,7 @@ static void tangent_and_diagonal_match_differences(void **state)
         du[4 * i + 2] = 1;
     }
     penalty(&pose);
-    ss_touch_tangent(touch, du, (double[3]){0.0, 0.0, 0.0}, dforce, dtool);
+    ss_contact_query_tangent(query, du, (double[3]){0.0, 0.0, 0.0}, dforce, dtool);
     double whole = 0.0;
     for (int32_t i = 0; i < mesh.node_count; ++i) {
         whole += diagonal[i];
@@ -501,7 +504,7 @@ static void tangent_and_diagonal_match_differences(void **state)
     ss_memory_free(du);
     ss_memory_free(dforce);
     ss_memory_free(diagonal);
-    close_touch();
+    close_query();
 }
 
 /* ---- contacts ---- */
@@ -510,12 +513,12 @@ static void a_sphere_has_one_contact_through_its_centre(void **state)
 {
     (void)state;
     make_plane(16, 16, 0.005);
-    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose pose = pose_at(0.0011, 0.0007, 0.004);
     ss_contact_set set;
     gather(&pose, &pose);
     penalty(&pose);
-    ss_touch_contacts(touch, u, &pose, 0.005, &set);
+    ss_contact_query_contacts(query, u, &pose, 0.005, &set);
     assert_int_equal(set.count, 1);
     assert_near(set.depth, 0.001, 2e-5);
     assert_near(set.contact[0].normal[2], 1.0, 1e-5);
@@ -524,7 +527,7 @@ static void a_sphere_has_one_contact_through_its_centre(void **state)
     assert_near(set.contact[0].point[0], 0.0011, 2e-5);
     assert_near(set.contact[0].point[2], 0.0, 5e-4); /* mean depth, 2/3 of the deepest */
     assert_near(ss_norm3(set.torque), 0.0, 1e-9);
-    close_touch();
+    close_query();
 }
 
 static void a_long_tool_spreads_its_contacts(void **state)
@@ -532,7 +535,7 @@ static void a_long_tool_spreads_its_contacts(void **state)
     (void)state;
     const ss_shape rod = {.kind = SS_SHAPE_CAPSULE, .radius = 0.005, .half_length = 0.012};
     make_plane(20, 20, 0.005);
-    open_touch(&rod, 2, 0.005, 5e7);
+    open_query(&rod, 2, 0.005, 5e7);
     ss_tool_pose pose = pose_at(0.001, 0.0, 0.004);
     pose.orientation[0] = sqrt(0.5); /* z to x */
     pose.orientation[2] = sqrt(0.5);
@@ -540,7 +543,7 @@ static void a_long_tool_spreads_its_contacts(void **state)
     ss_contact_set set;
     gather(&pose, &pose);
     penalty(&pose);
-    ss_touch_contacts(touch, u, &pose, 0.005, &set);
+    ss_contact_query_contacts(query, u, &pose, 0.005, &set);
     assert_int_equal(set.count, 4);
     double sum[3] = {0.0, 0.0, 0.0};
     double torque[3] = {0.0, 0.0, 0.0};
@@ -561,7 +564,7 @@ static void a_long_tool_spreads_its_contacts(void **state)
         assert_near(set.torque[c], tool_torque[c], 1e-7 * tool_force[2]);
         assert_near(torque[c], tool_torque[c], 1e-6 * tool_force[2]);
     }
-    close_touch();
+    close_query();
 }
 
 static void the_nearest_patch_is_told_before_touching(void **state)
@@ -571,14 +574,14 @@ static void the_nearest_patch_is_told_before_touching(void **state)
     make_sphere(4, 0.04);
     seed_state = 16;
     for (int k = 0; k < SHAPE_COUNT; ++k) {
-        open_touch(&shapes[k], 2, 0.005, 5e7);
+        open_query(&shapes[k], 2, 0.005, 5e7);
         double way[3] = {random_unit() - 0.5, random_unit() - 0.5, random_unit() - 0.5};
         ss_normalize3(way);
         const double height = 0.042 + ss_shape_bounding_radius(&shapes[k]);
         const ss_tool_pose pose = random_pose(height * way[0], height * way[1], height * way[2]);
         gather(&pose, &pose);
         penalty(&pose);
-        ss_touch_contacts(touch, u, &pose, 0.02, &set);
+        ss_contact_query_contacts(query, u, &pose, 0.02, &set);
         assert_int_equal(set.count, 1);
         const ss_contact *contact = &set.contact[0];
         assert_near(contact->force, 0.0, 0.0);
@@ -608,10 +611,10 @@ static void the_nearest_patch_is_told_before_touching(void **state)
         ss_copy3(out, contact->point);
         ss_normalize3(out);
         assert_true(ss_dot3(out, contact->normal) > 0.98);
-        ss_touch_contacts(touch, u, &pose, 0.9 * least, &set);
+        ss_contact_query_contacts(query, u, &pose, 0.9 * least, &set);
         assert_int_equal(set.count, 0);
         assert_near(set.depth, -0.9 * least, 1e-15);
-        close_touch();
+        close_query();
     }
 }
 
@@ -620,12 +623,12 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
     (void)state;
     ss_contact_set set;
     make_sphere(3, 0.04);
-    open_touch(&sphere_5mm, 2, 0.005, 5e7);
+    open_query(&sphere_5mm, 2, 0.005, 5e7);
     const double way[3] = {0.48, 0.6, 0.64};
     const ss_tool_pose pose = pose_at(0.044 * way[0], 0.044 * way[1], 0.044 * way[2]);
     gather(&pose, &pose);
     penalty(&pose);
-    ss_touch_contacts(touch, u, &pose, 0.01, &set);
+    ss_contact_query_contacts(query, u, &pose, 0.01, &set);
     assert_int_equal(set.count, 1);
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -633,7 +636,7 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
             assert_near(set.contact[0].curvature[i][j], expected, 2.0);
         }
     }
-    close_touch();
+    close_query();
 }
 
 /* ---- hostile input ---- */
@@ -643,7 +646,7 @@ static void non_finite_input_touches_nothing(void **state)
     (void)state;
     ss_contact_set set;
     make_sphere(3, 0.04);
-    open_touch(&shapes[2], 2, 0.005, 5e7);
+    open_query(&shapes[2], 2, 0.005, 5e7);
     const ss_tool_pose good = pose_at(0.0, 0.0, 0.042);
     ss_tool_pose bad = good;
     bad.position[1] = NAN;
@@ -652,12 +655,12 @@ static void non_finite_input_touches_nothing(void **state)
     bad = good;
     bad.orientation[2] = INFINITY;
     assert_int_equal(gather(&bad, &good), 0);
-    ss_touch_contacts(touch, u, &bad, 0.01, &set);
+    ss_contact_query_contacts(query, u, &bad, 0.01, &set);
     assert_int_equal(set.count, 0);
     assert_true(gather(&good, &good) > 0);
     assert_true(penalty(&good) > 0.0);
     assert_near(penalty(&bad), 0.0, 0.0);
-    ss_touch_contacts(touch, u, &good, NAN, &set);
+    ss_contact_query_contacts(query, u, &good, NAN, &set);
     const int32_t *node;
     const double *weight;
     double total;
@@ -665,18 +668,18 @@ static void non_finite_input_touches_nothing(void **state)
         u[i] = (ss_real)(i % 7 == 0 ? INFINITY : NAN);
     }
     assert_near(penalty(&good), 0.0, 0.0);
-    assert_int_equal(ss_touch_weigh(touch, u, NULL, &good, &node, &weight, &total), 0);
+    assert_int_equal(ss_contact_query_weigh(query, u, NULL, &good, &node, &weight, &total), 0);
     gather(&good, &good);
-    ss_touch_contacts(touch, u, &good, 0.01, &set);
+    ss_contact_query_contacts(query, u, &good, 0.01, &set);
     assert_int_equal(set.count, 0);
-    ss_touch_options options = {0.0, 1.0};
-    ss_touch *none = NULL;
-    assert_int_equal(ss_touch_create(surface, &sphere_5mm, &options, &none),
+    ss_contact_query_options options = {0.0, 1.0};
+    ss_contact_query *none = NULL;
+    assert_int_equal(ss_contact_query_create(surface, &sphere_5mm, &options, &none),
                      SOFTSIM_ERROR_ARGUMENT);
-    options = (ss_touch_options){NAN, 1.0};
-    assert_int_equal(ss_touch_create(surface, &sphere_5mm, &options, &none),
+    options = (ss_contact_query_options){NAN, 1.0};
+    assert_int_equal(ss_contact_query_create(surface, &sphere_5mm, &options, &none),
                      SOFTSIM_ERROR_ARGUMENT);
-    close_touch();
+    close_query();
 }
 
 int main(void)

@@ -25,17 +25,17 @@ static void loop_rows_are_convex_combinations(void **state)
 {
     (void)state;
     make_sphere(3, 0.05);
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     check_rows();
-    close_touch();
+    close_query();
     make_plane(7, 7, 0.01); /* with boundaries */
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     check_rows();
-    close_touch();
+    close_query();
     make_sphere(0, 0.05); /* valence 4, all rings overlap */
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     check_rows();
-    close_touch();
+    close_query();
 }
 
 /* Bow tie: two triangles that share a node only; and single triangles. */
@@ -50,7 +50,7 @@ static void loose_corners_keep_their_place(void **state)
     add_node(0.0, -0.01, 0.0);
     add_triangle(0, 1, 2);
     add_triangle(0, 3, 4);
-    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    open_query(&sphere_5mm, 1, 0.005, 1.0);
     check_rows();
     for (int32_t t = 0; t < 2; ++t) {
         const ss_wide zero = {0};
@@ -66,7 +66,7 @@ static void loose_corners_keep_their_place(void **state)
             }
         }
     }
-    close_touch();
+    close_query();
 }
 
 /* Loop subdivision keeps linear fields where the mesh is regular: points stay on their triangle. */
@@ -78,7 +78,7 @@ static void regular_rows_reproduce_linear_fields(void **state)
         positions[i][2] = 0.3 * positions[i][0] - 0.7 * positions[i][1];
         positions[i][0] += 0.2 * positions[i][1];
     }
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     int32_t checked = 0;
     for (int32_t t = 0; t < surface->triangle_count; ++t) {
         const ss_wide zero = {0};
@@ -100,7 +100,7 @@ static void regular_rows_reproduce_linear_fields(void **state)
         }
     }
     assert_true(checked > 40);
-    close_touch();
+    close_query();
 }
 
 /* Neighbours compute a shared side from different rings: the surface must not crack. */
@@ -108,7 +108,7 @@ static void neighbouring_triangles_share_their_side(void **state)
 {
     (void)state;
     make_sphere(2, 0.05);
-    open_touch(&sphere_5mm, 1, 0.005, 1.0);
+    open_query(&sphere_5mm, 1, 0.005, 1.0);
     seed_state = 7;
     shake_nodes(0.01);
     /* side k of a triangle runs over these points */
@@ -138,24 +138,24 @@ static void neighbouring_triangles_share_their_side(void **state)
         }
     }
     assert_int_equal(2 * shared, 3 * surface->triangle_count);
-    close_touch();
+    close_query();
 }
 
 static void equal_topology_shares_one_matrix(void **state)
 {
     (void)state;
     make_sphere(3, 0.05);
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     assert_int_equal(surface->triangle_count, 512);
     assert_int_equal(surface->patch_count, 2); /* all regular, or one corner of valence 4 */
-    close_touch();
+    close_query();
 }
 
 static void sample_areas_sum_to_the_surface(void **state)
 {
     (void)state;
     make_sphere(2, 0.05);
-    open_touch(&sphere_5mm, 3, 0.005, 1.0);
+    open_query(&sphere_5mm, 3, 0.005, 1.0);
     double area = 0.0;
     double expected = 0.0;
     for (int32_t t = 0; t < mesh.triangle_count; ++t) {
@@ -170,7 +170,7 @@ static void sample_areas_sum_to_the_surface(void **state)
     }
     assert_near(area, expected, 1e-7 * expected);
     assert_int_equal(ss_surface_sample_count(surface), 128 * 16 * 9);
-    close_touch();
+    close_query();
 }
 
 /* ---- refusals ---- */
@@ -381,9 +381,9 @@ static double engulfed_at(const ss_tool_pose *pose)
 {
     ss_contact_set set;
     ss_surface_refit(surface, u);
-    ss_touch_gather(touch, u, pose, pose);
-    ss_touch_penalty(touch, u, pose, force, tool_force, tool_torque);
-    ss_touch_contacts(touch, u, pose, 0.005, &set);
+    ss_contact_query_broad_phase(query, u, pose, pose);
+    ss_contact_query_penalty(query, u, pose, force, tool_force, tool_torque);
+    ss_contact_query_contacts(query, u, pose, 0.005, &set);
     return set.engulfed;
 }
 
@@ -393,7 +393,7 @@ static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
 {
     (void)state;
     make_sphere(3, 0.02);
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int i = 0; i < 3000; ++i) {
         const double stretch = i < 1000 ? 1.0 : 1.3, shift = i < 2000 ? 0.0 : 0.015;
         for (int32_t k = 0; k < mesh.node_count; ++k) {
@@ -419,31 +419,31 @@ static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
             assert_true(engulfed == 0.0);
         }
     }
-    close_touch();
+    close_query();
 }
 
 static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
 {
     (void)state;
     make_plane(11, 11, 0.004);
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int k = -20; k <= 20; ++k) {
         const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
         assert_true(engulfed_at(&pose) == 0.0);
     }
-    close_touch();
+    close_query();
     make_sphere(3, 0.02);
     for (int32_t t = 0; t < mesh.triangle_count; ++t) { /* inside out: a hollow */
         const int32_t swap = triangles[t][0];
         triangles[t][0] = triangles[t][1];
         triangles[t][1] = swap;
     }
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int k = -30; k <= 30; ++k) {
         const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
         assert_true(engulfed_at(&pose) == 0.0);
     }
-    close_touch();
+    close_query();
 }
 
 /* A ball that wanders in and out of a body that swings, slowly and in jumps, asked again and again;
@@ -452,7 +452,7 @@ static void what_is_remembered_of_the_inside_stays_right(void **state)
 {
     (void)state;
     make_sphere(3, 0.02);
-    open_touch(&sphere_5mm, 2, 0.005, 1.0);
+    open_query(&sphere_5mm, 2, 0.005, 1.0);
     int inside = 0, changes = 0;
     bool was_inside = false;
     for (int i = 0; i < 6000; ++i) {
@@ -467,7 +467,7 @@ static void what_is_remembered_of_the_inside_stays_right(void **state)
                      turn = 0.001 * rate * i;
         const ss_tool_pose pose = pose_at(radius * cos(turn), 0.001, radius * sin(turn));
         const bool is_inside = engulfed_at(&pose) > 0.0;
-        touch->outside.is_known = false;
+        query->outside.is_known = false;
         assert_int_equal(engulfed_at(&pose) > 0.0, is_inside);
         inside += is_inside;
         changes += is_inside != was_inside;
@@ -475,7 +475,7 @@ static void what_is_remembered_of_the_inside_stays_right(void **state)
     }
     print_message("inside %d times of 6000, %d changes\n", inside, changes);
     assert_true(inside > 1000 && inside < 5000 && changes > 40);
-    close_touch();
+    close_query();
 }
 
 int main(void)

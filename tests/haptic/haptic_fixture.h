@@ -116,7 +116,7 @@ static inline void rig_result(rig *r, double k, double depth, int64_t age)
     r->is_new = true;
 }
 
-/* In contact at `depth` with the law settled: from outside, one result a tick. */
+/* In contact at `depth` with the local contact model settled: from outside, one result a tick. */
 static inline double rig_press(rig *r, double k, double depth)
 {
     double f = 0.0;

@@ -75,7 +75,8 @@ static void touch_and_leaving_are_continuous(void **state)
     rig_end(&r);
 }
 
-/* Between results the law is stiffer than the tissue by 15 %, and exact when results are slow. */
+/* Between results the local contact model is stiffer than the tissue by 15 %, and exact when
+ * results are slow. */
 static void law_errs_high(void **state)
 {
     (void)state;
@@ -429,7 +430,8 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
     }
 }
 
-/* A ramp that finds no force gives none, whatever the law's offsets become meanwhile. */
+/* A ramp that finds no force gives none, whatever the local contact model's offsets become
+ * meanwhile. */
 static void a_ramp_from_nothing_gives_nothing(void **state)
 {
     (void)state;
@@ -506,20 +508,20 @@ static void the_hash_tells_laws_apart(void **state)
         const char *what;
         size_t offset, size;
     } cases[] = {
-#define CASE(field) {#field, offsetof(ss_law, field), sizeof((ss_law){0}.field)}
+#define CASE(field) {#field, offsetof(ss_local_contact, field), sizeof((ss_local_contact){0}.field)}
         CASE(free_ticks),    CASE(outward),      CASE(residual),         CASE(released),
         CASE(slowness),      CASE(viscous),      CASE(held.value),       CASE(held.offset),
         CASE(held.position), CASE(held.is_held), CASE(contact[0].value), CASE(contact[0].offset),
 #undef CASE
     };
-    ss_law law;
-    ss_law_clear(&law);
-    law.count = 1;
-    const uint64_t plain = ss_law_hash(&law, 1);
+    ss_local_contact local;
+    ss_local_contact_clear(&local);
+    local.count = 1;
+    const uint64_t plain = ss_local_contact_hash(&local, 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        ss_law other = law;
+        ss_local_contact other = local;
         ((unsigned char *)&other)[cases[i].offset] ^= 1U;
-        if (ss_law_hash(&other, 1) == plain) {
+        if (ss_local_contact_hash(&other, 1) == plain) {
             fail_msg("the hash does not see %s", cases[i].what);
         }
     }
@@ -728,7 +730,7 @@ static void non_finite_input_repeats_the_force(void **state)
     r.result.set.contact[0].stiffness = INFINITY;
     assert_near(rig_tick(&r, -3e-3), f, 0.0);
     assert_int_equal(r.out.bad_inputs, 2);
-    /* Finite nonsense is refused; the law stays. */
+    /* Finite nonsense is refused; the local contact model stays. */
     rig_tick(&r, -4e-3);
     rig_result(&r, 300.0, 4e-3, 1);
     r.result.set.contact[0].normal[2] = 2.0;

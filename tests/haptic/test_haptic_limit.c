@@ -111,7 +111,7 @@ static void balance_is_the_brute_force_one(void **state)
     assert_true(worst <= 1e-12);
 }
 
-/* Sums the rows and the grasp, as the law exerts them at `d` from p_free. */
+/* Sums the rows and the grasp, as the local contact model exerts them at `d` from p_free. */
 static void law_at(const ss_balance *b, const double d[3], double out[3])
 {
     ss_set3(out, 0.0, 0.0, 0.0);
@@ -140,7 +140,7 @@ static void random_grasp(ss_balance *b)
 }
 
 /* The conditions of the limited balance, with the softened spring written out: the spring answers
- * the law, and the force is the limit where the stiff balance would exceed it. */
+ * the local contact model, and the force is the limit where the stiff balance would exceed it. */
 static void limited_balance_meets_its_conditions(void **state)
 {
     (void)state;
@@ -150,7 +150,7 @@ static void limited_balance_meets_its_conditions(void **state)
     for (int n = 0; n < 100000; ++n) {
         ss_balance b;
         ss_rest open, rest;
-        double d[3], law[3], whole[3], axis[3], spring[3];
+        double d[3], local[3], whole[3], axis[3], spring[3];
         random_balance(&b);
         if (n % 5 == 0) {
             random_grasp(&b);
@@ -168,8 +168,8 @@ static void limited_balance_meets_its_conditions(void **state)
         const int passes = ss_coupling_balance(&b, &rest);
         most_passes = passes > most_passes ? passes : most_passes;
         ss_sub3(d, rest.p, b.p_free);
-        law_at(&b, d, law);
-        ss_add3(whole, law, b.decaying);
+        law_at(&b, d, local);
+        ss_add3(whole, local, b.decaying);
         if (size <= b.limit) {
             assert_true(rest.share == 1.0);
             continue;
@@ -186,8 +186,8 @@ static void limited_balance_meets_its_conditions(void **state)
         ss_madd3(spring, spring, (rest.share - 1.0) * b.spring * along, axis);
         double even[3];
         ss_scale3(even, d, rest.share * b.spring);
-        ss_sub3(spring, spring, law);
-        ss_sub3(even, even, law);
+        ss_sub3(spring, spring, local);
+        ss_sub3(even, even, local);
         worst = fmax(worst, fmin(ss_norm3(spring), ss_norm3(even)) / fmax(1.0, size));
     }
     print_message("limited: %d, at most %d passes, residual %.1e, |F|/L - 1 %.1e\n", limited,

@@ -160,7 +160,7 @@ static void soft_contact(setup *s)
     }
     give_field(s, "rho", rho);
 }
-static void driven_and_fixed(setup *s)
+static void prescribed_and_fixed(setup *s)
 {
     static int32_t node;
     static double way[1][3] = {{0.0, 0.0, 0.001}};
@@ -251,7 +251,7 @@ static void what_cannot_be_is_refused_and_named(void **state)
                {load_outside, "100000"},
                {pressure_without_triangles, "no triangle"},
                {soft_contact, "rho at node"},
-               {driven_and_fixed, "fixed or driven already"},
+               {prescribed_and_fixed, "fixed or driven already"},
                {volume_on_a_surface, "needs a mesh of tetrahedra"},
                {volume_rows_on_a_surface, "density_kg_m3 does not go with domain: surface; give "
                                           "area_density_kg_m2"},
@@ -615,7 +615,7 @@ static void the_number_of_threads_does_not_matter(void **state)
     assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
 }
 
-static void live_values_change_the_body_and_the_ledger_knows(void **state)
+static void live_values_change_the_body_and_the_energy_balance_knows(void **state)
 {
     (void)state;
     setup s;
@@ -712,7 +712,7 @@ int main(void)
         cmocka_unit_test(steps_do_not_allocate),
         cmocka_unit_test(reset_brings_back_the_first_run_bit_for_bit),
         cmocka_unit_test(the_number_of_threads_does_not_matter),
-        cmocka_unit_test(live_values_change_the_body_and_the_ledger_knows),
+        cmocka_unit_test(live_values_change_the_body_and_the_energy_balance_knows),
         cmocka_unit_test(all_simd_paths_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

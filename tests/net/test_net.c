@@ -494,7 +494,7 @@ static void another_server_is_told_from_ourselves(void **state)
         assert_true(ss_net_send_status(net, &report));
         assert_true(ss_net_wait(net, -1, 1000));
     }
-    assert_true(ss_net_rival(net)->last_ns == 0);
+    assert_true(ss_net_other_server(net)->last_ns == 0);
     static char text[] = "", scene[] = "kidney.yaml";
     softsim_server_status_t wire = {.utime = 1,
                                     .seq = 2000,
@@ -516,14 +516,14 @@ static void another_server_is_told_from_ourselves(void **state)
         lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)n);
         assert_true(ss_net_wait(net, -1, 1000));
     }
-    assert_true(ss_net_rival(net)->last_ns == 0);
+    assert_true(ss_net_other_server(net)->last_ns == 0);
     lcm_publish(ss_net_lcm(net), "R_STATUS", message, (unsigned)size);
     assert_true(ss_net_wait(net, -1, 1000));
-    const ss_rival *rival = ss_net_rival(net);
-    assert_true(rival->last_ns != 0 && rival->status.uptime_s == 12.5);
-    assert_int_equal(rival->status.utime_us, 1);
-    assert_int_equal(rival->status.seq, 2000);
-    assert_string_equal(rival->status.scene, scene);
+    const ss_other_server *other = ss_net_other_server(net);
+    assert_true(other->last_ns != 0 && other->status.uptime_s == 12.5);
+    assert_int_equal(other->status.utime_us, 1);
+    assert_int_equal(other->status.seq, 2000);
+    assert_string_equal(other->status.scene, scene);
     /* What it says may not drive a terminal. */
     static char hostile[] = "k\x9b\xc2\x9b \xc3\xa4";
     softsim_server_status_t spoken = wire;
@@ -571,23 +571,23 @@ static ss_net_status status_of(double start_s, double clock_s, double now_s)
 static void only_a_server_that_stays_counts(void **state)
 {
     (void)state;
-    ss_rival rival = {0};
-    assert_false(ss_rival_is_alive(&rival, 5 * (int64_t)SECOND_NS));
+    ss_other_server other = {0};
+    assert_false(ss_other_server_is_alive(&other, 5 * (int64_t)SECOND_NS));
     for (int k = 0; k < 3; ++k) { /* the last word of one that ends */
         const ss_net_status status = status_of(1.0, 0.0, 10.0 + 0.05 * k);
-        ss_rival_hear(&rival, &status, 10 * (int64_t)SECOND_NS + k * 50000000);
-        assert_false(ss_rival_is_alive(&rival, 10 * (int64_t)SECOND_NS + k * 50000000));
+        ss_other_server_hear(&other, &status, 10 * (int64_t)SECOND_NS + k * 50000000);
+        assert_false(ss_other_server_is_alive(&other, 10 * (int64_t)SECOND_NS + k * 50000000));
     }
     for (int k = 0; k < 9; ++k) { /* of two the first counts, however often the other speaks */
         const ss_net_status status = status_of(k % 2 == 0 ? 1.0 : 2.0, 0.0, 10.0 + 0.25 * k);
-        ss_rival_hear(&rival, &status, 10 * (int64_t)SECOND_NS + k * 250000000);
-        assert_true(rival.status.uptime_s == 9.0 + 0.25 * (k - k % 2));
+        ss_other_server_hear(&other, &status, 10 * (int64_t)SECOND_NS + k * 250000000);
+        assert_true(other.status.uptime_s == 9.0 + 0.25 * (k - k % 2));
     }
-    assert_true(ss_rival_is_alive(&rival, 12 * (int64_t)SECOND_NS));
-    assert_false(ss_rival_is_alive(&rival, 14 * (int64_t)SECOND_NS));
+    assert_true(ss_other_server_is_alive(&other, 12 * (int64_t)SECOND_NS));
+    assert_false(ss_other_server_is_alive(&other, 14 * (int64_t)SECOND_NS));
     const ss_net_status later = status_of(13.0, 0.0, 14.0);
-    ss_rival_hear(&rival, &later, 14 * (int64_t)SECOND_NS);
-    assert_false(ss_rival_is_alive(&rival, 14 * (int64_t)SECOND_NS));
+    ss_other_server_hear(&other, &later, 14 * (int64_t)SECOND_NS);
+    assert_false(ss_other_server_is_alive(&other, 14 * (int64_t)SECOND_NS));
 }
 
 /* Whatever the delays and the clocks of two hosts: never both, and soon one. */
@@ -601,13 +601,14 @@ static void of_two_servers_at_most_one_gives_way(void **state)
         for (size_t c = 0; c < sizeof clock_s / sizeof *clock_s; ++c) {
             for (size_t d = 0; d < sizeof delay_s / sizeof *delay_s; ++d) {
                 const double now_s = 100.0, elder_s = 50.0, younger_s = elder_s + apart_s[a];
-                const ss_rival elder = {.status =
-                                            status_of(elder_s, clock_s[c], now_s - delay_s[d])};
-                const ss_rival younger = {.status = status_of(younger_s, 0.0, now_s - delay_s[d])};
+                const ss_other_server elder = {
+                    .status = status_of(elder_s, clock_s[c], now_s - delay_s[d])};
+                const ss_other_server younger = {.status =
+                                                     status_of(younger_s, 0.0, now_s - delay_s[d])};
                 const bool goes =
-                    ss_rival_is_senior(&elder, now_s - younger_s, llround(1e6 * younger_s));
-                const bool elder_goes = ss_rival_is_senior(&younger, now_s - elder_s,
-                                                           llround(1e6 * (elder_s + clock_s[c])));
+                    ss_other_server_is_senior(&elder, now_s - younger_s, llround(1e6 * younger_s));
+                const bool elder_goes = ss_other_server_is_senior(
+                    &younger, now_s - elder_s, llround(1e6 * (elder_s + clock_s[c])));
                 assert_false(goes && elder_goes);
                 assert_true(clock_s[c] != 0.0 || !elder_goes); /* one host: the true order */
                 assert_true(goes || elder_goes || apart_s[a] > 1.0 || clock_s[c] > 0.0);

@@ -78,7 +78,7 @@ static void every_row_has_a_time_and_names_its_solver(void **state)
         }
         blocks += is_block;
     }
-    assert_int_equal(blocks, ss_assay_subject_count());
+    assert_int_equal(blocks, ss_stress_case_subject_count());
     ss_table_fini(&table);
 }
 

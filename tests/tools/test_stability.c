@@ -193,8 +193,8 @@ static void every_model_of_the_program_is_tried(void **state)
     const ss_model_class *const *table = ss_model_table(&models);
     for (int32_t m = 0; m < models; ++m) {
         bool is_found = false;
-        for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
-            is_found = is_found || strcmp(ss_assay_subject_model(s), table[m]->name) == 0;
+        for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
+            is_found = is_found || strcmp(ss_stress_case_subject_model(s), table[m]->name) == 0;
         }
         assert_true(is_found);
     }
@@ -207,7 +207,7 @@ static void every_run_is_listed_once(void **state)
     ss_stability list, quick;
     assert_true(ss_stability_list(&list, all, false));
     assert_true(ss_stability_list(&quick, all, true));
-    assert_true(list.count >= 200 * ss_assay_subject_count());
+    assert_true(list.count >= 200 * ss_stress_case_subject_count());
     assert_in_range(4 * quick.count, list.count * 9 / 10, list.count * 11 / 10); /* --help */
     char(*label)[SS_SWEEP_NAME_SIZE] = calloc((size_t)list.count, sizeof *label);
     assert_non_null(label);
@@ -232,7 +232,7 @@ static void what_a_run_leaves_is_read_back(void **state)
     const ss_sweep_result result = {.is_complete = true, .count = 3, .run = run};
     ss_stability_row row;
     ss_stability_read(&result, 0, &row);
-    assert_int_equal(row.outcome, SS_ASSAY_GUARDED);
+    assert_int_equal(row.outcome, SS_STRESS_CASE_GUARDED);
     assert_int_equal(row.verdict, SOFTSIM_VERDICT_DEGRADED);
     assert_int_equal(row.found, 9);
     assert_false(row.is_agreed);
@@ -251,26 +251,27 @@ static void what_a_run_leaves_is_read_back(void **state)
 
 /* ---- runs ---- */
 
-static ss_assay_result run_of(int32_t subject, ss_assay_kind kind, double stiffness_pa,
-                              double value, int32_t variant)
+static ss_stress_case_result run_of(int32_t subject, ss_stress_case_kind kind, double stiffness_pa,
+                                    double value, int32_t variant)
 {
-    const ss_assay assay = {subject, kind, stiffness_pa, value, variant};
-    ss_assay_result result;
+    const ss_stress_case stress_case = {subject, kind, stiffness_pa, value, variant};
+    ss_stress_case_result result;
     softsim_error error = {.status = SOFTSIM_OK};
-    assert_int_equal(ss_assay_run(&assay, folder, &result, &error), SOFTSIM_OK);
+    assert_int_equal(ss_stress_case_run(&stress_case, folder, &result, &error), SOFTSIM_OK);
     return result;
 }
 
 static void a_light_load_is_stable_and_its_work_adds_up(void **state)
 {
     (void)state;
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
-        const ss_assay_result r = run_of(s, SS_ASSAY_CONTROL, 1e4, 0.0, 0);
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
+        const ss_stress_case_result r = run_of(s, SS_STRESS_CASE_CONTROL, 1e4, 0.0, 0);
         if (!r.is_agreed) {
-            fail_msg("%s: found %u, %s", ss_assay_subject_name(s), r.found, r.acted);
+            fail_msg("%s: found %u, %s", ss_stress_case_subject_name(s), r.found, r.acted);
         }
         /* There is no force in a chain, and it says so. */
-        assert_true(ss_assay_is_plastic(s) ? r.outcome == SS_ASSAY_REFUSED : r.recovery < 0.1);
+        assert_true(ss_stress_case_is_plastic(s) ? r.outcome == SS_STRESS_CASE_REFUSED
+                                                 : r.recovery < 0.1);
     }
 }
 
@@ -278,8 +279,8 @@ static void a_light_load_is_stable_and_its_work_adds_up(void **state)
 static void what_must_be_stable_may_not_be_refused(void **state)
 {
     (void)state;
-    const ss_assay_result r = run_of(0, SS_ASSAY_CONTROL, 1e40, 0.0, 0);
-    assert_int_equal(r.outcome, SS_ASSAY_REFUSED);
+    const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTROL, 1e40, 0.0, 0);
+    assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
     assert_false(r.is_agreed);
 }
 
@@ -288,15 +289,15 @@ static void a_soft_body_owns_up_as_a_stiff_one_does(void **state)
 {
     (void)state;
     for (double stiffness = 1.0; stiffness < 1e5; stiffness *= 1e2) {
-        assert_true(run_of(0, SS_ASSAY_STEP, stiffness, 2.0, 0).is_agreed);
+        assert_true(run_of(0, SS_STRESS_CASE_STEP, stiffness, 2.0, 0).is_agreed);
     }
 }
 
 static void contradictions_are_refused_by_name(void **state)
 {
     (void)state;
-    const ss_assay_result r = run_of(0, SS_ASSAY_CONTRADICTION, 1e4, 0.0, 2);
-    assert_int_equal(r.outcome, SS_ASSAY_REFUSED);
+    const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 2);
+    assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
     assert_non_null(strstr(r.acted, "prescribed.1 holds node 112"));
     assert_null(strstr(r.acted, folder));
 }
@@ -304,8 +305,8 @@ static void contradictions_are_refused_by_name(void **state)
 static void a_teleport_is_refused_by_the_gate_and_said(void **state)
 {
     (void)state;
-    const ss_assay_result r = run_of(0, SS_ASSAY_TELEPORT, 1e6, 1.0, 0);
-    assert_int_equal(r.outcome, SS_ASSAY_GUARDED);
+    const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_TELEPORT, 1e6, 1.0, 0);
+    assert_int_equal(r.outcome, SS_STRESS_CASE_GUARDED);
     assert_non_null(strstr(r.acted, "pose refused: jump"));
     assert_true(r.is_agreed);
 }
@@ -326,10 +327,11 @@ static int32_t count_commas(const char *line)
 static void every_run_has_a_row_with_every_column(void **state)
 {
     (void)state;
-    ss_assay assay[] = {{0, SS_ASSAY_CONTRADICTION, 1e4, 0.0, 3},
-                        {0, SS_ASSAY_FLATTENED, 1e4, 0.5, 1},
-                        {0, SS_ASSAY_FLATTENED, 1e4, 0.1, 1}};
-    const ss_stability list = {.trial = assay, .count = 3, .folder = folder, .scratch = folder};
+    ss_stress_case stress_case[] = {{0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 3},
+                                    {0, SS_STRESS_CASE_FLATTENED, 1e4, 0.5, 1},
+                                    {0, SS_STRESS_CASE_FLATTENED, 1e4, 0.1, 1}};
+    const ss_stability list = {
+        .trial = stress_case, .count = 3, .folder = folder, .scratch = folder};
     char lost[] = "crashed: Killed, twice", *text[2] = {NULL, NULL};
     ss_sweep_run run[] = {{false, NULL}, {false, NULL}, {true, lost}};
     const ss_sweep_result result = {.is_complete = true, .count = 3, .lost = 1, .run = run};

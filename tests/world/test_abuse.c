@@ -26,13 +26,13 @@
 
 /* ---- worlds ---- */
 
-static ss_world *make_planned(ss_assay_plan *plan)
+static ss_world *make_planned(ss_stress_case_plan *plan)
 {
     FILE *file = open_file("body.msh");
     ss_specimen_write(&plan->specimen, file);
     assert_int_equal(fclose(file), 0);
     file = open_file("scene.yaml");
-    ss_assay_plan_write(plan, file);
+    ss_stress_case_plan_write(plan, file);
     assert_int_equal(fclose(file), 0);
     return make_scene(in_folder("scene.yaml"), NULL, 0);
 }
@@ -104,17 +104,17 @@ static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state
     (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const set[] = {"simulation.max_substeps=3"};
-    static ss_assay_plan plan; /* large */
+    static ss_stress_case_plan plan; /* large */
     int32_t slow_models = 0;
     ss_world *world = make_scene(KIDNEY, set, 1);
     assert_true(follow_slow_steps(world, 0.005, 0.003, pressed_z, free_z) > 20);
     destroy(world);
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
-        const ss_assay trial = {s, SS_ASSAY_PROBE, 1e8, 0.1, 0};
-        ss_assay_plan_make(&trial, &plan);
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
+        const ss_stress_case trial = {s, SS_STRESS_CASE_PROBE, 1e8, 0.1, 0};
+        ss_stress_case_plan_make(&trial, &plan);
         plan.max_substeps = 1;
-        const double *top = plan.specimen.rest[SS_ASSAY_TOP_CENTRE];
-        const double touch = top[2] + SS_ASSAY_TOOL_RADIUS;
+        const double *top = plan.specimen.rest[SS_STRESS_CASE_TOP_CENTRE];
+        const double touch = top[2] + SS_STRESS_CASE_TOOL_RADIUS;
         world = make_planned(&plan);
         slow_models += follow_slow_steps(world, top[0], top[1], touch - 0.002, touch + 0.005) > 0;
         destroy(world);
@@ -161,7 +161,8 @@ static void a_paused_tool_stays_where_it_is(void **state)
     destroy(world);
 }
 
-/* A tracker that throws the tool about: the model's ledger calls it work, but no hand does it. */
+/* A tracker that throws the tool about: the model's energy balance calls it work, but no hand does
+ * it. */
 static void energy_that_no_hand_has_stops_the_tissue(void **state)
 {
     (void)state;
@@ -194,12 +195,13 @@ static void energy_that_no_hand_has_stops_the_tissue(void **state)
 
 /* ---- every model ---- */
 
-static ss_assay_result abuse(int32_t subject, ss_assay_kind kind, double value, int32_t variant)
+static ss_stress_case_result abuse(int32_t subject, ss_stress_case_kind kind, double value,
+                                   int32_t variant)
 {
-    const ss_assay assay = {subject, kind, 1e4, value, variant};
-    ss_assay_result result;
+    const ss_stress_case stress_case = {subject, kind, 1e4, value, variant};
+    ss_stress_case_result result;
     softsim_error error = {.status = SOFTSIM_OK};
-    assert_int_equal(ss_assay_run(&assay, folder, &result, &error), SOFTSIM_OK);
+    assert_int_equal(ss_stress_case_run(&stress_case, folder, &result, &error), SOFTSIM_OK);
     return result;
 }
 
@@ -207,23 +209,24 @@ static void what_hands_out_energy_is_not_called_good(void **state)
 {
     (void)state;
     static const struct {
-        ss_assay_kind kind;
+        ss_stress_case_kind kind;
         double value;
         int32_t variant;
-    } runs[] = {{SS_ASSAY_NOISE, 1e-3, 0},
-                {SS_ASSAY_IN_OUT, 500.0, 0},
-                {SS_ASSAY_THROUGH, 100.0, 2},
-                {SS_ASSAY_PAUSE, 2000.0, 0}};
+    } runs[] = {{SS_STRESS_CASE_NOISE, 1e-3, 0},
+                {SS_STRESS_CASE_IN_OUT, 500.0, 0},
+                {SS_STRESS_CASE_THROUGH, 100.0, 2},
+                {SS_STRESS_CASE_PAUSE, 2000.0, 0}};
     int32_t handed_out = 0;
-    const int32_t count = FULL_IN_RELEASE(ss_assay_subject_count(), 1);
+    const int32_t count = FULL_IN_RELEASE(ss_stress_case_subject_count(), 1);
     for (int32_t s = 0; s < count; ++s) {
         for (size_t k = 0; k < sizeof runs / sizeof *runs; ++k) {
-            const ss_assay_result r = abuse(s, runs[k].kind, runs[k].value, runs[k].variant);
+            const ss_stress_case_result r = abuse(s, runs[k].kind, runs[k].value, runs[k].variant);
             if (!r.is_agreed) {
                 char found[192];
                 ss_audit_text(r.found, found, (int32_t)sizeof found);
-                fail_msg("%s, %s: found %s (%g J), the program said: %s", ss_assay_subject_name(s),
-                         ss_assay_kind_name(runs[k].kind), found, r.handed_out_j, r.acted);
+                fail_msg("%s, %s: found %s (%g J), the program said: %s",
+                         ss_stress_case_subject_name(s), ss_stress_case_kind_name(runs[k].kind),
+                         found, r.handed_out_j, r.acted);
             }
             assert_true(r.force_n <= limit_n * (1.0 + 1e-9));
             assert_true(r.kinetic_j < limit_n * body_m);
@@ -239,17 +242,18 @@ static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
-    static const ss_assay_kind kind[] = {SS_ASSAY_THROUGH, SS_ASSAY_SPIN};
+    static const ss_stress_case_kind kind[] = {SS_STRESS_CASE_THROUGH, SS_STRESS_CASE_SPIN};
     int32_t made = 0;
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         for (int k = 0; k < 2; ++k) {
-            const ss_assay assay = {s, kind[k], 1e5, 10.0, kind[k] == SS_ASSAY_SPIN ? 1 : 2};
-            ss_assay_result r;
+            const ss_stress_case stress_case = {s, kind[k], 1e5, 10.0,
+                                                kind[k] == SS_STRESS_CASE_SPIN ? 1 : 2};
+            ss_stress_case_result r;
             softsim_error error = {.status = SOFTSIM_OK};
-            assert_int_equal(ss_assay_run(&assay, folder, &r, &error), SOFTSIM_OK);
+            assert_int_equal(ss_stress_case_run(&stress_case, folder, &r, &error), SOFTSIM_OK);
             if (!r.is_agreed) {
-                fail_msg("%s, %s: %g J made, the program said: %s", ss_assay_subject_name(s),
-                         ss_assay_kind_name(kind[k]), r.made_j, r.acted);
+                fail_msg("%s, %s: %g J made, the program said: %s", ss_stress_case_subject_name(s),
+                         ss_stress_case_kind_name(kind[k]), r.made_j, r.acted);
             }
             made +=
                 r.made_j > 0.01 && r.handed_out_j < 0.01 && r.verdict == SOFTSIM_VERDICT_GUARDED;
@@ -263,14 +267,14 @@ static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 static void a_slow_press_hands_out_nothing(void **state)
 {
     (void)state;
-    const int32_t count = FULL_IN_RELEASE(ss_assay_subject_count(), 1);
+    const int32_t count = FULL_IN_RELEASE(ss_stress_case_subject_count(), 1);
     for (int32_t s = 0; s < count; ++s) {
-        const ss_assay_result r = abuse(s, SS_ASSAY_CONTROL, 0.0, 1);
+        const ss_stress_case_result r = abuse(s, SS_STRESS_CASE_CONTROL, 0.0, 1);
         const double most = 0.5e-3; /* J; 1 to 80 mJ are put in */
         if (!(r.is_agreed && r.handed_out_j < most && r.driven_j < most &&
-              (ss_assay_is_plastic(s) || r.made_j < most))) {
+              (ss_stress_case_is_plastic(s) || r.made_j < most))) {
             fail_msg("%s: %g J handed out, %g J made; the program said: %s",
-                     ss_assay_subject_name(s), r.handed_out_j, r.made_j, r.acted);
+                     ss_stress_case_subject_name(s), r.handed_out_j, r.made_j, r.acted);
         }
     }
 }
@@ -280,9 +284,9 @@ static void a_slow_press_hands_out_nothing(void **state)
 static void a_tool_turns_no_faster_than_a_hand(void **state)
 {
     (void)state;
-    static ss_assay_plan plan; /* large */
-    const ss_assay trial = {0, SS_ASSAY_SPIN, 1e5, 100.0, 0};
-    ss_assay_plan_make(&trial, &plan);
+    static ss_stress_case_plan plan; /* large */
+    const ss_stress_case trial = {0, SS_STRESS_CASE_SPIN, 1e5, 100.0, 0};
+    ss_stress_case_plan_make(&trial, &plan);
     ss_world *world = make_planned(&plan);
     double turned = 0.0;
     for (int32_t k = 1; k <= 400; ++k) {
@@ -293,7 +297,7 @@ static void a_tool_turns_no_faster_than_a_hand(void **state)
         pose.sender = 1;
         pose.seq = k;
         ss_set3(pose.velocity, NAN, NAN, NAN);
-        ss_assay_plan_tool(&plan, 1e-3 * k, k, pose.position, pose.orientation);
+        ss_stress_case_plan_tool(&plan, 1e-3 * k, k, pose.position, pose.orientation);
         memcpy(before, world->probe[0].last.orientation, sizeof before);
         softsim_tick((softsim_world *)world, &pose, &channel, 1, force);
         ss_world_settle(world);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* The headless world on the bundled kidney: entry, two tools, the ledger, the schedule. */
+/* The headless world on the bundled kidney: entry, two tools, the energy balance, the schedule. */
 #include "common/effort.h"
 #include "kidney_fixture.h"
 
@@ -22,7 +22,7 @@ static void an_organ_is_felt_and_comes_back(void **state)
 }
 
 /* Two spheres that meet, part and cross each other's dents: nothing comes from nowhere. */
-static void two_tools_close_together_keep_the_ledger(void **state)
+static void two_tools_close_together_keep_the_energy_balance(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
@@ -45,7 +45,8 @@ static void two_tools_close_together_keep_the_ledger(void **state)
         largest = fmax(largest, s.elastic_j);
         worst = fmax(worst, s.elastic_j + s.kinetic_j + s.dissipated_j - s.work_j);
     }
-    print_message("ledger: gained at most %.3g of the largest stored energy\n", worst / largest);
+    print_message("energy balance: gained at most %.3g of the largest stored energy\n",
+                  worst / largest);
     assert_true(worst <= 5e-3 * largest);
     softsim_destroy(&world);
 }
@@ -211,7 +212,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_organ_is_felt_and_comes_back),
-        cmocka_unit_test(two_tools_close_together_keep_the_ledger),
+        cmocka_unit_test(two_tools_close_together_keep_the_energy_balance),
         cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
         cmocka_unit_test(results_come_one_period_late),
         cmocka_unit_test(a_tool_that_stands_beside_the_body_repeats_no_substep),

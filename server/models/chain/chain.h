@@ -44,7 +44,7 @@ typedef enum ss_chain_unloading {
 
 /* How far something has pushed in, for the unloading rules. */
 typedef struct ss_chain_drive {
-    double depth, most; /* m, now and since it began; both 0 where nothing is driven */
+    double depth, most; /* m, now and since it began; both 0 where nothing is prescribed */
     bool is_falling;
 } ss_chain_drive;
 
@@ -56,12 +56,12 @@ typedef struct ss_chain_tool {
     ss_chain_drive drive;
 } ss_chain_tool;
 
-typedef struct ss_chain_driven {
-    ss_driven_set set;
+typedef struct ss_chain_prescribed {
+    ss_prescribed_set set;
     bool is_moving;
     double reaction[3]; /* N, of the support on the body */
     ss_chain_drive drive;
-} ss_chain_driven;
+} ss_chain_prescribed;
 
 typedef struct ss_chain_coarse ss_chain_coarse; /* coarse.c */
 typedef struct ss_chain_guard ss_chain_guard;   /* guard.c */
@@ -89,7 +89,7 @@ struct ss_model {
     double diagonal;    /* m */
     double small;       /* J: what is not judged */
     bool is_held;       /* supports stop every rigid motion */
-    uint8_t *is_bound;  /* nodes with a fixed or driven axis */
+    uint8_t *is_bound;  /* nodes with a fixed or prescribed axis */
     uint8_t *is_placed; /* scratch: nodes of the set that is moved */
     int32_t *fixed;     /* nodes with a fixed axis */
     int32_t fixed_count;
@@ -99,13 +99,13 @@ struct ss_model {
     ss_tools tools;
     ss_chain_tool tool[SOFTSIM_MAX_PROBES];
     ss_loads loads;
-    ss_chain_driven *driven;
+    ss_chain_prescribed *prescribed;
     ss_real *current; /* of loads, m, quads */
     bool has_current;
     /* state */
     ss_real *u, *v;
     double ratio;     /* of alpha: 1, less while unloading */
-    bool has_touched; /* something has driven it since rest */
+    bool has_touched; /* something has moved it since rest */
     int64_t step;
     int64_t fitted_step;    /* that the contact surface was last refitted before; -1 never */
     double work, load_work; /* J; of it by loads and supports */
@@ -168,10 +168,10 @@ double ss_chain_stable_step(const ss_model *model);
 softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error);
 /* Currents of the loads at `time`, which is the middle of the step. */
 void ss_chain_loads_update(ss_model *model, double time);
-/* Where driven nodes go in the outer step that ends at `time`. */
-void ss_chain_driven_update(ss_model *model, double time);
+/* Where prescribed nodes go in the outer step that ends at `time`. */
+void ss_chain_prescribed_update(ss_model *model, double time);
 /* Puts them at `path` (0..1) of it and books the work. */
-void ss_chain_driven_place(ss_model *model, double path);
+void ss_chain_prescribed_place(ss_model *model, double path);
 /* What the links of some nodes store, J. */
 double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *node);
 /* Adds currents to pull. */

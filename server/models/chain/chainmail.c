@@ -254,7 +254,7 @@ static void relax(ss_model *model)
 
 /* ---- sponsors ---- */
 
-static void move_driven(ss_model *model, double time)
+static void move_prescribed(ss_model *model, double time)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
         const ss_prescribed *set = &model->plan.prescribed[s];
@@ -263,7 +263,7 @@ static void move_driven(ss_model *model, double time)
             bool is_moving = false;
             for (int k = 0; k < 3; ++k) {
                 ss_real *u = &model->u[4 * (ptrdiff_t)set->node[i] + k];
-                if (ss_plan_is_driven(set, i, k)) {
+                if (ss_plan_is_prescribed(set, i, k)) {
                     const ss_real to = (ss_real)(share * set->displacement[i][k]);
                     is_moving = is_moving || to != *u;
                     *u = to;
@@ -290,7 +290,7 @@ static void step(ss_model *model, double time, double dt,
     memset(model->held, 0, (size_t)model->node_count);
     ss_mail_refit(model, model->step);
     for (int32_t p = 1; p <= parts; ++p) {
-        move_driven(model, time + dt * p / parts);
+        move_prescribed(model, time + dt * p / parts);
         ss_mail_tools_move(model, (double)p / parts);
         propagate(model);
     }
@@ -368,7 +368,7 @@ static void set_material(ss_model *model)
         const ss_prescribed *set = &plan->prescribed[s];
         for (int32_t i = 0; i < set->node_count; ++i) {
             for (int k = 0; k < 3; ++k) {
-                if (ss_plan_is_driven(set, i, k)) {
+                if (ss_plan_is_prescribed(set, i, k)) {
                     model->bound[set->node[i]] |= (uint8_t)(1u << k);
                 }
             }

@@ -131,8 +131,8 @@ static void reset(ss_model *model)
     model->age = 0;
     ss_loads_reset(&model->loads);
     for (int32_t k = 0; k < model->plan.prescribed_count; ++k) {
-        model->driven[k].drive = (ss_chain_drive){0};
-        ss_set3(model->driven[k].reaction, 0.0, 0.0, 0.0);
+        model->prescribed[k].drive = (ss_chain_drive){0};
+        ss_set3(model->prescribed[k].reaction, 0.0, 0.0, 0.0);
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
     if (model->tools.surface) {
@@ -247,7 +247,7 @@ static void reaction(const ss_model *model, int32_t set, double out_force[3])
     const bool is_set = set >= 0 && set < model->plan.prescribed_count;
     ss_set3(out_force, 0.0, 0.0, 0.0);
     if (is_set || set == -1) {
-        ss_copy3(out_force, is_set ? model->driven[set].reaction : model->fixed_reaction);
+        ss_copy3(out_force, is_set ? model->prescribed[set].reaction : model->fixed_reaction);
     }
 }
 
@@ -264,7 +264,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     hash = ss_hash_bytes(hash, &model->ratio, sizeof model->ratio);
     hash = ss_hash_bytes(hash, &model->has_touched, sizeof model->has_touched);
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        hash = hash_drive(hash, &model->driven[s].drive);
+        hash = hash_drive(hash, &model->prescribed[s].drive);
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &model->tools.tool[k];

@@ -9,19 +9,19 @@
  *
  * Phi, of hats.c: hat weights (1 - r/(1.8 s))^2 of every chain element over the coarse cells around
  * it, at farthest points with mean spacing s; rows sum to 1, and are 0 for elements that are fixed,
- * driven, under a tool or saturated (D is made for links, and far too large for what draws a cell
- * back by itself). L: the Laplacian of all links with weight w/2, an upper bound of the Hessian of
- * W whatever is slack, and the leak (dP has it too: with the leak on the fine cells alone the
- * equilibrium under a load would be another); lambda its largest eigenvalue. The metric 1 + Phi D
- * Phi' is constant and positive: still a gradient flow of the same W with the same equilibria,
- * stable for h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine network
- * alone spreads by diffusion, at a time that grows with the square of the distance, each coarse
- * step spreads over the body at once.
+ * prescribed, under a tool or saturated (D is made for links, and far too large for what draws a
+ * cell back by itself). L: the Laplacian of all links with weight w/2, an upper bound of the
+ * Hessian of W whatever is slack, and the leak (dP has it too: with the leak on the fine cells
+ * alone the equilibrium under a load would be another); lambda its largest eigenvalue. The metric 1
+ * + Phi D Phi' is constant and positive: still a gradient flow of the same W with the same
+ * equilibria, stable for h < 2 C/lambda_max((1 + Phi D Phi') L), by power iteration. What the fine
+ * network alone spreads by diffusion, at a time that grows with the square of the distance, each
+ * coarse step spreads over the body at once.
  *
  * Aggregated cells (`cells: N`) are the same hats used instead of the fine cells: away from tools
  * P = P0 + Phi x and C m_j dx_j/dt = (Phi' dP)_j, m_j the elements of cell j: the drag of the
  * full model, and a descent of the same W. |Phi m^-1 Phi'| <= 1 keeps it stable wherever the fine
- * cells are; its own, longer step follows from power iteration. Elements near tools and driven
+ * cells are; its own, longer step follows from power iteration. Elements near tools and prescribed
  * cells are cells of their own as well, stepped at their own pace while the far field rests (each
  * in turn is a descent), and stay so for a while after.
  *
@@ -308,7 +308,7 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
     return ss_arena_status(arena);
 }
 
-/* Fixed and driven elements take no part; the others make Phi'LPhi, or m. */
+/* Fixed and prescribed elements take no part; the others make Phi'LPhi, or m. */
 static void admit_elements(ss_model *model)
 {
     ss_chain_coarse *coarse = model->coarse;
@@ -500,14 +500,14 @@ static void own_around(ss_model *model, const double middle[3], double radius)
 }
 
 /* The elements of the sets that move, and those up to so many links away. */
-static void own_driven(ss_model *model)
+static void own_prescribed(ss_model *model)
 {
     ss_chain_coarse *coarse = model->coarse;
     const ss_chain_net *net = model->net;
     int32_t first = 0, count = 0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        const ss_prescribed *set = model->driven[s].set.plan;
-        for (int32_t i = 0; model->driven[s].is_moving && i < set->node_count; ++i) {
+        const ss_prescribed *set = model->prescribed[s].set.plan;
+        for (int32_t i = 0; model->prescribed[s].is_moving && i < set->node_count; ++i) {
             if (coarse->own[set->node[i]] != OWN_LINGER) {
                 own(model, set->node[i]);
                 coarse->queue[count++] = set->node[i];
@@ -537,7 +537,7 @@ void ss_chain_refine(ss_model *model)
             memset(model->mobility + 4 * (ptrdiff_t)i, 0, 4 * sizeof *model->mobility);
         }
     }
-    own_driven(model); /* first: it knows by the count what it has seen */
+    own_prescribed(model); /* first: it knows by the count what it has seen */
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &model->tools.tool[k];
         if (tool->is_present) {

@@ -7,7 +7,7 @@
  * The paper moves one contact point by the input displacement. A tool touches a surface: its
  * samples x_q = sum_i B_qi P_i inside the tool are to be put back on its skin. Cell i is asked to
  * move by f_i/D_i, with f_i = sum_q A_q kc B_qi c(d_q) n_q and D_i = sum_q A_q kc B_qi c'(d_q)
- * (contact/touch.c has c), and is held there as firmly as D_i is beside its links. That is the mean
+ * (contact/query.c has c), and is held there as firmly as D_i is beside its links. That is the mean
  * of its samples' depths where none is deeper than 0.3 r, r the tool's inradius; c is so much
  * harder beyond that one which is comes up to 0.27 r and all the way in the next sub-step:
  *
@@ -212,7 +212,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             base->pose = base->from;
         }
         if (base->is_present && news != SS_TOOL_KEPT) {
-            ss_touch_gather(base->touch, model->u, &base->pose, &base->pose);
+            ss_contact_query_broad_phase(base->query, model->u, &base->pose, &base->pose);
             evaluate(model, base);
         }
         /* A jump's energy is the tool's work. */
@@ -231,7 +231,8 @@ int32_t ss_chain_tools_substeps(ss_model *model)
         }
         const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
         const double most = 0.25 * fmin(tool->radius, model->net->mean_length);
-        if (way > most && ss_touch_gather(tool->touch, model->u, &tool->from, &tool->to) > 0) {
+        if (way > most &&
+            ss_contact_query_broad_phase(tool->query, model->u, &tool->from, &tool->to) > 0) {
             steps = fmax(steps, ceil(way / most - 1e-9));
         }
     }
@@ -288,14 +289,14 @@ static void list_touched(ss_model *model, const int32_t *node, int32_t count)
 }
 
 /* Moves the tool on to `path`; what it stores more with all cells where they are is its work. */
-static void touch(ss_model *model, ss_chain_tool *own, bool is_first, double path)
+static void query(ss_model *model, ss_chain_tool *own, bool is_first, double path)
 {
     ss_tool *tool = own->base;
     ss_tool_pose start;
     const int32_t *node;
     start = tool->pose;
     ss_tool_pose_blend(&tool->from, &tool->to, path, &tool->pose);
-    ss_touch_gather(tool->touch, model->u, &start, &tool->pose);
+    ss_contact_query_broad_phase(tool->query, model->u, &start, &tool->pose);
     if (!is_first) { /* else known from the end of the last step */
         const ss_tool_pose next = tool->pose;
         tool->pose = start;
@@ -304,8 +305,8 @@ static void touch(ss_model *model, ss_chain_tool *own, bool is_first, double pat
     }
     const double before = ss_tool_energy(tool);
     ss_tools_press(&model->tools, tool, model->u, model->contact, model->contact);
-    ss_touch_diagonal(tool->touch, model->firmness);
-    const int32_t count = ss_touch_reach(tool->touch, &node);
+    ss_contact_query_diagonal(tool->query, model->firmness);
+    const int32_t count = ss_contact_query_reach(tool->query, &node);
     model->work += ss_tool_energy(tool) - before;
     own->is_touching = ss_tool_is_touching(tool);
     own->drive.depth = own->is_touching ? depth_of(model, node, count) : 0.0;
@@ -329,7 +330,7 @@ void ss_chain_tools_touch(ss_model *model, bool is_first, double path)
     forget_touched(model);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tools.tool[k].is_present) {
-            touch(model, &model->tool[k], is_first, path);
+            query(model, &model->tool[k], is_first, path);
         }
     }
 }
@@ -423,7 +424,7 @@ static void feel(ss_model *model, ss_tool *tool, const double normal[3], double 
     const double k_cc = push_along(model, tool, normal);
     const int32_t *reach;
     double gain = 0.0, cost = 0.0, drag = 0.0;
-    const int32_t reach_count = ss_touch_reach(tool->touch, &reach);
+    const int32_t reach_count = ss_contact_query_reach(tool->query, &reach);
     const int32_t *const list[2] = {reach, tool->grasp.node};
     const int32_t count[2] = {reach_count, tool->grasp.count};
     for (int l = 0; l < 2; ++l) {

@@ -8,7 +8,8 @@
  * sampled there too, F = -(2 k dP + f): what the links pull after the cells were moved; sampled
  * after the answer they would miss the part that decays within a sub-step.
  *
- * The work of a driven cell is the change of W while the others stand still, from its own links.
+ * The work of a prescribed cell is the change of W while the others stand still, from its own
+ * links.
  */
 #include <math.h>
 #include <string.h>
@@ -17,13 +18,13 @@
 
 /* ---- set-up ---- */
 
-static void create_driven(ss_model *model, int32_t which)
+static void create_prescribed(ss_model *model, int32_t which)
 {
     const ss_prescribed *set = &model->plan.prescribed[which];
-    ss_driven_set_init(&model->driven[which].set, set, &model->arena);
+    ss_prescribed_set_init(&model->prescribed[which].set, set, &model->arena);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            if (ss_plan_is_driven(set, i, k)) {
+            if (ss_plan_is_prescribed(set, i, k)) {
                 model->free[4 * (ptrdiff_t)set->node[i] + k] = 0;
                 model->is_bound[set->node[i]] = 1;
             }
@@ -56,10 +57,11 @@ softsim_status ss_chain_loads_create(ss_model *model, softsim_error *error)
     ss_arena *arena = &model->arena;
     softsim_status status =
         ss_loads_create(&model->loads, plan, "cnn-chainmail", false, arena, error);
-    model->driven = ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->driven);
+    model->prescribed =
+        ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->prescribed);
     status = status == SOFTSIM_OK ? set_fixed(model) : status;
-    for (int32_t k = 0; model->driven && k < plan->prescribed_count; ++k) {
-        create_driven(model, k);
+    for (int32_t k = 0; model->prescribed && k < plan->prescribed_count; ++k) {
+        create_prescribed(model, k);
     }
     return status == SOFTSIM_OK ? ss_arena_status(arena) : status;
 }
@@ -99,27 +101,27 @@ double ss_chain_loads_work(const ss_model *model, double sign)
     return sign * 2.0 * model->k * work;
 }
 
-/* ---- driven cells ---- */
+/* ---- prescribed cells ---- */
 
-void ss_chain_driven_update(ss_model *model, double time)
+void ss_chain_prescribed_update(ss_model *model, double time)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        ss_chain_driven *driven = &model->driven[s];
-        const ss_prescribed *set = driven->set.plan;
+        ss_chain_prescribed *prescribed = &model->prescribed[s];
+        const ss_prescribed *set = prescribed->set.plan;
         double middle[3] = {0.0, 0.0, 0.0};
-        driven->is_moving = false;
-        ss_driven_set_aim(&driven->set, model->u, time);
+        prescribed->is_moving = false;
+        ss_prescribed_set_aim(&prescribed->set, model->u, time);
         for (int32_t i = 0; i < set->node_count; ++i) {
-            double *from = driven->set.from[i], *to = driven->set.to[i];
+            double *from = prescribed->set.from[i], *to = prescribed->set.to[i];
             for (int k = 0; k < 3; ++k) {
-                if (ss_plan_is_driven(set, i, k)) {
+                if (ss_plan_is_prescribed(set, i, k)) {
                     to[k] = (double)(ss_real)to[k];
-                    driven->is_moving = driven->is_moving || from[k] != to[k];
+                    prescribed->is_moving = prescribed->is_moving || from[k] != to[k];
                     middle[k] += to[k] / set->node_count;
                 }
             }
         }
-        driven->drive.depth = ss_norm3(middle);
+        prescribed->drive.depth = ss_norm3(middle);
     }
 }
 
@@ -173,19 +175,19 @@ double ss_chain_energy_around(ss_model *model, int32_t count, const int32_t *nod
     return 2.0 * model->k * energy;
 }
 
-void ss_chain_driven_place(ss_model *model, double path)
+void ss_chain_prescribed_place(ss_model *model, double path)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        ss_chain_driven *driven = &model->driven[s];
-        const ss_prescribed *set = driven->set.plan;
-        if (!driven->is_moving) {
+        ss_chain_prescribed *prescribed = &model->prescribed[s];
+        const ss_prescribed *set = prescribed->set.plan;
+        if (!prescribed->is_moving) {
             continue;
         }
         const double before = ss_chain_energy_around(model, set->node_count, set->node);
         for (int32_t i = 0; i < set->node_count; ++i) {
-            const double *from = driven->set.from[i], *to = driven->set.to[i];
+            const double *from = prescribed->set.from[i], *to = prescribed->set.to[i];
             for (int k = 0; k < 3; ++k) {
-                if (ss_plan_is_driven(set, i, k)) {
+                if (ss_plan_is_prescribed(set, i, k)) {
                     const double at = path < 1.0 ? from[k] + path * (to[k] - from[k]) : to[k];
                     model->u[4 * (ptrdiff_t)set->node[i] + k] = (ss_real)at;
                 }
@@ -216,11 +218,11 @@ static void add_fixed(ss_model *model, int32_t node)
 void ss_chain_sample_reactions(ss_model *model, bool is_full)
 {
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        ss_chain_driven *driven = &model->driven[s];
-        const ss_prescribed *set = driven->set.plan;
-        ss_set3(driven->reaction, 0.0, 0.0, 0.0);
+        ss_chain_prescribed *prescribed = &model->prescribed[s];
+        const ss_prescribed *set = prescribed->set.plan;
+        ss_set3(prescribed->reaction, 0.0, 0.0, 0.0);
         for (int32_t i = 0; i < set->node_count; ++i) {
-            add_support(model, set->node[i], ss_plan_driven_axes(set, i), driven->reaction);
+            add_support(model, set->node[i], ss_plan_driven_axes(set, i), prescribed->reaction);
         }
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);

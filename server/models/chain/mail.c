@@ -6,7 +6,7 @@
  * sets.
  */
 
-/* Fixed and driven axes stay. Rounded as it is stored. */
+/* Fixed and prescribed axes stay. Rounded as it is stored. */
 void ss_mail_move_to(ss_model *model, int32_t node, const double u[3])
 {
     for (int k = 0; k < 3; ++k) {

@@ -54,7 +54,7 @@ struct ss_model {
     int32_t heap_count;
     ss_real *push; /* scratch of contact */
     double *weight;
-    uint8_t *bound; /* axes of a node that are fixed or driven: bits 0 to 2 */
+    uint8_t *bound; /* axes of a node that are fixed or prescribed: bits 0 to 2 */
     uint8_t *held;  /* by tools, in this step: a bit each */
     int64_t step;
     int64_t fitted_step; /* that the surface was last refitted before; -1 never */
@@ -67,7 +67,7 @@ struct ss_model {
 
 /* ---- mail.c ---- */
 
-/* Moves a node; fixed and driven axes stay. */
+/* Moves a node; fixed and prescribed axes stay. */
 void ss_mail_move_to(ss_model *model, int32_t node, const double u[3]);
 /* A node that was moved asks its neighbours in the next propagation. */
 void ss_mail_sponsor(ss_model *model, int32_t node);

@@ -73,9 +73,9 @@ static int32_t push_out(ss_model *model, const ss_mail_tool *tool)
     double force[3] = {0.0}, torque[3] = {0.0};
     const int32_t *node;
     int32_t pushed = 0;
-    (void)ss_touch_penalty(base->touch, model->u, &base->pose, model->push, force, torque);
-    ss_touch_diagonal(base->touch, model->weight);
-    const int32_t count = ss_touch_reach(base->touch, &node);
+    (void)ss_contact_query_penalty(base->query, model->u, &base->pose, model->push, force, torque);
+    ss_contact_query_diagonal(base->query, model->weight);
+    const int32_t count = ss_contact_query_reach(base->query, &node);
     for (int32_t k = 0; k < count; ++k) {
         const int32_t i = node[k];
         ss_real *f = model->push + 4 * (ptrdiff_t)i;
@@ -123,7 +123,7 @@ void ss_mail_tools_move(ss_model *model, double path)
         ss_tool_pose_blend(&base->from, &base->to, path, &base->pose);
         carry(model, &model->tool[k]);
         for (int pass = 0; pass < PUSH_PASSES; ++pass) {
-            ss_touch_gather(base->touch, model->u, &start, &base->pose);
+            ss_contact_query_broad_phase(base->query, model->u, &start, &base->pose);
             if (push_out(model, &model->tool[k]) == 0) {
                 break;
             }
@@ -163,9 +163,9 @@ static void measure_dent(ss_model *model, ss_mail_tool *tool)
     const double *weight;
     double total = 0.0, sum = 0.0;
     ss_contact_set set;
-    ss_touch_contacts(base->touch, model->u, &base->pose, base->radius, &set);
+    ss_contact_query_contacts(base->query, model->u, &base->pose, base->radius, &set);
     const int32_t count =
-        ss_touch_weigh(base->touch, model->u, NULL, &base->pose, &node, &weight, &total);
+        ss_contact_query_weigh(base->query, model->u, NULL, &base->pose, &node, &weight, &total);
     for (int32_t k = 0; k < count; ++k) {
         for (int a = 0; a < 3; ++a) {
             const ptrdiff_t at = 4 * (ptrdiff_t)node[k] + a;
@@ -183,8 +183,8 @@ void ss_mail_tools_measure(ss_model *model)
         ss_tool *base = &model->tools.tool[k];
         double force[3] = {0.0}, torque[3] = {0.0};
         if (base->is_present) { /* for contacts() */
-            ss_touch_gather(base->touch, model->u, &base->pose, &base->pose);
-            (void)ss_touch_penalty(base->touch, model->u, &base->pose, NULL, force, torque);
+            ss_contact_query_broad_phase(base->query, model->u, &base->pose, &base->pose);
+            (void)ss_contact_query_penalty(base->query, model->u, &base->pose, NULL, force, torque);
             if (model->tool[k].is_touching) {
                 measure_dent(model, &model->tool[k]);
             }
@@ -233,7 +233,7 @@ void ss_mail_contacts(ss_model *model, int32_t probe, double near, ss_contact_se
         return;
     }
     const double dent = model->tool[probe].dent;
-    ss_touch_contacts(tool->touch, model->u, &tool->pose, near, out);
+    ss_contact_query_contacts(tool->query, model->u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_set3(out->force, 0.0, 0.0, 0.0);
     ss_set3(out->torque, 0.0, 0.0, 0.0);

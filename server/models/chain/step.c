@@ -3,9 +3,9 @@
 #include "models/chain/chain.h"
 /*
  * Time: an outer step in equal sub-steps of explicit Euler, each in the paper's order: what is
- * prescribed moves first (driven cells, tools), forces are sampled, then all other cells answer.
- * Where the budget of sub-steps is not enough for the time, what is prescribed moves by the share
- * of its way that the time is simulated.
+ * prescribed moves first (prescribed cells, tools), forces are sampled, then all other cells
+ * answer. Where the budget of sub-steps is not enough for the time, what is prescribed moves by the
+ * share of its way that the time is simulated.
  *
  * Which links are looked at (the front): a group of links is left out while all its links are slack
  * and none of its nodes has moved since it was last looked at; it would add exactly 0. Groups and
@@ -15,13 +15,13 @@
  * again after a while. The coarse level and saturation touch every node: no front with them.
  *
  * Energy: E = 2 k W + contact, at the moment after the prescribed motion. Work is counted by what
- * does it: exactly for driven cells, loads and tools (the change of E, or I.du, while only they
+ * does it: exactly for prescribed cells, loads and tools (the change of E, or I.du, while only they
  * move); what a change of alpha and the tetrahedron guard change of W is work too. Dissipation is
  * not counted by itself: sum of C |du|^2/h is up to ten times the loss at the largest stable step,
- * and a better rule would cost a second look at all links. It is what work leaves, and the ledger
- * is therefore blind to energy that is lost; but it never falls. Euler at a stable step only loses
- * (material.c), so energy that comes from nowhere, all at once or creeping in, stays in the
- * ledger as stored + dissipated - work > 0, and beyond rounding the verdict says so.
+ * and a better rule would cost a second look at all links. It is what work leaves, and the energy
+ * balance is therefore blind to energy that is lost; but it never falls. Euler at a stable step
+ * only loses (material.c), so energy that comes from nowhere, all at once or creeping in, stays in
+ * the energy balance as stored + dissipated - work > 0, and beyond rounding the verdict says so.
  *
  * Unloading ("chain links restored to their initial lengths"): alpha falls with the depth of the
  * deepest-pressed contact, alpha d/d_max (ramp), or to 0 as soon as one goes back (literal, which
@@ -50,7 +50,7 @@ static void fault(ss_model *model)
     memset(model->u, 0, bytes);
     memset(model->pull, 0, bytes);
     for (int32_t k = 0; k < model->plan.prescribed_count; ++k) {
-        ss_set3(model->driven[k].reaction, 0.0, 0.0, 0.0);
+        ss_set3(model->prescribed[k].reaction, 0.0, 0.0, 0.0);
     }
     ss_set3(model->fixed_reaction, 0.0, 0.0, 0.0);
     if (model->tools.surface) {
@@ -90,8 +90,8 @@ static double wanted_ratio(ss_model *model)
         }
     }
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        if (model->driven[s].drive.depth > 0.0 || model->driven[s].drive.most > 0.0) {
-            wish = fmax(wish, share_of(model, &model->driven[s].drive));
+        if (model->prescribed[s].drive.depth > 0.0 || model->prescribed[s].drive.most > 0.0) {
+            wish = fmax(wish, share_of(model, &model->prescribed[s].drive));
         }
     }
     wish = model->has_current ? 1.0 : wish;
@@ -313,7 +313,7 @@ static bool take_substep(ss_model *model, int32_t index, int32_t count, double h
 {
     ss_chain_front *front = &model->front;
     const double path = share * (index + 1) / count;
-    ss_chain_driven_place(model, path);
+    ss_chain_prescribed_place(model, path);
     ss_chain_tools_touch(model, index == 0, path);
     if (isfinite(model->saturation)) {
         saturate(model);
@@ -378,7 +378,7 @@ static void keep_volumes(ss_model *model)
     enum { HALVINGS = 8, PASSES = 10 };
     bool is_held = true, is_alone = !ss_chain_is_aggregated(model);
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        is_held = is_held && !model->driven[s].is_moving;
+        is_held = is_held && !model->prescribed[s].is_moving;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         is_alone = is_alone && !model->tools.tool[k].is_present;
@@ -416,15 +416,15 @@ static void judge_turned(ss_model *model)
 
 /* ---- the outer step ---- */
 
-/* Sub-steps that driven cells ask for: a quarter of a link each. */
-static double driven_substeps(ss_model *model)
+/* Sub-steps that prescribed cells ask for: a quarter of a link each. */
+static double prescribed_substeps(ss_model *model)
 {
     double way = 0.0;
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {
-        const ss_chain_driven *driven = &model->driven[s];
-        for (int32_t i = 0; driven->is_moving && i < driven->set.plan->node_count; ++i) {
+        const ss_chain_prescribed *prescribed = &model->prescribed[s];
+        for (int32_t i = 0; prescribed->is_moving && i < prescribed->set.plan->node_count; ++i) {
             double d[3];
-            ss_sub3(d, driven->set.to[i], driven->set.from[i]);
+            ss_sub3(d, prescribed->set.to[i], prescribed->set.from[i]);
             way = fmax(way, ss_norm3(d));
         }
     }
@@ -447,10 +447,10 @@ void ss_chain_step(ss_model *model, double time, double dt,
     model->worst_element = -1;
     ss_chain_tools_take(model, tool);
     ss_chain_loads_update(model, time + 0.5 * dt);
-    ss_chain_driven_update(model, time + dt);
+    ss_chain_prescribed_update(model, time + dt);
     const double stable = ss_chain_stable_step(model), most = model->plan.max_substeps;
     const double by_time = fmax(1.0, ceil(dt / stable - 1e-9));
-    const double by_way = fmax(ss_chain_tools_substeps(model), driven_substeps(model));
+    const double by_way = fmax(ss_chain_tools_substeps(model), prescribed_substeps(model));
     const int32_t count = (int32_t)fmin(fmax(by_time, by_way), most);
     const double h = fmin(dt / count, stable);
     const double share = by_time > most ? count * h / dt : 1.0;

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/cnn/cnn.h"
 /*
- * The active window: a step costs the nodes that a load has in its reach, not the whole surface.
+ * The active set: a step costs the nodes that a load has in its reach, not the whole surface.
  *
  * Far from a contact the nodes do not rest: the network's tension falls as one over the distance
  * squared, so that on an organ of 100 mm no node is below 1e-4 of the largest displacement. But
@@ -19,8 +19,8 @@
  * coordinates of the same potential: with G_kl = sum over still nodes b_k.b_l / m they add
  * -sum_l y_l G_lk to eps_k, w G w / 2 to the kinetic energy, (ks/m) y G y / 2 to the elastic one
  * and (gamma/m) w G w to the losses, and Runge-Kutta takes them along. Force, energy and pressure
- * of the far field are therefore all there, and the ledger closes; what is neglected is the force
- * c1 L u on still nodes alone.
+ * of the far field are therefore all there, and the energy balance closes; what is neglected is the
+ * force c1 L u on still nodes alone.
  *
  * Blocks of 64 consecutive nodes are active or still as a whole. At every fourth sub-step, and at a
  * blow sooner, each
@@ -30,7 +30,7 @@
  * size (it is not small beside held cells, however far from the contact). Beyond the tolerance
  * times the largest displacement a still block becomes active, from its place in the far field,
  * without a jump; below half of it an active one becomes still, and steps into its place, by less
- * than that. What this changes in the energy is booked as loss. Blocks with loaded, driven or
+ * than that. What this changes in the energy is booked as loss. Blocks with loaded, prescribed or
  * partly fixed nodes stay active.
  *
  * While blocks change they are looked at after every sub-step, and a front then moves one block (8
@@ -82,7 +82,7 @@ static bool find_rates(const ss_model *model, double *out_damping_rate, double *
            high[0] <= (1.0 + SAME_RATE) * low[0];
 }
 
-/* Why this plan has no window; NULL where it may have one. */
+/* Why this plan has no active set; NULL where it may have one. */
 static const char *find_reason(const ss_model *model, double *out_damping_rate, double *out_rate2)
 {
     const bool has_tool = ss_plan_tool_count(&model->plan) > 0;
@@ -113,31 +113,31 @@ static const char *find_reason(const ss_model *model, double *out_damping_rate, 
     return NULL;
 }
 
-static void pin(ss_cnn_window *window, int32_t count, const int32_t *node)
+static void pin(ss_cnn_active_set *set, int32_t count, const int32_t *node)
 {
     for (int32_t k = 0; k < count; ++k) {
-        window->is_pinned[node[k] / window->block_size] = 1;
+        set->is_pinned[node[k] / set->block_size] = 1;
     }
 }
 
-static void pin_blocks(const ss_model *model, ss_cnn_window *window)
+static void pin_blocks(const ss_model *model, ss_cnn_active_set *set)
 {
-    pin(window, model->loads.node_count, model->loads.node);
+    pin(set, model->loads.node_count, model->loads.node);
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        pin(window, model->plan.prescribed[p].node_count, model->plan.prescribed[p].node);
+        pin(set, model->plan.prescribed[p].node_count, model->plan.prescribed[p].node);
     }
     for (int32_t i = 0; i < model->node_count; ++i) {
         const int axes = model->plan.fixed[i] & 7;
         if (axes != 0 && axes != 7) {
-            pin(window, 1, &i);
+            pin(set, 1, &i);
         }
     }
 }
 
 /* Adds block `b` to the neighbours of `a`, counted from near_first[a]; each once. */
-static void add_near(ss_cnn_window *window, int32_t *count, int32_t a, int32_t b)
+static void add_near(ss_cnn_active_set *set, int32_t *count, int32_t a, int32_t b)
 {
-    int32_t *near = window->near + window->near_first[a];
+    int32_t *near = set->near + set->near_first[a];
     for (int32_t k = 0; k < count[a]; ++k) {
         if (near[k] == b) {
             return;
@@ -146,61 +146,60 @@ static void add_near(ss_cnn_window *window, int32_t *count, int32_t a, int32_t b
     near[count[a]++] = b;
 }
 
-static softsim_status find_near_blocks(ss_model *model, ss_cnn_window *window)
+static softsim_status find_near_blocks(ss_model *model, ss_cnn_active_set *set)
 {
     const ss_cnn_edges *edges = &model->network->edges;
-    const int32_t size = window->block_size;
-    int32_t *count = ss_memory_get((size_t)window->block_count, sizeof *count);
-    window->near_first =
-        ss_arena_get(&model->arena, (size_t)window->block_count + 1, sizeof(int32_t));
-    if (!count || !window->near_first) {
+    const int32_t size = set->block_size;
+    int32_t *count = ss_memory_get((size_t)set->block_count, sizeof *count);
+    set->near_first = ss_arena_get(&model->arena, (size_t)set->block_count + 1, sizeof(int32_t));
+    if (!count || !set->near_first) {
         ss_memory_free(count);
         return SOFTSIM_ERROR_MEMORY;
     }
     /* Room for every edge that crosses, then the ranges are closed up. */
     for (int32_t e = 0; e < edges->count; ++e) {
         const int32_t a = edges->from[e] / 4 / size, b = edges->to[e] / 4 / size;
-        window->near_first[a + 1] += a != b;
-        window->near_first[b + 1] += a != b;
+        set->near_first[a + 1] += a != b;
+        set->near_first[b + 1] += a != b;
     }
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        window->near_first[k + 1] += window->near_first[k];
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        set->near_first[k + 1] += set->near_first[k];
     }
-    const size_t crossing = (size_t)window->near_first[window->block_count];
-    window->near = ss_arena_get(&model->arena, crossing, sizeof *window->near);
-    for (int32_t e = 0; window->near && e < edges->count; ++e) {
+    const size_t crossing = (size_t)set->near_first[set->block_count];
+    set->near = ss_arena_get(&model->arena, crossing, sizeof *set->near);
+    for (int32_t e = 0; set->near && e < edges->count; ++e) {
         const int32_t a = edges->from[e] / 4 / size, b = edges->to[e] / 4 / size;
         if (a != b) {
-            add_near(window, count, a, b);
-            add_near(window, count, b, a);
+            add_near(set, count, a, b);
+            add_near(set, count, b, a);
         }
     }
     int32_t end = 0;
-    for (int32_t k = 0; window->near && k < window->block_count; ++k) {
-        const int32_t first = window->near_first[k];
-        window->near_first[k] = end;
-        memmove(window->near + end, window->near + first, (size_t)count[k] * sizeof(int32_t));
+    for (int32_t k = 0; set->near && k < set->block_count; ++k) {
+        const int32_t first = set->near_first[k];
+        set->near_first[k] = end;
+        memmove(set->near + end, set->near + first, (size_t)count[k] * sizeof(int32_t));
         end += count[k];
     }
-    window->near_first[window->block_count] = end;
+    set->near_first[set->block_count] = end;
     ss_memory_free(count);
-    return window->near ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    return set->near ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
 /* What leads the far nodes, and the products of it in every block. */
-static void set_modes(ss_model *model, ss_cnn_window *window)
+static void set_modes(ss_model *model, ss_cnn_active_set *set)
 {
-    const int32_t count = window->mode_count;
+    const int32_t count = set->mode_count;
     for (int32_t m = 0; m < count; ++m) {
-        window->f[m] = m < model->source_count ? model->source[m].b : model->normal;
+        set->f[m] = m < model->source_count ? model->source[m].b : model->normal;
     }
     for (int32_t i = 0; i < model->node_count; ++i) {
-        double *gram = window->gram + (size_t)(i / window->block_size) * (size_t)(count * count);
+        double *gram = set->gram + (size_t)(i / set->block_size) * (size_t)(count * count);
         for (int32_t m = 0; m < count; ++m) {
             for (int32_t l = 0; l < count; ++l) {
                 for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 3; ++at) {
-                    gram[m * count + l] += (double)window->f[m][at] * (double)window->f[l][at] *
-                                           (double)model->mobility[at];
+                    gram[m * count + l] +=
+                        (double)set->f[m][at] * (double)set->f[l][at] * (double)model->mobility[at];
                 }
             }
         }
@@ -208,12 +207,12 @@ static void set_modes(ss_model *model, ss_cnn_window *window)
 }
 
 /* What modes of unit size would do to a block through source k: see far_drive. */
-static void add_bend(const ss_model *model, const ss_cnn_window *window, int32_t k,
+static void add_bend(const ss_model *model, const ss_cnn_active_set *set, int32_t k,
                      ss_cnn_bend *bend)
 {
-    for (int32_t block = 0; block < window->block_count;
-         ++block, bend += model->source_count * window->mode_count) {
-        const int32_t first = block * window->block_size, next = first + window->block_size;
+    for (int32_t block = 0; block < set->block_count;
+         ++block, bend += model->source_count * set->mode_count) {
+        const int32_t first = block * set->block_size, next = first + set->block_size;
         const int32_t end = next < model->node_count ? next : model->node_count;
         double sum[3] = {0.0, 0.0, 0.0};
         for (int32_t i = first; i < end; ++i) {
@@ -222,8 +221,8 @@ static void add_bend(const ss_model *model, const ss_cnn_window *window, int32_t
             double alone = 0.0, together = 0.0;
             for (int a = 0; a < 3; ++a) {
                 const double force = (double)model->product[at + a];
-                const double way = force * (double)model->mobility[at + a] / window->rate2;
-                sum[a] += way / window->block_size;
+                const double way = force * (double)model->mobility[at + a] / set->rate2;
+                sum[a] += way / set->block_size;
                 alone += way * way;
                 together += model->mobility[at + a] > 0 ? force * force : 0.0;
             }
@@ -235,18 +234,18 @@ static void add_bend(const ss_model *model, const ss_cnn_window *window, int32_t
     }
 }
 
-static void set_bends(ss_model *model, ss_cnn_window *window)
+static void set_bends(ss_model *model, ss_cnn_active_set *set)
 {
     const ss_cnn_kernels *kernels = model->kernels;
-    for (int32_t l = 0; l < window->mode_count; ++l) {
+    for (int32_t l = 0; l < set->mode_count; ++l) {
         const double one = 1.0;
-        kernels->follow(&model->whole, 1, &window->f[l], &one, &one, model->mobility, model->us,
+        kernels->follow(&model->whole, 1, &set->f[l], &one, &one, model->mobility, model->us,
                         model->vs[0]);
         for (int32_t k = 0; k < model->source_count; ++k) {
             double ub, ur;
             kernels->product(&model->network->rows, &model->whole, model->source[k].kap, NULL,
                              model->us, model->product, &ub, &ur);
-            add_bend(model, window, k, window->bend + k * window->mode_count + l);
+            add_bend(model, set, k, set->bend + k * set->mode_count + l);
         }
     }
     const size_t bytes = ss_cnn_padded(model->node_count) * 4 * sizeof(ss_real);
@@ -255,27 +254,27 @@ static void set_bends(ss_model *model, ss_cnn_window *window)
     memset(model->product, 0, bytes);
 }
 
-static softsim_status allocate(ss_model *model, ss_cnn_window *window)
+static softsim_status allocate(ss_model *model, ss_cnn_active_set *set)
 {
-    const size_t blocks = (size_t)window->block_count, spans = blocks / 2 + 1;
-    const size_t modes = (size_t)window->mode_count;
+    const size_t blocks = (size_t)set->block_count, spans = blocks / 2 + 1;
+    const size_t modes = (size_t)set->mode_count;
     const size_t bends = blocks * modes * (size_t)model->source_count;
     ss_arena *arena = &model->arena;
-    ss_cnn_part *const part[] = {&window->active, &window->beside, &window->rim, &window->still};
+    ss_cnn_part *const part[] = {&set->active, &set->beside, &set->rim, &set->still};
     for (size_t k = 0; k < sizeof part / sizeof *part; ++k) {
         part[k]->span = ss_arena_get(arena, spans, sizeof *part[k]->span);
     }
-    window->is_pinned = ss_arena_get(arena, blocks, 1);
-    window->rank = ss_arena_get(arena, blocks, 1);
-    window->unrest = ss_arena_get(arena, blocks, sizeof *window->unrest);
-    window->gram = ss_arena_get(arena, blocks * modes * modes, sizeof *window->gram);
-    window->bend = ss_arena_get(arena, bends, sizeof *window->bend);
-    window->seam = ss_arena_get(arena, (size_t)model->node_count, sizeof *window->seam);
-    window->is_seam = ss_arena_get(arena, (size_t)model->node_count, 1);
+    set->is_pinned = ss_arena_get(arena, blocks, 1);
+    set->rank = ss_arena_get(arena, blocks, 1);
+    set->unrest = ss_arena_get(arena, blocks, sizeof *set->unrest);
+    set->gram = ss_arena_get(arena, blocks * modes * modes, sizeof *set->gram);
+    set->bend = ss_arena_get(arena, bends, sizeof *set->bend);
+    set->seam = ss_arena_get(arena, (size_t)model->node_count, sizeof *set->seam);
+    set->is_seam = ss_arena_get(arena, (size_t)model->node_count, 1);
     return ss_arena_status(arena);
 }
 
-softsim_status ss_cnn_window_create(ss_model *model)
+softsim_status ss_cnn_active_set_create(ss_model *model)
 {
     const ss_cnn_rows *rows = &model->network->rows;
     double damping_rate = 0.0, rate2 = 0.0;
@@ -283,23 +282,23 @@ softsim_status ss_cnn_window_create(ss_model *model)
     if (model->window_reason) {
         return SOFTSIM_OK;
     }
-    ss_cnn_window *window = model->window = ss_arena_get(&model->arena, 1, sizeof *window);
-    if (!window) {
+    ss_cnn_active_set *set = model->set = ss_arena_get(&model->arena, 1, sizeof *set);
+    if (!set) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    window->block_count = rows->block_count;
-    window->block_size = rows->block_size;
-    window->tolerance = model->material.window_tolerance;
-    window->floor = FLOOR_EDGES * model->network->mean_edge;
-    window->damping_rate = damping_rate;
-    window->rate2 = rate2;
-    window->mode_count = model->source_count + (model->normal ? 1 : 0);
-    softsim_status status = allocate(model, window);
-    status = status == SOFTSIM_OK ? find_near_blocks(model, window) : status;
+    set->block_count = rows->block_count;
+    set->block_size = rows->block_size;
+    set->tolerance = model->material.window_tolerance;
+    set->floor = FLOOR_EDGES * model->network->mean_edge;
+    set->damping_rate = damping_rate;
+    set->rate2 = rate2;
+    set->mode_count = model->source_count + (model->normal ? 1 : 0);
+    softsim_status status = allocate(model, set);
+    status = status == SOFTSIM_OK ? find_near_blocks(model, set) : status;
     if (status == SOFTSIM_OK) {
-        pin_blocks(model, window);
-        set_modes(model, window);
-        set_bends(model, window);
+        pin_blocks(model, set);
+        set_modes(model, set);
+        set_bends(model, set);
     }
     return status;
 }
@@ -309,15 +308,15 @@ softsim_status ss_cnn_window_create(ss_model *model)
 /* The blocks of ranks low to high, consecutive ones as one span. */
 static void set_part(const ss_model *model, int low, int high, ss_cnn_part *part)
 {
-    const ss_cnn_window *window = model->window;
+    const ss_cnn_active_set *set = model->set;
     const int32_t end = (int32_t)ss_cnn_padded(model->node_count);
     bool is_open = false;
     part->count = 0;
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        const bool is_in = window->rank[k] >= low && window->rank[k] <= high;
-        const int32_t next = (k + 1) * window->block_size;
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        const bool is_in = set->rank[k] >= low && set->rank[k] <= high;
+        const int32_t next = (k + 1) * set->block_size;
         if (is_in && !is_open) {
-            part->span[part->count++] = (ss_cnn_span){.node = k * window->block_size,
+            part->span[part->count++] = (ss_cnn_span){.node = k * set->block_size,
                                                       .group = model->network->rows.block_group[k]};
         }
         if (is_in) {
@@ -332,22 +331,22 @@ static void set_part(const ss_model *model, int low, int high, ss_cnn_part *part
 /* Still nodes that share an edge with an active one. */
 static void find_seam(const ss_model *model)
 {
-    ss_cnn_window *window = model->window;
+    ss_cnn_active_set *set = model->set;
     const ss_cnn_rows *rows = &model->network->rows;
-    for (int32_t k = 0; k < window->seam_count; ++k) {
-        window->is_seam[window->seam[k] / 4] = 0;
+    for (int32_t k = 0; k < set->seam_count; ++k) {
+        set->is_seam[set->seam[k] / 4] = 0;
     }
-    window->seam_count = 0;
-    for (int32_t s = 0; s < window->active.count; ++s) {
-        const ss_cnn_span *span = &window->active.span[s];
+    set->seam_count = 0;
+    for (int32_t s = 0; s < set->active.count; ++s) {
+        const ss_cnn_span *span = &set->active.span[s];
         for (int32_t g = span->group; g < span->group_end; ++g) {
             const ss_cnn_group *group = &rows->group[g];
             const int32_t end = group->first_entry + group->degree * group->row_count;
             for (int32_t e = group->first_entry; e < end; ++e) {
                 const int32_t node = rows->neighbour[e] / 4;
-                if (window->rank[node / window->block_size] != ACTIVE && !window->is_seam[node]) {
-                    window->is_seam[node] = 1;
-                    window->seam[window->seam_count++] = 4 * node;
+                if (set->rank[node / set->block_size] != ACTIVE && !set->is_seam[node]) {
+                    set->is_seam[node] = 1;
+                    set->seam[set->seam_count++] = 4 * node;
                 }
             }
         }
@@ -357,167 +356,167 @@ static void find_seam(const ss_model *model)
 /* Ranks of the still blocks from the active ones, and all that follows from the ranks. */
 static void set_parts(ss_model *model)
 {
-    ss_cnn_window *window = model->window;
-    const int32_t modes = window->mode_count;
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        window->rank[k] = window->rank[k] == ACTIVE ? ACTIVE : FAR;
+    ss_cnn_active_set *set = model->set;
+    const int32_t modes = set->mode_count;
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        set->rank[k] = set->rank[k] == ACTIVE ? ACTIVE : FAR;
     }
     for (uint8_t rank = ACTIVE; rank < NEXT; ++rank) {
-        for (int32_t k = 0; k < window->block_count; ++k) {
-            for (int32_t n = window->near_first[k];
-                 window->rank[k] == rank && n < window->near_first[k + 1]; ++n) {
-                uint8_t *near = &window->rank[window->near[n]];
+        for (int32_t k = 0; k < set->block_count; ++k) {
+            for (int32_t n = set->near_first[k]; set->rank[k] == rank && n < set->near_first[k + 1];
+                 ++n) {
+                uint8_t *near = &set->rank[set->near[n]];
                 *near = *near == FAR ? (uint8_t)(rank + 1) : *near;
             }
         }
     }
-    set_part(model, ACTIVE, ACTIVE, &window->active);
-    set_part(model, BESIDE, BESIDE, &window->beside);
-    set_part(model, BESIDE, NEXT, &window->rim);
-    set_part(model, BESIDE, FAR, &window->still);
+    set_part(model, ACTIVE, ACTIVE, &set->active);
+    set_part(model, BESIDE, BESIDE, &set->beside);
+    set_part(model, BESIDE, NEXT, &set->rim);
+    set_part(model, BESIDE, FAR, &set->still);
     find_seam(model);
-    window->active_nodes = 0;
-    for (int32_t s = 0; s < window->active.count; ++s) { /* the end may be one beyond the last */
-        const ss_cnn_span *span = &window->active.span[s];
+    set->active_nodes = 0;
+    for (int32_t s = 0; s < set->active.count; ++s) { /* the end may be one beyond the last */
+        const ss_cnn_span *span = &set->active.span[s];
         const int32_t end = span->node_end < model->node_count ? span->node_end : model->node_count;
-        window->active_nodes += end - span->node;
+        set->active_nodes += end - span->node;
     }
-    memset(window->shared, 0, sizeof window->shared);
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        const double *gram = window->gram + (size_t)k * (size_t)(modes * modes);
-        for (int32_t m = 0; window->rank[k] != ACTIVE && m < modes * modes; ++m) {
-            window->shared[m / modes][m % modes] += gram[m];
+    memset(set->shared, 0, sizeof set->shared);
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        const double *gram = set->gram + (size_t)k * (size_t)(modes * modes);
+        for (int32_t m = 0; set->rank[k] != ACTIVE && m < modes * modes; ++m) {
+            set->shared[m / modes][m % modes] += gram[m];
         }
     }
-    window->is_filled = false;
+    set->is_filled = false;
 }
 
-void ss_cnn_window_reset(ss_model *model)
+void ss_cnn_active_set_reset(ss_model *model)
 {
-    ss_cnn_window *window = model->window;
-    if (!window) {
+    ss_cnn_active_set *set = model->set;
+    if (!set) {
         return;
     }
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        window->rank[k] = window->is_pinned[k] ? ACTIVE : FAR;
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        set->rank[k] = set->is_pinned[k] ? ACTIVE : FAR;
     }
-    memset(window->y, 0, sizeof window->y);
-    memset(window->w, 0, sizeof window->w);
-    memset(window->now_y, 0, sizeof window->now_y);
-    memset(window->now_w, 0, sizeof window->now_w);
-    window->age = 0;
-    window->tension = 0.0;
+    memset(set->y, 0, sizeof set->y);
+    memset(set->w, 0, sizeof set->w);
+    memset(set->now_y, 0, sizeof set->now_y);
+    memset(set->now_w, 0, sizeof set->now_w);
+    set->age = 0;
+    set->tension = 0.0;
     set_parts(model);
-    model->part = &window->active;
+    model->part = &set->active;
 }
 
 /* ---- the far field in a step ---- */
 
 /* sum over the still nodes of u.f_m, with u from the modes' `y`. */
-static double far_product(const ss_cnn_window *window, const double *y, int32_t m)
+static double far_product(const ss_cnn_active_set *set, const double *y, int32_t m)
 {
     double sum = 0.0;
-    for (int32_t l = 0; l < window->mode_count; ++l) {
-        sum -= y[l] * window->shared[l][m];
+    for (int32_t l = 0; l < set->mode_count; ++l) {
+        sum -= y[l] * set->shared[l][m];
     }
     return sum;
 }
 
 /* sum over the still nodes of m |u|^2, with u from the modes' `y`. */
-static double far_square(const ss_cnn_window *window, const double *y)
+static double far_square(const ss_cnn_active_set *set, const double *y)
 {
     double sum = 0.0;
-    for (int32_t m = 0; m < window->mode_count; ++m) {
-        sum -= y[m] * far_product(window, y, m);
+    for (int32_t m = 0; m < set->mode_count; ++m) {
+        sum -= y[m] * far_product(set, y, m);
     }
     return sum;
 }
 
-double ss_cnn_window_evaluate(ss_model *model, ss_real *u)
+double ss_cnn_active_set_evaluate(ss_model *model, ss_real *u)
 {
-    const ss_cnn_window *window = model->window;
-    if (!window) {
+    const ss_cnn_active_set *set = model->set;
+    if (!set) {
         return 0.0;
     }
-    model->kernels->follow_nodes(window->seam_count, window->seam, window->mode_count, window->f,
-                                 window->now_y, model->mobility, u);
+    model->kernels->follow_nodes(set->seam_count, set->seam, set->mode_count, set->f, set->now_y,
+                                 model->mobility, u);
     for (int32_t k = 0; k < model->source_count; ++k) {
-        model->source[k].far = far_product(window, window->now_y, k);
+        model->source[k].far = far_product(set, set->now_y, k);
     }
-    return model->normal ? far_product(window, window->now_y, window->mode_count - 1) : 0.0;
+    return model->normal ? far_product(set, set->now_y, set->mode_count - 1) : 0.0;
 }
 
-double ss_cnn_window_stage(ss_model *model, int index, double h)
+double ss_cnn_active_set_stage(ss_model *model, int index, double h)
 {
     static const double next[3] = {0.5, 0.5, 1.0}, share[4] = {1.0, 2.0, 2.0, 1.0};
-    ss_cnn_window *window = model->window;
-    if (!window) {
+    ss_cnn_active_set *set = model->set;
+    if (!set) {
         return 0.0;
     }
-    const double power = window->damping_rate * far_square(window, window->now_w);
-    for (int32_t m = 0; m < window->mode_count; ++m) {
+    const double power = set->damping_rate * far_square(set, set->now_w);
+    for (int32_t m = 0; m < set->mode_count; ++m) {
         const ss_cnn_source *source = m < model->source_count ? &model->source[m] : NULL;
         const double tension = !source         ? model->enclosed[0].pressure
                                : source->is_on ? source->c1 - source->c2
                                                : 0.0;
-        const double rate = window->now_w[m];
-        const double a = tension - window->damping_rate * rate - window->rate2 * window->now_y[m];
-        window->sum_y[m] = (index == 0 ? 0.0 : window->sum_y[m]) + share[index] * rate;
-        window->sum_w[m] = (index == 0 ? 0.0 : window->sum_w[m]) + share[index] * a;
+        const double rate = set->now_w[m];
+        const double a = tension - set->damping_rate * rate - set->rate2 * set->now_y[m];
+        set->sum_y[m] = (index == 0 ? 0.0 : set->sum_y[m]) + share[index] * rate;
+        set->sum_w[m] = (index == 0 ? 0.0 : set->sum_w[m]) + share[index] * a;
         if (index < 3) {
-            window->now_y[m] = window->y[m] + next[index] * h * rate;
-            window->now_w[m] = window->w[m] + next[index] * h * a;
+            set->now_y[m] = set->y[m] + next[index] * h * rate;
+            set->now_w[m] = set->w[m] + next[index] * h * a;
         } else {
-            window->old_y[m] = window->y[m] + h / 6.0 * window->sum_y[m];
-            window->old_w[m] = window->w[m] + h / 6.0 * window->sum_w[m];
+            set->old_y[m] = set->y[m] + h / 6.0 * set->sum_y[m];
+            set->old_w[m] = set->w[m] + h / 6.0 * set->sum_w[m];
         }
     }
     return power;
 }
 
-void ss_cnn_window_swap(ss_model *model)
+void ss_cnn_active_set_swap(ss_model *model)
 {
-    ss_cnn_window *window = model->window;
-    if (!window) {
+    ss_cnn_active_set *set = model->set;
+    if (!set) {
         return;
     }
-    for (int32_t m = 0; m < window->mode_count; ++m) {
-        const double y = window->y[m], w = window->w[m];
-        window->now_y[m] = window->y[m] = window->old_y[m];
-        window->now_w[m] = window->w[m] = window->old_w[m];
-        window->old_y[m] = y;
-        window->old_w[m] = w;
+    for (int32_t m = 0; m < set->mode_count; ++m) {
+        const double y = set->y[m], w = set->w[m];
+        set->now_y[m] = set->y[m] = set->old_y[m];
+        set->now_w[m] = set->w[m] = set->old_w[m];
+        set->old_y[m] = y;
+        set->old_w[m] = w;
     }
-    window->is_filled = false;
+    set->is_filled = false;
 }
 
-void ss_cnn_window_damp(ss_model *model, double factor)
+void ss_cnn_active_set_damp(ss_model *model, double factor)
 {
-    for (int32_t m = 0; model->window && m < model->window->mode_count; ++m) {
-        model->window->now_w[m] = model->window->w[m] *= factor;
-    }
-}
-
-void ss_cnn_window_add_totals(const ss_model *model, ss_cnn_totals *totals)
-{
-    if (model->window) {
-        totals->kinetic += far_square(model->window, model->window->w);
-        totals->rest += model->window->rate2 * far_square(model->window, model->window->y);
+    for (int32_t m = 0; model->set && m < model->set->mode_count; ++m) {
+        model->set->now_w[m] = model->set->w[m] *= factor;
     }
 }
 
-double ss_cnn_window_stiffness(const ss_model *model, int32_t index)
+void ss_cnn_active_set_add_totals(const ss_model *model, ss_cnn_totals *totals)
 {
-    return model->window ? model->window->shared[index][index] : 0.0;
+    if (model->set) {
+        totals->kinetic += far_square(model->set, model->set->w);
+        totals->rest += model->set->rate2 * far_square(model->set, model->set->y);
+    }
 }
 
-void ss_cnn_window_fill(const ss_model *model)
+double ss_cnn_active_set_stiffness(const ss_model *model, int32_t index)
 {
-    ss_cnn_window *window = model->window;
-    if (window && !window->is_filled) {
-        model->kernels->follow(&window->still, window->mode_count, window->f, window->y, window->w,
+    return model->set ? model->set->shared[index][index] : 0.0;
+}
+
+void ss_cnn_active_set_fill(const ss_model *model)
+{
+    ss_cnn_active_set *set = model->set;
+    if (set && !set->is_filled) {
+        model->kernels->follow(&set->still, set->mode_count, set->f, set->y, set->w,
                                model->mobility, model->u, model->v);
-        window->is_filled = true;
+        set->is_filled = true;
     }
 }
 
@@ -544,31 +543,31 @@ static void find_drives(ss_model *model, const ss_cnn_part *part)
 /* Unrest of every active block and of those beside, at the present state. */
 static void find_unrest(ss_model *model)
 {
-    ss_cnn_window *window = model->window;
+    ss_cnn_active_set *set = model->set;
     const ss_cnn_kernels *kernels = model->kernels;
-    const ss_cnn_part *const part[2] = {&window->active, &window->beside};
-    kernels->follow(&window->rim, window->mode_count, window->f, window->y, window->w,
-                    model->mobility, model->u, model->v);
+    const ss_cnn_part *const part[2] = {&set->active, &set->beside};
+    kernels->follow(&set->rim, set->mode_count, set->f, set->y, set->w, model->mobility, model->u,
+                    model->v);
     for (int32_t k = 0; k < model->source_count; ++k) {
         double ub, ur;
         const ss_cnn_source *source = &model->source[k];
         if (source->is_on) {
-            kernels->product(&model->network->rows, &window->beside, source->kap, source->b,
-                             model->u, source->r, &ub, &ur);
+            kernels->product(&model->network->rows, &set->beside, source->kap, source->b, model->u,
+                             source->r, &ub, &ur);
         }
     }
     for (int p = 0; p < 2; ++p) {
         find_drives(model, part[p]);
-        kernels->follow(part[p], window->mode_count, window->f, window->y, window->w,
-                        model->mobility, model->us, model->vs[0]);
+        kernels->follow(part[p], set->mode_count, set->f, set->y, set->w, model->mobility,
+                        model->us, model->vs[0]);
     }
     const int32_t end = (int32_t)ss_cnn_padded(model->node_count);
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        const int32_t first = k * window->block_size, next = first + window->block_size;
-        if (window->rank[k] <= BESIDE) {
-            kernels->watch(first, next < end ? next : end, window->rate2, model->u, model->v,
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        const int32_t first = k * set->block_size, next = first + set->block_size;
+        if (set->rank[k] <= BESIDE) {
+            kernels->watch(first, next < end ? next : end, set->rate2, model->u, model->v,
                            model->us, model->vs[0], model->product, model->mobility,
-                           &window->unrest[k]);
+                           &set->unrest[k]);
         }
     }
 }
@@ -576,16 +575,16 @@ static void find_unrest(ss_model *model)
 /* From its place in the far field. */
 static void wake_block(ss_model *model, int32_t k)
 {
-    ss_cnn_window *window = model->window;
-    const int32_t size = window->block_size, end = (int32_t)ss_cnn_padded(model->node_count);
+    ss_cnn_active_set *set = model->set;
+    const int32_t size = set->block_size, end = (int32_t)ss_cnn_padded(model->node_count);
     const int32_t first = k * size, next = first + size < end ? first + size : end;
     ss_cnn_span span = {.node = first, .node_end = next};
     const ss_cnn_part part = {.count = 1, .span = &span};
-    model->kernels->follow(&part, window->mode_count, window->f, window->y, window->w,
-                           model->mobility, model->u, model->v);
+    model->kernels->follow(&part, set->mode_count, set->f, set->y, set->w, model->mobility,
+                           model->u, model->v);
     memset(model->u_low + 4 * (ptrdiff_t)first, 0,
            (size_t)(next - first) * 4 * sizeof *model->u_low);
-    window->rank[k] = ACTIVE;
+    set->rank[k] = ACTIVE;
 }
 
 /* How far the far field by itself would take a node of block `k` out of its place, m^2: as much as
@@ -593,14 +592,13 @@ static void wake_block(ss_model *model, int32_t k)
  * together by `mean`. */
 static double far_drive(const ss_model *model, int32_t k)
 {
-    const ss_cnn_window *window = model->window;
-    const ss_cnn_bend *bend =
-        window->bend + (ptrdiff_t)k * model->source_count * window->mode_count;
+    const ss_cnn_active_set *set = model->set;
+    const ss_cnn_bend *bend = set->bend + (ptrdiff_t)k * model->source_count * set->mode_count;
     double rough = 0.0, mean = 0.0;
     for (int32_t s = 0; s < model->source_count; ++s) {
         const double c1 = model->source[s].is_on ? model->source[s].c1 : 0.0;
-        for (int32_t l = 0; l < window->mode_count; ++l, ++bend) {
-            const double y = fabs(window->y[l]), alone = c1 * bend->alone;
+        for (int32_t l = 0; l < set->mode_count; ++l, ++bend) {
+            const double y = fabs(set->y[l]), alone = c1 * bend->alone;
             rough += alone > 0.0 ? y * alone * bend->shared / (alone + bend->shared) : 0.0;
             mean += y * c1 * bend->mean;
         }
@@ -611,50 +609,49 @@ static double far_drive(const ss_model *model, int32_t k)
 /* Is it time to look at the blocks, or has the tension grown since? */
 static bool is_due(const ss_model *model)
 {
-    ss_cnn_window *window = model->window;
+    ss_cnn_active_set *set = model->set;
     double tension = 0.0;
     for (int32_t k = 0; k < model->source_count; ++k) {
         tension += model->source[k].is_on ? model->source[k].c1 : 0.0;
     }
-    if (++window->age < LOOK_EVERY && !(tension > GROWN * window->tension)) {
+    if (++set->age < LOOK_EVERY && !(tension > GROWN * set->tension)) {
         return false;
     }
-    window->age = 0;
-    window->tension = tension;
+    set->age = 0;
+    set->tension = tension;
     return true;
 }
 
-bool ss_cnn_window_look(ss_model *model)
+bool ss_cnn_active_set_look(ss_model *model)
 {
-    ss_cnn_window *window = model->window;
-    if (!window || !is_due(model)) {
+    ss_cnn_active_set *set = model->set;
+    if (!set || !is_due(model)) {
         return false;
     }
     find_unrest(model);
-    double largest = window->floor * window->floor;
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        largest =
-            window->rank[k] == ACTIVE ? fmax(largest, window->unrest[k].displacement) : largest;
+    double largest = set->floor * set->floor;
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        largest = set->rank[k] == ACTIVE ? fmax(largest, set->unrest[k].displacement) : largest;
     }
-    const double wake = window->tolerance * window->tolerance * largest;
+    const double wake = set->tolerance * set->tolerance * largest;
     const double rest = STILL_SHARE * STILL_SHARE * wake;
     bool is_changed = false;
-    for (int32_t k = 0; k < window->block_count; ++k) {
-        const ss_cnn_unrest *unrest = &window->unrest[k];
+    for (int32_t k = 0; k < set->block_count; ++k) {
+        const ss_cnn_unrest *unrest = &set->unrest[k];
         const double far = far_drive(model, k);
-        if (window->rank[k] == ACTIVE && !window->is_pinned[k] && unrest->motion < rest &&
+        if (set->rank[k] == ACTIVE && !set->is_pinned[k] && unrest->motion < rest &&
             unrest->drive < rest && far < rest) {
-            window->rank[k] = FAR;
+            set->rank[k] = FAR;
             is_changed = true;
-        } else if (window->rank[k] != ACTIVE &&
-                   (far > wake || (window->rank[k] == BESIDE && unrest->drive > wake))) {
+        } else if (set->rank[k] != ACTIVE &&
+                   (far > wake || (set->rank[k] == BESIDE && unrest->drive > wake))) {
             wake_block(model, k);
             is_changed = true;
         }
     }
     if (is_changed) {
         set_parts(model);
-        window->age = LOOK_EVERY - 1; /* while a front moves it is followed */
+        set->age = LOOK_EVERY - 1; /* while a front moves it is followed */
     }
     return is_changed;
 }

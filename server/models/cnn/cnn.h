@@ -60,7 +60,7 @@ typedef struct ss_cnn_material {
     double *rho_across;                      /* NULL: isotropic */
     bool is_modulus_energy;                  /* modulus is E^ in J, else E in N/m (volumes: Pa) */
     double modulus, pretension, bulk, saturation; /* saturation INFINITY: none */
-    double window_tolerance; /* a share of the largest displacement; 0: no window */
+    double window_tolerance; /* a share of the largest displacement; 0: no active set */
 } ss_cnn_material;
 
 /* The best rho with which a cell conducts. */
@@ -71,7 +71,7 @@ static inline double ss_cnn_best_rho(const ss_cnn_material *material, int32_t no
     return rho > across ? rho : across;
 }
 
-/* A place where energy enters the network: the cells under a tool, a load or a driven patch. */
+/* A place where energy enters the network: the cells under a tool, a load or a prescribed patch. */
 typedef struct ss_cnn_source {
     bool is_on;
     bool is_tool;
@@ -134,10 +134,10 @@ typedef struct ss_cnn_tool {
     ss_real *shape_y;                         /* motion of the nodes per unit motion of the tool */
 } ss_cnn_tool;
 
-typedef struct ss_cnn_driven {
-    ss_driven_set set;
+typedef struct ss_cnn_prescribed {
+    ss_prescribed_set set;
     int32_t source; /* -1: none of its nodes can carry one */
-} ss_cnn_driven;
+} ss_cnn_prescribed;
 
 /* What one body of the mesh encloses; see enclosed.c. */
 typedef struct ss_cnn_enclosed {
@@ -156,13 +156,13 @@ typedef struct ss_cnn_bend {
     double alone, shared, mean;
 } ss_cnn_bend;
 
-typedef struct ss_cnn_window {
+typedef struct ss_cnn_active_set {
     int32_t block_count, block_size;
     double tolerance;           /* a share of the largest displacement */
     double floor;               /* m: a largest displacement below counts as this */
     double damping_rate, rate2; /* gamma/m and ks/m of every node, 1/s and 1/s^2 */
     int32_t *near_first, *near; /* blocks that share an edge with a block; block_count + 1 */
-    uint8_t *is_pinned;         /* blocks with loaded or driven nodes */
+    uint8_t *is_pinned;         /* blocks with loaded or prescribed nodes */
     uint8_t *rank;              /* 0 a block that moves by itself, 1 and 2 beside such, else 3 */
     ss_cnn_unrest *unrest;      /* of blocks of rank 0 and 1, when looked at */
     ss_cnn_part active, beside, rim, still; /* rank 0; 1; 1 and 2; 1 to 3 */
@@ -182,7 +182,7 @@ typedef struct ss_cnn_window {
     double *gram;      /* sum f_m.f_l / m of a block, mode_count^2 of each */
     ss_cnn_bend *bend; /* source_count x mode_count of each block */
     double shared[SS_CNN_MAX_MODES][SS_CNN_MAX_MODES]; /* the same of all still blocks */
-} ss_cnn_window;
+} ss_cnn_active_set;
 
 struct ss_model {
     ss_arena arena;
@@ -207,19 +207,19 @@ struct ss_model {
     uint8_t *held;                             /* cells held at zero: fixed on all axes */
     ss_cnn_span whole_span;
     ss_cnn_part whole;         /* all nodes and rows that may move */
-    const ss_cnn_part *part;   /* those that a step works on: all, or the window's */
-    ss_cnn_window *window;     /* NULL: none */
+    const ss_cnn_part *part;   /* those that a step works on: all, or the active set's */
+    ss_cnn_active_set *set;    /* NULL: none */
     const char *window_reason; /* why there is none */
     /* per node, for the kernels */
     ss_real *mass, *damping, *rest_stiffness;
     ss_real *mobility, *normal; /* quads; normal NULL without B */
     double *mobility_max;       /* 1/m, 0 where no axis is free */
-    /* tools, loads, driven nodes */
+    /* tools, loads, prescribed nodes */
     ss_tools tools;
     ss_cnn_tool tool[SOFTSIM_MAX_PROBES];
     ss_loads loads;
-    ss_cnn_driven *driven;
-    ss_cnn_source *source; /* of loads and driven patches */
+    ss_cnn_prescribed *prescribed;
+    ss_cnn_source *source; /* of loads and prescribed patches */
     int32_t source_count;
     ss_cnn_saturation *saturation; /* NULL: none, or too few sources to share cells */
     /* state */
@@ -263,7 +263,7 @@ softsim_status ss_cnn_material_create(const ss_model_plan *plan, ss_arena *arena
 /* What the network is made of; points into plan and material. Thread: set-up only. */
 ss_cnn_fabric ss_cnn_material_fabric(const ss_model_plan *plan, const ss_cnn_material *material);
 /* Faults of fixed nodes, loads, prescribed sets and tools against the mesh; out_is_held: do the
- * fixed and driven axes stop every rigid motion of the body? Thread: set-up only. */
+ * fixed and prescribed axes stop every rigid motion of the body? Thread: set-up only. */
 softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_material *material,
                                  bool *out_is_held, softsim_error *error);
 
@@ -276,7 +276,7 @@ softsim_status ss_cnn_enclosed_create(ss_model *model, softsim_error *error);
  * pressures ss_cnn_enclosed_evaluate puts into model->force. */
 const ss_real *ss_cnn_enclosed_normal(const ss_model *model);
 /* Pressures at displacements `u`. One body: `change` belongs to u but for `far_change` of the
- * window; several: model->force must hold no pressure yet. */
+ * active set; several: model->force must hold no pressure yet. */
 void ss_cnn_enclosed_evaluate(ss_model *model, const ss_real *u, double far_change);
 /* out += (B/V0) N (N.x) for every body; returns x.out. */
 double ss_cnn_enclosed_tangent(const ss_model *model, const ss_real *x, ss_real *out);
@@ -353,28 +353,28 @@ void ss_cnn_set_bound(ss_model *model);
 
 /* ---- active_set.c: parts of a large body that need no step of their own ---- */
 
-/* Fills model->whole and, where the plan allows it, model->window; model->part is either of them
- * afterwards. Thread: set-up only. */
-softsim_status ss_cnn_window_create(ss_model *model);
+/* Fills model->whole and, where the plan allows it, model->active set; model->part is either of
+ * them afterwards. Thread: set-up only. */
+softsim_status ss_cnn_active_set_create(ss_model *model);
 /* Only the pinned blocks are active, and the modes at rest. */
-void ss_cnn_window_reset(ss_model *model);
-/* Everything below does nothing in a model without a window.
+void ss_cnn_active_set_reset(ss_model *model);
+/* Everything below does nothing in a model without an active set.
  * The far field into `u` beside the active blocks, and into the sources, at the evaluation under
  * way; returns its share of sum N.u. */
-double ss_cnn_window_evaluate(ss_model *model, ss_real *u);
+double ss_cnn_active_set_evaluate(ss_model *model, ss_real *u);
 /* The modes' part of Runge-Kutta stage `index` of `h` seconds; returns the damping's power. */
-double ss_cnn_window_stage(ss_model *model, int index, double h);
-void ss_cnn_window_swap(ss_model *model);
+double ss_cnn_active_set_stage(ss_model *model, int index, double h);
+void ss_cnn_active_set_swap(ss_model *model);
 /* The far field's velocities times `factor`. */
-void ss_cnn_window_damp(ss_model *model, double factor);
+void ss_cnn_active_set_damp(ss_model *model, double factor);
 /* Adds what the still nodes have of kinetic and rest energy. */
-void ss_cnn_window_add_totals(const ss_model *model, ss_cnn_totals *totals);
+void ss_cnn_active_set_add_totals(const ss_model *model, ss_cnn_totals *totals);
 /* sum |f|^2/m of mode `index` over the still nodes. */
-double ss_cnn_window_stiffness(const ss_model *model, int32_t index);
+double ss_cnn_active_set_stiffness(const ss_model *model, int32_t index);
 /* After a sub-step: true when other blocks are active than before. */
-bool ss_cnn_window_look(ss_model *model);
+bool ss_cnn_active_set_look(ss_model *model);
 /* u and v of every node. */
-void ss_cnn_window_fill(const ss_model *model);
+void ss_cnn_active_set_fill(const ss_model *model);
 
 /* ---- fit.c: free bodies ---- */
 
@@ -392,13 +392,14 @@ bool ss_cnn_loads_update(ss_model *model, double time);
 void ss_cnn_loads_build(ss_model *model);
 /* The work of loads and gravity since old_u, J. */
 double ss_cnn_loads_work(const ss_model *model);
-/* Driven axes go from where they are to where they belong at `time`. */
-void ss_cnn_driven_update(ss_model *model, double time);
-/* Puts driven nodes at `path` of the outer step, moving so that they cover `fraction` in `h`. */
-void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h);
-/* The work of driven nodes during a stage of weight `share` of a sub-step of `h`, J. */
-double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
-                          double share);
+/* Prescribed axes go from where they are to where they belong at `time`. */
+void ss_cnn_prescribed_update(ss_model *model, double time);
+/* Puts prescribed nodes at `path` of the outer step, moving so that they cover `fraction` in `h`.
+ */
+void ss_cnn_prescribed_place(ss_model *model, double path, double fraction, double h);
+/* The work of prescribed nodes during a stage of weight `share` of a sub-step of `h`, J. */
+double ss_cnn_prescribed_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
+                              double share);
 /* Force of the support on the body, see model.h. */
 void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3]);
 

@@ -35,8 +35,8 @@
  * tearing. Links are the mesh's edges and stay.
  *
  * Nodes fixed on all axes are the cells at v = 0. A node fixed along some axes only is held along
- * these, and its cell conducts as any other. P* is P0 when fixed and driven axes stop every rigid
- * motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed
+ * these, and its cell conducts as any other. P* is P0 when fixed and prescribed axes stop every
+ * rigid motion, else the best rigid fit of P0 (ks weights) at every stage; pretension and enclosed
  * volume are then refused, since their derivative through the fit is missing.
  *
  * The cells are the nodes of triangles, of a rectangular grid, or (domain: volume) of tetrahedra,
@@ -102,11 +102,11 @@ static softsim_status allocate_state(ss_model *model)
     model->strain = ss_arena_get(arena, edges, sizeof *model->strain);
     model->stretch = ss_arena_get(arena, edges, sizeof *model->stretch);
     model->held_kap = ss_arena_get(arena, held, sizeof *model->held_kap);
-    model->column = ss_arena_get(arena, SS_CNN_WHOLE_COLUMNS, sizeof *model->column);
+    model->column = ss_arena_get(arena, SS_CNN_WHOLE_INFLUENCE, sizeof *model->column);
     return ss_arena_status(arena);
 }
 
-/* 1/m on every axis that may move; driven axes are taken out when their sets are read. */
+/* 1/m on every axis that may move; prescribed axes are taken out when their sets are read. */
 static void set_mobility(ss_model *model)
 {
     for (int32_t i = 0; i < model->node_count; ++i) {
@@ -277,7 +277,7 @@ static void reset(ss_model *model)
     model->has_loads_only = false;
     model->first = NULL;
     model->d = model->u;
-    ss_cnn_window_reset(model);
+    ss_cnn_active_set_reset(model);
     ss_turned_reset(&model->turned);
     model->worst = -1;
     model->fault_bits = 0;
@@ -335,7 +335,7 @@ static softsim_status build_on(ss_model *model, softsim_error *error)
     status = ss_cnn_enclosed_create(model, error);
     status = status == SOFTSIM_OK ? create_relaxation(model, error) : status;
     status = status == SOFTSIM_OK ? create_tools(model, error) : status;
-    status = status == SOFTSIM_OK ? ss_cnn_window_create(model) : status;
+    status = status == SOFTSIM_OK ? ss_cnn_active_set_create(model) : status;
     if (status == SOFTSIM_OK) {
         status = ss_cnn_saturation_create(model, error);
     }
@@ -386,8 +386,8 @@ static void info(const ss_model *model, ss_model_info *out)
 {
     *out = (ss_model_info){.step = model->step,
                            .substeps = model->substeps,
-                           .active_nodes = model->window ? model->window->active_nodes
-                                                         : model->network->cell_count,
+                           .active_nodes =
+                               model->set ? model->set->active_nodes : model->network->cell_count,
                            .worst_element = model->worst >= 0 ? model->worst : limiting_node(model),
                            .fault_bits = model->fault_bits,
                            .verdict = model->verdict,
@@ -403,13 +403,13 @@ static void info(const ss_model *model, ss_model_info *out)
 
 static const ss_real *displacement(const ss_model *model)
 {
-    ss_cnn_window_fill(model);
+    ss_cnn_active_set_fill(model);
     return model->u;
 }
 
 static const ss_real *velocity(const ss_model *model)
 {
-    ss_cnn_window_fill(model);
+    ss_cnn_active_set_fill(model);
     return model->v;
 }
 
@@ -417,13 +417,13 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
     uint64_t hash = ss_turned_hash(&model->turned, ss_hash_bytes(seed, model->u_low, quads));
-    if (model->window) {
-        const ss_cnn_window *window = model->window;
-        hash = ss_hash_bytes(hash, window->rank, (size_t)window->block_count);
-        hash = ss_hash_bytes(hash, window->y, sizeof window->y);
-        hash = ss_hash_bytes(hash, window->w, sizeof window->w);
-        hash = ss_hash_bytes(hash, &window->age, sizeof window->age);
-        hash = ss_hash_bytes(hash, &window->tension, sizeof window->tension);
+    if (model->set) {
+        const ss_cnn_active_set *set = model->set;
+        hash = ss_hash_bytes(hash, set->rank, (size_t)set->block_count);
+        hash = ss_hash_bytes(hash, set->y, sizeof set->y);
+        hash = ss_hash_bytes(hash, set->w, sizeof set->w);
+        hash = ss_hash_bytes(hash, &set->age, sizeof set->age);
+        hash = ss_hash_bytes(hash, &set->tension, sizeof set->tension);
     }
     for (int32_t k = 0; k < model->source_count; ++k) {
         hash = ss_hash_bytes(hash, &model->source[k].is_on, sizeof(bool));

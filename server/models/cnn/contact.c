@@ -11,7 +11,7 @@
  *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N'
  *        + kc sum_q A_q c'(d_q) B_q n_q n_q' B_q' + k
  *
- * (weights held, L_k the Laplacian of kap_k; c as contact/touch.c has it; k: grasp springs), any
+ * (weights held, L_k the Laplacian of kap_k; c as contact/query.c has it; k: grasp springs), any
  * motion y of the nodes gives
  *
  *   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c

@@ -188,11 +188,11 @@ static void explain_network(const ss_model *model, const ss_notes *out)
     }
     if (model->relax) {
         ss_note_left_out(out, "settled columns", "solver is relaxation");
-    } else if (network->column_count > 0) {
-        ss_note_used(out, "columns", "%d, %s, %.1f MB", network->column_count,
+    } else if (network->influence_count > 0) {
+        ss_note_used(out, "columns", "%d, %s, %.1f MB", network->influence_count,
                      network->is_compact ? "as potentials, rebuilt when a cell is touched"
                                          : "as flux densities",
-                     megabytes((double)ss_cnn_network_column_bytes(network)));
+                     megabytes((double)ss_cnn_network_influence_bytes(network)));
     } else {
         ss_note_left_out(out, "columns", "no tool");
     }
@@ -206,12 +206,12 @@ static void explain_network(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "solver", "a factor of %.3g entries, which took %.2g multiplications",
                      factor->ldl.fill, factor->ldl.work);
     }
-    if (model->window) {
+    if (model->set) {
         ss_note_used(
             out, "window",
             "%d blocks of %d nodes, %d active at rest, tolerance %g of the largest displacement",
-            model->window->block_count, model->window->block_size, model->window->active_nodes,
-            model->window->tolerance);
+            model->set->block_count, model->set->block_size, model->set->active_nodes,
+            model->set->tolerance);
     } else {
         ss_note_left_out(out, "active window", "%s", model->window_reason);
     }

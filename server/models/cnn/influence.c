@@ -117,8 +117,8 @@ typedef struct solve_job {
     softsim_status status; /* of the last block that did not work */
 } solve_job;
 
-static void store_column(ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
-                         int32_t column, int32_t node)
+static void store_influence(ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
+                            int32_t column, int32_t node)
 {
     const double qhat = block_qhat(network, ghat, k);
     network->qhat[node] = qhat;
@@ -143,16 +143,16 @@ static void *run_solve_job(void *argument)
 {
     solve_job *job = argument;
     ss_cnn_network *network = job->network;
-    for (int32_t first = job->first * WIDTH; first < network->column_count;
+    for (int32_t first = job->first * WIDTH; first < network->influence_count;
          first += job->stride * WIDTH) {
-        const int32_t left = network->column_count - first;
+        const int32_t left = network->influence_count - first;
         const int32_t count = left < WIDTH ? left : WIDTH;
         const softsim_status status =
             solve_cells(network, count, job->node + first, job->x, job->ghat);
         job->status = status == SOFTSIM_OK ? job->status : status;
         for (int32_t k = 0; k < count; ++k) {
-            store_column(network, (const double(*)[WIDTH])job->ghat, k, first + k,
-                         job->node[first + k]);
+            store_influence(network, (const double(*)[WIDTH])job->ghat, k, first + k,
+                            job->node[first + k]);
         }
     }
     return NULL;
@@ -166,15 +166,16 @@ static int compare_doubles(const void *a, const void *b)
 
 static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *node)
 {
-    double *sorted = ss_memory_get((size_t)network->column_count, sizeof *sorted);
+    double *sorted = ss_memory_get((size_t)network->influence_count, sizeof *sorted);
     if (!sorted) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    for (int32_t k = 0; k < network->column_count; ++k) {
+    for (int32_t k = 0; k < network->influence_count; ++k) {
         sorted[k] = network->qhat[node[k]];
     }
-    qsort(sorted, (size_t)network->column_count, sizeof *sorted, compare_doubles);
-    network->median_qhat = network->column_count > 0 ? sorted[network->column_count / 2] : 0.0;
+    qsort(sorted, (size_t)network->influence_count, sizeof *sorted, compare_doubles);
+    network->median_qhat =
+        network->influence_count > 0 ? sorted[network->influence_count / 2] : 0.0;
     ss_memory_free(sorted);
     return SOFTSIM_OK;
 }
@@ -182,11 +183,12 @@ static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *n
 /* Is it better to keep potentials than flux densities? Volumes have many edges a source. */
 static bool wants_compact(const ss_cnn_network *network, int64_t columns)
 {
-    return columns > SS_CNN_WHOLE_COLUMNS ||
-           columns * network->edges.padded_count * (int64_t)sizeof(ss_real) > SS_CNN_COLUMN_BYTES;
+    return columns > SS_CNN_WHOLE_INFLUENCE ||
+           columns * network->edges.padded_count * (int64_t)sizeof(ss_real) >
+               SS_CNN_INFLUENCE_BYTES;
 }
 
-int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
+int64_t ss_cnn_network_influence_bytes(const ss_cnn_network *network)
 {
     int64_t count = 0;
     for (int32_t i = 0; i < network->node_count; ++i) {
@@ -198,8 +200,8 @@ int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network)
 }
 
 /* Memory for the columns in whole or compact form, or none; *out_node lists their cells. */
-static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, int32_t **out_node,
-                                       softsim_error *error)
+static softsim_status allocate_influence(ss_cnn_network *network, bool is_kept, int32_t **out_node,
+                                         softsim_error *error)
 {
     const size_t n = (size_t)network->node_count, padded = (size_t)network->edges.padded_count;
     ss_arena *arena = &network->arena;
@@ -209,40 +211,41 @@ static softsim_status allocate_columns(ss_cnn_network *network, bool is_kept, in
     }
     for (int32_t i = 0; i < network->node_count; ++i) {
         if (network->is_source[i]) {
-            network->column_of[i] = network->column_count;
-            node[network->column_count++] = i;
+            network->influence_of[i] = network->influence_count;
+            node[network->influence_count++] = i;
         }
     }
     if (!is_kept) {
         return SOFTSIM_OK;
     }
-    network->is_compact = wants_compact(network, network->column_count);
+    network->is_compact = wants_compact(network, network->influence_count);
     if (!network->is_compact) {
-        network->kap = ss_arena_get(arena, (size_t)network->column_count * padded, sizeof(ss_real));
+        network->kap =
+            ss_arena_get(arena, (size_t)network->influence_count * padded, sizeof(ss_real));
         return ss_arena_status(arena);
     }
-    const int64_t bytes = ss_cnn_network_column_bytes(network);
-    if (bytes > SS_CNN_COLUMN_BYTES) {
+    const int64_t bytes = ss_cnn_network_influence_bytes(network);
+    if (bytes > SS_CNN_INFLUENCE_BYTES) {
         softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
                           "cnn-energy: tools need the columns of %d cells, %lld MB, and %lld MB is "
                           "the limit (about %d nodes): use a coarser surface",
-                          network->column_count, (long long)(bytes >> 20),
-                          (long long)(SS_CNN_COLUMN_BYTES >> 20),
-                          (int)sqrt((double)SS_CNN_COLUMN_BYTES / (double)sizeof(ss_real)));
+                          network->influence_count, (long long)(bytes >> 20),
+                          (long long)(SS_CNN_INFLUENCE_BYTES >> 20),
+                          (int)sqrt((double)SS_CNN_INFLUENCE_BYTES / (double)sizeof(ss_real)));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
     const int64_t kept = (int64_t)SS_CNN_CACHE_SLOTS * (int64_t)(padded * sizeof(ss_real));
-    if (kept > SS_CNN_COLUMN_BYTES) {
+    if (kept > SS_CNN_INFLUENCE_BYTES) {
         softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
                           "cnn-energy: tools keep the flux densities of %d cells on %d edges, %lld "
                           "MB, and %lld MB is the limit: use a coarser mesh",
                           SS_CNN_CACHE_SLOTS, network->edges.count, (long long)(kept >> 20),
-                          (long long)(SS_CNN_COLUMN_BYTES >> 20));
+                          (long long)(SS_CNN_INFLUENCE_BYTES >> 20));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
     network->slot_count = SS_CNN_CACHE_SLOTS;
     const size_t slots = (size_t)network->slot_count;
-    network->ghat = ss_arena_get(arena, (size_t)network->column_count * n, sizeof(ss_real));
+    network->ghat = ss_arena_get(arena, (size_t)network->influence_count * n, sizeof(ss_real));
     network->kap = ss_arena_get(arena, slots * padded, sizeof(ss_real));
     network->edge_scale = ss_arena_get(arena, padded, sizeof(ss_real));
     network->slot_of = ss_arena_get(arena, n, sizeof *network->slot_of);
@@ -271,7 +274,7 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, i
     solve_job job[MAX_THREADS] = {0};
     ss_thread *thread[MAX_THREADS] = {0};
     int32_t *node = NULL;
-    softsim_status status = allocate_columns(network, is_kept, &node, error);
+    softsim_status status = allocate_influence(network, is_kept, &node, error);
     for (int32_t k = 0; status == SOFTSIM_OK && k < count; ++k) {
         job[k] = (solve_job){.network = network, .node = node, .first = k, .stride = count};
         job[k].x = ss_memory_get((size_t)network->factor->n, sizeof *job[k].x);
@@ -294,9 +297,9 @@ softsim_status ss_cnn_network_solve_all(ss_cnn_network *network, bool is_kept, i
         status = find_median_qhat(network, node);
     }
     for (int32_t i = 0; !is_kept && i < network->node_count; ++i) {
-        network->column_of[i] = -1;
+        network->influence_of[i] = -1;
     }
-    network->column_count = is_kept ? network->column_count : 0;
+    network->influence_count = is_kept ? network->influence_count : 0;
     ss_memory_free(node);
     return status;
 }
@@ -433,7 +436,7 @@ static int32_t ready_slot(ss_cnn_network *network, int32_t node)
         network->slot_node[slot] = node;
         network->slot_of[node] = slot;
         const ss_real *ghat =
-            network->ghat + (size_t)network->column_of[node] * (size_t)network->node_count;
+            network->ghat + (size_t)network->influence_of[node] * (size_t)network->node_count;
         ss_real *out = network->kap + (size_t)slot * (size_t)network->edges.padded_count;
         const ss_real scale = (ss_real)(1.0 / network->qhat[node]);
         for (int32_t e = 0; e < network->edges.count; ++e) {
@@ -445,11 +448,11 @@ static int32_t ready_slot(ss_cnn_network *network, int32_t node)
     return slot;
 }
 
-void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_t *node,
-                            const ss_real **out_column)
+void ss_cnn_network_influence(ss_cnn_network *network, int32_t count, const int32_t *node,
+                              const ss_real **out_column)
 {
     for (int32_t k = 0; k < count; ++k) {
-        const int32_t column = network->column_of[node[k]];
+        const int32_t column = network->influence_of[node[k]];
         const int32_t at =
             column >= 0 && network->is_compact ? ready_slot(network, node[k]) : column;
         out_column[k] =

@@ -73,7 +73,7 @@ typedef struct ss_cnn_stage {
     double c1, c2, pressure;               /* c1 = T + a T0, c2 = a T0 in N; pressure in Pa */
     const ss_real *force, *r, *b, *normal; /* quads; r NULL: no source; normal NULL: no pressure */
     const ss_real *rest_stiffness, *damping, *mass; /* a node, N/m, N s/m and kg */
-    const ss_real *mobility;                        /* quad, 1/kg; 0 on fixed and driven axes */
+    const ss_real *mobility;                        /* quad, 1/kg; 0 on fixed and prescribed axes */
     const ss_real *u0, *v0, *low0; /* at the step's start; low: rounding error of u */
     const ss_real *d;              /* of this stage: u, or P - P* of a free body */
     ss_real *us;                   /* u of the next stage; may be d */

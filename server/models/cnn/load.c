@@ -2,16 +2,16 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/cnn/cnn.h"
 /*
- * What acts on the body without a tool: forces on nodes, pressure on patches, gravity, driven
+ * What acts on the body without a tool: forces on nodes, pressure on patches, gravity, prescribed
  * nodes; and what the supports answer.
  *
- * A load's nodes, or a driven patch, are a source of the network with fixed weights: equal ones
+ * A load's nodes, or a prescribed patch, are a source of the network with fixed weights: equal ones
  * for a force, by area for a pressure; or, with `source: contact`, the one cell among them that
  * lies nearest their centre (Zhong et al. 2006, equation 10), while the force stays on all of
  * them. It is switched on when the load first acts and stays on
  * (the strain it has caused must be undone after the force is gone); what it holds at that moment
  * is booked as work. Loads on the same nodes share one source: a force and the force that takes
- * it back are one contact. Pressure follows the deformed surface, once per step. Driven axes
+ * it back are one contact. Pressure follows the deformed surface, once per step. Prescribed axes
  * move at constant velocity through a step: with their mobility at 0, RK4 follows them exactly.
  */
 #include <math.h>
@@ -164,22 +164,22 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
     return find_source(model, cells, load->plan->from, &unused);
 }
 
-static softsim_status create_driven(ss_model *model, int32_t which, patch *cells, double *raw)
+static softsim_status create_prescribed(ss_model *model, int32_t which, patch *cells, double *raw)
 {
-    ss_cnn_driven *driven = &model->driven[which];
+    ss_cnn_prescribed *prescribed = &model->prescribed[which];
     const ss_prescribed *set = &model->plan.prescribed[which];
-    ss_driven_set_init(&driven->set, set, &model->arena);
+    ss_prescribed_set_init(&prescribed->set, set, &model->arena);
     memset(raw, 0, (size_t)model->node_count * sizeof *raw);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            if (ss_plan_is_driven(set, i, k)) {
+            if (ss_plan_is_prescribed(set, i, k)) {
                 raw[set->node[i]] = 1.0;
                 model->mobility[4 * (ptrdiff_t)set->node[i] + k] = 0;
             }
         }
     }
     fill_patch(model, raw, cells);
-    return find_source(model, cells, set->from, &driven->source);
+    return find_source(model, cells, set->from, &prescribed->source);
 }
 
 softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
@@ -193,7 +193,8 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
                    .weight = ss_arena_get(&scratch, n, sizeof *cells.weight)};
     double *raw = ss_arena_get(&scratch, n, sizeof *raw);
     ss_arena *arena = &model->arena;
-    model->driven = ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->driven);
+    model->prescribed =
+        ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *model->prescribed);
     model->source = ss_arena_get(arena, limit, sizeof *model->source);
     softsim_status status = ss_arena_status(&scratch);
     status = status == SOFTSIM_OK ? ss_loads_create(&model->loads, plan, "cnn-energy",
@@ -203,7 +204,7 @@ softsim_status ss_cnn_loads_create(ss_model *model, softsim_error *error)
         status = create_load(model, k, &cells, raw, error);
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < plan->prescribed_count; ++k) {
-        status = create_driven(model, k, &cells, raw);
+        status = create_prescribed(model, k, &cells, raw);
     }
     ss_arena_free(&scratch);
     status = status == SOFTSIM_OK ? ss_arena_status(arena) : status;
@@ -256,20 +257,20 @@ double ss_cnn_loads_work(const ss_model *model)
     return work;
 }
 
-/* ---- driven nodes ---- */
+/* ---- prescribed nodes ---- */
 
-void ss_cnn_driven_update(ss_model *model, double time)
+void ss_cnn_prescribed_update(ss_model *model, double time)
 {
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        ss_driven_set_aim(&model->driven[p].set, model->u, time);
+        ss_prescribed_set_aim(&model->prescribed[p].set, model->u, time);
     }
 }
 
-void ss_cnn_driven_place(ss_model *model, double path, double fraction, double h)
+void ss_cnn_prescribed_place(ss_model *model, double path, double fraction, double h)
 {
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        const double work = ss_driven_set_place(&model->driven[p].set, path, fraction, h,
-                                                model->material.mass, model->u, model->v);
+        const double work = ss_prescribed_set_place(&model->prescribed[p].set, path, fraction, h,
+                                                    model->material.mass, model->u, model->v);
         model->work += work;
         model->load_work += work;
     }
@@ -295,17 +296,17 @@ static void support_at(const ss_model *model, int32_t i, const ss_real *d, const
     }
 }
 
-double ss_cnn_driven_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
-                          double share)
+double ss_cnn_prescribed_work(const ss_model *model, const ss_real *d, const ss_real *v, double h,
+                              double share)
 {
     double power = 0.0;
     for (int32_t p = 0; p < model->plan.prescribed_count; ++p) {
-        const ss_prescribed *set = model->driven[p].set.plan;
+        const ss_prescribed *set = model->prescribed[p].set.plan;
         for (int32_t i = 0; i < set->node_count; ++i) {
             double support[3];
             support_at(model, set->node[i], d, v, support);
             for (int k = 0; k < 3; ++k) {
-                if (ss_plan_is_driven(set, i, k)) {
+                if (ss_plan_is_prescribed(set, i, k)) {
                     power += support[k] * (double)v[4 * (ptrdiff_t)set->node[i] + k];
                 }
             }
@@ -360,13 +361,13 @@ void ss_cnn_reaction(const ss_model *model, int32_t set, double out_force[3])
         return;
     }
     double support[3];
-    ss_cnn_window_fill(model);
+    ss_cnn_active_set_fill(model);
     if (set >= 0) {
-        const ss_prescribed *driven = model->driven[set].set.plan;
-        for (int32_t i = 0; i < driven->node_count; ++i) {
-            support_at(model, driven->node[i], model->d, model->v, support);
+        const ss_prescribed *prescribed = model->prescribed[set].set.plan;
+        for (int32_t i = 0; i < prescribed->node_count; ++i) {
+            support_at(model, prescribed->node[i], model->d, model->v, support);
             for (int k = 0; k < 3; ++k) {
-                out_force[k] += ss_plan_is_driven(driven, i, k) ? support[k] : 0.0;
+                out_force[k] += ss_plan_is_prescribed(prescribed, i, k) ? support[k] : 0.0;
             }
         }
         return;

@@ -261,7 +261,7 @@ softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t 
     network->qhat = ss_arena_get(arena, n, sizeof *network->qhat);
     network->own = ss_arena_get(arena, n, sizeof *network->own);
     network->is_source = ss_arena_get(arena, n, sizeof *network->is_source);
-    network->column_of = ss_arena_get(arena, n, sizeof *network->column_of);
+    network->influence_of = ss_arena_get(arena, n, sizeof *network->influence_of);
     softsim_status status = ss_arena_status(arena);
     if (status != SOFTSIM_OK) {
         goto fail;
@@ -273,7 +273,7 @@ softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t 
         goto fail;
     }
     for (int32_t i = 0; i < network->node_count; ++i) { /* a volume is touched on its surface */
-        network->column_of[i] = -1;
+        network->influence_of[i] = -1;
         network->is_source[i] =
             !held[i] && network->size[i] > 0.0 && network->surface_area[i] > 0.0;
     }

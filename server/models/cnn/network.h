@@ -24,9 +24,9 @@
 
 /* Up to this many columns are kept as they are used (edges x columns scalars); beyond it as
  * potentials (nodes x columns), from which a column is rebuilt when its cell is touched. */
-enum { SS_CNN_WHOLE_COLUMNS = 2000 };
+enum { SS_CNN_WHOLE_INFLUENCE = 2000 };
 /* Bytes that compact columns may take; a tool on a larger mesh is refused. */
-#define SS_CNN_COLUMN_BYTES (INT64_C(256) << 20)
+#define SS_CNN_INFLUENCE_BYTES (INT64_C(256) << 20)
 /* Nodes from which a body is divided into blocks, so that parts of it can be left out of a step. */
 enum { SS_CNN_LARGE_BODY = 4096 };
 /* Columns rebuilt and kept in the compact form; more touched cells go in batches of this size. */
@@ -98,12 +98,12 @@ typedef struct ss_cnn_network {
     double *qhat; /* m^2; in volumes m^3 */
     double *own;  /* ghat_i at cell i, 1 / (rho's unit) m^2 */
     double median_qhat;
-    /* columns, by node number through column_of (-1: none) */
-    int32_t column_count;
-    int32_t *column_of;
+    /* columns, by node number through influence_of (-1: none) */
+    int32_t influence_count;
+    int32_t *influence_of;
     bool is_compact;
-    ss_real *kap;        /* whole: column_count x edges.padded_count, 1/m^2 */
-    ss_real *ghat;       /* compact: column_count x node_count */
+    ss_real *kap;        /* whole: influence_count x edges.padded_count, 1/m^2 */
+    ss_real *ghat;       /* compact: influence_count x node_count */
     ss_real *edge_scale; /* compact: rho_ij / L0_ij^2 */
     int32_t slot_count, slot_next;
     int32_t *slot_of, *slot_node; /* node to slot or -1 and back */
@@ -138,13 +138,13 @@ softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, doubl
 
 /* Readies the columns of at most SS_CNN_CACHE_SLOTS cells and returns them in `out_column`, valid
  * until the next call; a cell without a column gets NULL. RT-safe. */
-void ss_cnn_network_columns(ss_cnn_network *network, int32_t count, const int32_t *node,
-                            const ss_real **out_column);
+void ss_cnn_network_influence(ss_cnn_network *network, int32_t count, const int32_t *node,
+                              const ss_real **out_column);
 /* iterate.c: x := A^-1 x without a factor; ERROR_MESH when it does not converge. */
 softsim_status ss_cnn_iterate(const ss_cnn_factor *factor, double (*x)[SS_CNN_SOLVE_WIDTH]);
 int64_t ss_cnn_network_bytes(const ss_cnn_network *network);
 /* Bytes of the columns that solve_all would make. */
-int64_t ss_cnn_network_column_bytes(const ss_cnn_network *network);
+int64_t ss_cnn_network_influence_bytes(const ss_cnn_network *network);
 
 /* ---- parts of ss_cnn_network_create; set-up only ---- */
 

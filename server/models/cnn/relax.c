@@ -139,13 +139,13 @@ static softsim_status allocate_states(ss_cnn_relax *relax, softsim_error *error)
     const size_t padded = (size_t)network->edges.padded_count;
     const size_t blocks = (size_t)relax->block_count + 1;
     relax->bytes = (int64_t)(blocks * n * sizeof **relax->block + slots * padded * sizeof(ss_real));
-    if (relax->bytes > SS_CNN_COLUMN_BYTES) {
+    if (relax->bytes > SS_CNN_INFLUENCE_BYTES) {
         softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
                           "cnn-energy: solver: relaxation needs the states of %d cells, %lld MB, "
                           "and %lld MB is the limit: use a coarser surface, fewer loaded nodes, or "
                           "solver: equilibrium",
                           relax->cell_count, (long long)(relax->bytes >> 20),
-                          (long long)(SS_CNN_COLUMN_BYTES >> 20));
+                          (long long)(SS_CNN_INFLUENCE_BYTES >> 20));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
     relax->slot_of = ss_arena_get(&relax->arena, n, sizeof *relax->slot_of);
@@ -234,8 +234,8 @@ static int32_t take_slot(ss_cnn_relax *relax, int32_t node)
     return slot;
 }
 
-void ss_cnn_relax_columns(ss_cnn_relax *relax, int32_t count, const int32_t *node,
-                          const ss_real **out_column)
+void ss_cnn_relax_influence(ss_cnn_relax *relax, int32_t count, const int32_t *node,
+                            const ss_real **out_column)
 {
     for (int32_t k = 0; k < count; ++k) {
         const int32_t known = relax->slot_of[node[k]];
@@ -303,7 +303,7 @@ static void advance_block(ss_cnn_relax *relax, int32_t b)
 }
 
 /* kap_e = rho_e |ghat_i - ghat_j| / (L0_e^2 Qhat), with the settled Qhat; 0 in free slots. */
-static void build_columns(ss_cnn_relax *relax, int32_t b)
+static void build_influence(ss_cnn_relax *relax, int32_t b)
 {
     const ss_cnn_edges *edges = &relax->network->edges;
     const double(*state)[WIDTH] = (const double(*)[WIDTH])relax->block[b];
@@ -343,7 +343,7 @@ bool ss_cnn_relax_advance(ss_cnn_relax *relax)
         }
         if (is_used) {
             advance_block(relax, b);
-            build_columns(relax, b);
+            build_influence(relax, b);
         }
         is_any = is_any || is_used;
     }

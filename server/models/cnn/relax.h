@@ -54,8 +54,8 @@ void ss_cnn_relax_reset(ss_cnn_relax *relax);
 void ss_cnn_relax_look(ss_cnn_relax *relax);
 /* Takes cells into use, from 0 where they were not, and returns their columns, valid until the
  * next reset; 0 everywhere before the first advance. */
-void ss_cnn_relax_columns(ss_cnn_relax *relax, int32_t count, const int32_t *node,
-                          const ss_real **out_column);
+void ss_cnn_relax_influence(ss_cnn_relax *relax, int32_t count, const int32_t *node,
+                            const ss_real **out_column);
 /* `steps` steps of every cell that the last look asked for; the others are let go. False when
  * there was none, and no column has changed. */
 bool ss_cnn_relax_advance(ss_cnn_relax *relax);

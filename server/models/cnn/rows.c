@@ -35,8 +35,8 @@ static softsim_status allocate_rows(ss_cnn_rows *rows, int32_t row_count, int32_
 }
 
 /* Blocks of consecutive nodes where the body is large enough for a part of it to be worth having.
- * 64 nodes: the rim of a window costs half as much as with 256, and a branch that mispredicts at
- * each group of rows is still spread over ten and more. */
+ * 64 nodes: the rim of an active set costs half as much as with 256, and a branch that mispredicts
+ * at each group of rows is still spread over ten and more. */
 static void set_blocks(int32_t node_count, ss_cnn_rows *rows)
 {
     rows->block_size = node_count;

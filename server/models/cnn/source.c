@@ -239,12 +239,12 @@ static void ready_strain(ss_model *model)
 
 /* Columns of at most SS_CNN_CACHE_SLOTS cells into model->column: settled, or as far as they are.
  */
-static void ready_columns(ss_model *model, int32_t count, const int32_t *node)
+static void ready_influence(ss_model *model, int32_t count, const int32_t *node)
 {
     if (model->relax) {
-        ss_cnn_relax_columns(model->relax, count, node, model->column);
+        ss_cnn_relax_influence(model->relax, count, node, model->column);
     } else {
-        ss_cnn_network_columns(model->network, count, node, model->column);
+        ss_cnn_network_influence(model->network, count, node, model->column);
     }
 }
 
@@ -261,7 +261,7 @@ static void superpose_touched(ss_model *model, ss_cnn_tool *tool)
     for (int32_t first = 0; first < tool->count; first += SS_CNN_CACHE_SLOTS) {
         const int32_t left = tool->count - first;
         const int32_t some = left < SS_CNN_CACHE_SLOTS ? left : SS_CNN_CACHE_SLOTS;
-        ready_columns(model, some, tool->node + first);
+        ready_influence(model, some, tool->node + first);
         model->kernels->combine(network->edges.padded_count, some, model->column,
                                 tool->share + first, model->strain, model->stretch,
                                 tool->source.kap_edge, tool->eps + first, tool->eta + first);
@@ -278,7 +278,7 @@ static void superpose_fixed(ss_model *model, ss_cnn_source *source)
     memset(source->kap_edge, 0, (size_t)padded * sizeof *source->kap_edge);
     for (int32_t k = 0; k < source->cell_count; ++k) {
         const ss_real weight = (ss_real)source->cell_weight[k];
-        ready_columns(model, 1, &source->cell[k]);
+        ready_influence(model, 1, &source->cell[k]);
         const ss_real *column = model->column[0];
         for (int32_t e = 0; e < padded; ++e) {
             source->kap_edge[e] += weight * column[e];
@@ -360,8 +360,8 @@ static void set_amplitude(ss_cnn_tool *tool)
 void ss_cnn_source_fade(ss_model *model, ss_cnn_tool *tool, const ss_real *u,
                         const ss_tool_pose *pose)
 {
-    tool->count = ss_touch_weigh(tool->base->touch, u, model->network->is_source, pose, &tool->node,
-                                 &tool->weight, &tool->weight_sum);
+    tool->count = ss_contact_query_weigh(tool->base->query, u, model->network->is_source, pose,
+                                         &tool->node, &tool->weight, &tool->weight_sum);
     set_amplitude(tool);
 }
 
@@ -372,8 +372,8 @@ void ss_cnn_source_add_fading(ss_model *model, ss_cnn_tool *tool)
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = mu;
     }
-    ss_touch_weight_forces(tool->base->touch, tool->fading_mu, model->force, tool->base->force,
-                           tool->base->torque);
+    ss_contact_query_weight_forces(tool->base->query, tool->fading_mu, model->force,
+                                   tool->base->force, tool->base->torque);
 }
 
 double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
@@ -390,7 +390,8 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
         tool->fading_mu[k] = 1.0;
         model->stiff[tool->node[k]] += bend * model->network->surface_area[tool->node[k]];
     }
-    ss_touch_weight_forces(tool->base->touch, tool->fading_mu, tool->weight_slope, force, torque);
+    ss_contact_query_weight_forces(tool->base->query, tool->fading_mu, tool->weight_slope, force,
+                                   torque);
     return 6.0 * psi / (tool->full_weight * tool->full_weight) *
            model->kernels->weighted_square(model->part, tool->weight_slope, model->mobility);
 }
@@ -423,7 +424,7 @@ void ss_cnn_source_restore(ss_model *model)
 static void take_cell(ss_model *model, ss_cnn_tool *tool, int32_t node)
 {
     const ss_cnn_network *network = model->network;
-    ready_columns(model, 1, &node);
+    ready_influence(model, 1, &node);
     memcpy(tool->source.kap_edge, model->column[0],
            (size_t)network->edges.padded_count * sizeof *tool->source.kap_edge);
     model->kernels->scatter(&network->rows, &model->whole, tool->source.kap_edge, tool->source.kap,
@@ -461,8 +462,8 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
 {
     ss_set3(tool->frozen_force, 0.0, 0.0, 0.0);
     ss_set3(tool->frozen_torque, 0.0, 0.0, 0.0);
-    tool->count = ss_touch_weigh(tool->base->touch, model->u, model->network->is_source, pose,
-                                 &tool->node, &tool->weight, &tool->weight_sum);
+    tool->count = ss_contact_query_weigh(tool->base->query, model->u, model->network->is_source,
+                                         pose, &tool->node, &tool->weight, &tool->weight_sum);
     tool->source.is_on = tool->count > 0 && tool->weight_sum > 0.0;
     tool->is_fading = false;
     tool->mu_largest = 0.0;
@@ -482,6 +483,6 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     }
     superpose_touched(model, tool);
     set_mu(model, tool);
-    ss_touch_weight_forces(tool->base->touch, tool->mu, model->base, tool->frozen_force,
-                           tool->frozen_torque);
+    ss_contact_query_weight_forces(tool->base->query, tool->mu, model->base, tool->frozen_force,
+                                   tool->frozen_torque);
 }

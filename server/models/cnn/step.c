@@ -16,18 +16,18 @@
  * that is said where it held more energy than a hand feels (small_energy): the bound also shrinks
  * with every tool that comes near a body at rest.
  * Where the budget of sub-steps is not enough the body is simulated slower than time passes, each
- * sub-step still stable, and tools and driven nodes go the same share of their ways: flagged, never
- * silent. Rejected: the whole way in a part of the time, which presses at a multiple of the speed
- * that a hand has, and feeds itself: what is pressed harder is stiffer, and simulated slower still.
- * The bound does not know how forces through the weights change within a sub-step; at strains far
- * beyond use that can feed energy in, which is then taken out of the motion again, and flagged.
- * Rejected: an implicit step (the contact set and kap change within it), scaling masses.
+ * sub-step still stable, and tools and prescribed nodes go the same share of their ways: flagged,
+ * never silent. Rejected: the whole way in a part of the time, which presses at a multiple of the
+ * speed that a hand has, and feeds itself: what is pressed harder is stiffer, and simulated slower
+ * still. The bound does not know how forces through the weights change within a sub-step; at
+ * strains far beyond use that can feed energy in, which is then taken out of the motion again, and
+ * flagged. Rejected: an implicit step (the contact set and kap change within it), scaling masses.
  *
  * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
  * also give the energies at that moment, and hold through the next one. Work and dissipation are
- * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the ledger.
- * A network in its own time takes its steps after each accepted sub-step; the energy that its new
- * flux densities bring or take is its work, and stands in the ledger as such.
+ * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the energy
+ * balance. A network in its own time takes its steps after each accepted sub-step; the energy that
+ * its new flux densities bring or take is its work, and stands in the energy balance as such.
  */
 #include <float.h>
 #include <math.h>
@@ -126,8 +126,9 @@ void ss_cnn_set_bound(ss_model *model)
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
         omega2 += source ? add_source_stiffness(model, source) : 0.0;
-        omega2 +=
-            source && source->rank > 0.0 ? source->rank * ss_cnn_window_stiffness(model, k) : 0.0;
+        omega2 += source && source->rank > 0.0
+                      ? source->rank * ss_cnn_active_set_stiffness(model, k)
+                      : 0.0;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
@@ -138,7 +139,7 @@ void ss_cnn_set_bound(ss_model *model)
         ss_tool_add_diagonal(tool->base, model->stiff);
     }
     omega2 += fmax(model->kernels->largest(model->part, model->stiff, model->mobility_max),
-                   model->window ? model->window->rate2 : 0.0);
+                   model->set ? model->set->rate2 : 0.0);
     model->bound = fmin(ss_cnn_rk4_limit(model->damping_rate_min, model->damping_rate_max, omega2),
                         frozen_limit(model));
 }
@@ -150,8 +151,9 @@ static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, do
     ss_tool_at(tool->base, path, &tool->base->pose);
     ss_copy3(tool->base->force, tool->frozen_force);
     ss_copy3(tool->base->torque, tool->frozen_torque);
-    tool->base->penalty = ss_touch_penalty(tool->base->touch, u, &tool->base->pose, model->force,
-                                           tool->base->force, tool->base->torque);
+    tool->base->penalty =
+        ss_contact_query_penalty(tool->base->query, u, &tool->base->pose, model->force,
+                                 tool->base->force, tool->base->torque);
     if (tool->is_fading) {
         ss_cnn_source_add_fading(model, tool);
     }
@@ -165,7 +167,8 @@ static void clear_contact(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_tool *tool = &model->tool[k];
         const int32_t *node;
-        const int32_t count = tool->base->is_present ? ss_touch_reach(tool->base->touch, &node) : 0;
+        const int32_t count =
+            tool->base->is_present ? ss_contact_query_reach(tool->base->query, &node) : 0;
         for (int32_t i = 0; i < count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
@@ -237,7 +240,7 @@ static void evaluate_sources(ss_model *model)
 static void evaluate(ss_model *model, ss_real *u, double path)
 {
     model->d = ss_cnn_fit(model, u);
-    const double far_change = ss_cnn_window_evaluate(model, u);
+    const double far_change = ss_cnn_active_set_evaluate(model, u);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         if (tool->base->is_present && tool->is_fading) {
@@ -274,7 +277,7 @@ static int32_t gather(ss_model *model, double path, double next)
         ss_tool_pose from, to;
         ss_tool_at(tool->base, path, &from);
         ss_tool_at(tool->base, next, &to);
-        count += ss_touch_gather(tool->base->touch, model->u, &from, &to);
+        count += ss_contact_query_broad_phase(tool->base->query, model->u, &from, &to);
     }
     return count;
 }
@@ -291,7 +294,7 @@ static void set_energies(ss_model *model)
     if (!model->has_totals) {
         set_totals(model);
     }
-    ss_cnn_window_add_totals(model, &model->totals);
+    ss_cnn_active_set_add_totals(model, &model->totals);
     model->kinetic = 0.5 * model->totals.kinetic;
     double elastic = 0.5 * model->totals.rest;
     if (!model->is_held) {
@@ -361,7 +364,7 @@ static void swap(ss_real **a, ss_real **b)
 
 static void swap_states(ss_model *model)
 {
-    ss_cnn_window_swap(model);
+    ss_cnn_active_set_swap(model);
     swap(&model->u, &model->old_u);
     swap(&model->v, &model->old_v);
     swap(&model->u_low, &model->old_low);
@@ -404,12 +407,12 @@ static void runge_kutta(ss_model *model, double h, double path, double fraction)
         model->work += ss_tools_work(&model->tools) * fraction * share[s];
         if (model->plan.prescribed_count > 0) {
             const ss_real *v = s > 0 ? model->vs[s - 1] : model->v;
-            const double work = ss_cnn_driven_work(model, stage.d, v, h, share[s]);
+            const double work = ss_cnn_prescribed_work(model, stage.d, v, h, share[s]);
             model->work += work;
             model->load_work += work;
         }
         model->dissipated += h * share[s] * model->kernels->stage(&stage);
-        model->dissipated += h * share[s] * ss_cnn_window_stage(model, s, h);
+        model->dissipated += h * share[s] * ss_cnn_active_set_stage(model, s, h);
         if (stage.normal) {
             model->enclosed[0].change = stage.volume;
         }
@@ -438,7 +441,7 @@ static void take_gain(ss_model *model, double gain)
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         model->v[at] *= factor;
     }
-    ss_cnn_window_damp(model, sqrt(left));
+    ss_cnn_active_set_damp(model, sqrt(left));
     model->kinetic *= left;
     model->fault_bits |= SS_MODEL_FAULT_ENERGY;
     const bool is_slight =
@@ -586,11 +589,11 @@ static double least_substeps(const progress *p, double stable)
 }
 
 /* What a sub-step that is taken back must put back beside u and v; the rest is derived. */
-typedef struct ledger {
+typedef struct booked {
     double work, dissipated, load_work;
-} ledger;
+} booked;
 
-static void take_back(ss_model *model, progress *p, const ledger *before, double h)
+static void take_back(ss_model *model, progress *p, const booked *before, double h)
 {
     ++p->rejected;
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
@@ -605,7 +608,7 @@ static void take_back(ss_model *model, progress *p, const ledger *before, double
     prepare(model, p->steps.path); /* books what it changes by itself */
 }
 
-static double ledger_sum(const ss_model *model)
+static double energy_balance(const ss_model *model)
 {
     return model->kinetic + model->elastic - model->work + model->dissipated;
 }
@@ -613,22 +616,22 @@ static double ledger_sum(const ss_model *model)
 /* The network goes on in its own time; what its changed flux densities bring or take is work. */
 static void relax_network(ss_model *model, double path)
 {
-    const double before = ledger_sum(model);
+    const double before = energy_balance(model);
     if (!ss_cnn_relax_advance(model->relax)) {
         return;
     }
     prepare(model, path);
-    model->work += ledger_sum(model) - before;
+    model->work += energy_balance(model) - before;
 }
 
 /* Blocks that became active or still; what that changes in the energy is lost. */
 static void move_window(ss_model *model, double path)
 {
-    if (ss_cnn_window_look(model)) {
-        const double before = ledger_sum(model);
+    if (ss_cnn_active_set_look(model)) {
+        const double before = energy_balance(model);
         model->has_totals = model->has_loads_only = false;
         prepare(model, path);
-        model->dissipated += before - ledger_sum(model);
+        model->dissipated += before - energy_balance(model);
     }
 }
 
@@ -638,9 +641,9 @@ static bool try_substep(ss_model *model, progress *p)
     double h, fraction;
     const double stable = STEP_SHARE * model->bound;
     ss_substeps_plan(&p->steps, fmin(stable, p->cap), least_substeps(p, stable), &h, &fraction);
-    const double balance = ledger_sum(model);
-    ss_cnn_driven_place(model, p->steps.path, fraction, h);
-    const ledger before = {model->work, model->dissipated, model->load_work};
+    const double balance = energy_balance(model);
+    ss_cnn_prescribed_place(model, p->steps.path, fraction, h);
+    const booked before = {model->work, model->dissipated, model->load_work};
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->steps.path, fraction);
     ++p->steps.taken;
@@ -649,10 +652,10 @@ static bool try_substep(ss_model *model, progress *p)
     double loads = 0.0, gain = 0.0;
     const double next = ss_substeps_next(&p->steps, fraction);
     if (is_good) {
-        ss_cnn_driven_place(model, next, 0.0, 0.0);
+        ss_cnn_prescribed_place(model, next, 0.0, 0.0);
         loads = ss_cnn_loads_work(model);
         prepare(model, next);
-        gain = ledger_sum(model) - loads - balance;
+        gain = energy_balance(model) - loads - balance;
         /* A gain that no hand feels is rounding, as under a tool that stands beside the body. */
         const double energy = model->elastic + model->kinetic;
         is_good = model->bound >= h &&
@@ -671,7 +674,7 @@ static bool try_substep(ss_model *model, progress *p)
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;
-    tell_loss(model, balance - ledger_sum(model));
+    tell_loss(model, balance - energy_balance(model));
     if (model->relax) {
         relax_network(model, next);
     }
@@ -684,7 +687,7 @@ static bool try_substep(ss_model *model, progress *p)
 }
 
 /* The network does not compute element volumes. Inactive nodes keep their last positions: far from
- * the window, where no element inverts. */
+ * the active set, where no element inverts. */
 static void judge_turned(ss_model *model)
 {
     const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
@@ -709,7 +712,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     model->worst = -1;
     take_tools(model, tool);
     take_loads(model, time + 0.5 * dt);
-    ss_cnn_driven_update(model, time + dt);
+    ss_cnn_prescribed_update(model, time + dt);
     if (!model->is_ready) {
         const double before = model->elastic - model->work + model->dissipated;
         gather(model, 0.0, 0.0);
@@ -722,7 +725,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
             take_grasp(model, &model->tool[k], tool[k].is_grasping);
         }
     }
-    const double balance = ledger_sum(model);
+    const double balance = energy_balance(model);
     progress p = {
         .steps = {.left = dt, .motion = motion_steps(model), .most = model->plan.max_substeps},
         .cap = (double)INFINITY};
@@ -736,7 +739,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         fault(model);
         return;
     }
-    damp_pool(model, ledger_sum(model) - balance, dt);
+    damp_pool(model, energy_balance(model) - balance, dt);
     if (model->verdict == SOFTSIM_VERDICT_GOOD && p.is_telling) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step was taken back and halved";

@@ -3,8 +3,8 @@
 #include "models/common/body_state.h"
 /*
  * A body of point masses: its making, its masses, and what it says of itself. body_step.c has the
- * motion and its ledger, body_load.c loads and supports, body_contact.c tools, body_felt.c the
- * stiffness that a hand feels, body_class.c the class of a model that is made of one.
+ * motion and its energy balance, body_load.c loads and supports, body_contact.c tools, body_felt.c
+ * the stiffness that a hand feels, body_class.c the class of a model that is made of one.
  *
  * State is displacement and velocity, never position: single precision then loses nothing far
  * from the origin. Mass is lumped on the nodes (row sums of the linear elements): explicit steps

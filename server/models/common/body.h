@@ -2,16 +2,16 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What every Newtonian model shares: a body of point masses on which elastic forces, loads, driven
- * axes and tools act, m u'' + alpha m u' = f_elastic(u, u') + f_loads + f_contact, with the
- * bookkeeping that says what was done to it.
+ * What every Newtonian model shares: a body of point masses on which elastic forces, loads,
+ * prescribed axes and tools act, m u'' + alpha m u' = f_elastic(u, u') + f_loads + f_contact, with
+ * the bookkeeping that says what was done to it.
  *
  * In: the scene's plan, masses, and the elastic law as a few functions. Out: everything that
  * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
  * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
- * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body_step.c derives the ledger,
- * body_felt.c the stiffness that a tool feels.
+ * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body_step.c derives the energy
+ * balance, body_felt.c the stiffness that a tool feels.
  *
  * Nodes: the mesh's, then any of the model's own (particles). Arrays of nodes have 4 ss_real each,
  * x y z 0, on 64 bytes, their count padded to a multiple of 8 nodes with zeros.
@@ -54,8 +54,8 @@ typedef struct ss_body_elastic {
     double (*stable_step)(void *owner, const ss_body *body);
     /* A sub-step of `h` seconds, from (u, v) of the body to its new (u, v), by the model itself;
      * NULL: the integrator of the plan. The tools end at `path_end` of their way; ss_body_external
-     * gives their forces and the loads at any u. Driven axes are already moved to their end place
-     * and have their constant velocity; axes whose mobility is 0 must be left alone. */
+     * gives their forces and the loads at any u. Prescribed axes are already moved to their end
+     * place and have their constant velocity; axes whose mobility is 0 must be left alone. */
     void (*advance)(void *owner, ss_body *body, double h, double path_end);
     /* After each accepted sub-step (NULL: nothing): activation and the like. */
     void (*after_substep)(void *owner, ss_body *body, double h);
@@ -114,7 +114,7 @@ typedef struct ss_body_nodes {
     double (*rest)[3]; /* m, from `origin`, of the mesh's nodes; the model's own are 0 */
     ss_real *u, *v;    /* m, m/s; `advance` writes them */
     ss_real *force;    /* N, all of it, at the last evaluation */
-    ss_real *mobility; /* 1/kg by axis: 0 where fixed or driven, or without mass */
+    ss_real *mobility; /* 1/kg by axis: 0 where fixed or prescribed, or without mass */
     double *mass;      /* kg; changed by ss_body_set_mass alone */
     double kick_lag;   /* s by which v is behind u: half a sub-step with the symplectic Euler
                           method, else 0 */

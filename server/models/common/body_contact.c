@@ -6,7 +6,7 @@
  * stiff the contact may be.
  *
  * A sample that is d deep pushes with A kc c(d), kc in N/m^3: the same on every mesh; c(d) is d,
- * ten times as steep beyond 0.3 of the tool's inradius (contact/touch.c). kc is as stiff as the
+ * ten times as steep beyond 0.3 of the tool's inradius (contact/query.c). kc is as stiff as the
  * planned sub-step h allows, kc <= share sigma / h^2 with sigma the mean mass per area of the
  * surface's nodes, and no stiffer than a penetration of a tenth of the radius at the working force,
  * F_w / (0.03 R^3). With omega_c^2 = max_i k_i / m_i of the samples that touch now, k_i = kc sum_q
@@ -15,7 +15,7 @@
  * The planned step and the cost hold for c' = 1, a contact at its working depth. One that is deeper
  * takes up to sqrt 10 times the sub-steps, and takes them: none is longer than the bound with c'
  * at its beginning. What max_substeps leaves undone is told as slower than real time. A sample that
- * goes over to c' = 10 within a sub-step is met by the next; the ledger of energy judges both.
+ * goes over to c' = 10 within a sub-step is met by the next; the energy balance judges both.
  * The contact's surface is the mesh's, or one of the model's own that rides on the nodes: x_s =
  * S x; forces return by S^T, omega_c^2 is what the model says of M^-1 S^T k S.
  * Rejected: contact as constraints (a force that ripples as samples come and go, and no energy to
@@ -126,7 +126,7 @@ void ss_body_set_contact_stiffness(ss_body *body)
             const double share = fmin(fmax(wanted, MIN_CONTACT_SHARE), MAX_CONTACT_SHARE);
             const double stable = isfinite(h) ? share * body->sigma / (h * h) : (double)INFINITY;
             tool->stiffness = ss_plan_contact_stiffness(&body->plan, stable, tool->radius);
-            ss_touch_set_stiffness(tool->touch, tool->stiffness);
+            ss_contact_query_set_stiffness(tool->query, tool->stiffness);
         }
     }
 }
@@ -171,11 +171,11 @@ static int32_t gather(ss_body *body, const ss_real *u, double path)
         ss_tool_pose from;
         ss_tool_at(tool, path, &from);
         if (!is_refitted && (body->fitted_step != body->step ||
-                             !ss_touch_is_gathered(tool->touch, u, &from, &tool->to))) {
+                             !ss_contact_query_is_covered(tool->query, u, &from, &tool->to))) {
             refit(body, u);
             is_refitted = true;
         }
-        count += ss_touch_gather(tool->touch, u, &from, &tool->to);
+        count += ss_contact_query_broad_phase(tool->query, u, &from, &tool->to);
     }
     return count;
 }
@@ -229,8 +229,8 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
                 body->is_ready = false;
             }
             const int32_t count =
-                ss_touch_weigh(own->touch, u, body->has_skin ? NULL : body->is_source, &own->pose,
-                               &node, &weight, &total);
+                ss_contact_query_weigh(own->query, u, body->has_skin ? NULL : body->is_source,
+                                       &own->pose, &node, &weight, &total);
             ss_grasp_take(&own->grasp, count, node, weight, SS_GRASP_SHARE * own->stiffness,
                           body->tools.rest, u, &own->pose);
         }
@@ -278,7 +278,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
         ss_tools_press(&body->tools, tool, skin_u, target, target);
         if (body->has_skin) {
             const int32_t *node;
-            const int32_t count = ss_touch_reach(tool->touch, &node);
+            const int32_t count = ss_contact_query_reach(tool->query, &node);
             carry(body, count, node, force);
             carry(body, tool->grasp.count, tool->grasp.node, force);
         }
@@ -291,7 +291,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
 static void add_tool_diagonal(ss_body *body, const ss_tool *tool, double *diagonal)
 {
     const int32_t *node;
-    const int32_t count = ss_touch_reach(tool->touch, &node);
+    const int32_t count = ss_contact_query_reach(tool->query, &node);
     ss_tool_add_diagonal(tool, body->skin_stiff);
     for (int part = 0; part < 2; ++part) {
         const int32_t *list = part == 0 ? node : tool->grasp.node;
@@ -329,7 +329,7 @@ static int32_t list_stiff(ss_body *body)
         const ss_tool *tool = &body->tools.tool[k / 2];
         const int32_t *node = tool->grasp.node;
         const int32_t length = !tool->is_present ? 0
-                               : k % 2 == 0      ? ss_touch_reach(tool->touch, &node)
+                               : k % 2 == 0      ? ss_contact_query_reach(tool->query, &node)
                                                  : tool->grasp.count;
         for (int32_t i = 0; i < length; ++i) {
             if (body->skin_stiff[node[i]] > 0.0 && !body->is_stiff[node[i]]) {
@@ -384,7 +384,7 @@ void ss_body_contact_tangent(ss_body *body, const ss_real *x, ss_real *out)
             continue;
         }
         const int32_t *node;
-        const int32_t count = ss_touch_reach(tool->touch, &node);
+        const int32_t count = ss_contact_query_reach(tool->query, &node);
         ss_tool_add_change(tool, skin_x, body->skin_force);
         for (int part = 0; part < 2; ++part) {
             const int32_t *list = part == 0 ? node : tool->grasp.node;

@@ -191,7 +191,7 @@ static void carry_push(ss_body *body, int32_t count, const int32_t *node)
 static double push_along(ss_body *body, const ss_tool *tool, const double normal[3])
 {
     const int32_t *node;
-    const int32_t count = ss_touch_reach(tool->touch, &node);
+    const int32_t count = ss_contact_query_reach(tool->query, &node);
     memset(body->solver.push, 0, ss_body_bytes(body));
     const double stiffness = ss_tool_push(tool, normal, body->skin_force);
     carry_push(body, count, node);
@@ -221,37 +221,37 @@ static double damping_met(ss_body *body, const ss_real *y)
 static void feel(ss_body *body, int probe, const double normal[3])
 {
     ss_tool *tool = &body->tools.tool[probe];
-    ss_body_touch *touch = &body->felt[probe];
+    ss_body_touch *query = &body->felt[probe];
     if (!tool->was_touching) {
-        memset(touch->shape_y, 0, ss_body_bytes(body));
-        memset(touch->shape_step, 0, ss_body_bytes(body));
-        touch->age = 0;
+        memset(query->shape_y, 0, ss_body_bytes(body));
+        memset(query->shape_step, 0, ss_body_bytes(body));
+        query->age = 0;
     }
-    const bool is_due = touch->age < YOUNG || touch->age % EVERY == 0;
-    ++touch->age;
+    const bool is_due = query->age < YOUNG || query->age % EVERY == 0;
+    ++query->age;
     if (!is_due) {
         return;
     }
     const int32_t n = body->nodes.padded_count;
     const double k_cc = push_along(body, tool, normal);
     set_inverse(body);
-    set_residual(body, touch->shape_y);
-    follow_displacement(body, touch->shape_y);
+    set_residual(body, query->shape_y);
+    follow_displacement(body, query->shape_y);
     if (tool->was_touching) {
-        solve_on(body, touch);
+        solve_on(body, query);
     } else {
-        solve_some(body, touch->shape_y, FIRST_ITERATIONS);
+        solve_some(body, query->shape_y, FIRST_ITERATIONS);
     }
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
-    const double felt = k_cc - ss_body_dot(n, touch->shape_y, body->solver.push) -
-                        ss_body_dot(n, touch->shape_y, body->solver.residual);
+    const double felt = k_cc - ss_body_dot(n, query->shape_y, body->solver.push) -
+                        ss_body_dot(n, query->shape_y, body->solver.residual);
     tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
     if (!isfinite(felt)) {
-        memset(touch->shape_y, 0, ss_body_bytes(body));
-        memset(touch->shape_step, 0, ss_body_bytes(body));
+        memset(query->shape_y, 0, ss_body_bytes(body));
+        memset(query->shape_step, 0, ss_body_bytes(body));
     }
-    const double viscosity = damping_met(body, touch->shape_y);
-    touch->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+    const double viscosity = damping_met(body, query->shape_y);
+    query->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
 }
 
 void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)

@@ -35,7 +35,8 @@ typedef struct kick {
 } kick;
 
 /* The nodes of a block that are too fast, one by one. Energy taken: the impulse that is
- * lost times the mean of the velocities before and after, as the ledger counts every force. */
+ * lost times the mean of the velocities before and after, as the energy balance counts every force.
+ */
 static void slow_down(int32_t first, int32_t end, double limit, const kick *by, const double *mass,
                       ss_real *v, ss_body_speed *out)
 {

@@ -5,7 +5,7 @@
  * What acts on a body without a tool, and what its supports answer.
  *
  * Loads are taken at the middle of an outer step and held through it; pressure follows the
- * deformed surface, once a step. Their work is force times way, exact. Driven axes move at
+ * deformed surface, once a step. Their work is force times way, exact. Prescribed axes move at
  * constant velocity through a step; their mobility is 0, and their support pushes with minus the
  * force that everything else has on them, as the supports of fixed axes do.
  */
@@ -16,11 +16,11 @@
 
 /* ---- set-up ---- */
 
-static void take_driven_mobility(ss_body *body, const ss_prescribed *set)
+static void take_prescribed_mobility(ss_body *body, const ss_prescribed *set)
 {
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            if (ss_plan_is_driven(set, i, k)) {
+            if (ss_plan_is_prescribed(set, i, k)) {
                 body->axes[set->node[i]] = (uint8_t)(body->axes[set->node[i]] | 1 << k);
                 body->nodes.mobility[4 * (ptrdiff_t)set->node[i] + k] = 0;
             }
@@ -33,10 +33,11 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error)
     const ss_model_plan *plan = &body->plan;
     const softsim_status status =
         ss_loads_create(&body->loads, plan, body->own.name, false, &body->arena, error);
-    body->driven = ss_arena_get(&body->arena, (size_t)plan->prescribed_count, sizeof *body->driven);
-    for (int32_t k = 0; body->driven && k < plan->prescribed_count; ++k) {
-        ss_driven_set_init(&body->driven[k], &plan->prescribed[k], &body->arena);
-        take_driven_mobility(body, &plan->prescribed[k]);
+    body->prescribed =
+        ss_arena_get(&body->arena, (size_t)plan->prescribed_count, sizeof *body->prescribed);
+    for (int32_t k = 0; body->prescribed && k < plan->prescribed_count; ++k) {
+        ss_prescribed_set_init(&body->prescribed[k], &plan->prescribed[k], &body->arena);
+        take_prescribed_mobility(body, &plan->prescribed[k]);
     }
     return status == SOFTSIM_OK ? ss_arena_status(&body->arena) : status;
 }
@@ -155,31 +156,32 @@ double ss_body_loads_lag_work(const ss_body *body)
 
 /* ---- supports ---- */
 
-double ss_body_driven_kinetic(const ss_body *body)
+double ss_body_prescribed_kinetic(const ss_body *body)
 {
     double sum = 0.0;
     for (int32_t p = 0; p < body->plan.prescribed_count; ++p) {
-        const ss_prescribed *set = body->driven[p].plan;
+        const ss_prescribed *set = body->prescribed[p].plan;
         for (int32_t i = 0; i < set->node_count; ++i) {
             for (int k = 0; k < 3; ++k) {
                 const double v = (double)body->nodes.v[4 * (ptrdiff_t)set->node[i] + k];
-                sum += ss_plan_is_driven(set, i, k) ? 0.5 * body->nodes.mass[set->node[i]] * v * v
-                                                    : 0.0;
+                sum += ss_plan_is_prescribed(set, i, k)
+                           ? 0.5 * body->nodes.mass[set->node[i]] * v * v
+                           : 0.0;
             }
         }
     }
     return sum;
 }
 
-double ss_body_driven_power(const ss_body *body)
+double ss_body_prescribed_power(const ss_body *body)
 {
     double power = 0.0;
     for (int32_t p = 0; p < body->plan.prescribed_count; ++p) {
-        const ss_prescribed *set = body->driven[p].plan;
+        const ss_prescribed *set = body->prescribed[p].plan;
         for (int32_t i = 0; i < set->node_count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)set->node[i];
             for (int k = 0; k < 3; ++k) {
-                power -= ss_plan_is_driven(set, i, k)
+                power -= ss_plan_is_prescribed(set, i, k)
                              ? (double)body->nodes.force[at + k] * (double)body->nodes.v[at + k]
                              : 0.0;
             }
@@ -195,12 +197,13 @@ void ss_body_reaction(const ss_body *body, int32_t set, double out_force[3])
         return;
     }
     if (set >= 0) {
-        const ss_prescribed *driven = body->driven[set].plan;
-        for (int32_t i = 0; i < driven->node_count; ++i) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)driven->node[i];
+        const ss_prescribed *prescribed = body->prescribed[set].plan;
+        for (int32_t i = 0; i < prescribed->node_count; ++i) {
+            const ptrdiff_t at = 4 * (ptrdiff_t)prescribed->node[i];
             for (int k = 0; k < 3; ++k) {
-                out_force[k] -=
-                    ss_plan_is_driven(driven, i, k) ? (double)body->nodes.force[at + k] : 0.0;
+                out_force[k] -= ss_plan_is_prescribed(prescribed, i, k)
+                                    ? (double)body->nodes.force[at + k]
+                                    : 0.0;
             }
         }
         return;

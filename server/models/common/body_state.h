@@ -25,9 +25,9 @@ typedef struct ss_body_solver {
 } ss_body_solver;
 
 /* J; what they are: struct ss_body. */
-typedef struct ss_body_ledger {
+typedef struct ss_body_energy_balance {
     double kinetic, elastic, shadow, work, dissipated;
-} ss_body_ledger;
+} ss_body_energy_balance;
 
 struct ss_body {
     ss_arena arena;     /* all arrays below */
@@ -45,14 +45,14 @@ struct ss_body {
     double small_energy;    /* J: a thousandth of the working force over an edge */
     double sigma;           /* kg/m^2 of the contact surface, mean */
     double total_mass;
-    uint8_t *axes;      /* of every node: bits of the axes that are fixed or driven */
+    uint8_t *axes;      /* of every node: bits of the axes that are fixed or prescribed */
     ss_real *mass;      /* nodes.mass, for the kernels */
     uint8_t *is_idle;   /* by block of nodes: none has a mass */
     uint8_t *is_source; /* nodes that a grasp may take hold of */
     ss_tools tools;
     ss_body_touch felt[SOFTSIM_MAX_PROBES];
     ss_loads loads;
-    ss_driven_set *driven;
+    ss_prescribed_set *prescribed;
     ss_real *load_force, *old_load; /* N; loads and gravity, and those of the step before */
     /* state beside nodes.u and nodes.v */
     int64_t step;
@@ -66,7 +66,7 @@ struct ss_body {
     bool is_ready, has_elastic; /* forces at the present state; the law's among them */
     double kinetic, elastic;    /* J */
     double moving;              /* J: sum m |w|^2 of the last set_motion */
-    double shadow;              /* J: what the ledger takes off kinetic, see body_step.c */
+    double shadow;              /* J: what the energy balance takes off kinetic, see body_step.c */
     bool is_above;              /* as ss_body_energy has it */
     double power;               /* W, of viscosity */
     double settled_lag;         /* s of the lag of v whose dissipation is booked already */
@@ -75,15 +75,15 @@ struct ss_body {
     double longest;             /* s: what a sub-step may take */
     double contact_rate2;       /* 1/s^2 */
     /* scratch */
-    ss_real *old_u;        /* at the start of the outer step */
-    ss_body_ledger kept;   /* likewise */
-    ss_real *stage[5];     /* RK4: u, v and rate of a stage; new u, sum of rates */
-    ss_real *skin_u;       /* the model's own surface; else NULL and nodes.u is meant */
-    ss_real *skin_force;   /* of nodes of the contact surface, clear between calls */
-    double *skin_stiff;    /* likewise */
-    uint8_t *is_stiff;     /* likewise: is the node in stiff_node? */
-    int32_t *stiff_node;   /* of the contact surface */
-    double *contact_stiff; /* of nodes, clear between calls */
+    ss_real *old_u;              /* at the start of the outer step */
+    ss_body_energy_balance kept; /* likewise */
+    ss_real *stage[5];           /* RK4: u, v and rate of a stage; new u, sum of rates */
+    ss_real *skin_u;             /* the model's own surface; else NULL and nodes.u is meant */
+    ss_real *skin_force;         /* of nodes of the contact surface, clear between calls */
+    double *skin_stiff;          /* likewise */
+    uint8_t *is_stiff;           /* likewise: is the node in stiff_node? */
+    int32_t *stiff_node;         /* of the contact surface */
+    double *contact_stiff;       /* of nodes, clear between calls */
     ss_body_solver solver;
     /* report */
     int32_t substeps, worst_element, active_nodes;
@@ -148,7 +148,7 @@ void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double da
 /* Largest |u|^2 of a node (NaN-free input). */
 double ss_body_largest(int32_t count, const ss_real *u);
 
-/* ---- body_load.c: loads, driven sets, supports ---- */
+/* ---- body_load.c: loads, prescribed sets, supports ---- */
 
 softsim_status ss_body_loads_create(ss_body *body, softsim_error *error);
 /* Loads at `time` into load_force (the last ones into old_load); true when they changed. */
@@ -160,10 +160,10 @@ double ss_body_loads_work(const ss_body *body);
 /* Velocities change by what a changed load does in the lag of v, see body_step.c, J. */
 double ss_body_loads_lag_work(const ss_body *body);
 void ss_body_loads_reset(ss_body *body);
-/* Half m v^2 of the driven axes, J. */
-double ss_body_driven_kinetic(const ss_body *body);
-/* The power of the supports of driven axes, W, at the last evaluation. */
-double ss_body_driven_power(const ss_body *body);
+/* Half m v^2 of the prescribed axes, J. */
+double ss_body_prescribed_kinetic(const ss_body *body);
+/* The power of the supports of prescribed axes, W, at the last evaluation. */
+double ss_body_prescribed_power(const ss_body *body);
 
 /* ---- body_contact.c: tools ---- */
 

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/body_state.h"
 /*
- * Time: sub-steps whose length is computed, guards that say what they did, and a ledger.
+ * Time: sub-steps whose length is computed, guards that say what they did, and an energy balance.
  *
  * Symplectic Euler (the default of explicit models): v+ = v + h (f(u, v)/m - alpha w), u+ = u + h
  * v+. That is the leapfrog method with v half a sub-step behind u; with b the lag before and a that
@@ -12,20 +12,20 @@
  *
  * which stays centred when h changes and stable for any alpha. Its own energy, the stored one plus
  * half m v.v+ = half m (w^2 - b^2 (dv/dt)^2), is exact in a linear body: forces outside the law
- * change it by the mean of their value at both ends times the way. The ledger uses just these: what
- * is left over is energy from nowhere, down to rounding in a linear body, of third order in h
- * otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by themselves
- * have no lag.
+ * change it by the mean of their value at both ends times the way. The energy balance uses just
+ * these: what is left over is energy from nowhere, down to rounding in a linear body, of third
+ * order in h otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by
+ * themselves have no lag.
  *
  * The step: omega^2 <= (limit / law's stable step)^2 + contact's (body_contact.c), sub-steps take
  * `step_share` of limit / omega in equal parts, where the contact's part may have a share of its
  * own: h^2 (law's / step_share^2 + contact's / contact_share^2) <= limit^2, stable since no share
  * is above 1. A tool moves at most R/4 in a sub-step. Where the budget
  * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
- * stable, and tools and driven axes go the same share of their ways: the whole way in a part of the
- * time would press at a multiple of the speed that a hand has. A node moves at most a fifth of an
- * edge in an explicit sub-step: no element can be turned inside out by the motion of a single one,
- * and forces stay within what a number can hold. What acted is said in the verdict. What the
+ * stable, and tools and prescribed axes go the same share of their ways: the whole way in a part of
+ * the time would press at a multiple of the speed that a hand has. A node moves at most a fifth of
+ * an edge in an explicit sub-step: no element can be turned inside out by the motion of a single
+ * one, and forces stay within what a number can hold. What acted is said in the verdict. What the
  * positions are at the start of an outer step is kept, and comes back when a number is not finite.
  *
  * Gains are added up over about a tenth of a second, losses taken off; beyond a hundredth of what
@@ -62,7 +62,7 @@ static void set_motion(ss_body *body)
     double rate;
     ss_body_motion(nodes->padded_count, body->is_idle, lag, body->own.mass_damping, nodes->mobility,
                    body->mass, nodes->force, nodes->v, &body->moving, &rate);
-    body->kinetic = 0.5 * body->moving + ss_body_driven_kinetic(body);
+    body->kinetic = 0.5 * body->moving + ss_body_prescribed_kinetic(body);
     body->shadow = 0.5 * lag * lag * rate;
 }
 
@@ -112,7 +112,7 @@ static void set_bound(ss_body *body)
     body->longest = 1.0 / sqrt(law2 / (share * share) + contact2 / (contact_share * contact_share));
 }
 
-static double ledger_sum(const ss_body *body)
+static double energy_balance(const ss_body *body)
 {
     return body->kinetic - body->shadow + body->elastic - body->work + body->dissipated;
 }
@@ -211,7 +211,7 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
 
 /* ---- guards ---- */
 
-/* The ledger goes back with the positions; the motion that is stopped is lost. */
+/* The energy balance goes back with the positions; the motion that is stopped is lost. */
 static void fault(ss_body *body, const char *reason)
 {
     body->work = body->kept.work;
@@ -236,8 +236,8 @@ static void clamp_displacements(ss_body *body)
     }
 }
 
-/* Energy from nowhere over the last outer step, judged. `gain`: of the ledger; `moved`: of kinetic
- * energy beyond all that there was and the work. */
+/* Energy from nowhere over the last outer step, judged. `gain`: of the energy balance; `moved`: of
+ * kinetic energy beyond all that there was and the work. */
 static void judge_gain(ss_body *body, double gain, double moved, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
@@ -298,11 +298,11 @@ static void book_load(ss_body *body, double work)
     body->load_work += work;
 }
 
-static void place_driven(ss_body *body, double path, double fraction, double h, bool is_booked)
+static void place_prescribed(ss_body *body, double path, double fraction, double h, bool is_booked)
 {
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
-        const double work = ss_driven_set_place(&body->driven[k], path, fraction, h,
-                                                body->nodes.mass, body->nodes.u, body->nodes.v);
+        const double work = ss_prescribed_set_place(&body->prescribed[k], path, fraction, h,
+                                                    body->nodes.mass, body->nodes.u, body->nodes.v);
         book_load(body, is_booked ? work : 0.0);
     }
 }
@@ -312,7 +312,7 @@ static bool advance(ss_body *body, double h, double path, double fraction, doubl
 {
     const ss_body_elastic *law = &body->own.elastic;
     if (law->advance) {
-        place_driven(body, next, fraction, h, false);
+        place_prescribed(body, next, fraction, h, false);
         law->advance(law->owner, body, h, next);
         return isfinite(ss_body_square(body->nodes.padded_count, body->nodes.v) +
                         ss_body_square(body->nodes.padded_count, body->nodes.u));
@@ -351,15 +351,15 @@ static bool substep(ss_body *body, ss_substeps *p)
     }
     const double next = ss_substeps_next(p, fraction);
     body->path = p->path;
-    place_driven(body, p->path, fraction, h, true);
-    book_load(body, 0.5 * h * ss_body_driven_power(body));
+    place_prescribed(body, p->path, fraction, h, true);
+    book_load(body, 0.5 * h * ss_body_prescribed_power(body));
     if (has_implicit_contact(body)) {
         move_tools(body, next);
     } else {
         body->work += 0.5 * fraction * ss_tools_work(&body->tools);
     }
     const bool is_finite = advance(body, h, p->path, fraction, next);
-    place_driven(body, next, fraction, h, false);
+    place_prescribed(body, next, fraction, h, false);
     ss_tools_fade(&body->tools, h);
     if (is_finite && law->after_substep) {
         law->after_substep(law->owner, body, h);
@@ -370,7 +370,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     if (is_finite) {
         evaluate(body, next, !goes_on(p));
         ss_tools_settle(&body->tools, true, &body->dissipated);
-        book_load(body, 0.5 * h * ss_body_driven_power(body));
+        book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
             body->work += 0.5 * fraction * ss_tools_work(&body->tools);
         }
@@ -412,17 +412,17 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->is_slowed = false;
     body->taken = 0.0;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
-    body->kept = (ss_body_ledger){.kinetic = body->kinetic,
-                                  .elastic = body->elastic,
-                                  .shadow = body->shadow,
-                                  .work = body->work,
-                                  .dissipated = body->dissipated};
+    body->kept = (ss_body_energy_balance){.kinetic = body->kinetic,
+                                          .elastic = body->elastic,
+                                          .shadow = body->shadow,
+                                          .work = body->work,
+                                          .dissipated = body->dissipated};
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
-        ss_driven_set_aim(&body->driven[k], body->nodes.u, time + dt);
+        ss_prescribed_set_aim(&body->prescribed[k], body->nodes.u, time + dt);
     }
-    const double before = ledger_sum(body);
+    const double before = energy_balance(body);
     ready(body, has_new_loads);
     ss_body_take_grasps(body, tool);
     ready(body, false);
@@ -438,11 +438,11 @@ void ss_body_step(ss_body *body, double time, double dt,
     book_load(body, ss_body_loads_work(body));
     book_losses(body, body->nodes.kick_lag);
     body->settled_lag = body->nodes.kick_lag;
-    if (!isfinite(ledger_sum(body))) {
+    if (!isfinite(energy_balance(body))) {
         fault(body, SS_KEPT_REASON);
         return;
     }
-    const double gain = ledger_sum(body) - before;
+    const double gain = energy_balance(body) - before;
     if (body->is_slowed || body->was_slowed) {
         judge_slowed(body, gain, dt);
     } else {

@@ -65,15 +65,15 @@ void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
     }
 }
 
-bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k)
+bool ss_plan_is_prescribed(const ss_prescribed *set, int32_t i, int k)
 {
     return set->axis[k] && isfinite(set->displacement[i][k]);
 }
 
 uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i)
 {
-    return (uint8_t)(ss_plan_is_driven(set, i, 0) | ss_plan_is_driven(set, i, 1) << 1 |
-                     ss_plan_is_driven(set, i, 2) << 2);
+    return (uint8_t)(ss_plan_is_prescribed(set, i, 0) | ss_plan_is_prescribed(set, i, 1) << 1 |
+                     ss_plan_is_prescribed(set, i, 2) << 2);
 }
 
 double ss_plan_ramp(double from, double ramp, double time)
@@ -89,13 +89,14 @@ double ss_plan_load_factor(const ss_load *load, double time)
     return time < load->to ? ss_plan_ramp(load->from, load->ramp, time) : 0.0;
 }
 
-/* ---- driven sets ---- */
+/* ---- prescribed sets ---- */
 
-void ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan, ss_arena *arena)
+void ss_prescribed_set_init(ss_prescribed_set *prescribed, const ss_prescribed *plan,
+                            ss_arena *arena)
 {
-    driven->plan = plan;
-    driven->from = ss_arena_get(arena, (size_t)plan->node_count, sizeof *driven->from);
-    driven->to = ss_arena_get(arena, (size_t)plan->node_count, sizeof *driven->to);
+    prescribed->plan = plan;
+    prescribed->from = ss_arena_get(arena, (size_t)plan->node_count, sizeof *prescribed->from);
+    prescribed->to = ss_arena_get(arena, (size_t)plan->node_count, sizeof *prescribed->to);
 }
 
 double ss_plan_pool_gain(double pool, double gain, double most, double dt)
@@ -103,35 +104,35 @@ double ss_plan_pool_gain(double pool, double gain, double most, double dt)
     return fmax(-most, pool * exp(-dt / GAIN_TIME) + gain);
 }
 
-void ss_driven_set_aim(ss_driven_set *driven, const ss_real *u, double time)
+void ss_prescribed_set_aim(ss_prescribed_set *prescribed, const ss_real *u, double time)
 {
-    const ss_prescribed *set = driven->plan;
+    const ss_prescribed *set = prescribed->plan;
     const double factor = ss_plan_ramp(set->from, set->ramp, time);
     for (int32_t i = 0; i < set->node_count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            if (ss_plan_is_driven(set, i, k)) {
-                driven->from[i][k] = (double)u[4 * (ptrdiff_t)set->node[i] + k];
-                driven->to[i][k] = factor * set->displacement[i][k];
+            if (ss_plan_is_prescribed(set, i, k)) {
+                prescribed->from[i][k] = (double)u[4 * (ptrdiff_t)set->node[i] + k];
+                prescribed->to[i][k] = factor * set->displacement[i][k];
             }
         }
     }
 }
 
-double ss_driven_set_place(const ss_driven_set *driven, double path, double fraction, double h,
-                           const double *mass, ss_real *u, ss_real *v)
+double ss_prescribed_set_place(const ss_prescribed_set *prescribed, double path, double fraction,
+                               double h, const double *mass, ss_real *u, ss_real *v)
 {
-    const ss_prescribed *set = driven->plan;
+    const ss_prescribed *set = prescribed->plan;
     double work = 0.0;
     for (int32_t i = 0; i < set->node_count; ++i) {
         const double half_mass = 0.5 * mass[set->node[i]];
         for (int k = 0; k < 3; ++k) {
-            if (!ss_plan_is_driven(set, i, k)) {
+            if (!ss_plan_is_prescribed(set, i, k)) {
                 continue;
             }
             const ptrdiff_t at = 4 * (ptrdiff_t)set->node[i] + k;
-            const double way = driven->to[i][k] - driven->from[i][k];
+            const double way = prescribed->to[i][k] - prescribed->from[i][k];
             const double before = (double)v[at];
-            u[at] = (ss_real)(driven->from[i][k] + path * way);
+            u[at] = (ss_real)(prescribed->from[i][k] + path * way);
             v[at] = h > 0.0 ? (ss_real)(way * fraction / h) : v[at];
             /* The support also pays for the change of velocity. */
             const double after = (double)v[at];
@@ -203,7 +204,7 @@ static void check_load(const checker *check, int32_t which)
     }
 }
 
-/* `taken`: the axes of every node that are fixed or driven so far. */
+/* `taken`: the axes of every node that are fixed or prescribed so far. */
 static void check_prescribed(const checker *check, int32_t which, uint8_t *taken)
 {
     const ss_model_plan *plan = check->plan;
@@ -219,7 +220,7 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
         }
         for (int k = 0; k < 3; ++k) {
             const uint8_t bit = (uint8_t)(1 << k);
-            if (ss_plan_is_driven(set, i, k)) {
+            if (ss_plan_is_prescribed(set, i, k)) {
                 is_clash = is_clash || (taken[set->node[i]] & bit) != 0;
                 taken[set->node[i]] = (uint8_t)(taken[set->node[i]] | bit);
             }
@@ -302,7 +303,7 @@ static bool is_full_rank(double matrix[6][6])
     return true;
 }
 
-/* Do the fixed and driven axes of nodes with a size stop every rigid motion of the body? */
+/* Do the fixed and prescribed axes of nodes with a size stop every rigid motion of the body? */
 static bool is_held(const ss_model_plan *plan, const double *size_of)
 {
     const ss_mesh *mesh = plan->mesh;

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What every model reads out of a plan in the same way: viscosities, which axes are driven, how
+ * What every model reads out of a plan in the same way: viscosities, which axes are prescribed, how
  * much of a load acts, the patches under pressure, and what of loads, prescribed sets and times is
  * refused. Thread: set-up only where marked; the rest any thread, RT-safe.
  */
@@ -30,9 +30,9 @@ void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
                        const double *mu, ss_arena *arena, double **out_phi, double **out_psi,
                        double *out_time);
 
-/* Is axis `k` of node `i` of a prescribed set driven? */
-bool ss_plan_is_driven(const ss_prescribed *set, int32_t i, int k);
-/* The driven axes of node `i` of the set: bit 0 x, 1 y, 2 z. */
+/* Is axis `k` of node `i` of a prescribed set prescribed? */
+bool ss_plan_is_prescribed(const ss_prescribed *set, int32_t i, int k);
+/* The prescribed axes of node `i` of the set: bit 0 x, 1 y, 2 z. */
 uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i);
 /* 0 before `from`, 1 from `from` + `ramp` on. */
 double ss_plan_ramp(double from, double ramp, double time);
@@ -46,24 +46,25 @@ double ss_plan_load_factor(const ss_load *load, double time);
 double ss_plan_pool_gain(double pool, double gain, double most, double dt);
 
 /* A prescribed set on its way through an outer step. */
-typedef struct ss_driven_set {
+typedef struct ss_prescribed_set {
     const ss_prescribed *plan;
-    double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is driven */
-} ss_driven_set;
+    double (*from)[3], (*to)[3]; /* m: over the outer step, where an axis is prescribed */
+} ss_prescribed_set;
 /* Thread: set-up only. */
-void ss_driven_set_init(ss_driven_set *driven, const ss_prescribed *plan, ss_arena *arena);
+void ss_prescribed_set_init(ss_prescribed_set *prescribed, const ss_prescribed *plan,
+                            ss_arena *arena);
 /* From where its nodes are to where they belong at `time`. */
-void ss_driven_set_aim(ss_driven_set *driven, const ss_real *u, double time);
+void ss_prescribed_set_aim(ss_prescribed_set *prescribed, const ss_real *u, double time);
 /* Puts its nodes at `path` (0..1) of the way, moving so that they cover `fraction` of it in `h`
  * seconds (h = 0: velocities stay). Returns the work of the support for their change of velocity,
  * J. */
-double ss_driven_set_place(const ss_driven_set *driven, double path, double fraction, double h,
-                           const double *mass, ss_real *u, ss_real *v);
+double ss_prescribed_set_place(const ss_prescribed_set *prescribed, double path, double fraction,
+                               double h, const double *mass, ss_real *u, ss_real *v);
 
 /* What is wrong with loads, prescribed sets, gravity, step and budget, all of it, each line begun
  * with `name`, the model's. `size`: a value a node, below 0 where the model has nothing that could
  * be pushed or held; `outside` is what a load on such nodes is refused with (NULL: it is not).
- * out_is_held: do the fixed and driven axes stop every rigid motion? SOFTSIM_OK,
+ * out_is_held: do the fixed and prescribed axes stop every rigid motion? SOFTSIM_OK,
  * SOFTSIM_ERROR_SCENE or SOFTSIM_ERROR_MEMORY. Thread: set-up only. */
 softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const double *size,
                              const char *outside, bool *out_is_held, softsim_error *error);

@@ -5,7 +5,7 @@
  * An outer step in sub-steps, and what is said where it could not be done as it was meant.
  *
  * Sub-steps are equal parts of what is left, as many as time and the tools' way ask for. Where the
- * budget does not allow that, each is the longest stable one, and tools and driven nodes go the
+ * budget does not allow that, each is the longest stable one, and tools and prescribed nodes go the
  * same share of their ways as of the time: the body is simulated slower than time passes. RT-safe.
  */
 #include "models/model.h"

@@ -24,19 +24,19 @@ softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_mo
 softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index, ss_arena *arena)
 {
     ss_tool *tool = &tools->tool[index];
-    const ss_touch_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    const ss_contact_query_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
     tool->is_used = true;
     tool->shape = &plan->tool[index].shape;
     ss_grasp_init(&tool->grasp, tools->node_count, arena);
     const softsim_status status =
-        ss_touch_create(tools->surface, tool->shape, &options, &tool->touch);
+        ss_contact_query_create(tools->surface, tool->shape, &options, &tool->query);
     return status == SOFTSIM_OK ? ss_arena_status(arena) : status;
 }
 
 void ss_tools_fini(ss_tools *tools)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        ss_touch_destroy(&tools->tool[k].touch);
+        ss_contact_query_destroy(&tools->tool[k].query);
     }
     ss_surface_destroy(&tools->surface);
 }
@@ -185,7 +185,8 @@ void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_r
 {
     ss_set3(tool->force, 0.0, 0.0, 0.0);
     ss_set3(tool->torque, 0.0, 0.0, 0.0);
-    tool->penalty = ss_touch_penalty(tool->touch, u, &tool->pose, force, tool->force, tool->torque);
+    tool->penalty =
+        ss_contact_query_penalty(tool->query, u, &tool->pose, force, tool->force, tool->torque);
     ss_grasp_add_forces(&tool->grasp, tools->rest, u, &tool->pose, grasp_force, tool->force,
                         tool->torque);
 }
@@ -208,7 +209,7 @@ double ss_tools_energy(const ss_tools *tools)
 
 void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal)
 {
-    ss_touch_diagonal(tool->touch, diagonal);
+    ss_contact_query_diagonal(tool->query, diagonal);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         diagonal[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
     }
@@ -219,7 +220,7 @@ void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out)
     static const double still[3] = {0.0, 0.0, 0.0};
     double unused[3] = {0.0, 0.0, 0.0};
     if (tool->penalty > 0.0) {
-        ss_touch_tangent(tool->touch, x, still, out, unused);
+        ss_contact_query_tangent(tool->query, x, still, out, unused);
     }
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
@@ -233,7 +234,7 @@ void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out)
 double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push)
 {
     double on_tool[3] = {0.0, 0.0, 0.0};
-    ss_touch_tangent(tool->touch, NULL, normal, push, on_tool);
+    ss_contact_query_tangent(tool->query, NULL, normal, push, on_tool);
     double stiffness = -ss_dot3(on_tool, normal);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         const double k = tool->grasp.share * tool->grasp.stiffness[i];
@@ -257,7 +258,7 @@ ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out)
 bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
                            double out_normal[3])
 {
-    ss_touch_contacts(tool->touch, u, &tool->pose, near, out);
+    ss_contact_query_contacts(tool->query, u, &tool->pose, near, out);
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);
     ss_copy3(out->torque, tool->torque);

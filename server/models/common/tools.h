@@ -20,7 +20,7 @@
 typedef struct ss_tool {
     bool is_used; /* has a row in the scene */
     const ss_shape *shape;
-    ss_touch *touch;
+    ss_contact_query *query;
     double radius;    /* R, m: a sub-step goes a share of it */
     double reach;     /* delta, m, of the weights */
     double stiffness; /* kc, N/m^3 */

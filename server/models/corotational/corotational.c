@@ -6,7 +6,7 @@
  * The model corotational: tetrahedra of linear elasticity that turn with the body (Mueller and
  * Gross, "Interactive virtual materials", 2004), stepped by implicit Euler: stable at any step and
  * stiffness, at the price of damping fast motions. For stiff scenes; what is soft and fast is
- * better served by fem. Masses, loads, tools and the ledger are the body's (common/body.h).
+ * better served by fem. Masses, loads, tools and the energy balance are the body's (common/body.h).
  *
  * Where the nonlinearity comes from: the turning of each element, and contact; the strain that is
  * left is linear. Left out: cutting and tearing. Elements are the mesh's and stay.

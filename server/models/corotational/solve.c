@@ -6,7 +6,8 @@
  *
  *   r(e) = f_elastic(u+) - D w + f_loads + f_contact(u+) - M (e/h + alpha w) = 0
  *
- * on the axes that are free; fixed and driven ones have their places at the end already. Newton:
+ * on the axes that are free; fixed and prescribed ones have their places at the end already.
+ * Newton:
  *
  *   (M (1/h + alpha) + D + h (K + K_contact)) de = r
  *
@@ -135,7 +136,7 @@ static void set_system(ss_model *model, double h)
     }
 }
 
-/* w = v + e, u = u0 + h w on free axes; driven ones stay. */
+/* w = v + e, u = u0 + h w on free axes; prescribed ones stay. */
 static void place(const task *t)
 {
     ss_model *model = t->model;

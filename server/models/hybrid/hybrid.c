@@ -10,7 +10,7 @@
  * (one volume shared by both: collar and sleeping skin), skin.c (the surface that is
  * touched), wake.c (activation), bound.c (the stable step); near.c gathers
  * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
- * tools and the ledger the body's.
+ * tools and the energy balance the body's.
  *
  * Where the nonlinearity comes from: Green strain, as in `fem`, of tetrahedra and particles alike,
  * and the pair forces of the share that is cohesion. Left out: cutting and tearing. Neighbours are

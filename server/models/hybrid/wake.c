@@ -23,11 +23,11 @@
  * gives both back: exact, but for axes that are held, whose support takes the difference. Kinetic
  * energy is lost both ways, since one velocity is the mean of several. Stored energy is not kept
  * either: the layer bends where its host cannot. The forces and energies are therefore evaluated
- * anew after a change, and the body books the difference as work, so that its ledger still tells
- * true gains. Rejected: freezing the particle where it is (springs of the frozen lattice would hold
- * the dent); waking with the tie's velocity T v, which the nodes of the host must make up for: that
- * gains kinetic energy every time, and a tool that passed over an undamped body without touching it
- * made its energy three times as much in 20 s.
+ * anew after a change, and the body books the difference as work, so that its energy balance still
+ * tells true gains. Rejected: freezing the particle where it is (springs of the frozen lattice
+ * would hold the dent); waking with the tie's velocity T v, which the nodes of the host must make
+ * up for: that gains kinetic energy every time, and a tool that passed over an undamped body
+ * without touching it made its energy three times as much in 20 s.
  */
 #include <math.h>
 #include <string.h>

@@ -27,7 +27,7 @@
  * stiffness goes by the sub-step, which is short: tools, energies and the stiffness that a hand
  * feels are then the same as in every other model. Rejected: tools as position constraints, whose
  * force is known only up to the compliance that one sweep adds, and jumps as samples come and go.
- * Driven axes are where they belong, exactly, before the sweep. Forces, energy and tangent that
+ * Prescribed axes are where they belong, exactly, before the sweep. Forces, energy and tangent that
  * are told (reactions, status, stiffness) are the law's at the end of a step.
  *
  * Where the nonlinearity comes from: the law, which is one of finite strain, and contact. Left out:
@@ -65,7 +65,7 @@ static const ss_param_row rows[ROW_COUNT] = {
  * so that a contact's stiffness leaves margin. */
 #define STEP_SHARE 0.5
 /* Of the stable step of an explicit method: sub-steps up to it are softer than the law by less
- * than what the ledger looks at. */
+ * than what the energy balance looks at. */
 #define EXACT_SHARE 0.3
 /* Microseconds a sub-step of an element, of a step by itself and with a tool; the step that is
  * meant, s. */

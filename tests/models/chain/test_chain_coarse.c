@@ -13,7 +13,7 @@
 
 enum { SIDE = 11, NODES = SIDE * SIDE * SIDE, PATCH = 9 };
 
-/* A block of links 1 m long on its lower face, a patch of its upper one driven by `way`. */
+/* A block of links 1 m long on its lower face, a patch of its upper one prescribed by `way`. */
 static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, double (*way)[3])
 {
     setup_network(s, make_box(SIDE, SIDE, SIDE, 1.0), alpha);
@@ -319,7 +319,7 @@ static void leak_balances_a_load_on_every_level(void **state)
     assert_near(middle[2], middle[0], 0.25 * middle[0]); /* seven elements a cell */
 }
 
-/* Every element above the fixed ones is driven: there is no cell left that may move. */
+/* Every element above the fixed ones is prescribed: there is no cell left that may move. */
 static void a_body_without_a_free_cell_follows_its_set(void **state)
 {
     (void)state;

@@ -9,8 +9,8 @@
 
 #include "common/chain_fixture.h"
 
-/* The 21 x 21 plane of the paper's figure 4, held at its rim, its middle driven by `lift` along z
- * in `ramp` seconds. */
+/* The 21 x 21 plane of the paper's figure 4, held at its rim, its middle prescribed by `lift` along
+ * z in `ramp` seconds. */
 enum { PLANE = 21, MIDDLE = PLANE * PLANE / 2 };
 static int32_t middle[1] = {MIDDLE};
 static double middle_way[1][3];
@@ -101,7 +101,7 @@ static void shape_is_no_pyramid(void **state)
 
 /* ---- the front ---- */
 
-/* A block, driven in one point at a corner of its top, with or without the front. */
+/* A block, prescribed in one point at a corner of its top, with or without the front. */
 static void setup_block(setup *s, int n, int32_t *node, double (*way)[3])
 {
     setup_network(s, make_box(n, n, n, 1.0), 0.05);
@@ -416,8 +416,8 @@ static void nothing_not_finite_is_published(void **state)
     }
 }
 
-/* The ledger is what says so: energy that nobody brought in stays in it. */
-static void energy_from_nowhere_is_in_the_ledger(void **state)
+/* The energy balance is what says so: energy that nobody brought in stays in it. */
+static void energy_from_nowhere_is_in_the_energy_balance(void **state)
 {
     (void)state;
     setup s;
@@ -453,7 +453,7 @@ static void energy_that_creeps_in_is_found(void **state)
             s.model->u[at] *= (ss_real)1.004;
         }
         s.model->is_all_awake = true;
-        s.model->driven[0].is_moving = false;
+        s.model->prescribed[0].is_moving = false;
         s.model->u[4 * MIDDLE + 2] = 4;
         steps(&s, 1, 0.01);
         is_said = is_said || info_of(&s).verdict == SOFTSIM_VERDICT_DEGRADED;
@@ -482,7 +482,7 @@ int main(void)
         cmocka_unit_test(not_finite_is_a_fault_until_reset),
         cmocka_unit_test(a_set_too_fast_to_follow_is_said),
         cmocka_unit_test(nothing_not_finite_is_published),
-        cmocka_unit_test(energy_from_nowhere_is_in_the_ledger),
+        cmocka_unit_test(energy_from_nowhere_is_in_the_energy_balance),
         cmocka_unit_test(energy_that_creeps_in_is_found)};
     return cmocka_run_group_tests_name("chain_step", tests, NULL, NULL);
 }

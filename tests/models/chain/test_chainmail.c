@@ -212,7 +212,7 @@ static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
 }
 
 /* A set that drives z alone leaves x and y to the links. */
-static void axes_that_are_not_driven_are_free(void **state)
+static void axes_that_are_not_prescribed_are_free(void **state)
 {
     (void)state;
     int32_t node[2] = {0, 1};
@@ -327,7 +327,7 @@ int main(void)
         cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
         cmocka_unit_test(relaxation_smooths_what_nobody_holds),
         cmocka_unit_test(tool_moves_what_it_touches_and_feels_a_spring),
-        cmocka_unit_test(axes_that_are_not_driven_are_free),
+        cmocka_unit_test(axes_that_are_not_prescribed_are_free),
         cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
         cmocka_unit_test(too_few_parts_are_said),
         cmocka_unit_test(a_contact_stiffness_that_is_not_used_is_told),

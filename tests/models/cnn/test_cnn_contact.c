@@ -359,7 +359,7 @@ static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
     setup_fini(&s);
 }
 
-static void a_tool_that_leaves_or_jumps_keeps_the_ledger(void **state)
+static void a_tool_that_leaves_or_jumps_keeps_the_energy_balance(void **state)
 {
     (void)state;
     setup s;
@@ -371,10 +371,10 @@ static void a_tool_that_leaves_or_jumps_keeps_the_ledger(void **state)
     tool[0].to.position[0] = tool[0].from.position[0] = 0.01; /* a jump, no sweep */
     step_tools(&s, 1e-3, tool);
     settle(&s, 1e-3, tool, 100);
-    assert_near(ledger(&s), 0.0, 2e-2 * stored);
+    assert_near(energy_gain(&s), 0.0, 2e-2 * stored);
     tool[0].is_present = false;
     settle(&s, 1e-3, tool, 500);
-    assert_near(ledger(&s), 0.0, 2e-2 * stored);
+    assert_near(energy_gain(&s), 0.0, 2e-2 * stored);
     assert_near(largest_displacement(&s), 0.0, 1e-6);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
     setup_fini(&s);
@@ -462,7 +462,7 @@ static void compact_columns_are_the_same_columns(void **state)
         }
         const double one = 1.0;
         const ss_real *column;
-        ss_cnn_network_columns(network, 1, &cell, &column);
+        ss_cnn_network_influence(network, 1, &cell, &column);
         assert_int_equal(ss_cnn_network_superpose(network, 1, &cell, &one, exact), SOFTSIM_OK);
         double largest = 0.0, sum = 0.0;
         for (int32_t e = 0; e < network->edges.count; ++e) {
@@ -509,7 +509,7 @@ int main(void)
         cmocka_unit_test(the_stiffness_told_counts_the_enclosed_volume),
         cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),
         cmocka_unit_test(a_fast_tool_is_sub_stepped_and_does_not_tunnel),
-        cmocka_unit_test(a_tool_that_leaves_or_jumps_keeps_the_ledger),
+        cmocka_unit_test(a_tool_that_leaves_or_jumps_keeps_the_energy_balance),
         cmocka_unit_test(tools_thrown_about_leave_the_body_whole),
         cmocka_unit_test(compact_columns_are_the_same_columns),
         cmocka_unit_test(too_many_columns_are_refused_by_name),

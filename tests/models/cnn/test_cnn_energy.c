@@ -56,7 +56,7 @@ static void the_hexagon_fan_is_exactly_the_duffing_oscillator(void **state)
                 assert_near(moved(&s, 0, axis), z[0] * direction[d][axis], BY_TYPE(2e-7, 2e-9));
             }
         }
-        assert_near(ledger(&s), 0.0, BY_TYPE(2e-8, 1e-9));
+        assert_near(energy_gain(&s), 0.0, BY_TYPE(2e-8, 1e-9));
         setup_fini(&s);
     }
 }
@@ -101,7 +101,7 @@ static void pretension_adds_its_stiffness_to_the_fan(void **state)
     setup_fini(&s);
 }
 
-static void a_driven_node_reports_the_force_that_it_takes(void **state)
+static void a_prescribed_node_reports_the_force_that_it_takes(void **state)
 {
     (void)state;
     setup s;
@@ -123,7 +123,7 @@ static void a_driven_node_reports_the_force_that_it_takes(void **state)
     assert_near(reaction[2], -force, BY_TYPE(1e-6, 1e-12));
     s.class->reaction(s.model, -1, reaction); /* the rim holds what the springs do not */
     assert_near(reaction[2], force - 0.3 * 0.1, BY_TYPE(1e-6, 1e-12));
-    assert_near(ledger(&s), 0.0, BY_TYPE(1e-7, 1e-12));
+    assert_near(energy_gain(&s), 0.0, BY_TYPE(1e-7, 1e-12));
     setup_fini(&s);
 }
 
@@ -307,7 +307,7 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
     assert_near(momentum[0], 0.2 * s.time, BY_TYPE(1e-4, 1e-11));
     assert_near(momentum[1], -0.1 * s.time, BY_TYPE(1e-4, 1e-11));
     assert_near(momentum[2], 0.6 * s.time, BY_TYPE(1e-4, 1e-11));
-    assert_near(ledger(&s), 0.0, 1e-3 * info_of(&s).work);
+    assert_near(energy_gain(&s), 0.0, 1e-3 * info_of(&s).work);
     setup_fini(&s);
 }
 
@@ -663,7 +663,7 @@ int main(void)
         cmocka_unit_test(the_hexagon_fan_is_exactly_the_duffing_oscillator),
         cmocka_unit_test(a_saturated_fan_carries_the_rest_by_its_springs),
         cmocka_unit_test(pretension_adds_its_stiffness_to_the_fan),
-        cmocka_unit_test(a_driven_node_reports_the_force_that_it_takes),
+        cmocka_unit_test(a_prescribed_node_reports_the_force_that_it_takes),
         cmocka_unit_test(an_axis_that_is_fixed_alone_stays_and_the_others_move),
         cmocka_unit_test(uniform_rho_cancels),
         cmocka_unit_test(doubling_rho_equals_doubling_the_saturation),

@@ -47,7 +47,7 @@ static void states_follow_the_literal_network_for_any_resistance(void **state)
         current[other] = 1.0;
         literal_init(&net, &s, trial == 0 ? 0.8 : 40.0, (double)INFINITY);
         ss_cnn_relax_look(relax);
-        ss_cnn_relax_columns(relax, 2, cell, column);
+        ss_cnn_relax_influence(relax, 2, cell, column);
         for (int k = 0; k < 120; ++k) {
             ss_cnn_relax_advance(relax);
             literal_step(&net, current, relax->step);
@@ -121,7 +121,7 @@ static void count_steps(setup *s, int32_t cell, int32_t out_steps[2], double *ou
         size += network->size[i] / literal_rho(s, i) * field[i] * field[i];
     }
     ss_cnn_relax_look(relax);
-    ss_cnn_relax_columns(relax, 1, &cell, &column);
+    ss_cnn_relax_influence(relax, 1, &cell, &column);
     out_steps[0] = out_steps[1] = 0;
     for (int32_t step = 1; out_steps[1] == 0 && step < 20000; ++step) {
         double error = 0.0;
@@ -324,7 +324,7 @@ static void bodies_come_to_the_same_rest_and_slower_networks_later(void **state)
         assert_near(moved(all[k], TOP, 1) / moved(&settled, TOP, 1), 1.0, BY_TYPE(1e-4, 1e-6));
         assert_near(moved(all[k], TOP + 48, 1) / moved(&settled, TOP + 48, 1), 1.0,
                     BY_TYPE(1e-4, 1e-6));
-        assert_near(ledger(all[k]) / info_of(all[k]).elastic, 0.0, 1e-4);
+        assert_near(energy_gain(all[k]) / info_of(all[k]).elastic, 0.0, 1e-4);
     }
     for (int k = 0; k < 3; ++k) {
         setup_fini(all[k]);

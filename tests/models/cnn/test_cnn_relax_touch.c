@@ -70,19 +70,19 @@ static void cells_spread_while_touched_and_start_anew_after(void **state)
     assert_near(s.model->tools.tool[0].force[2] / settled.model->tools.tool[0].force[2], 1.0,
                 BY_TYPE(1e-4, 1e-5));
     const double pressed = info_of(&s).elastic;
-    assert_near(ledger(&s) / pressed, 0.0, 5e-3);
+    assert_near(energy_gain(&s) / pressed, 0.0, 5e-3);
     for (int n = 1; n <= 300; ++n) { /* slides on: new cells join from 0 as others are let go */
         go(tool, 0.0005 + 5e-5 * n, 0.0007, PLATE_RADIUS - 0.004);
         step_tools(&s, 1e-3, tool);
         assert_true(states_in_use(&s) <= s.model->tool[0].count + 2);
     }
-    assert_near(ledger(&s) / pressed, 0.0, 5e-3);
+    assert_near(energy_gain(&s) / pressed, 0.0, 5e-3);
     for (int n = 1; n <= 400; ++n) {
         go(tool, 0.0155, 0.0007, fmin(0.03, PLATE_RADIUS - 0.004 + 1e-4 * n));
         step_tools(&s, 1e-3, tool);
     }
     assert_int_equal(states_in_use(&s), 0);
-    assert_near(ledger(&s) / pressed, 0.0, 5e-3);
+    assert_near(energy_gain(&s) / pressed, 0.0, 5e-3);
     assert_true(largest_displacement(&s) < 1e-6);
     assert_int_equal(info_of(&s).fault_bits, 0);
     go(tool, 0.0155, 0.0007, PLATE_RADIUS - 0.001); /* a new touch starts from 0 */
@@ -179,7 +179,7 @@ static void momentum_of(const setup *s, double out[3])
     }
 }
 
-static void two_tools_and_loads_keep_the_ledger_whatever_is_chosen(void **state)
+static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
@@ -203,7 +203,7 @@ static void two_tools_and_loads_keep_the_ledger_whatever_is_chosen(void **state)
                (kind & FREE) != 0 ? -0.054 + 0.018 * way : 0.05 - 0.019 * way);
             step_tools(&s, 1e-3, tool);
             largest = fmax(largest, info_of(&s).elastic);
-            worst = fmax(worst, fabs(ledger(&s)));
+            worst = fmax(worst, fabs(energy_gain(&s)));
             saturated += s.model->source[0].stretch < 0.99 * s.model->source[0].eps;
             touched += s.model->tool[0].source.is_on && s.model->tool[1].source.is_on;
         }
@@ -338,7 +338,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_spread_while_touched_and_start_anew_after),
         cmocka_unit_test(equal_runs_give_equal_bits_also_after_a_reset),
-        cmocka_unit_test(two_tools_and_loads_keep_the_ledger_whatever_is_chosen),
+        cmocka_unit_test(two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen),
         cmocka_unit_test(free_bodies_move_by_what_pushes_them),
         cmocka_unit_test(steps_without_relaxation_and_cells_without_area_are_refused),
         cmocka_unit_test(too_many_states_are_refused_before_they_are_solved),

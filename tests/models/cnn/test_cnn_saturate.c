@@ -520,7 +520,7 @@ static void doubling_rho_doubles_the_saturation_of_several_too(void **state)
     }
     assert_true(same < BY_TYPE(1e-5, 1e-11));
     assert_true(different > 0.05);
-    assert_near(ledger(&a) / info_of(&a).work, 0.0, 1e-4);
+    assert_near(energy_gain(&a) / info_of(&a).work, 0.0, 1e-4);
     setup_fini(&a);
     setup_fini(&b);
     setup_fini(&c);

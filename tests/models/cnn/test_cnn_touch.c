@@ -18,7 +18,7 @@
 /* ---- slides and loops on a plate ---- */
 
 typedef struct slide {
-    double mean, jump, ledger, end_ledger, residual;
+    double mean, jump, balance, end_balance, residual;
 } slide;
 
 /* Press 6 mm, slide 30 mm from `x0` along x, lift off; over the largest stored energy. */
@@ -59,15 +59,15 @@ static slide run_slide(double dt, double x0, double speed, bool is_one_cell)
             }
             ss_copy3(last, force);
         }
-        if (along >= 1.0 && out.ledger == 0.0) {
-            out.ledger = ledger(&s);
+        if (along >= 1.0 && out.balance == 0.0) {
+            out.balance = energy_gain(&s);
         }
     }
     assert_true((info_of(&s).fault_bits) == 0);
     out.mean /= samples;
     out.jump /= out.mean;
-    out.ledger /= largest;
-    out.end_ledger = ledger(&s) / largest;
+    out.balance /= largest;
+    out.end_balance = energy_gain(&s) / largest;
     out.residual = largest_displacement(&s);
     setup_fini(&s);
     return out;
@@ -92,9 +92,9 @@ static void closed_loops_gain_nothing_in_either_direction(void **state)
         const double x0 = way > 0 ? -0.03 : 0.0;
         const slide coarse = run_slide(1e-3, x0, 0.05 * way, false);
         const slide fine = run_slide(5e-4, x0, 0.05 * way, false);
-        assert_near(coarse.end_ledger, 0.0, 3e-3);
-        assert_near(fine.end_ledger, 0.0, 1.5e-3);
-        assert_near(fine.end_ledger / coarse.end_ledger, 0.5, 0.1); /* first order in the step */
+        assert_near(coarse.end_balance, 0.0, 3e-3);
+        assert_near(fine.end_balance, 0.0, 1.5e-3);
+        assert_near(fine.end_balance / coarse.end_balance, 0.5, 0.1); /* first order in the step */
     }
 }
 
@@ -136,7 +136,7 @@ static void one_cell_carries_the_whole_source_of_a_load(void **state)
         assert_near((double)many.model->load_force[4 * (ptrdiff_t)pushed[k] + 2], -0.1, 1e-7);
     }
     assert_true(source->eps > 0.0 && moved(&many, pushed[0], 2) < 0.0);
-    assert_near(ledger(&many) / info_of(&many).work, 0.0, 1e-5);
+    assert_near(energy_gain(&many) / info_of(&many).work, 0.0, 1e-5);
     setup_fini(&many);
     setup_fini(&one);
 }
@@ -160,7 +160,7 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
         step_tools(&s, 1e-3, tool);
     }
     assert_int_equal(own->cell.node, 12 * 25 + 15);
-    const double before = ledger(&s);
+    const double before = energy_gain(&s);
     for (int n = 1; n <= 100; ++n) {
         go(tool, 3.0 * h, 0.0, PLATE_EDGE + 0.002 - 5e-5 * n);
         step_tools(&s, 1e-3, tool);
@@ -172,7 +172,8 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
         step_tools(&s, 1e-3, tool);
     }
     assert_int_equal(own->cell.node, 12 * 25 + 15);
-    assert_near(ledger(&s) - before, 0.0, 1e-4 * pressed); /* no weights move, nothing is frozen */
+    assert_near(energy_gain(&s) - before, 0.0,
+                1e-4 * pressed); /* no weights move, nothing is frozen */
     for (int n = 1; n <= 100; ++n) {
         go(tool, h, 0.0, PLATE_EDGE - 0.003 + 2e-4 * n);
         step_tools(&s, 1e-3, tool);
@@ -180,7 +181,7 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
     settle(&s, 1e-3, tool, 200);
     assert_int_equal(own->cell.node, -1);
     assert_true(info_of(&s).fault_bits == 0);
-    assert_near(ledger(&s) - before, 0.0, 5e-4 * pressed);
+    assert_near(energy_gain(&s) - before, 0.0, 5e-4 * pressed);
     go(tool, h, 0.0, PLATE_EDGE - 0.001); /* a jump to another place is a new touch */
     step_tools(&s, 1e-3, tool);
     assert_int_equal(own->cell.node, 12 * 25 + 13);
@@ -280,7 +281,7 @@ static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_one_cell(&s, 2);
     press(&s, tool, 1, 0.0, PLATE_EDGE, 0.006);
-    const double before = ledger(&s);
+    const double before = energy_gain(&s);
     int32_t changes = 0, last = -1;
     double most = 0.0;
     for (int n = 0; n <= 200; ++n) { /* the second tool flies over the slope and touches nothing */
@@ -294,7 +295,7 @@ static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
     }
     assert_true(changes >= 2);
     assert_true(most > 0.03 * info_of(&s).elastic);
-    assert_near(ledger(&s) - before, 0.0, 1e-4 * info_of(&s).elastic);
+    assert_near(energy_gain(&s) - before, 0.0, 1e-4 * info_of(&s).elastic);
     setup_fini(&s);
 }
 
@@ -305,7 +306,7 @@ static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
     const slide s = run_slide(5e-4, -0.015, 0.05, true);
     assert_true(s.mean < 0.5 * run_slide(5e-4, -0.015, 0.05, false).mean); /* left behind */
     assert_true(s.jump < 0.05);
-    assert_near(s.end_ledger, 0.0, 1e-4);
+    assert_near(s.end_balance, 0.0, 1e-4);
     assert_true(s.residual < 1e-8);
 }
 
@@ -435,7 +436,7 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
         assert_true(ss_norm3(change) < 0.1 * pulled);
         ss_copy3(last, s.model->tools.tool[0].force);
     }
-    assert_near(ledger(&s), 0.0, 5e-3 * stored);
+    assert_near(energy_gain(&s), 0.0, 5e-3 * stored);
     go(tool, 0.0, 0.0, 0.05);
     settle(&s, 5e-4, tool, 1200);
     assert_near(largest_displacement(&s), 0.0, 1e-8);
@@ -457,7 +458,7 @@ static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
         step_tools(&s, 5e-4, tool);
         assert_true(s.model->tools.tool[0].grasp.share > 0.5);
     }
-    assert_near(ledger(&s), 0.0, 5e-3 * stored);
+    assert_near(energy_gain(&s), 0.0, 5e-3 * stored);
     setup_fini(&s);
 }
 

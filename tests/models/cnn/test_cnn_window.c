@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * cnn-energy on large bodies: what an active window leaves out must not be missed. Beside each run
- * with a window stands the same run with all nodes active.
+ * cnn-energy on large bodies: what an active set leaves out must not be missed. Beside each run
+ * with an active set stands the same run with all nodes active.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -127,7 +127,7 @@ static int32_t far_node(const pair *p)
 
 /* ---- with and without ---- */
 
-static void the_field_and_the_ledger_are_those_of_the_whole_body(void **state)
+static void the_field_and_the_energy_balance_are_those_of_the_whole_body(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
@@ -140,8 +140,8 @@ static void the_field_and_the_ledger_are_those_of_the_whole_body(void **state)
     for (size_t k = 0; k < sizeof kind / sizeof *kind; ++k) {
         pair p;
         create_pair(&p, kind[k].pretension, kind[k].bulk, kind[k].is_moving, kind[k].force);
-        assert_non_null(p.with.model->window);
-        assert_null(p.without.model->window);
+        assert_non_null(p.with.model->set);
+        assert_null(p.without.model->set);
         int32_t least = p.with.mesh->node_count;
         for (int look = 0; look < 12; ++look) {
             steps(&p.with, 25, 2e-3);
@@ -151,7 +151,7 @@ static void the_field_and_the_ledger_are_those_of_the_whole_body(void **state)
             assert_near(apart(&p), 0.0, 1e-4);
             assert_near(a.elastic, b.elastic, 2e-4 * b.elastic);
             assert_near(a.work, b.work, 2e-4 * b.work);
-            assert_near(ledger(&p.with), ledger(&p.without), 1e-6 * b.work);
+            assert_near(energy_gain(&p.with), energy_gain(&p.without), 1e-6 * b.work);
             assert_true(a.stable_step <= 1.01 * b.stable_step);
             assert_true(a.active_nodes < p.with.mesh->node_count);
             least = a.active_nodes < least ? a.active_nodes : least;
@@ -182,25 +182,25 @@ static void the_window_follows_the_load_and_closes_at_rest(void **state)
     create_pair(&p, 50.0, 2000.0, true, 200.0);
     p.with.load[1].to = 0.6;
     p.without.load[1].to = 0.6;
-    const ss_cnn_window *window = p.with.model->window;
+    const ss_cnn_active_set *set = p.with.model->set;
     const int32_t at_rest = info_of(&p.with).active_nodes;
     int32_t beside[2]; /* blocks next to the patches that no load pins */
     for (int k = 0; k < 2; ++k) {
-        const int32_t pinned = p.patch[k][0] / window->block_size;
+        const int32_t pinned = p.patch[k][0] / set->block_size;
         beside[k] = -1;
-        for (int32_t n = window->near_first[pinned]; n < window->near_first[pinned + 1]; ++n) {
-            beside[k] = window->is_pinned[window->near[n]] ? beside[k] : window->near[n];
+        for (int32_t n = set->near_first[pinned]; n < set->near_first[pinned + 1]; ++n) {
+            beside[k] = set->is_pinned[set->near[n]] ? beside[k] : set->near[n];
         }
         assert_true(beside[k] >= 0);
     }
     steps(&p.with, 140, 2e-3);
     steps(&p.without, 140, 2e-3);
-    assert_int_equal(window->rank[beside[0]], 0);
-    assert_int_not_equal(window->rank[beside[1]], 0);
+    assert_int_equal(set->rank[beside[0]], 0);
+    assert_int_not_equal(set->rank[beside[1]], 0);
     steps(&p.with, 150, 2e-3);
     steps(&p.without, 150, 2e-3);
-    assert_int_not_equal(window->rank[beside[0]], 0);
-    assert_int_equal(window->rank[beside[1]], 0);
+    assert_int_not_equal(set->rank[beside[0]], 0);
+    assert_int_equal(set->rank[beside[1]], 0);
     /* All loads gone: back to rest, with no dent left where blocks stopped. */
     const double size = largest_displacement(&p.with);
     steps(&p.with, 900, 2e-3);
@@ -209,11 +209,11 @@ static void the_window_follows_the_load_and_closes_at_rest(void **state)
     assert_near(largest_displacement(&p.with), largest_displacement(&p.without), 1e-8 * size);
     steps(&p.with, 300, 2e-3);
     assert_int_equal(info_of(&p.with).active_nodes, at_rest);
-    assert_near(ledger(&p.with), ledger(&p.without), 1e-6 * info_of(&p.with).work);
+    assert_near(energy_gain(&p.with), energy_gain(&p.without), 1e-6 * info_of(&p.with).work);
     pair_fini(&p);
 }
 
-static void driven_nodes_open_the_window_too(void **state)
+static void prescribed_nodes_open_the_window_too(void **state)
 {
     (void)state;
     SKIP_WHERE_REPEATED();
@@ -239,11 +239,11 @@ static void driven_nodes_open_the_window_too(void **state)
         steps(&s[k], 200, 2e-3);
         s[k].class->reaction(s[k].model, 0, force[k]);
     }
-    assert_non_null(s[0].model->window);
+    assert_non_null(s[0].model->set);
     assert_true(info_of(&s[0]).active_nodes < s[0].mesh->node_count / 2);
     assert_true(force[1][2] < -1.0);
     assert_near(force[0][2], force[1][2], 1e-3 * fabs(force[1][2]));
-    assert_near(ledger(&s[0]), ledger(&s[1]), 1e-5 * info_of(&s[1]).work);
+    assert_near(energy_gain(&s[0]), energy_gain(&s[1]), 1e-5 * info_of(&s[1]).work);
     setup_fini(&s[0]);
     setup_fini(&s[1]);
 }
@@ -251,14 +251,14 @@ static void driven_nodes_open_the_window_too(void **state)
 /* Edges from a held node to one of an active block, of all edges to held nodes. */
 static double rim_share(const setup *s)
 {
-    const ss_cnn_window *window = s->model->window;
+    const ss_cnn_active_set *set = s->model->set;
     const ss_cnn_edges *edges = &s->model->network->edges;
     double active = 0.0, all = 0.0;
     for (int32_t e = 0; e < edges->count; ++e) {
         const int32_t i = edges->from[e] / 4, j = edges->to[e] / 4;
         if ((s->fixed[i] == 7) != (s->fixed[j] == 7)) {
             all += 1.0;
-            active += window->rank[(s->fixed[i] == 7 ? j : i) / window->block_size] == 0;
+            active += set->rank[(s->fixed[i] == 7 ? j : i) / set->block_size] == 0;
         }
     }
     return active / all;
@@ -272,9 +272,9 @@ static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
     steps(&p.with, 200, 2e-3);
     assert_true(rim_share(&p.with) < 0.1);
     /* As if the far field were so strong: held cells cannot follow it, their neighbours see it. */
-    p.with.model->window->y[0] *= 100.0;
-    p.with.model->window->now_y[0] *= 100.0;
-    p.with.model->window->age = 3;
+    p.with.model->set->y[0] *= 100.0;
+    p.with.model->set->now_y[0] *= 100.0;
+    p.with.model->set->age = 3;
     steps(&p.with, 1, 2e-3); /* one look: nothing comes there from the contact */
     assert_true(rim_share(&p.with) > 0.9);
     pair_fini(&p);
@@ -302,7 +302,7 @@ static void nodes_are_counted_once(void **state)
     give(&s, "rest_stiffness_n_per_m3", 1e4);
     load_patch(&s, node, loaded, (const double[3]){0.0, 0.0, -1.0}, 0.0, (double)INFINITY);
     create(&s);
-    assert_non_null(s.model->window);
+    assert_non_null(s.model->set);
     assert_int_equal(info_of(&s).active_nodes, count);
     setup_fini(&s);
     free(node);
@@ -318,7 +318,7 @@ static void still_nodes_do_not_limit_the_step(void **state)
     steps(&p.with, 50, 2e-3);
     ss_model *model = p.with.model;
     const int32_t far = far_node(&p);
-    assert_int_not_equal(model->window->rank[far / model->window->block_size], 0);
+    assert_int_not_equal(model->set->rank[far / model->set->block_size], 0);
     model->stiff[far] = 1e30;
     model->verdict = SOFTSIM_VERDICT_DEGRADED;
     const int32_t worst = info_of(&p.with).worst_element;
@@ -326,7 +326,7 @@ static void still_nodes_do_not_limit_the_step(void **state)
     pair_fini(&p);
 }
 
-/* Several loads that saturate together, a driven patch, pretension and an enclosed volume. */
+/* Several loads that saturate together, a prescribed patch, pretension and an enclosed volume. */
 static void everything_at_once_is_that_of_the_whole_body(void **state)
 {
     (void)state;
@@ -361,7 +361,7 @@ static void everything_at_once_is_that_of_the_whole_body(void **state)
         give(&s[k], "window_tolerance", k == 0 ? TOLERANCE : 0.0);
         create(&s[k]);
     }
-    assert_non_null(s[0].model->window);
+    assert_non_null(s[0].model->set);
     for (int look = 0; look < 12; ++look) {
         double largest = 0.0, apart = 0.0;
         for (int k = 0; k < 2; ++k) {
@@ -384,7 +384,7 @@ static void everything_at_once_is_that_of_the_whole_body(void **state)
         assert_int_equal(a.verdict, SOFTSIM_VERDICT_GOOD);
         assert_near(apart, 0.0, 1e-4 * largest);
         assert_near(a.elastic, b.elastic, 2e-4 * b.elastic);
-        assert_near(ledger(&s[0]), ledger(&s[1]), 1e-6 * b.work);
+        assert_near(energy_gain(&s[0]), energy_gain(&s[1]), 1e-6 * b.work);
         for (int set = 0; set < 2; ++set) {
             for (int axis = 0; axis < 3; ++axis) {
                 assert_near(force[0][set][axis], force[1][set][axis], 1e-3 * 200.0);
@@ -420,7 +420,7 @@ static void steps_that_are_taken_back_take_the_far_field_back(void **state)
     for (int axis = 0; axis < 3; ++axis) {
         assert_near(moved(&p.with, far, axis), moved(&p.without, far, axis), 0.03 * size);
     }
-    assert_near(ledger(&p.with), ledger(&p.without), 1e-5 * info_of(&p.without).work);
+    assert_near(energy_gain(&p.with), energy_gain(&p.without), 1e-5 * info_of(&p.without).work);
     for (int k = 0; k < 20; ++k) { /* and the front is followed */
         steps(&p.with, 1, 2e-3);
         steps(&p.without, 1, 2e-3);
@@ -460,7 +460,7 @@ static void reset_and_threads_give_the_same_bits(void **state)
 static const char *reason_of(setup *s)
 {
     create(s);
-    return s->model->window ? NULL : s->model->window_reason;
+    return s->model->set ? NULL : s->model->window_reason;
 }
 
 static void bodies_that_gain_nothing_have_no_window(void **state)
@@ -524,9 +524,9 @@ int main(void)
 {
     ss_thread_flush_denormals();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_field_and_the_ledger_are_those_of_the_whole_body),
+        cmocka_unit_test(the_field_and_the_energy_balance_are_those_of_the_whole_body),
         cmocka_unit_test(the_window_follows_the_load_and_closes_at_rest),
-        cmocka_unit_test(driven_nodes_open_the_window_too),
+        cmocka_unit_test(prescribed_nodes_open_the_window_too),
         cmocka_unit_test(nodes_are_counted_once),
         cmocka_unit_test(still_nodes_do_not_limit_the_step),
         cmocka_unit_test(everything_at_once_is_that_of_the_whole_body),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * The body that Newtonian models share, under a law with closed forms: motion, ledger, loads,
- * supports, guards. Tools on it are test_body_contact.c's.
+ * The body that Newtonian models share, under a law with closed forms: motion, energy balance,
+ * loads, supports, guards. Tools on it are test_body_contact.c's.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -113,7 +113,7 @@ static void a_step_that_is_too_long_does_not_go_unseen(void **state)
     }
 }
 
-static void the_ledger_of_ten_thousand_steps_closes(void **state)
+static void the_energy_balance_of_ten_thousand_steps_closes(void **state)
 {
     (void)state;
     bench b;
@@ -207,7 +207,7 @@ static void supports_answer_what_loads_push(void **state)
     bench_fini(&b);
 }
 
-static void driven_nodes_go_at_constant_velocity_and_pay(void **state)
+static void prescribed_nodes_go_at_constant_velocity_and_pay(void **state)
 {
     (void)state;
     int32_t held[1] = {10};
@@ -447,10 +447,10 @@ int main(void)
         cmocka_unit_test(an_oscillator_has_the_frequency_of_its_method),
         cmocka_unit_test(the_stable_step_is_the_edge_of_stability),
         cmocka_unit_test(a_step_that_is_too_long_does_not_go_unseen),
-        cmocka_unit_test(the_ledger_of_ten_thousand_steps_closes),
+        cmocka_unit_test(the_energy_balance_of_ten_thousand_steps_closes),
         cmocka_unit_test(damping_takes_what_is_booked),
         cmocka_unit_test(supports_answer_what_loads_push),
-        cmocka_unit_test(driven_nodes_go_at_constant_velocity_and_pay),
+        cmocka_unit_test(prescribed_nodes_go_at_constant_velocity_and_pay),
         cmocka_unit_test(pressure_pushes_along_the_surface),
         cmocka_unit_test(a_rising_load_gains_nothing),
         cmocka_unit_test(a_blow_is_slowed_down_and_said),

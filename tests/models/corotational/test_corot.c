@@ -189,7 +189,7 @@ static void bends_as_the_reference_beam(void **state)
     setup_fini(&s);
 }
 
-static void driven_nodes_arrive_and_push_back(void **state)
+static void prescribed_nodes_arrive_and_push_back(void **state)
 {
     (void)state;
     setup s;
@@ -347,7 +347,7 @@ static void never_makes_energy(void **state)
         const double scale = 1.3e-3; /* J: the weight of 128 g over a millimetre */
         for (int n = 0; n < 100; ++n) {
             steps(&s, 1, dt[k]);
-            assert_true(fabs(ledger(&s)) < 0.01 * scale);
+            assert_true(fabs(energy_gain(&s)) < 0.01 * scale);
             assert_int_equal(info_of(&s).fault_bits, 0);
         }
         setup_fini(&s);
@@ -441,14 +441,14 @@ static void a_tool_that_darts_about_makes_no_energy(void **state)
     press(&s, tool, 0.002, 40);
     const double z = tool->to.position[2];
     const double stored = info_of(&s).elastic;
-    double least = ledger(&s);
+    double least = energy_gain(&s);
     for (int k = 0; k < 20; ++k) {
         tool->from = tool->to;
         tool->to.position[0] = k % 2 == 0 ? 0.058 : 0.04;
         tool->to.position[2] = k % 4 < 2 ? z + 0.003 : z;
         steps_with(&s, 1, 1e-3, tool);
-        assert_true(ledger(&s) <= least + 0.005 * stored);
-        least = fmin(least, ledger(&s));
+        assert_true(energy_gain(&s) <= least + 0.005 * stored);
+        least = fmin(least, energy_gain(&s));
     }
     setup_fini(&s);
 }
@@ -554,7 +554,7 @@ int main(void)
         cmocka_unit_test(free_fall_is_exact),
         cmocka_unit_test(settles_where_the_static_solution_is),
         cmocka_unit_test(bends_as_the_reference_beam),
-        cmocka_unit_test(driven_nodes_arrive_and_push_back),
+        cmocka_unit_test(prescribed_nodes_arrive_and_push_back),
         cmocka_unit_test(elements_differ_in_stiffness),
         cmocka_unit_test(stays_bounded_at_any_step_stiffness_and_mass),
         cmocka_unit_test(comes_back_from_anything),

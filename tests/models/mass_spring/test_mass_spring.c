@@ -167,8 +167,8 @@ static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
 /* ---- motion ---- */
 
 /* Two triangles back to back would share springs; one spring alone is a thin strip's: so the pair
- * of opposite nodes of one tetrahedron is driven in its breathing mode, whose frequency is that of
- * a regular tetrahedron of equal springs: omega^2 = 4 k / m. */
+ * of opposite nodes of one tetrahedron is prescribed in its breathing mode, whose frequency is that
+ * of a regular tetrahedron of equal springs: omega^2 = 4 k / m. */
 static void a_tetrahedron_breathes_at_its_frequency(void **state)
 {
     (void)state;
@@ -285,7 +285,7 @@ static void dampers_take_energy_and_book_it(void **state)
         steps(&s, 300, 1e-3);
         const ss_model_info info = info_of(&s);
         assert_true(info.dissipated > 0.3 * info.work);
-        assert_near(ledger(&s), 0.0, 0.01 * info.work);
+        assert_near(energy_gain(&s), 0.0, 0.01 * info.work);
         assert_int_equal(info.fault_bits, 0);
         setup_fini(&s);
     }

@@ -56,7 +56,8 @@ static void a_body_at_rest_stays_at_rest_to_the_last_bit(void **state)
     }
 }
 
-/* The whole surface driven to an affine place: how far the inside is from it, and the energy. */
+/* The whole surface prescribed to an affine place: how far the inside is from it, and the energy.
+ */
 static double affine_error(ss_tissue_kind kind, int substeps, double *out_energy)
 {
     static const double h[9] = {0.1, 0.05, -0.02, 0.0, -0.06, 0.08, 0.03, 0.0, 0.04};
@@ -340,7 +341,7 @@ static void a_tool_is_carried_by_the_support(void **state)
     assert_near(force[2], set.force[2], 2e-3 * set.force[2]);
     assert_true(set.contact[0].stiffness > 0.0);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
-    assert_near(ledger(&s), 0.0, 0.02 * info_of(&s).work);
+    assert_near(energy_gain(&s), 0.0, 0.02 * info_of(&s).work);
     setup_fini(&s);
 }
 

@@ -97,14 +97,14 @@ static softsim_status write_scene(const char *path, const char *mesh, int32_t su
                                   double spacing, int32_t node, softsim_error *error)
 {
     FILE *file = ss_block_scene(path, mesh, error);
-    const ss_assay assay = {
-        .subject = subject, .kind = SS_ASSAY_CONTROL, .stiffness_pa = stiffness_pa};
+    const ss_stress_case stress_case = {
+        .subject = subject, .kind = SS_STRESS_CASE_CONTROL, .stiffness_pa = stiffness_pa};
     if (file == NULL) {
         return SOFTSIM_ERROR_FILE;
     }
-    ss_assay_subject_write(&assay, file);
+    ss_stress_case_subject_write(&stress_case, file);
     fputs("simulation: {rate_hz: 1000}\npublish: {mesh_rate_hz: 0}\n", file);
-    if (ss_assay_is_plastic(subject)) {
+    if (ss_stress_case_is_plastic(subject)) {
         fprintf(file,
                 "prescribed:\n  - {nodes: [%d], displacement_m: [0, 0, %.9g], from_s: 0, ramp_s: "
                 "%.9g}\n",
@@ -145,7 +145,7 @@ static void play(softsim_world *world, ss_block_run *out, ss_samples *tick_us)
     out->p99_us = ss_samples_quantile(tick_us, 0.99);
     out->substeps = (double)state.all_substeps / fmax(1.0, (double)state.step);
     out->active_nodes = state.active_nodes;
-    out->ledger =
+    out->balance =
         largest_j > 0.0
             ? (state.kinetic_j + state.elastic_j + state.dissipated_j - state.work_j) / largest_j
             : (double)NAN;
@@ -196,7 +196,7 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
 softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t points,
                                 ss_block_run *out, softsim_error *error)
 {
-    const bool is_surface = ss_assay_is_surface(subject);
+    const bool is_surface = ss_stress_case_is_surface(subject);
     char mesh[64], path[PATH_SIZE];
     *out = (ss_block_run){.create_s = (double)NAN,
                           .memory_mb = (double)NAN,
@@ -204,7 +204,7 @@ softsim_status ss_block_measure(const char *folder, int32_t subject, int32_t poi
                           .p50_us = (double)NAN,
                           .p99_us = (double)NAN,
                           .substeps = (double)NAN,
-                          .ledger = (double)NAN};
+                          .balance = (double)NAN};
     softsim_status status = ss_block_mesh(folder, is_surface, points, mesh, error);
     if (status != SOFTSIM_OK) {
         return status;

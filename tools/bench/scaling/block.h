@@ -21,7 +21,7 @@ typedef struct ss_block_run {
     double peak_mb;        /* of the process, set-up included */
     double p50_us, p99_us; /* thread CPU of a tick of 1 ms */
     double substeps;       /* mean */
-    double ledger;         /* as ss_body_run */
+    double balance;        /* as ss_body_run */
     char solver[160]; /* of the model's linear equations, by its own account; "": it has none */
     char verdict[192];
 } ss_block_run;

@@ -275,7 +275,7 @@ static softsim_status begin(runner *r, const ss_body *body, const char *scene, s
     file_name(body, scene, path);
     *r = (runner){.out = out};
     *out = (ss_body_run){
-        .jump = NAN, .mean_force = NAN, .ledger = NAN, .step_us = NAN, .direct_error = NAN};
+        .jump = NAN, .mean_force = NAN, .balance = NAN, .step_us = NAN, .direct_error = NAN};
     if (!ss_samples_init(&out->tick_us, MAX_TICKS)) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
@@ -308,7 +308,7 @@ static void finish(runner *r)
     r->substeps += r->was_measured ? (double)state.all_substeps : 0.0;
     r->out->substeps = r->substeps / (double)r->measured;
     if (r->largest_j > 0.0) {
-        r->out->ledger =
+        r->out->balance =
             (state.elastic_j + state.kinetic_j + state.dissipated_j - state.work_j) / r->largest_j;
     }
     if (r->force_count > 0) {

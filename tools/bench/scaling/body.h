@@ -51,7 +51,7 @@ typedef struct ss_body_run {
     double step_us;       /* p50 of the model's step alone, as the server would publish it */
     double jump;          /* largest change between two forces over the mean while sliding; NaN */
     double mean_force;    /* N while sliding; NaN */
-    double ledger;        /* (stored + dissipated - work) over the largest stored energy */
+    double balance;       /* (stored + dissipated - work) over the largest stored energy */
     double substeps;      /* mean of a measured step */
     int32_t active_nodes; /* at the end */
     double (*displacement)[3]; /* m: at the end of a load or poke, before the sphere leaves; NULL */

@@ -42,7 +42,7 @@ softsim_status ss_scaling_write_csv(const ss_scaling *r, softsim_error *error)
         put_number(output.file, at->p50_us / at->substeps);
         put_number(output.file, at->paper_ms);
         put_number(output.file, 100.0 * at->jump);
-        put_number(output.file, at->ledger);
+        put_number(output.file, at->balance);
         fprintf(output.file, ",%d", at->active_nodes);
         put_number(output.file, at->direct_error);
         put_number(output.file, at->apart);
@@ -85,7 +85,7 @@ static bool is_block(const ss_scaling_row *at)
 
 static bool has_solver(const ss_scaling_row *at, int32_t subject, const char *solver)
 {
-    return is_block(at) && strcmp(at->model, ss_assay_subject_name(subject)) == 0 &&
+    return is_block(at) && strcmp(at->model, ss_stress_case_subject_name(subject)) == 0 &&
            strncmp(at->solver, solver, strlen(solver)) == 0;
 }
 
@@ -97,7 +97,7 @@ static bool tell_solver(const ss_scaling *r, int32_t subject, char *out, size_t 
         factored = has_solver(at, subject, "a factor") ? at : factored;
         iterated = iterated == NULL && has_solver(at, subject, "conjugate") ? at : iterated;
     }
-    const char *name = ss_assay_subject_name(subject);
+    const char *name = ss_stress_case_subject_name(subject);
     if (factored != NULL && iterated != NULL) {
         snprintf(out, size, "%s: factored up to %d nodes, from %d on %s.", name, factored->nodes,
                  iterated->nodes, iterated->solver);
@@ -113,7 +113,7 @@ static bool tell_solver(const ss_scaling *r, int32_t subject, char *out, size_t 
 static void print_solvers(const ss_scaling *r)
 {
     char text[512];
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         if (tell_solver(r, s, text, sizeof text)) {
             printf("%s\n", text);
         }
@@ -124,7 +124,7 @@ static void print_ellipsoids(const ss_scaling *r)
 {
     printf("%6s %8s %7s %10s %10s %9s %9s %9s %9s %7s %10s %10s %9s  %s\n", "points", "case",
            "active", "p50 us", "p99 us", "sub-steps", "us each", "prototype", "paper ms", "jump %",
-           "ledger", "to direct", "to all", "verdict");
+           "balance", "to direct", "to all", "verdict");
     for (int32_t i = 0; i < r->row_count; ++i) {
         const ss_scaling_row *at = &r->row[i];
         if (is_block(at)) {
@@ -138,7 +138,7 @@ static void print_ellipsoids(const ss_scaling *r)
         print_cell(9, 0, at->prototype_us);
         print_cell(9, 1, at->paper_ms);
         print_cell(7, 2, 100.0 * at->jump);
-        print_small(10, 2, at->ledger);
+        print_small(10, 2, at->balance);
         print_small(10, 1, at->direct_error);
         print_small(9, 1, at->apart);
         printf("  %s\n", at->verdict);
@@ -225,13 +225,13 @@ static softsim_status plot_blocks(const ss_scaling *r, bool is_memory, ss_page *
         return status;
     }
     FILE *file = script.file;
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         fprintf(file, "$m%d << EOD\n", s);
         for (int32_t i = 0; i < r->row_count; ++i) {
             const ss_scaling_row *at = &r->row[i];
             const double value = is_memory ? at->peak_mb : 1e-3 * at->p50_us;
-            if (is_block(at) && strcmp(at->model, ss_assay_subject_name(s)) == 0 && at->nodes > 0 &&
-                !isnan(value)) {
+            if (is_block(at) && strcmp(at->model, ss_stress_case_subject_name(s)) == 0 &&
+                at->nodes > 0 && !isnan(value)) {
                 fprintf(file, "%d %.6g\n", at->nodes, value);
             }
         }
@@ -241,14 +241,15 @@ static softsim_status plot_blocks(const ss_scaling *r, bool is_memory, ss_page *
             "set logscale xy\nset grid\nset key outside right\nset xlabel 'nodes'\n"
             "set ylabel '%s'\nplot ",
             is_memory ? "MB, largest, set-up included" : "ms of thread CPU for 1 ms of time");
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
-        const char *name_of_model = ss_assay_subject_model(s);
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
+        const char *name_of_model = ss_stress_case_subject_model(s);
         const ss_model_class *model = ss_accuracy_model_find(name_of_model);
-        const bool is_second = s > 0 && strcmp(name_of_model, ss_assay_subject_model(s - 1)) == 0;
+        const bool is_second =
+            s > 0 && strcmp(name_of_model, ss_stress_case_subject_model(s - 1)) == 0;
         fprintf(file,
                 "%s$m%d using 1:2 with linespoints pt 7 ps 0.6 lw 2 dt %d lc rgb '%s' title '%s'",
                 s > 0 ? ", " : "", s, is_second ? 2 : 1,
-                model != NULL ? model->hints->colour : "black", ss_assay_subject_name(s));
+                model != NULL ? model->hints->colour : "black", ss_stress_case_subject_name(s));
     }
     fputc('\n', file);
     return ss_page_plot(page, &script, name,
@@ -260,7 +261,7 @@ static void put_blocks(ss_page *page, const ss_scaling *r)
     static const char *const head[] = {
         "model",        "nodes",   "create, CPU s", "memory, MB",
         "peak, MB",     "p50, us", "sub-steps",     "ns a node and sub-step",
-        "active nodes", "ledger",  "verdict"};
+        "active nodes", "balance", "verdict"};
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const ss_scaling_row *at = &r->row[i];
@@ -277,7 +278,7 @@ static void put_blocks(ss_page *page, const ss_scaling *r)
         ss_row_add_number(&cells, at->substeps);
         ss_row_add_number(&cells, 1e3 * at->p50_us / at->substeps / at->nodes);
         ss_row_add(&cells, "%d", at->active_nodes);
-        ss_row_add_number(&cells, at->ledger);
+        ss_row_add_number(&cells, at->balance);
         ss_row_add(&cells, "%s", at->verdict);
         ss_page_table_row(page, cells.count, cells.cell);
     }
@@ -298,7 +299,7 @@ static void put_table(ss_page *page, const ss_scaling *r)
                                        "paper, ms",
                                        "jump, %",
                                        "mean force, N",
-                                       "ledger",
+                                       "balance",
                                        "field error against a direct solve",
                                        "field error against all nodes active",
                                        "verdict"};
@@ -321,7 +322,7 @@ static void put_table(ss_page *page, const ss_scaling *r)
         ss_row_add_number(&cells, at->paper_ms);
         ss_row_add_number(&cells, 100.0 * at->jump);
         ss_row_add_number(&cells, at->mean_force);
-        ss_row_add_number(&cells, at->ledger);
+        ss_row_add_number(&cells, at->balance);
         ss_row_add_number(&cells, at->direct_error);
         ss_row_add_number(&cells, at->apart);
         ss_row_add(&cells, "%s", at->verdict);
@@ -395,7 +396,7 @@ softsim_status ss_scaling_write_page(const ss_scaling *r, softsim_error *error)
         "cnn-energy alone, which end at %d points; softsim-bench accuracy compares the fields of "
         "all models with references.",
         200, SS_SCALING_LARGEST_ELLIPSOID);
-    for (int32_t s = 0; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         if (tell_solver(r, s, text, sizeof text)) {
             ss_page_text(&page, "%s", text);
         }

@@ -163,7 +163,7 @@ static void add_row(ss_scaling *r, const char *name, int32_t points, ss_body_run
                            .apart = apart,
                            .jump = run->jump,
                            .mean_force = run->mean_force,
-                           .ledger = run->ledger};
+                           .balance = run->balance};
     snprintf(to->verdict, sizeof to->verdict, "%s%s%s%s%s",
              run->is_refused ? "refused" : softsim_verdict_name(run->worst),
              run->reason[0] != '\0' ? ": " : "", run->reason,
@@ -245,18 +245,19 @@ static softsim_status measure(ss_scaling *r, softsim_error *error)
 static int32_t block_subject(const void *context, int32_t index)
 {
     (void)context;
-    return index % ss_assay_subject_count();
+    return index % ss_stress_case_subject_count();
 }
 
 static int32_t block_size(const void *context, int32_t index)
 {
     const ss_scaling *r = context;
-    return r->options->block[index / ss_assay_subject_count()];
+    return r->options->block[index / ss_stress_case_subject_count()];
 }
 
 static void block_label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
 {
-    snprintf(out, SS_SWEEP_NAME_SIZE, "%s,%d", ss_assay_subject_name(block_subject(context, index)),
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%s,%d",
+             ss_stress_case_subject_name(block_subject(context, index)),
              block_size(context, index));
 }
 
@@ -269,7 +270,7 @@ static softsim_status block_run(const void *context, int32_t index, FILE *out, s
     if (status == SOFTSIM_OK) {
         fprintf(out, "%d %d %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n%s\n%s\n", run.nodes,
                 run.active_nodes, run.create_s, run.memory_mb, run.peak_mb, run.p50_us, run.p99_us,
-                run.substeps, run.ledger, run.solver, run.verdict);
+                run.substeps, run.balance, run.solver, run.verdict);
     }
     return status;
 }
@@ -279,14 +280,14 @@ static void add_block(ss_scaling *r, const ss_sweep_run *run, int32_t index)
     ss_scaling_row *to = &r->row[r->row_count++];
     *to = (ss_scaling_row){.points = block_size(r, index),
                            .name = "block",
-                           .model = ss_assay_subject_name(block_subject(r, index)),
+                           .model = ss_stress_case_subject_name(block_subject(r, index)),
                            .p50_us = NAN,
                            .p99_us = NAN,
                            .substeps = NAN,
                            .create_s = NAN,
                            .memory_mb = NAN,
                            .peak_mb = NAN,
-                           .ledger = NAN,
+                           .balance = NAN,
                            .step_us = NAN,
                            .paper_ms = NAN,
                            .prototype_us = NAN,
@@ -295,9 +296,10 @@ static void add_block(ss_scaling *r, const ss_sweep_run *run, int32_t index)
                            .direct_error = NAN,
                            .apart = NAN};
     int used = 0;
-    if (!run->is_lost && sscanf(run->text, "%d %d %lf %lf %lf %lf %lf %lf %lf%n", &to->nodes,
-                                &to->active_nodes, &to->create_s, &to->memory_mb, &to->peak_mb,
-                                &to->p50_us, &to->p99_us, &to->substeps, &to->ledger, &used) == 9) {
+    if (!run->is_lost &&
+        sscanf(run->text, "%d %d %lf %lf %lf %lf %lf %lf %lf%n", &to->nodes, &to->active_nodes,
+               &to->create_s, &to->memory_mb, &to->peak_mb, &to->p50_us, &to->p99_us, &to->substeps,
+               &to->balance, &used) == 9) {
         const char *solver = run->text + used + 1;
         const char *verdict = solver + strcspn(solver, "\n");
         verdict += *verdict == '\n';
@@ -314,7 +316,7 @@ static softsim_status measure_blocks(ss_scaling *r, softsim_error *error)
 {
     r->sweep = (ss_sweep){.folder = r->options->out,
                           .name = "scaling",
-                          .count = r->options->block_count * ss_assay_subject_count(),
+                          .count = r->options->block_count * ss_stress_case_subject_count(),
                           .jobs = (int32_t)r->options->jobs,
                           .timeout_s = block_timeout_s,
                           .context = r,

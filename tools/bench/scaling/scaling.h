@@ -32,7 +32,7 @@ typedef struct ss_scaling_row {
     double substeps;
     const char *name;  /* of the case */
     const char *model; /* and its material */
-    double p50_us, p99_us, step_us, paper_ms, prototype_us, jump, mean_force, ledger;
+    double p50_us, p99_us, step_us, paper_ms, prototype_us, jump, mean_force, balance;
     double create_s, memory_mb, peak_mb; /* of blocks */
     double direct_error;                 /* of the field against a direct solve: common/body.h */
     double apart; /* from the same poke with all nodes active, over the largest displacement */

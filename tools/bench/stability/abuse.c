@@ -22,71 +22,72 @@ static const double poke_hz = 5.0;  /* while it is paused and resumed */
 static const double poke_m = 0.004;
 #define TWO_PI 6.283185307179586
 
-bool ss_assay_is_abuse(ss_assay_kind kind)
+bool ss_stress_case_is_abuse(ss_stress_case_kind kind)
 {
-    return kind >= SS_ASSAY_NOISE && kind <= SS_ASSAY_PAUSE;
+    return kind >= SS_STRESS_CASE_NOISE && kind <= SS_STRESS_CASE_PAUSE;
 }
 
-void ss_assay_abuse_plan(ss_assay_plan *plan)
+void ss_stress_case_abuse_plan(ss_stress_case_plan *plan)
 {
-    const ss_assay *trial = plan->trial;
-    const double top = plan->specimen.rest[SS_ASSAY_TOP_CENTRE][2] + SS_ASSAY_TOOL_RADIUS;
-    if (trial->kind == SS_ASSAY_THROUGH && trial->variant < 2) {
+    const ss_stress_case *trial = plan->trial;
+    const double top =
+        plan->specimen.rest[SS_STRESS_CASE_TOP_CENTRE][2] + SS_STRESS_CASE_TOOL_RADIUS;
+    if (trial->kind == SS_STRESS_CASE_THROUGH && trial->variant < 2) {
         const double down = -top - free_m, way_s = (top + free_m - down) / trial->value;
-        ss_assay_plan_go(plan, 0.0, 0.0, top + free_m);
-        ss_assay_plan_go(plan, 0.05, 0.0, top + free_m);
-        ss_assay_plan_go(plan, way_s, 0.0, down);
-        ss_assay_plan_go(plan, 0.05, 0.0, down);
-        ss_assay_plan_go(plan, way_s, 0.0, top + free_m);
+        ss_stress_case_plan_go(plan, 0.0, 0.0, top + free_m);
+        ss_stress_case_plan_go(plan, 0.05, 0.0, top + free_m);
+        ss_stress_case_plan_go(plan, way_s, 0.0, down);
+        ss_stress_case_plan_go(plan, 0.05, 0.0, down);
+        ss_stress_case_plan_go(plan, way_s, 0.0, top + free_m);
         return;
     }
     const double way_s = (press_m + free_m) / approach_speed;
-    ss_assay_plan_go(plan, 0.0, 0.0, top + free_m);
-    ss_assay_plan_go(plan, way_s, 0.0, top - press_m);
-    ss_assay_plan_go(plan, abuse_s, 0.0, top - press_m);
-    ss_assay_plan_go(plan, way_s, 0.0, top + free_m);
+    ss_stress_case_plan_go(plan, 0.0, 0.0, top + free_m);
+    ss_stress_case_plan_go(plan, way_s, 0.0, top - press_m);
+    ss_stress_case_plan_go(plan, abuse_s, 0.0, top - press_m);
+    ss_stress_case_plan_go(plan, way_s, 0.0, top + free_m);
     plan->abused_s[0] = way_s;
     plan->abused_s[1] = way_s + abuse_s;
 }
 
-void ss_assay_abuse(const ss_assay_plan *plan, double time_s, int32_t tick, double position[3],
-                    double orientation[4])
+void ss_stress_case_abuse(const ss_stress_case_plan *plan, double time_s, int32_t tick,
+                          double position[3], double orientation[4])
 {
-    const ss_assay *trial = plan->trial;
+    const ss_stress_case *trial = plan->trial;
     const double since_s = time_s - plan->abused_s[0];
     if (!(time_s > plan->abused_s[0] && time_s < plan->abused_s[1])) {
         return;
     }
     switch (trial->kind) {
-    case SS_ASSAY_NOISE:
+    case SS_STRESS_CASE_NOISE:
         for (int axis = 0; axis < 3; ++axis) {
             position[axis] +=
                 trial->value * ss_random_signed_at(3 * (uint64_t)tick + (uint64_t)axis);
         }
         break;
-    case SS_ASSAY_IN_OUT:
+    case SS_STRESS_CASE_IN_OUT:
         position[2] += 0.5 * (press_m + lift_m) * (1.0 - cos(TWO_PI * trial->value * since_s));
         break;
-    case SS_ASSAY_THROUGH: /* across */
+    case SS_STRESS_CASE_THROUGH: /* across */
         position[0] +=
             swipe_m / TWO_PI * 2.0 * asin(sin(TWO_PI * 0.5 * trial->value / swipe_m * since_s));
         break;
-    case SS_ASSAY_SPIN: {
+    case SS_STRESS_CASE_SPIN: {
         const double half = 0.5 * TWO_PI * trial->value * since_s;
         orientation[0] = cos(half);
         orientation[trial->variant == 0 ? 3 : 2] = sin(half);
         break;
     }
-    default: /* SS_ASSAY_PAUSE */
+    default: /* SS_STRESS_CASE_PAUSE */
         position[2] += 0.5 * poke_m * (1.0 - cos(TWO_PI * poke_hz * since_s));
         break;
     }
 }
 
-int32_t ss_assay_commands(const ss_assay_plan *plan, double time_s, double period_s)
+int32_t ss_stress_case_commands(const ss_stress_case_plan *plan, double time_s, double period_s)
 {
     const double rate = plan->trial->value * period_s;
-    return plan->trial->kind == SS_ASSAY_PAUSE && time_s > plan->abused_s[0] &&
+    return plan->trial->kind == SS_STRESS_CASE_PAUSE && time_s > plan->abused_s[0] &&
                    time_s < plan->abused_s[1]
                ? (int32_t)(floor(rate * round(time_s / period_s)) -
                            floor(rate * (round(time_s / period_s) - 1.0)))

@@ -42,18 +42,18 @@ static double floor_of(const ss_audit *audit)
 static void look_at_energies(ss_audit *audit, const ss_audit_sample *sample)
 {
     const double stored = sample->kinetic + sample->elastic;
-    const double ledger = stored + sample->dissipated - sample->work;
+    const double balance = stored + sample->dissipated - sample->work;
     if (!audit->has_first) {
         audit->has_first = true;
-        audit->first = ledger;
+        audit->first = balance;
         audit->first_stored = stored;
         audit->first_work = sample->work;
     }
     audit->largest_stored = fmax(audit->largest_stored, stored - audit->first_stored);
     audit->scale = fmax(audit->scale, fabs(stored - audit->first_stored));
     audit->scale = fmax(audit->scale, fabs(sample->work - audit->first_work));
-    audit->gain = fmax(audit->gain, ledger - audit->first);
-    audit->loss = fmax(audit->loss, audit->first - ledger);
+    audit->gain = fmax(audit->gain, balance - audit->first);
+    audit->loss = fmax(audit->loss, audit->first - balance);
     audit->applied += sample->applied;
     audit->worst_work =
         fmax(audit->worst_work, fabs(sample->work - audit->first_work - audit->applied));

@@ -60,9 +60,9 @@ typedef struct ss_audit {
     ss_audit_plan plan;
     uint32_t found;
     bool has_first, was_released;
-    double first;                                /* J: the ledger at the start */
+    double first;                                /* J: the energy balance at the start */
     double scale;                                /* J: the largest of what was stored and done */
-    double gain, loss;                           /* J, the largest, of the ledger */
+    double gain, loss;                           /* J, the largest, of the energy balance */
     double applied, first_work, worst_work;      /* J */
     double first_stored, released, worst_growth; /* J */
     double largest, last;                        /* m: displacement in all, and now */
@@ -74,8 +74,8 @@ void ss_audit_look(ss_audit *audit, const ss_audit_sample *sample);
 /* After the last look; `is_rested`: released long enough to be back at rest. */
 uint32_t ss_audit_end(ss_audit *audit, bool is_rested);
 
-/* As shares: of the ledger, of the work, of the displacement that is left; NaN where there is
- * nothing to compare. */
+/* As shares: of the energy balance, of the work, of the displacement that is left; NaN where there
+ * is nothing to compare. */
 double ss_audit_balance_error(const ss_audit *audit);
 double ss_audit_work_error(const ss_audit *audit);
 double ss_audit_recovery_error(const ss_audit *audit);

@@ -30,9 +30,9 @@ static const struct {
 static fate fate_of(const ss_stability_row *row)
 {
     return row->is_lost || !row->is_agreed            ? FAILED
-           : row->outcome == SS_ASSAY_STABLE          ? STABLE
-           : row->outcome == SS_ASSAY_REFUSED         ? REFUSED
-           : row->outcome == SS_ASSAY_DIVERGED        ? DIVERGED
+           : row->outcome == SS_STRESS_CASE_STABLE    ? STABLE
+           : row->outcome == SS_STRESS_CASE_REFUSED   ? REFUSED
+           : row->outcome == SS_STRESS_CASE_DIVERGED  ? DIVERGED
            : row->verdict >= SOFTSIM_VERDICT_DEGRADED ? DEGRADED
                                                       : GUARDED;
 }
@@ -82,9 +82,9 @@ typedef struct map {
     int32_t line_count, column_count;
 } map;
 
-static int32_t find_line(map *m, const ss_assay *trial)
+static int32_t find_line(map *m, const ss_stress_case *trial)
 {
-    const double stiffness = trial->kind == SS_ASSAY_STIFFNESS ? 0.0 : trial->stiffness_pa;
+    const double stiffness = trial->kind == SS_STRESS_CASE_STIFFNESS ? 0.0 : trial->stiffness_pa;
     for (int32_t i = 0; i < m->line_count; ++i) {
         if (m->line[i].subject == trial->subject && m->line[i].stiffness == stiffness &&
             (m->is_by_variant || m->line[i].variant == trial->variant)) {
@@ -114,13 +114,13 @@ static int32_t find_column(map *m, double value)
     return m->column_count++;
 }
 
-static void choose_columns(const ss_stability *list, ss_assay_kind kind, map *m)
+static void choose_columns(const ss_stability *list, ss_stress_case_kind kind, map *m)
 {
-    const ss_assay *first = NULL;
+    const ss_stress_case *first = NULL;
     bool has_values = false;
     m->has_variants = false;
     for (int32_t i = 0; i < list->count; ++i) {
-        const ss_assay *trial = &list->trial[i];
+        const ss_stress_case *trial = &list->trial[i];
         if (trial->kind == kind) {
             first = first != NULL ? first : trial;
             has_values |= trial->value != first->value;
@@ -131,8 +131,8 @@ static void choose_columns(const ss_stability *list, ss_assay_kind kind, map *m)
 }
 
 /* The places of all runs of a kind; `file`: also where they are and their colours. */
-static void lay_map(const ss_stability *list, const ss_sweep_result *result, ss_assay_kind kind,
-                    map *m, FILE *file)
+static void lay_map(const ss_stability *list, const ss_sweep_result *result,
+                    ss_stress_case_kind kind, map *m, FILE *file)
 {
     for (int32_t i = 0; i < list->count; ++i) {
         if (list->trial[i].kind != kind) {
@@ -157,7 +157,7 @@ static void put_tics(const map *m, FILE *file)
     }
     fputs(")\nset ytics (", file);
     for (int32_t i = 0; i < m->line_count; ++i) {
-        fprintf(file, "%s'%s", i > 0 ? ", " : "", ss_assay_subject_name(m->line[i].subject));
+        fprintf(file, "%s'%s", i > 0 ? ", " : "", ss_stress_case_subject_name(m->line[i].subject));
         if (m->line[i].stiffness > 0.0) {
             fprintf(file, ", %.0e Pa", m->line[i].stiffness);
         }
@@ -170,7 +170,7 @@ static void put_tics(const map *m, FILE *file)
 }
 
 static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *result,
-                               ss_assay_kind kind, ss_page *page, softsim_error *error)
+                               ss_stress_case_kind kind, ss_page *page, softsim_error *error)
 {
     static map m; /* large */
     char name[64];
@@ -181,7 +181,7 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
     if (m.line_count == 0) {
         return SOFTSIM_OK;
     }
-    snprintf(name, sizeof name, "stability-%s", ss_assay_kind_name(kind));
+    snprintf(name, sizeof name, "stability-%s", ss_stress_case_kind_name(kind));
     const softsim_status status = ss_plot_open_sized(
         &script, list->folder, name, MAP_WIDTH, MAP_MARGIN + LINE_HEIGHT * m.line_count, error);
     if (status != SOFTSIM_OK) {
@@ -196,7 +196,7 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
             "set termoption noenhanced\nset tmargin 5\nset xrange [-0.5:%g]\nset yrange [-0.5:%g]\n"
             "set xlabel \"%s\"\nset tics out nomirror font ',10'\n"
             "set key outside top center horizontal height 1 samplen 2 font ',10'\nplot ",
-            m.column_count - 0.5, m.line_count - 0.5, ss_assay_value_name(kind));
+            m.column_count - 0.5, m.line_count - 0.5, ss_stress_case_value_name(kind));
     for (int f = 0; f < FATES; ++f) {
         fprintf(file, "keyentry with boxes fs solid 1 lc rgb 0x%06x title '%s', ", fates[f].colour,
                 fates[f].name);
@@ -204,7 +204,7 @@ static softsim_status plot_map(const ss_stability *list, const ss_sweep_result *
     fputs("$map using 1:2:(0.47):(0.44):3 with boxxyerror fs solid 1 noborder lc rgb variable "
           "notitle\n",
           file);
-    return ss_page_plot(page, &script, name, ss_assay_kind_name(kind), error);
+    return ss_page_plot(page, &script, name, ss_stress_case_kind_name(kind), error);
 }
 
 /* ---- tables ---- */
@@ -229,11 +229,11 @@ static void put_summary(const ss_stability *list, const ss_sweep_result *result,
         head[f + 1] = fates[f].name;
     }
     ss_page_table_begin(page, FATES + 1, head);
-    for (int32_t s = -1; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = -1; s < ss_stress_case_subject_count(); ++s) {
         int32_t count[FATES], all = 0;
         ss_row cells = {.count = 0};
         count_fates(list, result, s, count);
-        ss_row_add(&cells, "%s", s < 0 ? "all" : ss_assay_subject_name(s));
+        ss_row_add(&cells, "%s", s < 0 ? "all" : ss_stress_case_subject_name(s));
         for (int f = 0; f < FATES; ++f) {
             ss_row_add(&cells, "%d", count[f]);
             all += count[f];
@@ -248,7 +248,7 @@ static void put_summary(const ss_stability *list, const ss_sweep_result *result,
 /* What acted, for a model and a kind. */
 typedef struct guard {
     int32_t subject, count;
-    ss_assay_kind kind;
+    ss_stress_case_kind kind;
     ss_stability_row row;
 } guard;
 
@@ -289,8 +289,8 @@ static softsim_status put_guards(const ss_stability *list, const ss_sweep_result
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
     for (int32_t i = 0; i < count; ++i) {
         ss_row cells = {.count = 0};
-        ss_row_add(&cells, "%s", ss_assay_subject_name(guards[i].subject));
-        ss_row_add(&cells, "%s", ss_assay_kind_name(guards[i].kind));
+        ss_row_add(&cells, "%s", ss_stress_case_subject_name(guards[i].subject));
+        ss_row_add(&cells, "%s", ss_stress_case_kind_name(guards[i].kind));
         ss_row_add(&cells, "%d", guards[i].count);
         ss_row_add(&cells, "%s", fates[fate_of(&guards[i].row)].name);
         ss_row_add(&cells, "%s", guards[i].row.acted);
@@ -381,7 +381,7 @@ static void put_words(const ss_stability *list, ss_page *page)
                  "give at most 10 mJ more than was stored at its beginning; under guarded, the "
                  "energy with which a tool found inside was let in is not counted. No force may "
                  "exceed the limit of %g N and no depth the body's size.",
-                 SS_ASSAY_MAX_FORCE);
+                 SS_STRESS_CASE_MAX_FORCE);
 }
 
 static softsim_status write_page(const ss_stability *list, const ss_sweep_result *result,
@@ -400,8 +400,8 @@ static softsim_status write_page(const ss_stability *list, const ss_sweep_result
     ss_page_heading(&page, "Guards that acted, and refusals");
     status = put_guards(list, result, &page, error);
     ss_page_heading(&page, "Maps");
-    for (int k = 0; status == SOFTSIM_OK && k < SS_ASSAY_KINDS; ++k) {
-        status = plot_map(list, result, (ss_assay_kind)k, &page, error);
+    for (int k = 0; status == SOFTSIM_OK && k < SS_STRESS_CASE_KINDS; ++k) {
+        status = plot_map(list, result, (ss_stress_case_kind)k, &page, error);
     }
     ss_page_link(&page, "stability.csv");
     ss_page_yardstick(&page, yardstick);
@@ -431,7 +431,7 @@ int32_t ss_stability_print(const ss_stability *list, const ss_sweep_result *resu
             printf("FAIL %s\n", text);
         }
     }
-    for (int32_t s = -1; s < ss_assay_subject_count(); ++s) {
+    for (int32_t s = -1; s < ss_stress_case_subject_count(); ++s) {
         count_fates(list, result, s, count);
         int32_t all = 0;
         for (int f = 0; f < FATES; ++f) {
@@ -440,8 +440,8 @@ int32_t ss_stability_print(const ss_stability *list, const ss_sweep_result *resu
         if (all > 0) {
             printf("%-24s %5d runs: %d stable, %d guarded, %d degraded, %d refused, %d diverged "
                    "and said so, %d failures\n",
-                   s < 0 ? "all" : ss_assay_subject_name(s), all, count[STABLE], count[GUARDED],
-                   count[DEGRADED], count[REFUSED], count[DIVERGED], count[FAILED]);
+                   s < 0 ? "all" : ss_stress_case_subject_name(s), all, count[STABLE],
+                   count[GUARDED], count[DEGRADED], count[REFUSED], count[DIVERGED], count[FAILED]);
         }
     }
     count_fates(list, result, -1, count);

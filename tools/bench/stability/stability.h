@@ -17,7 +17,7 @@ enum { SS_STABILITY_MAX_MODELS = 16 };
 
 /* The list. */
 typedef struct ss_stability {
-    ss_assay *trial;
+    ss_stress_case *trial;
     int32_t count;
     const char *folder;  /* of the report */
     const char *scratch; /* where runs keep their files while they last */
@@ -26,7 +26,7 @@ typedef struct ss_stability {
 /* What a run left, read back from its text. */
 typedef struct ss_stability_row {
     bool is_lost, is_agreed;
-    ss_assay_outcome outcome;
+    ss_stress_case_outcome outcome;
     softsim_verdict verdict;
     uint32_t found;
     int32_t inverted;

@@ -30,56 +30,58 @@ static const double most_handed_out_j = 0.01, most_driven_j = 0.1;
 /* Of the size: what single precision tells apart. */
 static const double still_share = 1e-7;
 
-const char *ss_assay_kind_name(ss_assay_kind kind)
+const char *ss_stress_case_kind_name(ss_stress_case_kind kind)
 {
-    static const char *const name[SS_ASSAY_KINDS] = {
+    static const char *const name[SS_STRESS_CASE_KINDS] = {
         "control",       "step",     "single-step", "stiffness", "poisson",   "mass-ratio",
         "sliver",        "teleport", "force",       "tangled",   "flattened", "probe",
         "contradiction", "noise",    "in-out",      "through",   "spin",      "pause"};
     return name[kind];
 }
 
-const char *ss_assay_value_name(ss_assay_kind kind)
+const char *ss_stress_case_value_name(ss_stress_case_kind kind)
 {
-    static const char *const name[SS_ASSAY_KINDS] = {"drive",
-                                                     "step over the computed limit",
-                                                     "step over the computed limit",
-                                                     "Young's modulus, Pa",
-                                                     "Poisson's ratio",
-                                                     "mass ratio",
-                                                     "height of an element, of its regular one",
-                                                     "body sizes in one step",
-                                                     "force on one node, N",
-                                                     "disorder, of E h^2 or h",
-                                                     "force, of E L^2, or height, of L",
-                                                     "speed, m/s",
-                                                     "case",
-                                                     "noise of the position, m",
-                                                     "in and out, Hz",
-                                                     "speed, m/s",
-                                                     "turns a second",
-                                                     "commands a second"};
+    static const char *const name[SS_STRESS_CASE_KINDS] = {
+        "drive",
+        "step over the computed limit",
+        "step over the computed limit",
+        "Young's modulus, Pa",
+        "Poisson's ratio",
+        "mass ratio",
+        "height of an element, of its regular one",
+        "body sizes in one step",
+        "force on one node, N",
+        "disorder, of E h^2 or h",
+        "force, of E L^2, or height, of L",
+        "speed, m/s",
+        "case",
+        "noise of the position, m",
+        "in and out, Hz",
+        "speed, m/s",
+        "turns a second",
+        "commands a second"};
     return name[kind];
 }
 
-const char *ss_assay_outcome_name(ss_assay_outcome outcome)
+const char *ss_stress_case_outcome_name(ss_stress_case_outcome outcome)
 {
-    static const char *const name[SS_ASSAY_OUTCOMES] = {"stable", "guarded", "refused", "diverged"};
+    static const char *const name[SS_STRESS_CASE_OUTCOMES] = {"stable", "guarded", "refused",
+                                                              "diverged"};
     return name[outcome];
 }
 
 /* ---- files ---- */
 
-typedef struct assay_folder {
+typedef struct stress_case_folder {
     char path[PATH_SIZE - 32];
-} assay_folder;
+} stress_case_folder;
 
-static void name_file(const assay_folder *folder, const char *name, char out[PATH_SIZE])
+static void name_file(const stress_case_folder *folder, const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", folder->path, name);
 }
 
-static softsim_status write_files(const assay_folder *folder, const ss_assay_plan *plan,
+static softsim_status write_files(const stress_case_folder *folder, const ss_stress_case_plan *plan,
                                   softsim_error *error)
 {
     char path[PATH_SIZE];
@@ -92,7 +94,7 @@ static softsim_status write_files(const assay_folder *folder, const ss_assay_pla
     name_file(folder, "scene.yaml", path);
     file = is_good ? fopen(path, "we") : NULL;
     if (file != NULL) {
-        ss_assay_plan_write(plan, file);
+        ss_stress_case_plan_write(plan, file);
     }
     is_good = file != NULL && fclose(file) == 0;
     if (!is_good) {
@@ -103,7 +105,7 @@ static softsim_status write_files(const assay_folder *folder, const ss_assay_pla
 }
 
 /* The first line of a refusal without the folder and the place in the scene. */
-static void keep_reason(const assay_folder *folder, const char *text, char *out, size_t size)
+static void keep_reason(const stress_case_folder *folder, const char *text, char *out, size_t size)
 {
     const size_t length = strlen(folder->path);
     char reason[SOFTSIM_ERROR_TEXT_SIZE];
@@ -123,13 +125,13 @@ static void keep_reason(const assay_folder *folder, const char *text, char *out,
 /* ---- a run ---- */
 
 typedef struct runner {
-    const ss_assay *trial;
-    ss_assay_plan plan;
-    assay_folder folder;
+    const ss_stress_case *trial;
+    ss_stress_case_plan plan;
+    stress_case_folder folder;
     softsim_world *world;
-    ss_assay_result *out;
+    ss_stress_case_result *out;
     ss_audit audit;
-    ss_hand_sample *felt; /* SS_ASSAY_MAX_TICKS */
+    ss_hand_sample *felt; /* SS_STRESS_CASE_MAX_TICKS */
     int32_t felt_count;
     ss_hand_account hand;
     double size_m;    /* the least extent of the body at rest, with what a model grows around it */
@@ -145,8 +147,8 @@ typedef struct runner {
 /* What must be stable is not refused; but chains have no forces, and refuse them. */
 static bool may_be_refused(const runner *r)
 {
-    return r->trial->kind != SS_ASSAY_CONTROL ||
-           (r->plan.drive == SS_ASSAY_LOADS && ss_assay_is_plastic(r->trial->subject));
+    return r->trial->kind != SS_STRESS_CASE_CONTROL ||
+           (r->plan.drive == SS_STRESS_CASE_LOADS && ss_stress_case_is_plastic(r->trial->subject));
 }
 
 /* Creates the world; NULL world: refused, and the result says why. */
@@ -168,7 +170,7 @@ static softsim_status begin(runner *r, softsim_error *error)
         return SOFTSIM_ERROR_MEMORY;
     }
     if (r->world == NULL) {
-        r->out->outcome = SS_ASSAY_REFUSED;
+        r->out->outcome = SS_STRESS_CASE_REFUSED;
         r->out->is_agreed = may_be_refused(r);
         keep_reason(&r->folder, refusal.text, r->out->acted, sizeof r->out->acted);
     }
@@ -199,14 +201,14 @@ static softsim_status ask_limit(runner *r, softsim_error *error)
 /* F.du of all loads in the step that ended at `time_s`: a load is taken at its middle. */
 static double applied_work(const runner *r, double time_s)
 {
-    const ss_assay_plan *plan = &r->plan;
+    const ss_stress_case_plan *plan = &r->plan;
     const double middle_s = time_s - 0.5 * r->period_s;
     const double factor = middle_s >= plan->release_s ? 0.0
                           : plan->ramp_s > 0.0        ? fmin(1.0, middle_s / plan->ramp_s)
                                                       : 1.0;
     double work = 0.0;
     for (int32_t k = 0; k < plan->load_count; ++k) {
-        const ss_assay_load *load = &plan->load[k];
+        const ss_stress_case_load *load = &plan->load[k];
         for (int32_t i = load->first; i < load->first + load->count; ++i) {
             double moved[3];
             ss_sub3(moved, r->u[i], r->old[i]);
@@ -265,7 +267,7 @@ static softsim_status allocate(runner *r, softsim_error *error)
     r->u = calloc(count, sizeof *r->u);
     r->v = calloc(count, sizeof *r->v);
     r->old = calloc(count, sizeof *r->old);
-    r->felt = calloc(SS_ASSAY_MAX_TICKS, sizeof *r->felt);
+    r->felt = calloc(SS_STRESS_CASE_MAX_TICKS, sizeof *r->felt);
     if (r->nodes < SS_SPECIMEN_NODES || r->u == NULL || r->v == NULL || r->old == NULL ||
         r->felt == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
@@ -279,7 +281,7 @@ static softsim_status allocate(runner *r, softsim_error *error)
 /* Pause and resume in turn, as often as the plan has it before this tick. */
 static void command(runner *r, double time_s)
 {
-    for (int32_t n = ss_assay_commands(&r->plan, time_s, r->period_s); n > 0; --n) {
+    for (int32_t n = ss_stress_case_commands(&r->plan, time_s, r->period_s); n > 0; --n) {
         ss_command_record record;
         char text[128];
         ss_world_command((ss_world *)r->world, r->commands++ % 2 == 0 ? "pause" : "resume", "",
@@ -291,7 +293,7 @@ static void play(runner *r)
 {
     softsim_force force[SOFTSIM_MAX_PROBES] = {{0}};
     const int32_t channel[1] = {0};
-    const bool has_tool = r->plan.drive == SS_ASSAY_TOOL;
+    const bool has_tool = r->plan.drive == SS_STRESS_CASE_TOOL;
     softsim_pose pose = {.sender = 1, .force_seq = -1, .orientation = {1.0, 0.0, 0.0, 0.0}};
     ss_set3(pose.velocity, (double)NAN, (double)NAN, (double)NAN);
     ss_set3(pose.applied_force, (double)NAN, (double)NAN, (double)NAN);
@@ -301,7 +303,7 @@ static void play(runner *r)
     for (int32_t k = 1; k <= r->out->ticks; ++k) {
         pose.seq = k;
         pose.utime_us = (int64_t)(1e6 * k * r->period_s);
-        ss_assay_plan_tool(&r->plan, k * r->period_s, k, pose.position, pose.orientation);
+        ss_stress_case_plan_tool(&r->plan, k * r->period_s, k, pose.position, pose.orientation);
         command(r, k * r->period_s);
         const softsim_refusal refusal =
             softsim_tick(r->world, &pose, channel, has_tool ? 1 : 0, force);
@@ -327,28 +329,29 @@ static uint32_t judge_hand(runner *r, const softsim_state *state)
     const double periods = state->simulation_period_s / r->period_s;
     const ss_hand_plan plan = {.period_s = r->period_s,
                                .lag = 1 + (int32_t)ceil(2.0 * periods),
-                               .has_stored = !ss_assay_is_plastic(r->trial->subject)};
+                               .has_stored = !ss_stress_case_is_plastic(r->trial->subject)};
     ss_hand_judge(&plan, r->felt, r->felt_count, hand);
     const double most_j = fmax(hand->handed_out_j, hand->made_j);
     return (most_j > most_handed_out_j ? SS_AUDIT_HANDED_OUT : 0u) |
            (hand->driven_j > most_driven_j ? SS_AUDIT_DRIVEN : 0u) |
-           (hand->peak_force_n > SS_ASSAY_MAX_FORCE * (1.0 + 1e-9) ? SS_AUDIT_FORCE : 0u) |
+           (hand->peak_force_n > SS_STRESS_CASE_MAX_FORCE * (1.0 + 1e-9) ? SS_AUDIT_FORCE : 0u) |
            (hand->deepest_m > r->size_m * (1.0 + 1e-6) ? SS_AUDIT_DEPTH : 0u);
 }
 
 /* What the world says about itself, and what the audit found. */
 static void judge(runner *r)
 {
-    ss_assay_result *out = r->out;
+    ss_stress_case_result *out = r->out;
     softsim_state state;
     softsim_read(r->world, &state);
-    const ss_assay *trial = r->trial;
-    const double tau_s = r->plan.drive == SS_ASSAY_TOOL ? fmax(r->plan.tau_s, 0.01) : r->plan.tau_s;
+    const ss_stress_case *trial = r->trial;
+    const double tau_s =
+        r->plan.drive == SS_STRESS_CASE_TOOL ? fmax(r->plan.tau_s, 0.01) : r->plan.tau_s;
     /* What swings about one node, or is much heavier, is slower than tau. */
-    const bool is_slow = trial->kind == SS_ASSAY_CONTRADICTION ||
-                         (trial->kind == SS_ASSAY_MASS && trial->value > heavy);
+    const bool is_slow = trial->kind == SS_STRESS_CASE_CONTRADICTION ||
+                         (trial->kind == SS_STRESS_CASE_MASS && trial->value > heavy);
     const bool is_rested = r->released_s >= rested_tau * tau_s && !is_slow &&
-                           !ss_assay_is_plastic(trial->subject) &&
+                           !ss_stress_case_is_plastic(trial->subject) &&
                            state.worst_verdict < SOFTSIM_VERDICT_DEGRADED;
     out->found = ss_audit_end(&r->audit, is_rested) | judge_hand(r, &state);
     out->verdict = state.worst_verdict;
@@ -361,11 +364,11 @@ static void judge(runner *r)
         }
     }
     const bool is_apart = (out->found & (SS_AUDIT_NOT_FINITE | SS_AUDIT_FAR | SS_AUDIT_GROWS)) != 0;
-    out->outcome = is_apart || out->verdict == SOFTSIM_VERDICT_FAULT ? SS_ASSAY_DIVERGED
-                   : out->acted[0] != '\0'                           ? SS_ASSAY_GUARDED
-                                                                     : SS_ASSAY_STABLE;
+    out->outcome = is_apart || out->verdict == SOFTSIM_VERDICT_FAULT ? SS_STRESS_CASE_DIVERGED
+                   : out->acted[0] != '\0'                           ? SS_STRESS_CASE_GUARDED
+                                                                     : SS_STRESS_CASE_STABLE;
     out->is_agreed = ss_audit_agrees(out->found, out->verdict) &&
-                     (trial->kind != SS_ASSAY_CONTROL ||
+                     (trial->kind != SS_STRESS_CASE_CONTROL ||
                       (out->found == 0 && out->verdict <= SOFTSIM_VERDICT_GUARDED));
     out->substeps = (double)state.all_substeps / fmax(1.0, (double)state.step);
     out->stored_j = r->audit.largest_stored;
@@ -384,13 +387,13 @@ static void judge(runner *r)
 
 static softsim_status run(runner *r, softsim_error *error)
 {
-    ss_assay_result *out = r->out;
-    const ss_assay_kind kind = r->trial->kind;
+    ss_stress_case_result *out = r->out;
+    const ss_stress_case_kind kind = r->trial->kind;
     softsim_status status = SOFTSIM_OK;
-    if (kind == SS_ASSAY_STEP || kind == SS_ASSAY_SUBSTEP) {
+    if (kind == SS_STRESS_CASE_STEP || kind == SS_STRESS_CASE_SUBSTEP) {
         status = ask_limit(r, error);
     }
-    if (status == SOFTSIM_OK && out->outcome != SS_ASSAY_REFUSED) {
+    if (status == SOFTSIM_OK && out->outcome != SS_STRESS_CASE_REFUSED) {
         status = begin(r, error);
     }
     if (status != SOFTSIM_OK || r->world == NULL) {
@@ -399,13 +402,13 @@ static softsim_status run(runner *r, softsim_error *error)
     r->period_s = r->plan.step_s > 0.0 ? r->plan.step_s : haptic_tick_s;
     out->step_s = r->period_s;
     out->ticks =
-        (int32_t)fmin(fmax(ceil(r->plan.end_s / r->period_s), MIN_TICKS), SS_ASSAY_MAX_TICKS);
+        (int32_t)fmin(fmax(ceil(r->plan.end_s / r->period_s), MIN_TICKS), SS_STRESS_CASE_MAX_TICKS);
     const double size3 = SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE * SS_SPECIMEN_SIZE;
     const ss_audit_plan plan = {.reach = r->plan.reach_m,
                                 .floor = floor_share * r->trial->stiffness_pa * size3,
                                 .still = still_share * SS_SPECIMEN_SIZE,
-                                .has_work = r->plan.drive == SS_ASSAY_LOADS &&
-                                            !ss_assay_has_own_work(r->trial->subject)};
+                                .has_work = r->plan.drive == SS_STRESS_CASE_LOADS &&
+                                            !ss_stress_case_has_own_work(r->trial->subject)};
     ss_audit_begin(&r->audit, &plan);
     status = allocate(r, error);
     if (status == SOFTSIM_OK) {
@@ -416,26 +419,26 @@ static softsim_status run(runner *r, softsim_error *error)
     return status;
 }
 
-softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_result *out,
-                            softsim_error *error)
+softsim_status ss_stress_case_run(const ss_stress_case *trial, const char *parent,
+                                  ss_stress_case_result *out, softsim_error *error)
 {
     runner *r = calloc(1, sizeof *r);
-    *out = (ss_assay_result){.limit_s = (double)NAN,
-                             .step_s = (double)NAN,
-                             .substeps = (double)NAN,
-                             .stored_j = (double)NAN,
-                             .end_j = (double)NAN,
-                             .balance = (double)NAN,
-                             .work_error = (double)NAN,
-                             .displacement_m = (double)NAN,
-                             .recovery = (double)NAN,
-                             .kinetic_j = (double)NAN,
-                             .handed_out_j = (double)NAN,
-                             .made_j = (double)NAN,
-                             .driven_j = (double)NAN,
-                             .force_n = (double)NAN,
-                             .depth_m = (double)NAN,
-                             .is_agreed = true};
+    *out = (ss_stress_case_result){.limit_s = (double)NAN,
+                                   .step_s = (double)NAN,
+                                   .substeps = (double)NAN,
+                                   .stored_j = (double)NAN,
+                                   .end_j = (double)NAN,
+                                   .balance = (double)NAN,
+                                   .work_error = (double)NAN,
+                                   .displacement_m = (double)NAN,
+                                   .recovery = (double)NAN,
+                                   .kinetic_j = (double)NAN,
+                                   .handed_out_j = (double)NAN,
+                                   .made_j = (double)NAN,
+                                   .driven_j = (double)NAN,
+                                   .force_n = (double)NAN,
+                                   .depth_m = (double)NAN,
+                                   .is_agreed = true};
     if (r == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
@@ -443,7 +446,7 @@ softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_
     const int64_t begin_ns = ss_clock_thread_cpu_ns();
     r->trial = trial;
     r->out = out;
-    ss_assay_plan_make(trial, &r->plan);
+    ss_stress_case_plan_make(trial, &r->plan);
     snprintf(r->folder.path, sizeof r->folder.path, "%s/trial-XXXXXX", parent);
     softsim_status status = SOFTSIM_ERROR_FILE;
     if (mkdtemp(r->folder.path) == NULL) {

@@ -7,7 +7,7 @@
  *
  * Times scale with the body: tau, the slowest decay of its motion, is proportional to
  * 1 / sqrt(stiffness); loads are ramped in 2 tau, held to 4 tau, released, and the body is watched
- * to 10 tau, in at most SS_ASSAY_MAX_TICKS ticks. The damping is about critical, so that what
+ * to 10 tau, in at most SS_STRESS_CASE_MAX_TICKS ticks. The damping is about critical, so that what
  * recovers has recovered by then.
  *
  * A start cannot be set. A tangled one is reached in one step: random forces on half of the
@@ -21,49 +21,49 @@
 
 #include "softsim/types.h"
 
-typedef enum ss_assay_kind {
-    SS_ASSAY_CONTROL,       /* what must be stable. variant 0: load, 1: probe, 2: prescribed */
-    SS_ASSAY_STEP,          /* value: the step over the computed limit */
-    SS_ASSAY_SUBSTEP,       /* the same with one sub-step allowed */
-    SS_ASSAY_STIFFNESS,     /* value: Pa, steps of 1 ms. variant 0: load, 1: probe */
-    SS_ASSAY_POISSON,       /* value: Poisson's ratio */
-    SS_ASSAY_MASS,          /* value: density of half the body over the other's */
-    SS_ASSAY_SLIVER,        /* value: height of two elements over their regular one */
-    SS_ASSAY_TELEPORT,      /* value: body sizes a tick. variant 0: probe, 1: the same with the
-                               largest jump allowed, 2: the top prescribed */
-    SS_ASSAY_FORCE,         /* value: N on one node */
-    SS_ASSAY_TANGLED,       /* value: of E h^2 or of h. variant: 0..2 forces, 3..5 places */
-    SS_ASSAY_FLATTENED,     /* variant 0: force of value E L^2, 1: the top to value times L */
-    SS_ASSAY_PROBE,         /* value: m/s */
-    SS_ASSAY_CONTRADICTION, /* variant: which */
-    SS_ASSAY_NOISE,         /* value: m, either way, on each axis of every pose of a press */
-    SS_ASSAY_IN_OUT,        /* value: Hz, out of a press and in again */
-    SS_ASSAY_THROUGH,       /* value: m/s. variant 0: through the body and back, 1: the same with
-                               the largest jump allowed, 2: from side to side */
-    SS_ASSAY_SPIN,          /* value: turns a second. variant 0: upright, 1: end over end */
-    SS_ASSAY_PAUSE,         /* value: commands a second, pause and resume in turn */
-    SS_ASSAY_KINDS
-} ss_assay_kind;
-enum { SS_ASSAY_CONTRADICTIONS = 11, SS_ASSAY_MAX_TICKS = 4000 };
+typedef enum ss_stress_case_kind {
+    SS_STRESS_CASE_CONTROL,   /* what must be stable. variant 0: load, 1: probe, 2: prescribed */
+    SS_STRESS_CASE_STEP,      /* value: the step over the computed limit */
+    SS_STRESS_CASE_SUBSTEP,   /* the same with one sub-step allowed */
+    SS_STRESS_CASE_STIFFNESS, /* value: Pa, steps of 1 ms. variant 0: load, 1: probe */
+    SS_STRESS_CASE_POISSON,   /* value: Poisson's ratio */
+    SS_STRESS_CASE_MASS,      /* value: density of half the body over the other's */
+    SS_STRESS_CASE_SLIVER,    /* value: height of two elements over their regular one */
+    SS_STRESS_CASE_TELEPORT,  /* value: body sizes a tick. variant 0: probe, 1: the same with the
+                           largest jump allowed, 2: the top prescribed */
+    SS_STRESS_CASE_FORCE,     /* value: N on one node */
+    SS_STRESS_CASE_TANGLED,   /* value: of E h^2 or of h. variant: 0..2 forces, 3..5 places */
+    SS_STRESS_CASE_FLATTENED, /* variant 0: force of value E L^2, 1: the top to value times L */
+    SS_STRESS_CASE_PROBE,     /* value: m/s */
+    SS_STRESS_CASE_CONTRADICTION, /* variant: which */
+    SS_STRESS_CASE_NOISE,         /* value: m, either way, on each axis of every pose of a press */
+    SS_STRESS_CASE_IN_OUT,        /* value: Hz, out of a press and in again */
+    SS_STRESS_CASE_THROUGH, /* value: m/s. variant 0: through the body and back, 1: the same with
+                         the largest jump allowed, 2: from side to side */
+    SS_STRESS_CASE_SPIN,    /* value: turns a second. variant 0: upright, 1: end over end */
+    SS_STRESS_CASE_PAUSE,   /* value: commands a second, pause and resume in turn */
+    SS_STRESS_CASE_KINDS
+} ss_stress_case_kind;
+enum { SS_STRESS_CASE_CONTRADICTIONS = 11, SS_STRESS_CASE_MAX_TICKS = 4000 };
 
-typedef struct ss_assay {
+typedef struct ss_stress_case {
     int32_t subject;
-    ss_assay_kind kind;
+    ss_stress_case_kind kind;
     double stiffness_pa;
     double value;
     int32_t variant;
-} ss_assay;
+} ss_stress_case;
 
-typedef enum ss_assay_outcome {
-    SS_ASSAY_STABLE,
-    SS_ASSAY_GUARDED,
-    SS_ASSAY_REFUSED,
-    SS_ASSAY_DIVERGED,
-    SS_ASSAY_OUTCOMES
-} ss_assay_outcome;
+typedef enum ss_stress_case_outcome {
+    SS_STRESS_CASE_STABLE,
+    SS_STRESS_CASE_GUARDED,
+    SS_STRESS_CASE_REFUSED,
+    SS_STRESS_CASE_DIVERGED,
+    SS_STRESS_CASE_OUTCOMES
+} ss_stress_case_outcome;
 
-typedef struct ss_assay_result {
-    ss_assay_outcome outcome;
+typedef struct ss_stress_case_result {
+    ss_stress_case_outcome outcome;
     softsim_verdict verdict; /* the program's worst */
     char acted[160];         /* what acted, or why it was refused; "" */
     uint32_t found;          /* by the audit */
@@ -81,27 +81,27 @@ typedef struct ss_assay_result {
     double recovery;                       /* share of it that is left, NaN */
     int32_t inverted;                      /* tetrahedra at the end */
     double cpu_ms;
-} ss_assay_result;
+} ss_stress_case_result;
 
 /* A model with its material, as the report lists it. */
-const char *ss_assay_subject_name(int32_t subject);
-const char *ss_assay_subject_model(int32_t subject);
+const char *ss_stress_case_subject_name(int32_t subject);
+const char *ss_stress_case_subject_model(int32_t subject);
 /* Those that are built in; numbers 0.. */
-int32_t ss_assay_subject_count(void);
+int32_t ss_stress_case_subject_count(void);
 /* Does it live on the surface alone? */
-bool ss_assay_is_surface(int32_t subject);
+bool ss_stress_case_is_surface(int32_t subject);
 /* Does it keep the shape that it was given? */
-bool ss_assay_is_plastic(int32_t subject);
+bool ss_stress_case_is_plastic(int32_t subject);
 /* Does it book what it does by itself as work, so that F.du is not all of it? */
-bool ss_assay_has_own_work(int32_t subject);
+bool ss_stress_case_has_own_work(int32_t subject);
 /* Does the model have what the kind varies? */
-bool ss_assay_applies(int32_t subject, ss_assay_kind kind);
+bool ss_stress_case_applies(int32_t subject, ss_stress_case_kind kind);
 
-const char *ss_assay_kind_name(ss_assay_kind kind);
-const char *ss_assay_value_name(ss_assay_kind kind);
-const char *ss_assay_outcome_name(ss_assay_outcome outcome);
+const char *ss_stress_case_kind_name(ss_stress_case_kind kind);
+const char *ss_stress_case_value_name(ss_stress_case_kind kind);
+const char *ss_stress_case_outcome_name(ss_stress_case_outcome outcome);
 
 /* Its files lie in a folder of its own in `parent`, and go with it. A scene that is refused is a
  * result; what is an error: files and memory. */
-softsim_status ss_assay_run(const ss_assay *trial, const char *parent, ss_assay_result *out,
-                            softsim_error *error);
+softsim_status ss_stress_case_run(const ss_stress_case *trial, const char *parent,
+                                  ss_stress_case_result *out, softsim_error *error);

@@ -24,7 +24,7 @@ static int32_t variants_of(const ss_model_class *model)
                                                                    : 1;
 }
 
-int32_t ss_assay_subject_count(void)
+int32_t ss_stress_case_subject_count(void)
 {
     int32_t models = 0, count = 0;
     const ss_model_class *const *table = ss_model_table(&models);
@@ -49,13 +49,13 @@ static subject get(int32_t index)
     return (subject){NULL, &solid};
 }
 
-const char *ss_assay_subject_name(int32_t index)
+const char *ss_stress_case_subject_name(int32_t index)
 {
     const subject s = get(index);
     return s.variant != &solid ? s.variant->name : s.model != NULL ? s.model->name : "";
 }
 
-const char *ss_assay_subject_model(int32_t index)
+const char *ss_stress_case_subject_model(int32_t index)
 {
     const subject s = get(index);
     return s.model != NULL ? s.model->name : "";
@@ -83,31 +83,31 @@ static bool has_use(const subject *s, int use)
     return false;
 }
 
-bool ss_assay_is_surface(int32_t index)
+bool ss_stress_case_is_surface(int32_t index)
 {
     return get(index).variant->is_surface;
 }
 
-bool ss_assay_is_plastic(int32_t index)
+bool ss_stress_case_is_plastic(int32_t index)
 {
     return get(index).variant->is_plastic;
 }
 
-bool ss_assay_has_own_work(int32_t index)
+bool ss_stress_case_has_own_work(int32_t index)
 {
     return get(index).variant->books_own_work;
 }
 
-bool ss_assay_applies(int32_t index, ss_assay_kind kind)
+bool ss_stress_case_applies(int32_t index, ss_stress_case_kind kind)
 {
     const subject s = get(index);
-    return kind == SS_ASSAY_POISSON     ? has_use(&s, SS_KNOB_POISSON)
-           : kind == SS_ASSAY_MASS      ? has_use(&s, SS_KNOB_DENSITY)
-           : kind == SS_ASSAY_STIFFNESS ? has_use(&s, SS_KNOB_STIFFNESS)
-                                        : true;
+    return kind == SS_STRESS_CASE_POISSON     ? has_use(&s, SS_KNOB_POISSON)
+           : kind == SS_STRESS_CASE_MASS      ? has_use(&s, SS_KNOB_DENSITY)
+           : kind == SS_STRESS_CASE_STIFFNESS ? has_use(&s, SS_KNOB_STIFFNESS)
+                                              : true;
 }
 
-void ss_assay_subject_write(const ss_assay *trial, FILE *file)
+void ss_stress_case_subject_write(const ss_stress_case *trial, FILE *file)
 {
     const subject s = get(trial->subject);
     fprintf(file, "model:\n  name: %s\n%s", s.model->name, s.variant->text);
@@ -116,9 +116,9 @@ void ss_assay_subject_write(const ss_assay *trial, FILE *file)
             continue;
         }
         const double value = k->factor * pow(trial->stiffness_pa / 1e4, k->power);
-        if (k->use == SS_KNOB_POISSON && trial->kind == SS_ASSAY_POISSON) {
+        if (k->use == SS_KNOB_POISSON && trial->kind == SS_STRESS_CASE_POISSON) {
             fprintf(file, "  %s: %.9g\n", k->name, trial->value);
-        } else if (k->use == SS_KNOB_DENSITY && trial->kind == SS_ASSAY_MASS) {
+        } else if (k->use == SS_KNOB_DENSITY && trial->kind == SS_STRESS_CASE_MASS) {
             fprintf(file,
                     "  %s: [{where: {box_m: [[-1, -1, 0.001], [1, 1, 1]]}, value: %.9g}, "
                     "{value: %.9g}]\n",

@@ -4,7 +4,7 @@
 /* The way of a tool: places at times, and straight on between them. */
 #include "rt/vec.h"
 
-void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z)
+void ss_stress_case_plan_go(ss_stress_case_plan *plan, double seconds, double x, double z)
 {
     const int32_t at = plan->way_count++;
     plan->way_s[at] = at > 0 ? plan->way_s[at - 1] + seconds : 0.0;
@@ -13,7 +13,7 @@ void ss_assay_plan_go(ss_assay_plan *plan, double seconds, double x, double z)
     plan->way[at][2] = z;
 }
 
-void ss_assay_plan_at(const ss_assay_plan *plan, double time_s, double out_position[3])
+void ss_stress_case_plan_at(const ss_stress_case_plan *plan, double time_s, double out_position[3])
 {
     int32_t at = 0;
     while (at + 1 < plan->way_count && plan->way_s[at + 1] <= time_s) {

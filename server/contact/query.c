@@ -17,14 +17,15 @@
  * Rejected: to remember each sample's side, which is no potential, and gives energy where it turns
  * a sample back.
  *
- * All are functions of node positions and pose alone; what the gather leaves out has d > 0 (or
+ * All are functions of node positions and pose alone; what the broad phase leaves out has d > 0 (or
  * > delta), contributes exactly nothing, and the rest is summed in the surface's fixed order: the
- * bits do not depend on the gather's radius nor on what is culled. Two culls, both rigorous: the
- * distance is 1-Lipschitz, and since rows are convex no sample moves further than M, the largest
- * motion of a node in reach since the gather. So a triangle whose ball at the gather (centre c,
- * radius r) has d(c) > r + M holds no active sample; a facet the same with its radius + 2 M.
+ * bits do not depend on the broad phase's radius nor on what is culled. Two culls, both rigorous:
+ * the distance is 1-Lipschitz, and since rows are convex no sample moves further than M, the
+ * largest motion of a node in reach since the broad phase. So a triangle whose ball at the broad
+ * phase (centre c, radius r) has d(c) > r + M holds no active sample; a facet the same with its
+ * radius + 2 M.
  */
-#include "contact/touch.h"
+#include "contact/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -42,9 +43,9 @@ static int32_t capacity_for(double radius, double area, int64_t total)
     return (int32_t)fmin(bounded, (double)total);
 }
 
-static bool allocate(ss_touch *touch)
+static bool allocate(ss_contact_query *query)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const size_t triangle_count = (size_t)surface->triangle_count;
     const size_t node_count = (size_t)surface->node_count;
     double area = 0.0;
@@ -53,76 +54,77 @@ static bool allocate(ss_touch *touch)
     }
     area = fmax(area / surface->triangle_count, 1e-30);
     const int64_t sample_total = ss_surface_sample_count(surface);
-    touch->sample_capacity =
-        capacity_for(touch->bounding_radius, area * surface->triangle_count / (double)sample_total,
+    query->sample_capacity =
+        capacity_for(query->bounding_radius, area * surface->triangle_count / (double)sample_total,
                      sample_total);
-    touch->source_capacity =
-        capacity_for(touch->bounding_radius + touch->delta, area, surface->triangle_count);
-    touch->candidate = ss_memory_get(triangle_count, sizeof(ss_candidate));
-    touch->reach = ss_memory_get(node_count, sizeof(int32_t));
-    touch->reach_u = ss_memory_get(node_count, 4 * sizeof(ss_real));
-    touch->mark = ss_memory_get(node_count / 64 + 1, sizeof(uint64_t));
-    touch->node_weight = ss_memory_get(node_count, sizeof(double));
-    touch->node_slot = ss_memory_get(node_count, sizeof(int32_t));
-    touch->weight_node = ss_memory_get(node_count, sizeof(int32_t));
-    touch->weight = ss_memory_get(node_count, sizeof(double));
-    touch->source = ss_memory_get((size_t)touch->source_capacity, sizeof(ss_source));
-    touch->sample = ss_memory_get((size_t)touch->sample_capacity, sizeof(ss_sample));
-    touch->group = ss_memory_get(triangle_count, sizeof(ss_group));
-    return touch->candidate != NULL && touch->reach != NULL && touch->reach_u != NULL &&
-           touch->mark != NULL && touch->node_weight != NULL && touch->node_slot != NULL &&
-           touch->weight_node != NULL && touch->weight != NULL && touch->source != NULL &&
-           touch->sample != NULL && touch->group != NULL;
+    query->source_capacity =
+        capacity_for(query->bounding_radius + query->delta, area, surface->triangle_count);
+    query->candidate = ss_memory_get(triangle_count, sizeof(ss_candidate));
+    query->reach = ss_memory_get(node_count, sizeof(int32_t));
+    query->reach_u = ss_memory_get(node_count, 4 * sizeof(ss_real));
+    query->mark = ss_memory_get(node_count / 64 + 1, sizeof(uint64_t));
+    query->node_weight = ss_memory_get(node_count, sizeof(double));
+    query->node_slot = ss_memory_get(node_count, sizeof(int32_t));
+    query->weight_node = ss_memory_get(node_count, sizeof(int32_t));
+    query->weight = ss_memory_get(node_count, sizeof(double));
+    query->source = ss_memory_get((size_t)query->source_capacity, sizeof(ss_source));
+    query->sample = ss_memory_get((size_t)query->sample_capacity, sizeof(ss_sample));
+    query->group = ss_memory_get(triangle_count, sizeof(ss_group));
+    return query->candidate != NULL && query->reach != NULL && query->reach_u != NULL &&
+           query->mark != NULL && query->node_weight != NULL && query->node_slot != NULL &&
+           query->weight_node != NULL && query->weight != NULL && query->source != NULL &&
+           query->sample != NULL && query->group != NULL;
 }
 
-softsim_status ss_touch_create(const ss_surface *surface, const ss_shape *shape,
-                               const ss_touch_options *options, ss_touch **out_touch)
+softsim_status ss_contact_query_create(const ss_surface *surface, const ss_shape *shape,
+                                       const ss_contact_query_options *options,
+                                       ss_contact_query **out_query)
 {
-    *out_touch = NULL;
+    *out_query = NULL;
     const double radius = ss_shape_bounding_radius(shape);
     if (!(options->delta > 0.0 && isfinite(options->delta) && options->stiffness >= 0.0 &&
           isfinite(options->stiffness) && radius > 0.0 && isfinite(radius))) {
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    ss_touch *touch = ss_memory_get(1, sizeof(ss_touch));
-    if (touch == NULL) {
+    ss_contact_query *query = ss_memory_get(1, sizeof(ss_contact_query));
+    if (query == NULL) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    touch->surface = surface;
-    touch->shape = *shape;
-    touch->delta = options->delta;
-    touch->stiffness = options->stiffness;
-    touch->slack = 0.25 * options->delta;
-    touch->spare = 0.25 * options->delta;
-    touch->bounding_radius = radius;
+    query->surface = surface;
+    query->shape = *shape;
+    query->delta = options->delta;
+    query->stiffness = options->stiffness;
+    query->slack = 0.25 * options->delta;
+    query->spare = 0.25 * options->delta;
+    query->bounding_radius = radius;
     if (shape->kind == SS_SHAPE_CONVEX) {
-        ss_convex_centre(shape->convex, touch->core);
+        ss_convex_centre(shape->convex, query->core);
     }
     double normal[3];
-    touch->core_depth = -ss_shape_distance(shape, touch->core, normal);
-    touch->hard_from = (ss_real)(SS_TOUCH_HARD_FROM * ss_shape_inradius(shape));
-    touch->margin = (sizeof(ss_real) == 4 ? 1e-5 : 1e-12) * (surface->size + radius);
+    query->core_depth = -ss_shape_distance(shape, query->core, normal);
+    query->hard_from = (ss_real)(SS_CONTACT_QUERY_HARD_FROM * ss_shape_inradius(shape));
+    query->margin = (sizeof(ss_real) == 4 ? 1e-5 : 1e-12) * (surface->size + radius);
     double low;
     double high;
     ss_shape_span(shape, &low, &high);
     const double spacing = 0.5 * ss_shape_inradius(shape);
-    touch->station_low = low;
-    touch->station_high = high;
-    touch->station_count = high - low < spacing ? 1 : high - low < 2.0 * spacing ? 2 : 4;
-    if (!allocate(touch)) {
-        ss_touch_destroy(&touch);
+    query->station_low = low;
+    query->station_high = high;
+    query->station_count = high - low < spacing ? 1 : high - low < 2.0 * spacing ? 2 : 4;
+    if (!allocate(query)) {
+        ss_contact_query_destroy(&query);
         return SOFTSIM_ERROR_MEMORY;
     }
-    *out_touch = touch;
+    *out_query = query;
     return SOFTSIM_OK;
 }
 
-void ss_touch_destroy(ss_touch **touch)
+void ss_contact_query_destroy(ss_contact_query **query)
 {
-    if (touch == NULL || *touch == NULL) {
+    if (query == NULL || *query == NULL) {
         return;
     }
-    ss_touch *t = *touch;
+    ss_contact_query *t = *query;
     void *memory[] = {t->candidate,   t->reach,     t->reach_u,     t->mark,
                       t->node_weight, t->node_slot, t->weight_node, t->weight,
                       t->source,      t->sample,    t->group};
@@ -130,12 +132,12 @@ void ss_touch_destroy(ss_touch **touch)
         ss_memory_free(memory[i]);
     }
     ss_memory_free(t);
-    *touch = NULL;
+    *query = NULL;
 }
 
-void ss_touch_set_stiffness(ss_touch *touch, double stiffness_n_per_m3)
+void ss_contact_query_set_stiffness(ss_contact_query *query, double stiffness_n_per_m3)
 {
-    touch->stiffness = stiffness_n_per_m3;
+    query->stiffness = stiffness_n_per_m3;
 }
 
 /* ---- source weights ---- */
@@ -149,14 +151,14 @@ static inline void weight_row(int s, ss_real out[3])
 }
 
 /* Adds the weights of one triangle; keeps it when it has any. */
-static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real *u, int32_t t,
-                           ss_mark_range *range)
+static void weigh_triangle(ss_contact_query *query, const ss_frame *frame, const ss_real *u,
+                           int32_t t, ss_mark_range *range)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const int32_t *corner = surface->control + surface->control_first[t];
     const int count = surface->grid.weight_count;
     const double area = (double)surface->area[t] / count;
-    ss_source *source = &touch->source[touch->source_count];
+    ss_source *source = &query->source[query->source_count];
     double share[3] = {0.0, 0.0, 0.0};
     ss_wide at[3];
     for (int k = 0; k < 3; ++k) {
@@ -169,11 +171,11 @@ static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real
         weight_row(count == 1 ? 3 : s, row);
         const ss_wide r = row[0] * at[0] + row[1] * at[1] + row[2] * at[2];
         source->slope[s] = 0;
-        if (!ss_frame_find(frame, &r, (ss_real)touch->delta, &d, source->n[s])) {
+        if (!ss_frame_find(frame, &r, (ss_real)query->delta, &d, source->n[s])) {
             continue;
         }
-        const double g = 1.0 - (double)d / touch->delta;
-        source->slope[s] = (ss_real)(2.0 * area * g / touch->delta);
+        const double g = 1.0 - (double)d / query->delta;
+        source->slope[s] = (ss_real)(2.0 * area * g / query->delta);
         for (int k = 0; k < 3; ++k) {
             source->r[s][k] = r[k];
             share[k] += area * g * g * (double)row[k];
@@ -181,57 +183,58 @@ static void weigh_triangle(ss_touch *touch, const ss_frame *frame, const ss_real
     }
     if (share[0] > 0.0) {
         source->triangle = t;
-        touch->source_count++;
+        query->source_count++;
         for (int k = 0; k < 3; ++k) {
-            touch->node_weight[corner[k]] += share[k];
-            ss_touch_mark(touch, range, corner[k]);
+            query->node_weight[corner[k]] += share[k];
+            ss_contact_query_mark(query, range, corner[k]);
         }
     }
 }
 
-int32_t ss_touch_weigh(ss_touch *touch, const ss_real *u, const uint8_t *is_source,
-                       const ss_tool_pose *pose, const int32_t **out_node,
-                       const double **out_weight, double *out_total)
+int32_t ss_contact_query_weigh(ss_contact_query *query, const ss_real *u, const uint8_t *is_source,
+                               const ss_tool_pose *pose, const int32_t **out_node,
+                               const double **out_weight, double *out_total)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     ss_mark_range range = {INT32_MAX, -1};
     ss_frame frame;
-    ss_touch_frame(touch, pose, &frame);
-    const ss_real extra = (ss_real)(touch->delta + touch->margin) + ss_touch_moved(touch, u);
-    touch->source_count = 0;
-    for (int32_t i = 0; i < touch->candidate_count; ++i) {
-        const ss_candidate *c = &touch->candidate[i];
-        if (touch->source_count < touch->source_capacity &&
+    ss_contact_query_frame(query, pose, &frame);
+    const ss_real extra =
+        (ss_real)(query->delta + query->margin) + ss_contact_query_moved(query, u);
+    query->source_count = 0;
+    for (int32_t i = 0; i < query->candidate_count; ++i) {
+        const ss_candidate *c = &query->candidate[i];
+        if (query->source_count < query->source_capacity &&
             !ss_candidate_is_beyond(&frame, c, extra)) {
-            weigh_triangle(touch, &frame, u, c->triangle, &range);
+            weigh_triangle(query, &frame, u, c->triangle, &range);
         }
     }
 
     /* The list of nodes, and where it holds the corners of each triangle. */
-    int32_t *node = touch->weight_node;
-    const int32_t marked = ss_touch_take_marked(touch, &range, node);
+    int32_t *node = query->weight_node;
+    const int32_t marked = ss_contact_query_take_marked(query, &range, node);
     int32_t count = 0;
     double total = 0.0;
     for (int32_t i = 0; i < marked; ++i) {
         const bool is_used = is_source == NULL || is_source[node[i]];
-        touch->weight[count] = touch->node_weight[node[i]];
-        touch->node_weight[node[i]] = 0.0;
-        touch->node_slot[node[i]] = is_used ? count : -1;
+        query->weight[count] = query->node_weight[node[i]];
+        query->node_weight[node[i]] = 0.0;
+        query->node_slot[node[i]] = is_used ? count : -1;
         if (is_used) {
-            total += touch->weight[count];
+            total += query->weight[count];
             node[count++] = node[i];
         }
     }
-    for (int32_t i = 0; i < touch->source_count; ++i) {
-        ss_source *source = &touch->source[i];
+    for (int32_t i = 0; i < query->source_count; ++i) {
+        ss_source *source = &query->source[i];
         const int32_t *corner = surface->control + surface->control_first[source->triangle];
         for (int k = 0; k < 3; ++k) {
-            source->slot[k] = touch->node_slot[corner[k]];
+            source->slot[k] = query->node_slot[corner[k]];
         }
     }
-    touch->weight_count = count;
+    query->weight_count = count;
     *out_node = node;
-    *out_weight = touch->weight;
+    *out_weight = query->weight;
     *out_total = total;
     return count;
 }
@@ -244,15 +247,15 @@ static void push_tool(const double sum[3], const double moment[3], double tool_f
     ss_sub3(tool_torque, tool_torque, moment);
 }
 
-void ss_touch_weight_forces(const ss_touch *touch, const double *mu, ss_real *force,
-                            double tool_force[3], double tool_torque[3])
+void ss_contact_query_weight_forces(const ss_contact_query *query, const double *mu, ss_real *force,
+                                    double tool_force[3], double tool_torque[3])
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const int count = surface->grid.weight_count;
     double sum[3] = {0.0, 0.0, 0.0};
     double moment[3] = {0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < touch->source_count; ++i) {
-        const ss_source *source = &touch->source[i];
+    for (int32_t i = 0; i < query->source_count; ++i) {
+        const ss_source *source = &query->source[i];
         const int32_t *corner = surface->control + surface->control_first[source->triangle];
         double at[3];
         double on_node[3][3] = {{0.0}};
@@ -346,7 +349,7 @@ static int32_t find_samples(const ss_surface *surface, const ss_frame *frame,
 }
 
 /* Spreads samples' forces over the triangle's points and sums them up. */
-static void sum_samples(const ss_touch *touch, const ss_grid *grid, const ss_sample *sample,
+static void sum_samples(const ss_contact_query *query, const ss_grid *grid, const ss_sample *sample,
                         int32_t count, ss_real scale, ss_wide value[SS_GRID_ROW], penalty_sum *sum)
 {
     ss_wide force = {0};
@@ -359,7 +362,7 @@ static void sum_samples(const ss_touch *touch, const ss_grid *grid, const ss_sam
         const ss_sample *s = &sample[i];
         const uint8_t *p = grid->facet[s->code / grid->part_count];
         const ss_real *c = grid->part[s->code % grid->part_count];
-        const ss_real push = scale * ss_touch_push(touch, s->depth);
+        const ss_real push = scale * ss_contact_query_push(query, s->depth);
         const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
         value[p[0]] += c[0] * f;
         value[p[1]] += c[1] * f;
@@ -367,8 +370,8 @@ static void sum_samples(const ss_touch *touch, const ss_grid *grid, const ss_sam
         force += f;
         moment += (ss_wide){s->r[1] * f[2] - s->r[2] * f[1], s->r[2] * f[0] - s->r[0] * f[2],
                             s->r[0] * f[1] - s->r[1] * f[0], 0};
-        const ss_real more = s->depth - touch->hard_from;
-        squares += s->depth * s->depth + (more > 0 ? (SS_TOUCH_HARD - 1) * more * more : 0);
+        const ss_real more = s->depth - query->hard_from;
+        squares += s->depth * s->depth + (more > 0 ? (SS_CONTACT_QUERY_HARD - 1) * more * more : 0);
     }
     for (int k = 0; k < 3; ++k) {
         sum->force[k] += (double)force[k];
@@ -378,29 +381,29 @@ static void sum_samples(const ss_touch *touch, const ss_grid *grid, const ss_sam
 }
 
 /* kc A_q of a triangle's samples. */
-static ss_real sample_scale(const ss_touch *touch, int32_t t)
+static ss_real sample_scale(const ss_contact_query *query, int32_t t)
 {
-    const ss_grid *grid = &touch->surface->grid;
-    return (ss_real)(touch->stiffness * (double)touch->surface->area[t] /
+    const ss_grid *grid = &query->surface->grid;
+    return (ss_real)(query->stiffness * (double)query->surface->area[t] /
                      (grid->facet_count * grid->part_count));
 }
 
-double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose, ss_real *force,
-                        double tool_force[3], double tool_torque[3])
+double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                                ss_real *force, double tool_force[3], double tool_torque[3])
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     penalty_sum sum = {{0.0}, {0.0}, 0.0};
     ss_frame frame;
-    ss_touch_frame(touch, pose, &frame);
-    const ss_real moved = ss_touch_moved(touch, u) + (ss_real)touch->margin;
+    ss_contact_query_frame(query, pose, &frame);
+    const ss_real moved = ss_contact_query_moved(query, u) + (ss_real)query->margin;
     const int32_t most = surface->grid.facet_count * surface->grid.part_count;
     ss_sample spare[SS_GRID_FACETS * SS_MAX_PARTS * SS_MAX_PARTS];
-    touch->sample_count = 0;
-    touch->group_count = 0;
-    touch->dropped_from = touch->candidate_count;
-    touch->facet_most = 0;
-    for (int32_t i = 0; i < touch->candidate_count; ++i) {
-        ss_candidate *candidate = &touch->candidate[i];
+    query->sample_count = 0;
+    query->group_count = 0;
+    query->dropped_from = query->candidate_count;
+    query->facet_most = 0;
+    for (int32_t i = 0; i < query->candidate_count; ++i) {
+        ss_candidate *candidate = &query->candidate[i];
         const int32_t t = candidate->triangle;
         if (ss_candidate_is_beyond(&frame, candidate, moved)) {
             continue;
@@ -411,24 +414,24 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
             candidate->facet_radius = facet_radius(&surface->grid, point) + 2 * moved;
         }
         const ss_real facet_reach = candidate->facet_radius + 2 * moved;
-        touch->facet_most = facet_reach > touch->facet_most ? facet_reach : touch->facet_most;
-        const bool is_kept = touch->sample_count + most <= touch->sample_capacity &&
-                             touch->dropped_from == touch->candidate_count;
-        ss_sample *sample = is_kept ? touch->sample + touch->sample_count : spare;
+        query->facet_most = facet_reach > query->facet_most ? facet_reach : query->facet_most;
+        const bool is_kept = query->sample_count + most <= query->sample_capacity &&
+                             query->dropped_from == query->candidate_count;
+        ss_sample *sample = is_kept ? query->sample + query->sample_count : spare;
         const int32_t count = find_samples(surface, &frame, point, facet_reach, sample);
         if (count == 0) {
             continue;
         }
         ss_wide value[SS_GRID_ROW];
-        sum_samples(touch, &surface->grid, sample, count, sample_scale(touch, t), value, &sum);
+        sum_samples(query, &surface->grid, sample, count, sample_scale(query, t), value, &sum);
         if (force != NULL) {
             ss_surface_scatter(surface, t, value, force);
         }
         if (is_kept) {
-            touch->group[touch->group_count++] = (ss_group){t, touch->sample_count, count};
-            touch->sample_count += count;
-        } else if (touch->dropped_from == touch->candidate_count) {
-            touch->dropped_from = i;
+            query->group[query->group_count++] = (ss_group){t, query->sample_count, count};
+            query->sample_count += count;
+        } else if (query->dropped_from == query->candidate_count) {
+            query->dropped_from = i;
         }
     }
     push_tool(sum.force, sum.moment, tool_force, tool_torque);
@@ -437,16 +440,16 @@ double ss_touch_penalty(ss_touch *touch, const ss_real *u, const ss_tool_pose *p
 
 /* ---- linearisation ---- */
 
-void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[3], ss_real *dforce,
-                      double dtool[3])
+void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, const double dx[3],
+                              ss_real *dforce, double dtool[3])
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const ss_grid *grid = &surface->grid;
     const ss_wide shift = {(ss_real)dx[0], (ss_real)dx[1], (ss_real)dx[2], 0};
     double sum[3] = {0.0, 0.0, 0.0};
-    for (int32_t g = 0; g < touch->group_count; ++g) {
-        const ss_group *group = &touch->group[g];
-        const ss_real scale = sample_scale(touch, group->triangle);
+    for (int32_t g = 0; g < query->group_count; ++g) {
+        const ss_group *group = &query->group[g];
+        const ss_real scale = sample_scale(query, group->triangle);
         ss_wide move[SS_GRID_ROW];
         ss_wide value[SS_GRID_ROW];
         ss_wide on_tool = {0};
@@ -458,11 +461,11 @@ void ss_touch_tangent(const ss_touch *touch, const ss_real *du, const double dx[
             ss_surface_moves(surface, group->triangle, du, move);
         }
         for (int32_t i = 0; i < group->count; ++i) {
-            const ss_sample *s = &touch->sample[group->first + i];
+            const ss_sample *s = &query->sample[group->first + i];
             const uint8_t *p = grid->facet[s->code / grid->part_count];
             const ss_real *c = grid->part[s->code % grid->part_count];
             const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - shift;
-            const ss_real push = -scale * ss_touch_slope(touch, s->depth) *
+            const ss_real push = -scale * ss_contact_query_slope(query, s->depth) *
                                  (s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2]);
             const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
             value[p[0]] += c[0] * f;
@@ -496,19 +499,19 @@ static void scatter_scalar(const ss_surface *surface, int32_t t, const double va
     }
 }
 
-void ss_touch_diagonal(const ss_touch *touch, double *diagonal)
+void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const ss_grid *grid = &surface->grid;
     double value[SS_GRID_ROW];
-    for (int32_t g = 0; g < touch->group_count; ++g) {
-        const ss_group *group = &touch->group[g];
-        const double scale = (double)sample_scale(touch, group->triangle);
+    for (int32_t g = 0; g < query->group_count; ++g) {
+        const ss_group *group = &query->group[g];
+        const double scale = (double)sample_scale(query, group->triangle);
         memset(value, 0, sizeof value);
         for (int32_t i = 0; i < group->count; ++i) {
-            const int32_t code = touch->sample[group->first + i].code;
+            const int32_t code = query->sample[group->first + i].code;
             const double slope =
-                (double)ss_touch_slope(touch, touch->sample[group->first + i].depth);
+                (double)ss_contact_query_slope(query, query->sample[group->first + i].depth);
             for (int k = 0; k < 3; ++k) {
                 value[grid->facet[code / grid->part_count][k]] +=
                     scale * slope * (double)grid->part[code % grid->part_count][k];
@@ -517,12 +520,12 @@ void ss_touch_diagonal(const ss_touch *touch, double *diagonal)
         scatter_scalar(surface, group->triangle, value, diagonal);
     }
     /* Triangles whose samples were not kept count as wholly inside: the step bound stays safe. */
-    for (int32_t i = touch->dropped_from; i < touch->candidate_count; ++i) {
-        const int32_t t = touch->candidate[i].triangle;
+    for (int32_t i = query->dropped_from; i < query->candidate_count; ++i) {
+        const int32_t t = query->candidate[i].triangle;
         memset(value, 0, sizeof value);
         for (int32_t f = 0; f < grid->facet_count; ++f) {
             for (int k = 0; k < 3; ++k) {
-                value[grid->facet[f][k]] += SS_TOUCH_HARD * touch->stiffness *
+                value[grid->facet[f][k]] += SS_CONTACT_QUERY_HARD * query->stiffness *
                                             (double)surface->area[t] / (3.0 * grid->facet_count);
             }
         }

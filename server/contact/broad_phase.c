@@ -6,33 +6,34 @@
  * From the tree: the triangles whose ball comes within delta + slack + spare of the ball of the
  * tool swept from pose to pose, and of the tool itself halfway, widened by how far any point of it
  * is from there at any time. A triangle's ball (centroid of its corners, its grid points and
- * corners inside) is exact for the displacement at the gather. The slack lets nodes move, the
- * spare lets the tool: while both last, the following steps keep the gather (measured, 1212 nodes,
- * R = h: 13 us a gather, 0.2 us where it is kept).
+ * corners inside) is exact for the displacement at the broad phase. The slack lets nodes move, the
+ * spare lets the tool: while both last, the following steps keep the broad phase (measured, 1212
+ * nodes, R = h: 13 us a broad phase, 0.2 us where it is kept).
  */
 #include <math.h>
 #include <string.h>
 
-#include "contact/touch.h"
+#include "contact/internal.h"
 
 /* ---- sets of nodes ---- */
 
-void ss_touch_mark(ss_touch *touch, ss_mark_range *range, int32_t node)
+void ss_contact_query_mark(ss_contact_query *query, ss_mark_range *range, int32_t node)
 {
     const int32_t word = node / 64;
-    touch->mark[word] |= (uint64_t)1 << (node % 64);
+    query->mark[word] |= (uint64_t)1 << (node % 64);
     range->low = word < range->low ? word : range->low;
     range->high = word > range->high ? word : range->high;
 }
 
-int32_t ss_touch_take_marked(ss_touch *touch, const ss_mark_range *range, int32_t *out_node)
+int32_t ss_contact_query_take_marked(ss_contact_query *query, const ss_mark_range *range,
+                                     int32_t *out_node)
 {
     int32_t count = 0;
     for (int32_t word = range->low; word <= range->high; ++word) {
-        for (uint64_t bits = touch->mark[word]; bits != 0; bits &= bits - 1) {
+        for (uint64_t bits = query->mark[word]; bits != 0; bits &= bits - 1) {
             out_node[count++] = 64 * word + __builtin_ctzll(bits);
         }
-        touch->mark[word] = 0;
+        query->mark[word] = 0;
     }
     return count;
 }
@@ -98,66 +99,66 @@ static void set_candidate(const ss_surface *surface, int32_t t, const ss_real *u
 }
 
 /* Appends the triangles of a leaf that the tool may reach. */
-static void gather_leaf(ss_touch *touch, const ss_real *u, double reach, const ss_frame *middle,
-                        int32_t leaf, ss_mark_range *range)
+static void gather_leaf(ss_contact_query *query, const ss_real *u, double reach,
+                        const ss_frame *middle, int32_t leaf, ss_mark_range *range)
 {
-    const ss_surface *surface = touch->surface;
+    const ss_surface *surface = query->surface;
     const int32_t end = ss_leaf_first_triangle(surface, leaf + 1);
-    const double path_reach = touch->bounding_radius + reach;
-    const ss_real middle_reach = (ss_real)(touch->half_motion + reach);
+    const double path_reach = query->bounding_radius + reach;
+    const ss_real middle_reach = (ss_real)(query->half_motion + reach);
     for (int32_t t = ss_leaf_first_triangle(surface, leaf); t < end; ++t) {
-        ss_candidate *candidate = &touch->candidate[touch->candidate_count];
+        ss_candidate *candidate = &query->candidate[query->candidate_count];
         set_candidate(surface, t, u, candidate);
         const double centre[3] = {(double)candidate->centre[0], (double)candidate->centre[1],
                                   (double)candidate->centre[2]};
-        if (distance_to_path(&touch->sweep, centre) > path_reach + (double)candidate->radius ||
+        if (distance_to_path(&query->sweep, centre) > path_reach + (double)candidate->radius ||
             ss_candidate_is_beyond(middle, candidate, middle_reach)) {
             continue;
         }
-        touch->candidate_count++;
+        query->candidate_count++;
         for (int32_t c = surface->control_first[t]; c < surface->control_first[t + 1]; ++c) {
-            ss_touch_mark(touch, range, surface->control[c]);
+            ss_contact_query_mark(query, range, surface->control[c]);
         }
     }
 }
 
-static void gather_tree(ss_touch *touch, const ss_real *u)
+static void gather_tree(ss_contact_query *query, const ss_real *u)
 {
-    const ss_surface *surface = touch->surface;
-    const double reach = touch->delta + touch->slack + touch->spare + touch->margin;
-    const double tree_reach = touch->bounding_radius + reach + surface->moved;
+    const ss_surface *surface = query->surface;
+    const double reach = query->delta + query->slack + query->spare + query->margin;
+    const double tree_reach = query->bounding_radius + reach + surface->moved;
     ss_mark_range range = {INT32_MAX, -1};
     ss_frame middle;
     int32_t stack[SS_TREE_STACK];
     int depth = 0;
-    ss_touch_frame(touch, &touch->middle, &middle);
-    touch->candidate_count = 0;
+    ss_contact_query_frame(query, &query->middle, &middle);
+    query->candidate_count = 0;
     stack[depth++] = 0;
     while (depth > 0) {
         const int32_t at = stack[--depth];
-        if (is_clear(&touch->sweep, tree_reach, &surface->box[at])) {
+        if (is_clear(&query->sweep, tree_reach, &surface->box[at])) {
             continue;
         }
         if (at >= surface->leaf_count - 1) {
-            gather_leaf(touch, u, reach, &middle, at - (surface->leaf_count - 1), &range);
+            gather_leaf(query, u, reach, &middle, at - (surface->leaf_count - 1), &range);
         } else {
             stack[depth++] = 2 * at + 2;
             stack[depth++] = 2 * at + 1;
         }
     }
-    touch->reach_count = ss_touch_take_marked(touch, &range, touch->reach);
-    for (int32_t i = 0; i < touch->reach_count; ++i) {
-        memcpy(touch->reach_u + 4 * (int64_t)i, u + 4 * (int64_t)touch->reach[i],
+    query->reach_count = ss_contact_query_take_marked(query, &range, query->reach);
+    for (int32_t i = 0; i < query->reach_count; ++i) {
+        memcpy(query->reach_u + 4 * (int64_t)i, u + 4 * (int64_t)query->reach[i],
                4 * sizeof(ss_real));
     }
 }
 
-ss_real ss_touch_moved(const ss_touch *touch, const ss_real *u)
+ss_real ss_contact_query_moved(const ss_contact_query *query, const ss_real *u)
 {
     ss_real largest = 0;
-    for (int32_t i = 0; i < touch->reach_count; ++i) {
-        const ss_wide move = *(const ss_wide_loose *)(u + 4 * (int64_t)touch->reach[i]) -
-                             *(const ss_wide_loose *)(touch->reach_u + 4 * (int64_t)i);
+    for (int32_t i = 0; i < query->reach_count; ++i) {
+        const ss_wide move = *(const ss_wide_loose *)(u + 4 * (int64_t)query->reach[i]) -
+                             *(const ss_wide_loose *)(query->reach_u + 4 * (int64_t)i);
         const ss_real square = ss_wide_square(&move);
         largest = square > largest || isnan(square) ? square : largest;
     }
@@ -166,13 +167,13 @@ ss_real ss_touch_moved(const ss_touch *touch, const ss_real *u)
 
 /* Does the last gather cover this path too? Distance to a path and angle from an orientation are
  * convex along the new path, so its ends decide. */
-static bool is_covered(const ss_touch *touch, const ss_tool_pose *pose)
+static bool is_covered(const ss_contact_query *query, const ss_tool_pose *pose)
 {
     double x[3];
-    ss_sub3(x, pose->position, touch->surface->centre);
-    return distance_to_path(&touch->sweep, x) <= touch->spare &&
-           ss_tool_motion_bound(&touch->shape, &touch->middle, pose) <=
-               touch->half_motion + touch->spare;
+    ss_sub3(x, pose->position, query->surface->centre);
+    return distance_to_path(&query->sweep, x) <= query->spare &&
+           ss_tool_motion_bound(&query->shape, &query->middle, pose) <=
+               query->half_motion + query->spare;
 }
 
 static bool is_finite_pose(const ss_tool_pose *pose)
@@ -180,57 +181,58 @@ static bool is_finite_pose(const ss_tool_pose *pose)
     return ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4);
 }
 
-static void forget(ss_touch *touch)
+static void forget(ss_contact_query *query)
 {
-    touch->is_gathered = false;
-    touch->candidate_count = 0;
-    touch->reach_count = 0;
+    query->is_gathered = false;
+    query->candidate_count = 0;
+    query->reach_count = 0;
 }
 
 /* Nodes that were out of reach are not looked at: between two looks at the same fit none has moved
  * further than the sum of what the looks found. */
-static bool is_near_gathered(const ss_touch *touch)
+static bool is_near_gathered(const ss_contact_query *query)
 {
-    const ss_surface *surface = touch->surface;
-    return touch->fit == surface->fit && touch->fit_moved + surface->moved <= 0.5 * touch->slack;
+    const ss_surface *surface = query->surface;
+    return query->fit == surface->fit && query->fit_moved + surface->moved <= 0.5 * query->slack;
 }
 
-bool ss_touch_is_gathered(const ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
-                          const ss_tool_pose *to)
+bool ss_contact_query_is_covered(const ss_contact_query *query, const ss_real *u,
+                                 const ss_tool_pose *from, const ss_tool_pose *to)
 {
-    return touch->is_gathered && is_covered(touch, from) && is_covered(touch, to) &&
-           is_near_gathered(touch) && (double)ss_touch_moved(touch, u) <= 0.5 * touch->slack;
+    return query->is_gathered && is_covered(query, from) && is_covered(query, to) &&
+           is_near_gathered(query) &&
+           (double)ss_contact_query_moved(query, u) <= 0.5 * query->slack;
 }
 
-int32_t ss_touch_gather(ss_touch *touch, const ss_real *u, const ss_tool_pose *from,
-                        const ss_tool_pose *to)
+int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
+                                     const ss_tool_pose *from, const ss_tool_pose *to)
 {
-    touch->weight_count = 0;
-    touch->source_count = 0;
-    touch->sample_count = 0;
-    touch->group_count = 0;
-    touch->dropped_from = 0;
+    query->weight_count = 0;
+    query->source_count = 0;
+    query->sample_count = 0;
+    query->group_count = 0;
+    query->dropped_from = 0;
     if (!is_finite_pose(from) || !is_finite_pose(to)) {
-        forget(touch);
+        forget(query);
         return 0;
     }
-    if (!ss_touch_is_gathered(touch, u, from, to)) {
-        ss_sub3(touch->sweep.start, from->position, touch->surface->centre);
-        ss_sub3(touch->sweep.along, to->position, from->position);
-        touch->sweep.square = ss_dot3(touch->sweep.along, touch->sweep.along);
-        ss_tool_pose_blend(from, to, 0.5, &touch->middle);
-        touch->half_motion = 0.5 * ss_tool_motion_bound(&touch->shape, from, to);
-        gather_tree(touch, u);
-        touch->is_gathered = true;
-        touch->fit = touch->surface->fit;
-        touch->fit_moved = touch->surface->moved;
+    if (!ss_contact_query_is_covered(query, u, from, to)) {
+        ss_sub3(query->sweep.start, from->position, query->surface->centre);
+        ss_sub3(query->sweep.along, to->position, from->position);
+        query->sweep.square = ss_dot3(query->sweep.along, query->sweep.along);
+        ss_tool_pose_blend(from, to, 0.5, &query->middle);
+        query->half_motion = 0.5 * ss_tool_motion_bound(&query->shape, from, to);
+        gather_tree(query, u);
+        query->is_gathered = true;
+        query->fit = query->surface->fit;
+        query->fit_moved = query->surface->moved;
     }
-    touch->dropped_from = touch->candidate_count;
-    return touch->candidate_count;
+    query->dropped_from = query->candidate_count;
+    return query->candidate_count;
 }
 
-int32_t ss_touch_reach(const ss_touch *touch, const int32_t **out_node)
+int32_t ss_contact_query_reach(const ss_contact_query *query, const int32_t **out_node)
 {
-    *out_node = touch->reach;
-    return touch->reach_count;
+    *out_node = query->reach;
+    return query->reach_count;
 }

@@ -15,10 +15,10 @@
  * k errs high, 1.15 k_n: the force is k x + (K - k) p_k with p_k old by one to two periods, a
  * delayed spring of K - k; K > k takes (K - k) x age from the damping, K < k adds to it.
  *
- * An update must not be felt: the offset o makes up for what the law changed at the last proxy and
- * decays within milliseconds. What per-contact offsets cannot carry (a normal that turned, a
- * contact that vanished) goes into a vector that decays alike. Rejected: blending two laws by
- * their forces, which softens both.
+ * An update must not be felt: the offset o makes up for what the local contact model changed at the
+ * last proxy and decays within milliseconds. What per-contact offsets cannot carry (a normal that
+ * turned, a contact that vanished) goes into a vector that decays alike. Rejected: blending two
+ * laws by their forces, which softens both.
  *
  * hold and linear balance the proxy by the same law; only the force that they hand out is another.
  *
@@ -63,15 +63,15 @@
  * with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either. */
 #define VISCOSITY_TIME 0.003
 
-void ss_law_clear(ss_law *law)
+void ss_local_contact_clear(ss_local_contact *local)
 {
-    memset(law, 0, sizeof *law);
-    law->viscous = 1.0;
+    memset(local, 0, sizeof *local);
+    local->viscous = 1.0;
 }
 
-static double offset_time(const ss_law *law)
+static double offset_time(const ss_local_contact *local)
 {
-    return fmin(OFFSET_TIME_MAX, fmax(OFFSET_TIME_MIN, 0.25 * law->result_period));
+    return fmin(OFFSET_TIME_MAX, fmax(OFFSET_TIME_MIN, 0.25 * local->result_period));
 }
 
 static void decay3(double v[3], double factor)
@@ -84,53 +84,54 @@ static void decay3(double v[3], double factor)
 
 /* Without a contact the residual is gone within a ramp: it smooths the change of a force that is no
  * more. */
-static void let_go(ss_law *law)
+static void let_go(ss_local_contact *local)
 {
-    if (ss_law_active_count(law) > 0) {
-        law->free_ticks = 0;
-    } else if (law->free_ticks < SS_RAMP_TICKS) {
-        const double left = SS_RAMP_TICKS - law->free_ticks;
-        ss_scale3(law->residual, law->residual, (left - 1.0) / left);
-        ++law->free_ticks;
+    if (ss_local_contact_active_count(local) > 0) {
+        local->free_ticks = 0;
+    } else if (local->free_ticks < SS_RAMP_TICKS) {
+        const double left = SS_RAMP_TICKS - local->free_ticks;
+        ss_scale3(local->residual, local->residual, (left - 1.0) / left);
+        ++local->free_ticks;
     }
 }
 
-void ss_law_decay(ss_law *law, double period, double apart)
+void ss_local_contact_decay(ss_local_contact *local, double period, double apart)
 {
-    const double usual = offset_time(law);
-    law->slowness = fmax(apart * APART_TIME, law->slowness * exp(-period / TOGETHER_TIME));
-    law->slowness = law->slowness > NEGLIGIBLE_TIME ? law->slowness : 0.0;
-    law->is_apart = apart > 0.0;
-    const double still = 1.0 - law->viscous;
+    const double usual = offset_time(local);
+    local->slowness = fmax(apart * APART_TIME, local->slowness * exp(-period / TOGETHER_TIME));
+    local->slowness = local->slowness > NEGLIGIBLE_TIME ? local->slowness : 0.0;
+    local->is_apart = apart > 0.0;
+    const double still = 1.0 - local->viscous;
     const double reaction = apart > still ? APART_TIME : TOGETHER_TIME;
-    law->viscous = 1.0 - apart - (still - apart) * exp(-period / reaction);
+    local->viscous = 1.0 - apart - (still - apart) * exp(-period / reaction);
     const double factor = exp(-period / usual);
-    const double kept = exp(-period / fmax(usual, law->slowness));
-    for (int32_t i = 0; i < law->count; ++i) {
-        ss_law_contact *c = &law->contact[i];
-        /* The value follows: it is what the law says now at the last proxy, and what an update must
-         * keep. Kept with the old offset, results at every tick would never be let in. */
+    const double kept = exp(-period / fmax(usual, local->slowness));
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_local_contact_contact *c = &local->contact[i];
+        /* The value follows: it is what the local contact model says now at the last proxy, and
+         * what an update must keep. Kept with the old offset, results at every tick would never be
+         * let in. */
         const double lost = (1.0 - kept) * c->offset;
         c->value = c->value > 0.0 ? fmax(0.0, c->value - lost) : 0.0;
         c->offset -= lost;
     }
-    if (law->held.is_held) {
+    if (local->held.is_held) {
         double lost[3];
-        ss_scale3(lost, law->held.offset, 1.0 - kept);
-        ss_sub3(law->held.offset, law->held.offset, lost);
-        ss_sub3(law->held.value, law->held.value, lost);
+        ss_scale3(lost, local->held.offset, 1.0 - kept);
+        ss_sub3(local->held.offset, local->held.offset, lost);
+        ss_sub3(local->held.value, local->held.value, lost);
     }
-    decay3(law->residual, factor);
-    let_go(law);
-    decay3(law->released, exp(-period / RELEASE_TIME));
+    decay3(local->residual, factor);
+    let_go(local);
+    decay3(local->released, exp(-period / RELEASE_TIME));
 }
 
 /* Height of the patch over its plane at x, and the bent normal. */
-static double bend(const ss_law *law, const ss_law_contact *c, const double x[3],
-                   double out_direction[3])
+static double bend(const ss_local_contact *local, const ss_local_contact_contact *c,
+                   const double x[3], double out_direction[3])
 {
     double d[3], slope[3];
-    ss_sub3(d, x, law->proxy);
+    ss_sub3(d, x, local->proxy);
     ss_madd3(d, d, -ss_dot3(d, c->normal), c->normal);
     const double reach = ss_norm3(d);
     if (reach > PATCH_REACH) {
@@ -152,93 +153,95 @@ static double bend(const ss_law *law, const ss_law_contact *c, const double x[3]
 }
 
 /* F at `p` with velocity `pdot`, before max(0, .): writes direction. */
-static double contact_force(const ss_law *law, ss_law_contact *c, const double x[3],
-                            const double p[3], const double pdot[3])
+static double contact_force(const ss_local_contact *local, ss_local_contact_contact *c,
+                            const double x[3], const double p[3], const double pdot[3])
 {
     double from_k[3], from_x[3];
-    const double height = bend(law, c, x, c->direction);
-    ss_sub3(from_k, x, law->proxy);
+    const double height = bend(local, c, x, c->direction);
+    ss_sub3(from_k, x, local->proxy);
     ss_sub3(from_x, p, x);
     const double rise = ss_dot3(c->normal, from_k) - height + ss_dot3(c->direction, from_x);
-    const double speed = ss_dot3(c->direction, pdot) - ss_dot3(c->normal, law->velocity);
-    return c->force - c->stiffness * rise - law->viscous * c->viscosity * speed + c->offset;
+    const double speed = ss_dot3(c->direction, pdot) - ss_dot3(c->normal, local->velocity);
+    return c->force - c->stiffness * rise - local->viscous * c->viscosity * speed + c->offset;
 }
 
-/* What hold and linear hand out in place of the law: bounded growth from the last two results. */
-static double extrapolated_force(const ss_law *law, const ss_law_contact *c,
+/* What hold and linear hand out in place of the local contact model: bounded growth from the last
+ * two results. */
+static double extrapolated_force(const ss_local_contact *local, const ss_local_contact_contact *c,
                                  const ss_haptic_config *config, int64_t tick)
 {
     const double force = fmax(0.0, c->force);
     if (config->between_steps == SS_BETWEEN_HOLD) {
         return force;
     }
-    const double age = fmin((double)(tick - law->tick) * config->period, 2.0 * law->result_period);
+    const double age =
+        fmin((double)(tick - local->tick) * config->period, 2.0 * local->result_period);
     return force + fmin(force, fmax(-force, c->rate * age));
 }
 
-void ss_law_force(const ss_law *law, double out[3])
+void ss_local_contact_force(const ss_local_contact *local, double out[3])
 {
-    ss_add3(out, law->residual, law->released);
-    for (int32_t i = 0; i < law->count; ++i) {
-        ss_madd3(out, out, law->contact[i].value, law->contact[i].direction);
+    ss_add3(out, local->residual, local->released);
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_madd3(out, out, local->contact[i].value, local->contact[i].direction);
     }
-    if (law->held.is_held) {
-        ss_add3(out, out, law->held.value);
+    if (local->held.is_held) {
+        ss_add3(out, out, local->held.value);
     }
 }
 
-void ss_law_settle(ss_law *law, const double direction[3])
+void ss_local_contact_settle(ss_local_contact *local, const double direction[3])
 {
     if (ss_norm3(direction) > 0.0) {
-        ss_copy3(law->outward, direction);
+        ss_copy3(local->outward, direction);
         return;
     }
-    ss_scale3(law->residual, law->outward, fmax(0.0, ss_dot3(law->residual, law->outward)));
+    ss_scale3(local->residual, local->outward, fmax(0.0, ss_dot3(local->residual, local->outward)));
 }
 
-void ss_law_extrapolate(const ss_law *law, const ss_haptic_config *config, int64_t tick,
-                        double out[3])
+void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
+                                  int64_t tick, double out[3])
 {
-    ss_copy3(out, law->released);
-    for (int32_t i = 0; i < law->count; ++i) {
-        const ss_law_contact *c = &law->contact[i];
-        ss_madd3(out, out, extrapolated_force(law, c, config, tick), c->direction);
+    ss_copy3(out, local->released);
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_contact *c = &local->contact[i];
+        ss_madd3(out, out, extrapolated_force(local, c, config, tick), c->direction);
     }
 }
 
-void ss_law_torque(const ss_law *law, double out[3])
+void ss_local_contact_torque(const ss_local_contact *local, double out[3])
 {
     ss_set3(out, 0.0, 0.0, 0.0);
-    for (int32_t i = 0; i < law->count; ++i) {
-        const ss_law_contact *c = &law->contact[i];
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_contact *c = &local->contact[i];
         double arm[3], force[3], torque[3];
-        ss_sub3(arm, c->point, law->proxy);
+        ss_sub3(arm, c->point, local->proxy);
         ss_scale3(force, c->direction, c->value);
-        if (law->held.is_held && i == 0) {
-            ss_add3(force, force, law->held.value);
+        if (local->held.is_held && i == 0) {
+            ss_add3(force, force, local->held.value);
         }
         ss_cross3(torque, arm, force);
         ss_add3(out, out, torque);
     }
 }
 
-int32_t ss_law_active_count(const ss_law *law)
+int32_t ss_local_contact_active_count(const ss_local_contact *local)
 {
-    int32_t active = law->held.is_held ? (law->count > 0 ? law->count : 1) : 0;
-    for (int32_t i = 0; !law->held.is_held && i < law->count; ++i) {
-        active += law->contact[i].value > 0.0;
+    int32_t active = local->held.is_held ? (local->count > 0 ? local->count : 1) : 0;
+    for (int32_t i = 0; !local->held.is_held && i < local->count; ++i) {
+        active += local->contact[i].value > 0.0;
     }
     return active;
 }
 
-uint64_t ss_law_hash(const ss_law *law, uint64_t hash)
+uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
 {
-    const double *const vector[] = {law->held.value, law->held.offset, law->held.position,
-                                    law->residual,   law->released,    law->outward};
-    const double number[] = {law->slowness, law->viscous};
-    const uint8_t flag[] = {law->held.is_held, (uint8_t)law->free_ticks};
-    for (int32_t i = 0; i < law->count; ++i) {
-        const double contact[2] = {law->contact[i].value, law->contact[i].offset};
+    const double *const vector[] = {local->held.value, local->held.offset, local->held.position,
+                                    local->residual,   local->released,    local->outward};
+    const double number[] = {local->slowness, local->viscous};
+    const uint8_t flag[] = {local->held.is_held, (uint8_t)local->free_ticks};
+    for (int32_t i = 0; i < local->count; ++i) {
+        const double contact[2] = {local->contact[i].value, local->contact[i].offset};
         hash = ss_hash_bytes(hash, contact, sizeof contact);
     }
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
@@ -258,30 +261,30 @@ static void add_contact(double m[3][3], const double n[3], double k, double k_t)
     }
 }
 
-void ss_law_stiffness(const ss_law *law, bool only_active, double out[3][3])
+void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3])
 {
     memset(out, 0, 9 * sizeof(double));
-    if (law->held.is_held) {
-        memcpy(out, law->held.stiffness, 9 * sizeof(double));
+    if (local->held.is_held) {
+        memcpy(out, local->held.stiffness, 9 * sizeof(double));
         return;
     }
-    for (int32_t i = 0; i < law->count; ++i) {
-        const ss_law_contact *c = &law->contact[i];
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_contact *c = &local->contact[i];
         if (!only_active || c->value > 0.0) {
             add_contact(out, c->normal, c->stiffness, 0.0);
         }
     }
 }
 
-bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], double out_point[3],
-                    double *out_depth)
+bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
+                              double out_normal[3], double out_point[3], double *out_depth)
 {
     int32_t deepest = -1;
-    for (int32_t i = 0; i < law->count; ++i) {
-        const ss_law_contact *c = &law->contact[i];
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_contact *c = &local->contact[i];
         double point[3], inward[3];
         const double yielded = c->force / c->model_stiffness;
-        ss_madd3(point, law->proxy, law->depth > 0.0 ? fmax(yielded, law->depth) : yielded,
+        ss_madd3(point, local->proxy, local->depth > 0.0 ? fmax(yielded, local->depth) : yielded,
                  c->normal);
         ss_sub3(inward, point, x);
         const double depth = ss_dot3(c->normal, inward);
@@ -296,7 +299,7 @@ bool ss_law_surface(const ss_law *law, const double x[3], double out_normal[3], 
 }
 
 /* The old contact that a new one continues: the nearest that looks the same way; -1 none. */
-static int32_t find_old(const ss_law *old, const ss_contact *now, uint32_t used)
+static int32_t find_old(const ss_local_contact *old, const ss_contact *now, uint32_t used)
 {
     int32_t best = -1;
     double best_distance = INFINITY;
@@ -314,7 +317,7 @@ static int32_t find_old(const ss_law *old, const ss_contact *now, uint32_t used)
 }
 
 /* Parameters of one contact from the model's, guarded. */
-static void take_contact(ss_law_contact *c, const ss_contact *from, double margin,
+static void take_contact(ss_local_contact_contact *c, const ss_contact *from, double margin,
                          bool was_touching)
 {
     memset(c, 0, sizeof *c);
@@ -333,21 +336,21 @@ static void take_contact(ss_law_contact *c, const ss_contact *from, double margi
 }
 
 /* The tensors of a grasp from the contacts that carry it. */
-static void held_tensors(ss_law *law, bool only_active)
+static void held_tensors(ss_local_contact *local, bool only_active)
 {
-    memset(law->held.stiffness, 0, sizeof law->held.stiffness);
-    memset(law->held.viscosity, 0, sizeof law->held.viscosity);
-    for (int32_t i = 0; i < law->count; ++i) {
-        const ss_law_contact *c = &law->contact[i];
+    memset(local->held.stiffness, 0, sizeof local->held.stiffness);
+    memset(local->held.viscosity, 0, sizeof local->held.viscosity);
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_contact *c = &local->contact[i];
         if (!only_active || c->value > 0.0) {
-            add_contact(law->held.stiffness, c->normal, c->stiffness, c->tangential);
-            add_contact(law->held.viscosity, c->normal, c->viscosity, 0.0);
+            add_contact(local->held.stiffness, c->normal, c->stiffness, c->tangential);
+            add_contact(local->held.viscosity, c->normal, c->viscosity, 0.0);
         }
     }
 }
 
 /* Force of the grasp's law at p, pdot. */
-static void held_force(const ss_law_held *held, const double p[3], const double pdot[3],
+static void held_force(const ss_local_contact_held *held, const double p[3], const double pdot[3],
                        double out[3])
 {
     double d[3], w[3];
@@ -359,17 +362,17 @@ static void held_force(const ss_law_held *held, const double p[3], const double 
     }
 }
 
-void ss_law_hold(ss_law *law, const double p[3], const double pdot[3])
+void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3])
 {
-    ss_law_held *held = &law->held;
+    ss_local_contact_held *held = &local->held;
     ss_set3(held->force, 0.0, 0.0, 0.0);
-    for (int32_t i = 0; i < law->count; ++i) {
-        ss_madd3(held->force, held->force, law->contact[i].value, law->contact[i].direction);
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_madd3(held->force, held->force, local->contact[i].value, local->contact[i].direction);
     }
-    held_tensors(law, true);
-    for (int32_t i = 0; i < law->count; ++i) {
-        law->contact[i].value = 0.0;
-        law->contact[i].offset = 0.0;
+    held_tensors(local, true);
+    for (int32_t i = 0; i < local->count; ++i) {
+        local->contact[i].value = 0.0;
+        local->contact[i].offset = 0.0;
     }
     ss_copy3(held->position, p);
     ss_copy3(held->velocity, pdot);
@@ -378,29 +381,30 @@ void ss_law_hold(ss_law *law, const double p[3], const double pdot[3])
     held->is_held = true;
 }
 
-void ss_law_release(ss_law *law, const double x[3], const double p[3], const double pdot[3])
+void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
+                              const double pdot[3])
 {
-    if (!law->held.is_held) {
+    if (!local->held.is_held) {
         return;
     }
-    ss_add3(law->released, law->released, law->held.value);
-    law->held.is_held = false;
-    ss_set3(law->held.value, 0.0, 0.0, 0.0);
-    for (int32_t i = 0; i < law->count; ++i) {
-        ss_law_contact *c = &law->contact[i];
+    ss_add3(local->released, local->released, local->held.value);
+    local->held.is_held = false;
+    ss_set3(local->held.value, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_local_contact_contact *c = &local->contact[i];
         c->offset = 0.0;
-        c->value = fmax(0.0, contact_force(law, c, x, p, pdot));
-        ss_madd3(law->released, law->released, -c->value, c->direction);
+        c->value = fmax(0.0, contact_force(local, c, x, p, pdot));
+        ss_madd3(local->released, local->released, -c->value, c->direction);
     }
 }
 
 /* A result of a grasp: the model's whole reaction, with the step hidden in the offset. */
-static void take_held(ss_law *law, const ss_local_model *result, const double p[3],
+static void take_held(ss_local_contact *local, const ss_local_model *result, const double p[3],
                       const double pdot[3])
 {
-    ss_law_held *held = &law->held;
-    if (law->count > 0) {
-        held_tensors(law, false);
+    ss_local_contact_held *held = &local->held;
+    if (local->count > 0) {
+        held_tensors(local, false);
     }
     ss_copy3(held->force, result->set.force);
     ss_copy3(held->position, result->proxy);
@@ -415,100 +419,101 @@ static void take_held(ss_law *law, const ss_local_model *result, const double p[
  * decayed since: a hand at rest would else wait for ever for what results at every tick hold back
  * anew. While entering, where the hand is let in by and by, and at the limit, it stays held back.
  */
-static double value_now(const ss_law *law, int32_t i, const double x[3], const double p[3],
-                        const double pdot[3])
+static double value_now(const ss_local_contact *local, int32_t i, const double x[3],
+                        const double p[3], const double pdot[3])
 {
-    ss_law_contact c = law->contact[i];
-    const bool is_held_back = !(c.value > 0.0) && c.offset < 0.0 && !law->is_apart;
-    return is_held_back ? fmax(0.0, contact_force(law, &c, x, p, pdot)) : c.value;
+    ss_local_contact_contact c = local->contact[i];
+    const bool is_held_back = !(c.value > 0.0) && c.offset < 0.0 && !local->is_apart;
+    return is_held_back ? fmax(0.0, contact_force(local, &c, x, p, pdot)) : c.value;
 }
 
 /* Offsets that keep every contact's force, and the residual for what they cannot keep. */
-static void keep_force(ss_law *law, const ss_law *old, const int32_t source[], const double x[3],
-                       const double p[3], const double pdot[3])
+static void keep_force(ss_local_contact *local, const ss_local_contact *old, const int32_t source[],
+                       const double x[3], const double p[3], const double pdot[3])
 {
     uint32_t used = 0;
-    for (int32_t i = 0; i < law->count; ++i) {
-        ss_law_contact *c = &law->contact[i];
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_local_contact_contact *c = &local->contact[i];
         const double before = source[i] >= 0 ? value_now(old, source[i], x, p, pdot) : 0.0;
-        const double after = contact_force(law, c, x, p, pdot);
+        const double after = contact_force(local, c, x, p, pdot);
         /* Out of contact before: no more than to hold back what would appear at once. */
         c->offset = before > 0.0 ? before - after : -fmax(0.0, after);
         c->value = before;
-        ss_madd3(law->residual, law->residual, -before, c->direction);
+        ss_madd3(local->residual, local->residual, -before, c->direction);
         if (source[i] >= 0) {
             used |= 1U << source[i];
-            ss_madd3(law->residual, law->residual, before, old->contact[source[i]].direction);
+            ss_madd3(local->residual, local->residual, before, old->contact[source[i]].direction);
         }
     }
     for (int32_t i = 0; i < old->count; ++i) {
         if (!(used & (1U << i))) {
-            ss_madd3(law->residual, law->residual, old->contact[i].value,
+            ss_madd3(local->residual, local->residual, old->contact[i].value,
                      old->contact[i].direction);
         }
     }
 }
 
-void ss_law_take(ss_law *law, const ss_local_model *result, const ss_haptic_config *config,
-                 int64_t tick, const double x[3], const double p[3], const double pdot[3],
-                 bool is_fresh)
+void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
+                           const ss_haptic_config *config, int64_t tick, const double x[3],
+                           const double p[3], const double pdot[3], bool is_fresh)
 {
-    const ss_law old = *law;
+    const ss_local_contact old = *local;
     int32_t source[SS_MAX_CONTACTS];
     uint32_t used = 0;
     if (is_fresh) {
-        ss_law_clear(law);
+        ss_local_contact_clear(local);
     }
-    law->is_known = true;
-    law->count = result->set.count;
-    law->tick = result->tick;
-    law->depth = result->set.depth;
-    law->result_period = fmin(0.5, fmax(config->period, result->period));
-    ss_copy3(law->proxy, result->proxy);
-    ss_copy3(law->velocity, result->velocity);
+    local->is_known = true;
+    local->count = result->set.count;
+    local->tick = result->tick;
+    local->depth = result->set.depth;
+    local->result_period = fmin(0.5, fmax(config->period, result->period));
+    ss_copy3(local->proxy, result->proxy);
+    ss_copy3(local->velocity, result->velocity);
     const double age = (double)(tick - result->tick) * config->period;
-    const double margin = age + law->result_period > SLOW_RESULTS ? 1.0 : STIFFNESS_MARGIN;
-    for (int32_t i = 0; i < law->count; ++i) {
+    const double margin = age + local->result_period > SLOW_RESULTS ? 1.0 : STIFFNESS_MARGIN;
+    for (int32_t i = 0; i < local->count; ++i) {
         const ss_contact *from = &result->set.contact[i];
         source[i] = is_fresh ? -1 : find_old(&old, from, used);
-        const ss_law_contact *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
+        const ss_local_contact_contact *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
         used |= before != NULL ? 1U << source[i] : 0U;
-        take_contact(&law->contact[i], from, margin, before != NULL && before->force > 0.0);
+        take_contact(&local->contact[i], from, margin, before != NULL && before->force > 0.0);
         if (before != NULL && result->tick > old.tick) {
-            law->contact[i].rate = (fmax(0.0, law->contact[i].force) - fmax(0.0, before->force)) /
-                                   ((double)(result->tick - old.tick) * config->period);
+            local->contact[i].rate =
+                (fmax(0.0, local->contact[i].force) - fmax(0.0, before->force)) /
+                ((double)(result->tick - old.tick) * config->period);
         }
     }
-    if (law->held.is_held) {
+    if (local->held.is_held) {
         if (result->set.is_held) {
-            take_held(law, result, p, pdot);
+            take_held(local, result, p, pdot);
         }
     } else if (!is_fresh) {
-        keep_force(law, &old, source, x, p, pdot);
+        keep_force(local, &old, source, x, p, pdot);
     }
 }
 
-void ss_law_rows(ss_law *law, double period, const double x[3], const double p[3],
-                 ss_balance *balance)
+void ss_local_contact_rows(ss_local_contact *local, double period, const double x[3],
+                           const double p[3], ss_balance *balance)
 {
     double pdot[3];
     ss_sub3(pdot, balance->p_free, p);
     ss_scale3(pdot, pdot, 1.0 / period);
-    balance->is_held = law->held.is_held;
-    balance->count = law->held.is_held ? 0 : law->count;
+    balance->is_held = local->held.is_held;
+    balance->count = local->held.is_held ? 0 : local->count;
     for (int32_t i = 0; i < balance->count; ++i) {
-        ss_law_contact *c = &law->contact[i];
+        ss_local_contact_contact *c = &local->contact[i];
         ss_balance_row *row = &balance->row[i];
-        row->free_force = contact_force(law, c, x, balance->p_free, pdot);
-        row->slope = c->stiffness + law->viscous * c->viscosity / period;
+        row->free_force = contact_force(local, c, x, balance->p_free, pdot);
+        row->slope = c->stiffness + local->viscous * c->viscosity / period;
         ss_copy3(row->normal, c->direction);
     }
-    if (law->held.is_held) {
-        held_force(&law->held, balance->p_free, pdot, balance->held_force);
+    if (local->held.is_held) {
+        held_force(&local->held, balance->p_free, pdot, balance->held_force);
         for (int r = 0; r < 3; ++r) {
             for (int c = 0; c < 3; ++c) {
                 balance->held_slope[r][c] =
-                    law->held.stiffness[r][c] + law->held.viscosity[r][c] / period;
+                    local->held.stiffness[r][c] + local->held.viscosity[r][c] / period;
             }
         }
     }

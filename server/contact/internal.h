@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Private to contact/: what a touch keeps between its calls (gather.c, touch.c, contacts.c). */
+/* Private to contact/: what a contact query keeps between its calls (broad_phase.c, query.c,
+ * contacts.c). */
 #include "contact/frame.h"
 #include "contact/surface.h"
 
-/* A triangle in reach, with balls that held its parts at the gather. */
+/* A triangle in reach, with balls that held its parts at the broad phase. */
 typedef struct ss_candidate {
     ss_real centre[3]; /* of the ball that holds its grid points and corners */
     ss_real radius;
@@ -50,12 +51,12 @@ typedef struct ss_outside {
     double moved; /* m, and how far nodes had moved since */
 } ss_outside;
 
-struct ss_touch {
+struct ss_contact_query {
     const ss_surface *surface;
     ss_shape shape;
     double delta, stiffness;
     ss_real hard_from; /* m */
-    double slack;      /* m: nodes may move so far after the gather */
+    double slack;      /* m: nodes may move so far after the broad phase */
     double spare;      /* m: the tool may be so far off the gathered path */
     double margin;     /* m, over rounding when something is left out */
     double bounding_radius;
@@ -69,12 +70,12 @@ struct ss_touch {
     ss_tool_pose middle; /* the tool halfway; no point of it is further than half_motion */
     double half_motion;
     bool is_gathered;
-    int64_t fit;      /* of the hierarchy that the gather was made with, */
+    int64_t fit;      /* of the hierarchy that the broad phase was made with, */
     double fit_moved; /* m, and how far nodes had moved since that fit */
     ss_candidate *candidate;
     int32_t candidate_count;
     int32_t *reach;   /* increasing */
-    ss_real *reach_u; /* their displacement at the gather, 4 a node */
+    ss_real *reach_u; /* their displacement at the broad phase, 4 a node */
     int32_t reach_count;
     uint64_t *mark; /* one bit a node, clear between calls */
 
@@ -98,48 +99,50 @@ struct ss_touch {
     ss_outside outside;
 };
 
-/* ---- touch.c ---- */
+/* ---- query.c ---- */
 
 /* A sample deeper than this share of the tool's inradius is so many times as stiff. */
-#define SS_TOUCH_HARD_FROM 0.3
-enum { SS_TOUCH_HARD = 10 };
+#define SS_CONTACT_QUERY_HARD_FROM 0.3
+enum { SS_CONTACT_QUERY_HARD = 10 };
 
 /* c(d) and its slope, for a sample d deep. */
-static inline ss_real ss_touch_push(const ss_touch *touch, ss_real depth)
+static inline ss_real ss_contact_query_push(const ss_contact_query *query, ss_real depth)
 {
-    const ss_real more = depth - touch->hard_from;
-    return more > 0 ? depth + (SS_TOUCH_HARD - 1) * more : depth;
+    const ss_real more = depth - query->hard_from;
+    return more > 0 ? depth + (SS_CONTACT_QUERY_HARD - 1) * more : depth;
 }
 
-static inline ss_real ss_touch_slope(const ss_touch *touch, ss_real depth)
+static inline ss_real ss_contact_query_slope(const ss_contact_query *query, ss_real depth)
 {
-    return depth > touch->hard_from ? SS_TOUCH_HARD : 1;
+    return depth > query->hard_from ? SS_CONTACT_QUERY_HARD : 1;
 }
 
-/* ---- gather.c ---- */
+/* ---- broad_phase.c ---- */
 
 /* A range of words of the mark bits that may hold set bits. */
 typedef struct ss_mark_range {
     int32_t low, high;
 } ss_mark_range;
 
-void ss_touch_mark(ss_touch *touch, ss_mark_range *range, int32_t node);
+void ss_contact_query_mark(ss_contact_query *query, ss_mark_range *range, int32_t node);
 /* Writes the marked nodes in increasing order and clears the marks. */
-int32_t ss_touch_take_marked(ss_touch *touch, const ss_mark_range *range, int32_t *out_node);
-/* How far a node in reach has moved since the gather; NaN when one is not finite. */
-ss_real ss_touch_moved(const ss_touch *touch, const ss_real *u);
+int32_t ss_contact_query_take_marked(ss_contact_query *query, const ss_mark_range *range,
+                                     int32_t *out_node);
+/* How far a node in reach has moved since the broad phase; NaN when one is not finite. */
+ss_real ss_contact_query_moved(const ss_contact_query *query, const ss_real *u);
 
-static inline void ss_touch_frame(const ss_touch *touch, const ss_tool_pose *pose, ss_frame *out)
+static inline void ss_contact_query_frame(const ss_contact_query *query, const ss_tool_pose *pose,
+                                          ss_frame *out)
 {
-    ss_frame_set(out, &touch->shape, touch->surface->centre, pose);
+    ss_frame_set(out, &query->shape, query->surface->centre, pose);
 }
 
 /* ---- inside.c ---- */
 
 /* Does the tool's middle lie inside a closed surface, fitted to `u`? The deepest sample of the last
  * penalty, at `pose`, was `deepest` inside the tool. */
-bool ss_touch_is_engulfed(ss_touch *touch, const ss_real *u, const ss_tool_pose *pose,
-                          double deepest);
+bool ss_contact_query_is_engulfed(ss_contact_query *query, const ss_real *u,
+                                  const ss_tool_pose *pose, double deepest);
 
 /* Is the ball about the candidate's triangle further than `distance` from the tool? */
 static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candidate *c,

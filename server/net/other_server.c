@@ -31,27 +31,27 @@ static int64_t start_of(const ss_net_status *status)
     return (int64_t)((uint64_t)status->utime_us - (uint64_t)llround(1e6 * status->uptime_s));
 }
 
-void ss_rival_hear(ss_rival *rival, const ss_net_status *status, int64_t now_ns)
+void ss_other_server_hear(ss_other_server *other, const ss_net_status *status, int64_t now_ns)
 {
     const int64_t apart_us =
-        (int64_t)((uint64_t)start_of(status) - (uint64_t)start_of(&rival->status));
-    const bool is_heard = rival->last_ns != 0 && now_ns - rival->last_ns <= GONE_NS;
+        (int64_t)((uint64_t)start_of(status) - (uint64_t)start_of(&other->status));
+    const bool is_heard = other->last_ns != 0 && now_ns - other->last_ns <= GONE_NS;
     if (!is_heard) {
-        rival->first_ns = now_ns;
+        other->first_ns = now_ns;
     } else if (apart_us > SAME_START_US || apart_us < -SAME_START_US) {
         return; /* one after the other */
     }
-    rival->last_ns = now_ns;
-    rival->status = *status;
+    other->last_ns = now_ns;
+    other->status = *status;
 }
 
-bool ss_rival_is_alive(const ss_rival *rival, int64_t now_ns)
+bool ss_other_server_is_alive(const ss_other_server *other, int64_t now_ns)
 {
-    return rival->last_ns - rival->first_ns >= LASTING_NS && now_ns - rival->last_ns <= GONE_NS;
+    return other->last_ns - other->first_ns >= LASTING_NS && now_ns - other->last_ns <= GONE_NS;
 }
 
-bool ss_rival_is_senior(const ss_rival *rival, double uptime_s, int64_t start_us)
+bool ss_other_server_is_senior(const ss_other_server *other, double uptime_s, int64_t start_us)
 {
-    const double older_s = rival->status.uptime_s - uptime_s;
-    return older_s > MARGIN_S || (older_s >= -MARGIN_S && start_of(&rival->status) < start_us);
+    const double older_s = other->status.uptime_s - uptime_s;
+    return older_s > MARGIN_S || (older_s >= -MARGIN_S && start_of(&other->status) < start_us);
 }
