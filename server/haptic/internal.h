@@ -41,7 +41,7 @@ enum {
 
 /* One contact of the local contact model: parameters as received, state, and what this tick made of
  * them. */
-typedef struct ss_local_contact_contact {
+typedef struct ss_local_contact_point {
     double normal[3], point[3];
     double force;           /* N at p_k; -k gap where near */
     double model_stiffness; /* N/m, k_n clamped */
@@ -53,7 +53,7 @@ typedef struct ss_local_contact_contact {
     double offset;          /* N, o */
     double direction[3];    /* n', the normal bent by the curvature */
     double value;           /* N, F(p) >= 0 of the last tick */
-} ss_local_contact_contact;
+} ss_local_contact_point;
 
 /* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all
  * directions. */
@@ -68,7 +68,7 @@ typedef struct ss_local_contact_held {
 typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
-    ss_local_contact_contact contact[SS_MAX_CONTACTS];
+    ss_local_contact_point contact[SS_MAX_CONTACTS];
     ss_local_contact_held held;
     bool is_apart;        /* entering, or at the limit */
     int64_t tick;         /* of the result */

@@ -107,7 +107,7 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double apart
     const double factor = exp(-period / usual);
     const double kept = exp(-period / fmax(usual, local->slowness));
     for (int32_t i = 0; i < local->count; ++i) {
-        ss_local_contact_contact *c = &local->contact[i];
+        ss_local_contact_point *c = &local->contact[i];
         /* The value follows: it is what the local contact model says now at the last proxy, and
          * what an update must keep. Kept with the old offset, results at every tick would never be
          * let in. */
@@ -127,7 +127,7 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double apart
 }
 
 /* Height of the patch over its plane at x, and the bent normal. */
-static double bend(const ss_local_contact *local, const ss_local_contact_contact *c,
+static double bend(const ss_local_contact *local, const ss_local_contact_point *c,
                    const double x[3], double out_direction[3])
 {
     double d[3], slope[3];
@@ -153,7 +153,7 @@ static double bend(const ss_local_contact *local, const ss_local_contact_contact
 }
 
 /* F at `p` with velocity `pdot`, before max(0, .): writes direction. */
-static double contact_force(const ss_local_contact *local, ss_local_contact_contact *c,
+static double contact_force(const ss_local_contact *local, ss_local_contact_point *c,
                             const double x[3], const double p[3], const double pdot[3])
 {
     double from_k[3], from_x[3];
@@ -167,7 +167,7 @@ static double contact_force(const ss_local_contact *local, ss_local_contact_cont
 
 /* What hold and linear hand out in place of the local contact model: bounded growth from the last
  * two results. */
-static double extrapolated_force(const ss_local_contact *local, const ss_local_contact_contact *c,
+static double extrapolated_force(const ss_local_contact *local, const ss_local_contact_point *c,
                                  const ss_haptic_config *config, int64_t tick)
 {
     const double force = fmax(0.0, c->force);
@@ -204,7 +204,7 @@ void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic
 {
     ss_copy3(out, local->released);
     for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_contact *c = &local->contact[i];
+        const ss_local_contact_point *c = &local->contact[i];
         ss_madd3(out, out, extrapolated_force(local, c, config, tick), c->direction);
     }
 }
@@ -213,7 +213,7 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3])
 {
     ss_set3(out, 0.0, 0.0, 0.0);
     for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_contact *c = &local->contact[i];
+        const ss_local_contact_point *c = &local->contact[i];
         double arm[3], force[3], torque[3];
         ss_sub3(arm, c->point, local->proxy);
         ss_scale3(force, c->direction, c->value);
@@ -269,7 +269,7 @@ void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active,
         return;
     }
     for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_contact *c = &local->contact[i];
+        const ss_local_contact_point *c = &local->contact[i];
         if (!only_active || c->value > 0.0) {
             add_contact(out, c->normal, c->stiffness, 0.0);
         }
@@ -281,7 +281,7 @@ bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
 {
     int32_t deepest = -1;
     for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_contact *c = &local->contact[i];
+        const ss_local_contact_point *c = &local->contact[i];
         double point[3], inward[3];
         const double yielded = c->force / c->model_stiffness;
         ss_madd3(point, local->proxy, local->depth > 0.0 ? fmax(yielded, local->depth) : yielded,
@@ -317,7 +317,7 @@ static int32_t find_old(const ss_local_contact *old, const ss_contact *now, uint
 }
 
 /* Parameters of one contact from the model's, guarded. */
-static void take_contact(ss_local_contact_contact *c, const ss_contact *from, double margin,
+static void take_contact(ss_local_contact_point *c, const ss_contact *from, double margin,
                          bool was_touching)
 {
     memset(c, 0, sizeof *c);
@@ -341,7 +341,7 @@ static void held_tensors(ss_local_contact *local, bool only_active)
     memset(local->held.stiffness, 0, sizeof local->held.stiffness);
     memset(local->held.viscosity, 0, sizeof local->held.viscosity);
     for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_contact *c = &local->contact[i];
+        const ss_local_contact_point *c = &local->contact[i];
         if (!only_active || c->value > 0.0) {
             add_contact(local->held.stiffness, c->normal, c->stiffness, c->tangential);
             add_contact(local->held.viscosity, c->normal, c->viscosity, 0.0);
@@ -391,7 +391,7 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
     local->held.is_held = false;
     ss_set3(local->held.value, 0.0, 0.0, 0.0);
     for (int32_t i = 0; i < local->count; ++i) {
-        ss_local_contact_contact *c = &local->contact[i];
+        ss_local_contact_point *c = &local->contact[i];
         c->offset = 0.0;
         c->value = fmax(0.0, contact_force(local, c, x, p, pdot));
         ss_madd3(local->released, local->released, -c->value, c->direction);
@@ -422,7 +422,7 @@ static void take_held(ss_local_contact *local, const ss_local_model *result, con
 static double value_now(const ss_local_contact *local, int32_t i, const double x[3],
                         const double p[3], const double pdot[3])
 {
-    ss_local_contact_contact c = local->contact[i];
+    ss_local_contact_point c = local->contact[i];
     const bool is_held_back = !(c.value > 0.0) && c.offset < 0.0 && !local->is_apart;
     return is_held_back ? fmax(0.0, contact_force(local, &c, x, p, pdot)) : c.value;
 }
@@ -433,7 +433,7 @@ static void keep_force(ss_local_contact *local, const ss_local_contact *old, con
 {
     uint32_t used = 0;
     for (int32_t i = 0; i < local->count; ++i) {
-        ss_local_contact_contact *c = &local->contact[i];
+        ss_local_contact_point *c = &local->contact[i];
         const double before = source[i] >= 0 ? value_now(old, source[i], x, p, pdot) : 0.0;
         const double after = contact_force(local, c, x, p, pdot);
         /* Out of contact before: no more than to hold back what would appear at once. */
@@ -475,7 +475,7 @@ void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_contact *from = &result->set.contact[i];
         source[i] = is_fresh ? -1 : find_old(&old, from, used);
-        const ss_local_contact_contact *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
+        const ss_local_contact_point *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
         used |= before != NULL ? 1U << source[i] : 0U;
         take_contact(&local->contact[i], from, margin, before != NULL && before->force > 0.0);
         if (before != NULL && result->tick > old.tick) {
@@ -502,7 +502,7 @@ void ss_local_contact_rows(ss_local_contact *local, double period, const double 
     balance->is_held = local->held.is_held;
     balance->count = local->held.is_held ? 0 : local->count;
     for (int32_t i = 0; i < balance->count; ++i) {
-        ss_local_contact_contact *c = &local->contact[i];
+        ss_local_contact_point *c = &local->contact[i];
         ss_balance_row *row = &balance->row[i];
         row->free_force = contact_force(local, c, x, balance->p_free, pdot);
         row->slope = c->stiffness + local->viscous * c->viscosity / period;
