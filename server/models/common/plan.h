@@ -30,7 +30,7 @@ void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
                        const double *mu, ss_arena *arena, double **out_phi, double **out_psi,
                        double *out_time);
 
-/* Is axis `k` of node `i` of a prescribed set prescribed? */
+/* Does the set prescribe axis `k` of its node `i`? */
 bool ss_plan_is_prescribed(const ss_prescribed *set, int32_t i, int k);
 /* The prescribed axes of node `i` of the set: bit 0 x, 1 y, 2 z. */
 uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i);

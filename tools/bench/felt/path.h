@@ -6,9 +6,8 @@
  *
  * Place: the ray from the middle of the fixed nodes (of the lowest ones, where none is fixed)
  * through the middle of the body leaves the surface at the side away from what holds it; upwards,
- * where the body is held all round. Around
- * that point the surface's normal is averaged over the tool's size. The tool's axis z points
- * against it, into the tissue.
+ * where the body is held all round. Around that point the surface's normal is averaged over the
+ * tool's size. The tool's axis z points against it, into the tissue.
  *
  * Paths: the tool's depth s along that normal (0: it just touches the body at rest), and a way t
  * along the surface. D: the depth, 6 mm or 15 % of the body's least extent if that is less.
