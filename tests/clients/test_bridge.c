@@ -27,7 +27,6 @@
 
 static void axes_are_signed_permutations(void **state)
 {
-    (void)state;
     static const struct {
         const char *axes;
         double image[3]; /* world position of the device's (1, 2, 3); 0,0,0: refused */
@@ -64,7 +63,6 @@ static void axes_are_signed_permutations(void **state)
 
 static void frames_are_consistent(void **state)
 {
-    (void)state;
     static const char *const permutations[] = {"x,y,z", "x,z,y", "y,x,z",
                                                "y,z,x", "z,x,y", "z,y,x"};
     uint64_t random = 7;
@@ -123,7 +121,6 @@ static softsim_force make_force(int32_t pose_seq)
 
 static void correction_follows_the_normal(void **state)
 {
-    (void)state;
     static ss_corrector c;
     const double at[3] = {0.01, 0.02, -0.002};
     double force[3];
@@ -145,7 +142,6 @@ static void correction_follows_the_normal(void **state)
 
 static void correction_is_bounded(void **state)
 {
-    (void)state;
     static ss_corrector c;
     static const struct {
         const char *what;
@@ -190,7 +186,6 @@ static void correction_is_bounded(void **state)
 
 static void force_fades_when_the_server_is_gone(void **state)
 {
-    (void)state;
     static ss_corrector c;
     const double at[3] = {0.0, 0.0, 0.0};
     double out[3];
@@ -211,7 +206,6 @@ static void force_fades_when_the_server_is_gone(void **state)
 
 static void bus_delays_and_keeps_order(void **state)
 {
-    (void)state;
     const ss_bus_config config = {.delay_ms = 2.0, .jitter_ms = 1.0, .outlier = 0.05, .seed = 3};
     ss_bus *bus = ss_bus_create(&config, sizeof(int));
     double sum_ms = 0.0;
@@ -244,7 +238,6 @@ static void bus_delays_and_keeps_order(void **state)
 
 static void bus_loses_its_share_and_is_bounded(void **state)
 {
-    (void)state;
     const ss_bus_config lossy = {.loss = 0.1, .seed = 9};
     ss_bus *bus = ss_bus_create(&lossy, sizeof(int));
     int lost = 0;
@@ -306,7 +299,6 @@ static int run_linear(bool is_correcting, double row[][14])
 
 static void device_meets_the_golden_trajectories(void **state)
 {
-    (void)state;
     static const struct {
         bool is_correcting;
         int tick;
@@ -339,7 +331,6 @@ static void device_meets_the_golden_trajectories(void **state)
 
 static void free_device_follows_the_hand(void **state)
 {
-    (void)state;
     /* Every body, grip and script: at rest after the script the hand's friction and tremor leave
      * at most a millimetre, and no energy is exchanged without force. */
     for (int i = 0; i < 3 * 3 * 5; ++i) {
@@ -373,7 +364,6 @@ static void free_device_follows_the_hand(void **state)
 
 static void script_device_follows_its_path(void **state)
 {
-    (void)state;
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
                                "2,3,0,0,0,1,0,0,0,0\n2.1,3,0.1,0,0,1,0,0,0,1\n";
     softsim_error error = {.status = SOFTSIM_OK};
@@ -398,7 +388,6 @@ static void script_device_follows_its_path(void **state)
 /* A path says no velocity: the CSV has that of the row to the next. */
 static void the_csv_of_a_path_is_finite(void **state)
 {
-    (void)state;
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
                                "2,0,0,0,0.1,1,0,0,0,0\n2.1,0,0.1,0,0.1,1,0,0,0,0\n";
     static ss_bridge bridge;
@@ -438,7 +427,6 @@ static void the_csv_of_a_path_is_finite(void **state)
 
 static void json_is_well_formed(void **state)
 {
-    (void)state;
     static char scene[] = "a \"quoted\" \\ \n \x01 name";
     static char model[] = "fem";
     static char reason[] = "";
@@ -471,7 +459,6 @@ static void json_is_well_formed(void **state)
 /* Each line that a field names is a line of the page, and the field is on it. */
 static void every_field_with_a_line_is_on_the_page(void **state)
 {
-    (void)state;
     static const struct {
         const char *name, *line, *text;
     } listed[] = {
@@ -520,7 +507,6 @@ static void fill(double *value, int count, double with)
 /* Whatever a forged status and forged forces say, no figure is longer than a column can be. */
 static void figures_of_a_stranger_are_bounded(void **state)
 {
-    (void)state;
     static const double figure[] = {1e300, -1e300, DBL_MAX, -DBL_MAX, 1e15, DBL_MIN, NAN, INFINITY};
     static char scene[] = "k\x1b\x9b\xc2\x9b.yaml", reason[] = "\xc2\x9bK", model[] = "fem\n";
     for (size_t f = 0; f < sizeof figure / sizeof *figure; ++f) {

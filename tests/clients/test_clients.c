@@ -109,7 +109,6 @@ static void put32(unsigned char *at, uint32_t value)
 
 static void log_gives_back_what_was_written(void **state)
 {
-    (void)state;
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("good.lcmlog");
     make_log(path, data);
@@ -138,7 +137,6 @@ static void log_gives_back_what_was_written(void **state)
 
 static void log_format_is_lcms(void **state)
 {
-    (void)state;
     unsigned char data[LOG_SIZE];
     make_log(in_folder("good.lcmlog"), data);
     static const unsigned char head[28] = {
@@ -149,7 +147,6 @@ static void log_format_is_lcms(void **state)
 
 static void every_truncation_is_reported(void **state)
 {
-    (void)state;
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("cut.lcmlog");
     make_log(path, data);
@@ -165,7 +162,6 @@ static void every_truncation_is_reported(void **state)
 
 static void damage_costs_one_record(void **state)
 {
-    (void)state;
     static const struct {
         const char *what;
         int offset; /* in the record */
@@ -205,7 +201,6 @@ static void damage_costs_one_record(void **state)
 
 static void a_length_too_short_keeps_the_others(void **state)
 {
-    (void)state;
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("short.lcmlog");
     make_log(path, data);
@@ -218,7 +213,6 @@ static void a_length_too_short_keeps_the_others(void **state)
 
 static void any_bytes_are_survived(void **state)
 {
-    (void)state;
     uint64_t random = 12345;
     for (int round = 0; round < 400; ++round) {
         unsigned char data[LOG_SIZE];
@@ -236,7 +230,6 @@ static void any_bytes_are_survived(void **state)
 
 static void a_log_of_fake_headers_is_read_in_linear_time(void **state)
 {
-    (void)state;
     /* 30,000 headers, each claiming a payload that covers the next 5,000. */
     enum { COUNT = 30000, SIZE = 29 };
     unsigned char *data = calloc(COUNT, SIZE);
@@ -255,7 +248,6 @@ static void a_log_of_fake_headers_is_read_in_linear_time(void **state)
 
 static void large_payloads_are_passed_over(void **state)
 {
-    (void)state;
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
     softsim_log *log = NULL;
@@ -280,7 +272,6 @@ static void large_payloads_are_passed_over(void **state)
 
 static void probe_channels_have_any_prefix(void **state)
 {
-    (void)state;
     static const struct {
         const char *channel;
         int32_t probe;
@@ -294,7 +285,6 @@ static void probe_channels_have_any_prefix(void **state)
 
 static void only_exact_messages_are_decoded(void **state)
 {
-    (void)state;
     uint8_t bytes[SS_WIRE_FORCE_SIZE + 1] = {0};
     const softsim_pose pose = make_pose(3);
     softsim_pose out_pose;
@@ -321,7 +311,6 @@ static void only_exact_messages_are_decoded(void **state)
 
 static void output_is_complete_or_absent(void **state)
 {
-    (void)state;
     softsim_error error = {.status = SOFTSIM_OK};
     ss_output output;
     const char *path = in_folder("out.txt");
@@ -383,7 +372,6 @@ static void write_poses(softsim_log_writer *writer, int count)
 /* What a kill would leave: the file as it is before the writer has done anything at its end. */
 static void a_recording_is_readable_while_it_grows(void **state)
 {
-    (void)state;
     enum { MANY = 8000 }; /* more than fits into memory that waits */
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -409,7 +397,6 @@ static void a_recording_is_readable_while_it_grows(void **state)
 /* RLIMIT_FSIZE stands for the disk. */
 static void a_full_disk_leaves_whole_records(void **state)
 {
-    (void)state;
     enum { MANY = 12000, ROOM = 700000 };
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -440,7 +427,6 @@ static void a_full_disk_leaves_whole_records(void **state)
  * 50 mm, and lifting. */
 static void indentation_is_the_tools_way_into_the_tissue(void **state)
 {
-    (void)state;
     ss_indentation indentation = {.is_touching = false};
     double value = 0.0;
     for (int k = 0; k <= 200; ++k) {
@@ -473,7 +459,6 @@ static void indentation_is_the_tools_way_into_the_tissue(void **state)
 
 static void csv_faults_name_their_line(void **state)
 {
-    (void)state;
     static const struct {
         const char *rows;
         const char *fault; /* in the message, behind the file's name */
@@ -515,7 +500,6 @@ static void csv_faults_name_their_line(void **state)
 
 static void csv_names_all_its_faults(void **state)
 {
-    (void)state;
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_path *path = NULL;
     static const char text[] = CSV_HEADER "0,9,0,0,0,1,0,0,0,0\n1,0,0,0,0,1,0,0,0,0\nx\n";
@@ -535,7 +519,6 @@ static void csv_names_all_its_faults(void **state)
 
 static void path_is_interpolated(void **state)
 {
-    (void)state;
     /* A quarter turn about z while moving along x; CRLF ends. */
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\r\n"
                                "1,2,0,0,0.5,1,0,0,0,1\r\n"
@@ -566,7 +549,6 @@ static void path_is_interpolated(void **state)
 
 static void quaternions_take_the_short_way(void **state)
 {
-    (void)state;
     /* q and -q are the same orientation: between them nothing turns. */
     static const char text[] = CSV_HEADER "0,0,0,0,0,0.6,0.8,0,0,0\n1,0,0,0,0,-0.6,-0.8,0,0,0\n";
     softsim_error error = {.status = SOFTSIM_OK};
@@ -583,7 +565,6 @@ static void quaternions_take_the_short_way(void **state)
 /* Its columns by their names, in whatever order those behind the first fourteen are. */
 static void what_a_bridge_writes_is_a_path(void **state)
 {
-    (void)state;
 #define BRIDGE "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
     static const struct {
         const char *text;
@@ -635,7 +616,6 @@ static void what_a_bridge_writes_is_a_path(void **state)
 
 static void csv_is_sampled_on_the_ticks(void **state)
 {
-    (void)state;
     static const char text[] = CSV_HEADER "0.0101,0,0,0,0,1,0,0,0,0\n0.2,0,1,0,0,1,0,0,0,0\n"
                                           "0.1,5,0,0,0,1,0,0,0,0\n0.2,5,0,0,0,1,0,0,0,0\n";
     softsim_error error = {.status = SOFTSIM_OK};
@@ -666,7 +646,6 @@ static void csv_is_sampled_on_the_ticks(void **state)
 
 static void log_poses_keep_their_times(void **state)
 {
-    (void)state;
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
     softsim_poses *poses = NULL;
@@ -711,7 +690,6 @@ static void log_poses_keep_their_times(void **state)
 
 static void restamped_poses_are_a_new_senders(void **state)
 {
-    (void)state;
     softsim_pose pose = make_pose(17);
     pose.velocity[1] = 0.25;
     softsim_poses_restamp(&pose, 99, 1);
@@ -725,7 +703,6 @@ static void restamped_poses_are_a_new_senders(void **state)
  * refused and stays too. */
 static void a_pipe_of_the_shell_is_written_another_refused(void **state)
 {
-    (void)state;
     char path[160], own[32], read_back[16] = "";
     int end[2];
     softsim_error error = {0};

@@ -15,7 +15,6 @@
 /* One that has an end of its own, with a server and without. */
 static void a_stopped_bridge_keeps_its_file(void **state)
 {
-    (void)state;
     const char *csv = in_folder("s.csv"), *part = in_folder("s.csv.part");
     const char *const served[] = {"softsim-bridge", "--device", "sim", "--duration",
                                   "1000",           "--csv",    csv,   NULL};
@@ -40,7 +39,6 @@ static void a_stopped_bridge_keeps_its_file(void **state)
 
 static void a_killed_bridge_leaves_what_it_recorded(void **state)
 {
-    (void)state;
     const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
     start_server();
@@ -81,7 +79,6 @@ static void a_killed_bridge_leaves_what_it_recorded(void **state)
  * complete: its file, a summary. */
 static void a_hangup_ends_in_order(void **state)
 {
-    (void)state;
     const char *csv = in_folder("h.csv");
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
     start_server();
@@ -99,7 +96,6 @@ static void a_hangup_ends_in_order(void **state)
 /* With a closed stderr the CSV would be number 2 and take what is said there. */
 static void closed_descriptors_write_into_no_file(void **state)
 {
-    (void)state;
     const char *csv = in_folder("c.csv");
     char command[512];
     snprintf(command, sizeof command,
@@ -176,7 +172,6 @@ static bool close_the_loop(void)
  * the press may be felt only when it is done again. */
 static void bridge_closes_the_loop(void **state)
 {
-    (void)state;
     for (int presses = 1; !close_the_loop(); ++presses) {
         assert_true(presses < 20);
     }
@@ -184,7 +179,6 @@ static void bridge_closes_the_loop(void **state)
 
 static void bridge_models_a_bad_bus(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-bridge",
                                 "--device",
                                 "sim",
@@ -224,7 +218,6 @@ static void bridge_models_a_bad_bus(void **state)
 
 static void bridge_without_a_server_fails_and_says_so(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "50", NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no force came"));
@@ -232,7 +225,6 @@ static void bridge_without_a_server_fails_and_says_so(void **state)
 
 static void bridge_tells_that_forces_stop(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
     stand_in.mute_from = 300;
     stand_in.mute_until = INT32_MAX;
@@ -272,7 +264,6 @@ static void bridge_tells_that_forces_stop(void **state)
 
 static void bridge_tells_whose_the_probe_is(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
     stand_in.other_until = 400;
     stand_in.is_entering = true; /* not by its own doing: no hint */
@@ -303,7 +294,6 @@ static void bridge_tells_whose_the_probe_is(void **state)
 
 static void bridge_tells_that_it_began_inside(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "300", NULL};
     stand_in.is_entering = true;
     start_server();

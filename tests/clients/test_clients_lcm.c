@@ -17,7 +17,6 @@ static process patient, asking; /* wait all the while for a server that never co
 /* What is felt at a probe is shown to who only watches. */
 static void monitor_shows_force_and_indentation(void **state)
 {
-    (void)state;
     const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
     const char *const monitor[] = {"softsim-monitor", NULL};
     static process hand;
@@ -39,7 +38,6 @@ static void monitor_shows_force_and_indentation(void **state)
 
 static void monitor_believes_only_whole_messages(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-monitor", "--once", "--json", NULL};
     stand_in.sends_status = true;
     start_server();
@@ -53,7 +51,6 @@ static void monitor_believes_only_whole_messages(void **state)
 
 static void monitor_tells_that_nobody_is_there(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsim-monitor", "--duration", "0.3", NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no status for 0.3"));
@@ -69,7 +66,6 @@ static void monitor_tells_that_nobody_is_there(void **state)
 /* Started first and asked last: they take their time. */
 static int start_patient(void **state)
 {
-    (void)state;
     const char *const once[] = {"softsim-monitor", "--once", "--prefix", "NOBODY", NULL};
     const char *const pause[] = {"softsim-monitor", "--command", "pause",
                                  "--prefix",        "NOBODY",    NULL};
@@ -80,7 +76,6 @@ static int start_patient(void **state)
 
 static int stop_patient(void **state)
 {
-    (void)state;
     process *all[] = {&patient, &asking};
     for (int i = 0; i < 2; ++i) {
         process_signal(all[i], SIGKILL);
@@ -91,7 +86,6 @@ static int stop_patient(void **state)
 
 static void a_machine_without_a_route_is_told(void **state)
 {
-    (void)state;
     static const char *const programs[] = {"softsim-bridge --device sim --ticks 5",
                                            "softsim-monitor --once", "softsim-replay"};
     const char *log = in_folder("a.lcmlog");
@@ -112,7 +106,6 @@ static void a_machine_without_a_route_is_told(void **state)
 
 static void bad_arguments_are_all_named(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *bad = in_folder("bad.lcmlog");
     make_log(log, 3, 1);

@@ -12,7 +12,6 @@
 
 static void lockstep_answers_every_pose_once(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv");
     const char *record = in_folder("r.lcmlog");
@@ -70,7 +69,6 @@ static void lockstep_answers_every_pose_once(void **state)
  * played again. */
 static void paced_replay_keeps_the_answers(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv");
     const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
@@ -110,7 +108,6 @@ static void paced_replay_keeps_the_answers(void **state)
 
 static void pose_csv_is_replayed(void **state)
 {
-    (void)state;
     const char *path = in_folder("p.csv");
     const char *const argv[] = {"softsim-replay", path, "--lockstep", "--rate", "500", NULL};
     FILE *file = fopen(path, "w");
@@ -131,7 +128,6 @@ static void pose_csv_is_replayed(void **state)
 
 static void silence_is_a_failure(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
     make_log(log, 10, 1);
@@ -147,7 +143,6 @@ static void silence_is_a_failure(void **state)
 /* A file has its name once it is complete; what there is until then stays, and is named. */
 static void stopped_replay_keeps_its_files(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv"), *csv_part = in_folder("a.csv.part");
     const char *record = in_folder("r.lcmlog"), *record_part = in_folder("r.lcmlog.part");
@@ -182,7 +177,6 @@ static void stopped_replay_keeps_its_files(void **state)
 
 static void a_killed_replay_leaves_what_it_recorded(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("k.csv"), *csv_part = in_folder("k.csv.part");
     const char *record = in_folder("k.lcmlog"), *record_part = in_folder("k.lcmlog.part");
@@ -220,7 +214,6 @@ static void a_killed_replay_leaves_what_it_recorded(void **state)
 
 static void damaged_logs_are_played_and_named(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
     make_log(log, 20, 1);
@@ -247,7 +240,6 @@ static void damaged_logs_are_played_and_named(void **state)
 
 static void conversion_is_reproducible(void **state)
 {
-    (void)state;
     const char *path = in_folder("p.csv");
     const char *first = in_folder("1.lcmlog");
     const char *second = in_folder("2.lcmlog");
@@ -281,7 +273,6 @@ static void conversion_is_reproducible(void **state)
 /* Paced: it may be over before five seconds of silence are. */
 static void a_run_without_any_answer_is_a_failure(void **state)
 {
-    (void)state;
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--speed", "5", NULL};
     make_log(log, 50, 1);

@@ -19,7 +19,6 @@ static int64_t at_ms(int64_t ms)
 
 static void of_two_servers_the_first_is_taken_and_both_are_told(void **state)
 {
-    (void)state;
     ss_origin origin = {.silent_ns = 100 * MS};
     int told_after = -1;
     for (int k = 0; k < 1000; ++k) {
@@ -43,7 +42,6 @@ static void of_two_servers_the_first_is_taken_and_both_are_told(void **state)
 /* Messages of an overloaded machine come in bursts, of each server in turn. */
 static void two_servers_in_bursts_are_told(void **state)
 {
-    (void)state;
     static const int bursts_ms[] = {1, 5, 30, 99, 150, 400};
     for (size_t c = 0; c < sizeof bursts_ms / sizeof *bursts_ms; ++c) {
         ss_origin origin = {.silent_ns = 100 * MS};
@@ -57,7 +55,6 @@ static void two_servers_in_bursts_are_told(void **state)
 /* Even one that is killed and started again time after time. */
 static void a_restart_is_one_server_and_taken_up_at_once(void **state)
 {
-    (void)state;
     ss_origin origin = {.silent_ns = 100 * MS};
     for (int k = 0; k < 6; ++k) {
         for (int i = 0; i < 700; ++i) {
@@ -69,7 +66,6 @@ static void a_restart_is_one_server_and_taken_up_at_once(void **state)
 
 static void one_stray_message_is_no_second_server(void **state)
 {
-    (void)state;
     ss_origin origin = {.silent_ns = 100 * MS};
     for (int k = 0; k < 30000; ++k) {
         assert_true(ss_origin_take(&origin, FIRST, at_ms(k)));
@@ -82,7 +78,6 @@ static void one_stray_message_is_no_second_server(void **state)
 
 static void statuses_four_times_a_second_tell_two_servers(void **state)
 {
-    (void)state;
     ss_origin origin = {.silent_ns = 1000 * MS};
     for (int k = 0; k < 8; ++k) {
         assert_int_equal(ss_origin_take(&origin, k % 2 == 0 ? FIRST : SECOND, at_ms(125 * k)),

@@ -79,14 +79,12 @@ static inline void restore(FILE *stream, int kept)
 
 static inline int make_folder(void **state)
 {
-    (void)state;
     memset(folder + sizeof folder - 1 - 6, 'X', 6); /* it may be made again */
     return mkdtemp(folder) != NULL ? 0 : -1;
 }
 
 static inline int remove_folder(void **state)
 {
-    (void)state;
     char command[64];
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);

@@ -87,7 +87,6 @@ static void check_gradient(const ss_tool_pose *pose, double step, double relativ
  * by about its area over the contact's, times step over depth. */
 static void penalty_forces_are_minus_the_gradient(void **state)
 {
-    (void)state;
     make_sphere(3, 0.04);
     test_mu = NULL;
     seed_state = 11;
@@ -104,7 +103,6 @@ static void penalty_forces_are_minus_the_gradient(void **state)
 
 static void weight_forces_are_minus_the_gradient(void **state)
 {
-    (void)state;
     static double mu[MAX_NODES];
     make_sphere(3, 0.04);
     seed_state = 12;
@@ -140,7 +138,6 @@ static void weight_forces_are_minus_the_gradient(void **state)
 
 static void forces_of_tissue_and_tool_cancel(void **state)
 {
-    (void)state;
     make_sphere(3, 0.04);
     seed_state = 13;
     open_query(&shapes[1], 2, 0.005, 5e7);
@@ -165,7 +162,6 @@ static void forces_of_tissue_and_tool_cancel(void **state)
 /* W = sqrt(3)/2 h^2 phi(d): one linear sample in each triangle of a hexagon, rim fixed. */
 static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
 {
-    (void)state;
     static const double height[2] = {0.25, 0.17};
     static const double expected[2] = {0.0245357960952869, 0.0615903130631309};
     static const uint8_t is_source[7] = {1, 0, 0, 0, 0, 0, 0};
@@ -204,7 +200,6 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
 
 static void gather_radius_does_not_change_a_bit(void **state)
 {
-    (void)state;
     static ss_real kept[4 * MAX_NODES];
     static int32_t kept_node[MAX_NODES];
     static double kept_weight[MAX_NODES];
@@ -250,7 +245,6 @@ static void gather_radius_does_not_change_a_bit(void **state)
  * bits as when both are made anew. */
 static void kept_gathers_do_not_change_a_bit(void **state)
 {
-    (void)state;
     static ss_real kept[4 * MAX_NODES];
     make_sphere(3, 0.04);
     for (int k = 0; k < SHAPE_COUNT; ++k) {
@@ -307,7 +301,6 @@ static void kept_gathers_do_not_change_a_bit(void **state)
 /* Nodes that move after the broad phase, up to delta, must not be culled. */
 static void motion_after_the_gather_is_seen(void **state)
 {
-    (void)state;
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0105);
@@ -327,7 +320,6 @@ static void motion_after_the_gather_is_seen(void **state)
 /* Beside a long path is not on it, even within half its length of its middle. */
 static void a_gather_is_not_kept_off_its_path(void **state)
 {
-    (void)state;
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose from = pose_at(-0.025, 0.0, 0.004);
@@ -343,7 +335,6 @@ static void a_gather_is_not_kept_off_its_path(void **state)
 
 static void shifting_body_and_tool_together_changes_nothing(void **state)
 {
-    (void)state;
     double first[3] = {0.0, 0.0, 0.0};
     for (int pass = 0; pass < 2; ++pass) {
         make_sphere(3, 0.04);
@@ -370,7 +361,6 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
 
 static void a_fast_tool_gathers_what_it_crosses(void **state)
 {
-    (void)state;
     make_plane(20, 20, 0.005);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose from = pose_at(0.01, 0.005, 0.025);
@@ -393,7 +383,6 @@ static void a_fast_tool_gathers_what_it_crosses(void **state)
  * mean is the closed form kc int (R - |x|) dA over the cap, times the height over |x|. */
 static void force_on_a_plane_does_not_ripple(void **state)
 {
-    (void)state;
     enum { STEPS = 400 };
     const double r = 0.005;
     const double height = r - 0.0012;
@@ -430,7 +419,6 @@ static void force_on_a_plane_does_not_ripple(void **state)
  * middle, 2 pi kc z int_z^R c(R - s) ds, and c ten times as steep beyond 0.3 R. */
 static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **state)
 {
-    (void)state;
     const double radius = 0.005, kc = 1e7;
     double before = 0.0;
     make_plane(41, 41, 0.0004);
@@ -452,7 +440,6 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
 /* A box's face over the whole plane has one normal, so that the tangent is exact. */
 static void tangent_and_diagonal_match_differences(void **state)
 {
-    (void)state;
     const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {0.2, 0.2, 0.004}};
     make_plane(14, 14, 0.005);
     open_query(&box, 2, 0.005, 5e7);
@@ -511,7 +498,6 @@ static void tangent_and_diagonal_match_differences(void **state)
 
 static void a_sphere_has_one_contact_through_its_centre(void **state)
 {
-    (void)state;
     make_plane(16, 16, 0.005);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose pose = pose_at(0.0011, 0.0007, 0.004);
@@ -532,7 +518,6 @@ static void a_sphere_has_one_contact_through_its_centre(void **state)
 
 static void a_long_tool_spreads_its_contacts(void **state)
 {
-    (void)state;
     const ss_shape rod = {.kind = SS_SHAPE_CAPSULE, .radius = 0.005, .half_length = 0.012};
     make_plane(20, 20, 0.005);
     open_query(&rod, 2, 0.005, 5e7);
@@ -569,7 +554,6 @@ static void a_long_tool_spreads_its_contacts(void **state)
 
 static void the_nearest_patch_is_told_before_touching(void **state)
 {
-    (void)state;
     ss_contact_set set;
     make_sphere(4, 0.04);
     seed_state = 16;
@@ -620,7 +604,6 @@ static void the_nearest_patch_is_told_before_touching(void **state)
 
 static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
 {
-    (void)state;
     ss_contact_set set;
     make_sphere(3, 0.04);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
@@ -643,7 +626,6 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
 
 static void non_finite_input_touches_nothing(void **state)
 {
-    (void)state;
     ss_contact_set set;
     make_sphere(3, 0.04);
     open_query(&shapes[2], 2, 0.005, 5e7);

@@ -77,7 +77,6 @@ static const ss_shape cone = {.kind = SS_SHAPE_CONE, .radius = 3.0, .half_length
 
 static void distances_match_the_closed_forms(void **state)
 {
-    (void)state;
     const struct {
         const ss_shape *shape;
         double x[3], distance, normal[3];
@@ -153,7 +152,6 @@ static bool is_inside(const ss_shape *shape, const double x[3])
  * other direction; the gradient is a unit one and matches differences. */
 static void distances_survive_random_points(void **state)
 {
-    (void)state;
     const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     seed_state = 21;
     for (int i = 0; i < 20000; ++i) {
@@ -190,7 +188,6 @@ static void distances_survive_random_points(void **state)
 
 static void distances_are_never_not_a_number(void **state)
 {
-    (void)state;
     const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     static const double odd[] = {0.0,    -0.0, 1.0,   -1.0,     2.0, 3.0,
                                  1e-320, 1e40, 1e300, INFINITY, NAN};
@@ -212,7 +209,6 @@ static void distances_are_never_not_a_number(void **state)
 
 static void a_box_mesh_is_a_box(void **state)
 {
-    (void)state;
     ss_shape hull;
     make_box(1.0, 2.0, 3.0);
     const int64_t before = ss_memory_in_use();
@@ -236,7 +232,6 @@ static void a_box_mesh_is_a_box(void **state)
 
 static void a_prism_with_many_sides_is_nearly_a_cylinder(void **state)
 {
-    (void)state;
     ss_shape hull;
     make_prism(128, 1.0, 2.0);
     for (int32_t t = 0; t < mesh.triangle_count; ++t) { /* inside out is turned */
@@ -272,7 +267,6 @@ static void expect_refusal(const char *text)
 
 static void refuses_meshes_that_are_not_convex(void **state)
 {
-    (void)state;
     make_box(1.0, 1.0, 1.0);
     ss_set3(positions[7], 0.2, 0.2, 0.2); /* a dented corner */
     expect_refusal("not convex");
@@ -308,7 +302,6 @@ static void refuses_meshes_that_are_not_convex(void **state)
 
 static void blending_stays_within_the_motion_bound(void **state)
 {
-    (void)state;
     seed_state = 24;
     for (int i = 0; i < 2000; ++i) {
         const ss_tool_pose from = random_pose_within(1.0);
@@ -344,7 +337,6 @@ static void blending_stays_within_the_motion_bound(void **state)
  */
 static void overlaps_agree_with_distances(void **state)
 {
-    (void)state;
     const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.002};
     ss_shape solids[] = {
         {.kind = SS_SHAPE_SPHERE, .radius = 0.003},
@@ -397,7 +389,6 @@ static void overlaps_agree_with_distances(void **state)
 
 static void coinciding_and_distant_shapes_are_safe(void **state)
 {
-    (void)state;
     const ss_tool_pose here = {{0.1, 0.2, 0.3}, {1.0, 0.0, 0.0, 0.0}};
     ss_tool_pose there = here;
     double depth;

@@ -23,7 +23,6 @@ static void check_rows(void)
 
 static void loop_rows_are_convex_combinations(void **state)
 {
-    (void)state;
     make_sphere(3, 0.05);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     check_rows();
@@ -41,7 +40,6 @@ static void loop_rows_are_convex_combinations(void **state)
 /* Bow tie: two triangles that share a node only; and single triangles. */
 static void loose_corners_keep_their_place(void **state)
 {
-    (void)state;
     begin_mesh();
     add_node(0.0, 0.0, 0.0);
     add_node(0.01, 0.0, 0.0);
@@ -72,7 +70,6 @@ static void loose_corners_keep_their_place(void **state)
 /* Loop subdivision keeps linear fields where the mesh is regular: points stay on their triangle. */
 static void regular_rows_reproduce_linear_fields(void **state)
 {
-    (void)state;
     make_plane(9, 9, 0.01);
     for (int32_t i = 0; i < mesh.node_count; ++i) { /* a sheared, tilted plane */
         positions[i][2] = 0.3 * positions[i][0] - 0.7 * positions[i][1];
@@ -106,7 +103,6 @@ static void regular_rows_reproduce_linear_fields(void **state)
 /* Neighbours compute a shared side from different rings: the surface must not crack. */
 static void neighbouring_triangles_share_their_side(void **state)
 {
-    (void)state;
     make_sphere(2, 0.05);
     open_query(&sphere_5mm, 1, 0.005, 1.0);
     seed_state = 7;
@@ -143,7 +139,6 @@ static void neighbouring_triangles_share_their_side(void **state)
 
 static void equal_topology_shares_one_matrix(void **state)
 {
-    (void)state;
     make_sphere(3, 0.05);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     assert_int_equal(surface->triangle_count, 512);
@@ -153,7 +148,6 @@ static void equal_topology_shares_one_matrix(void **state)
 
 static void sample_areas_sum_to_the_surface(void **state)
 {
-    (void)state;
     make_sphere(2, 0.05);
     open_query(&sphere_5mm, 3, 0.005, 1.0);
     double area = 0.0;
@@ -188,7 +182,6 @@ static void expect_refusal(double radius, int parts, softsim_status status, cons
 
 static void refuses_what_it_cannot_sample(void **state)
 {
-    (void)state;
     make_plane(5, 5, 0.01);
     expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "2.5 mm");
     expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "mean edge 10 mm");
@@ -217,7 +210,6 @@ static void refuses_what_it_cannot_sample(void **state)
 
 static void picks_parts_by_radius_over_edge(void **state)
 {
-    (void)state;
     static const double ratio[4] = {0.4, 0.6, 2.0, 3.1};
     static const int64_t samples[4] = {144, 64, 64, 16};
     make_plane(5, 5, 0.01);
@@ -235,7 +227,6 @@ static void picks_parts_by_radius_over_edge(void **state)
 /* On a sphere of radius 20 mm, seen from random places inside and outside, and over its corners. */
 static void a_tool_that_appears_is_found_inside_or_outside(void **state)
 {
-    (void)state;
     make_sphere(3, 0.02);
     mesh.is_closed = true;
     ss_real *at_rest = ss_memory_get((size_t)mesh.node_count * 4, sizeof *at_rest);
@@ -262,7 +253,6 @@ static void a_tool_that_appears_is_found_inside_or_outside(void **state)
 
 static void behind_an_open_sheet_is_nowhere_near(void **state)
 {
-    (void)state;
     make_plane(11, 11, 0.004);
     mesh.is_closed = false;
     ss_real *at_rest = ss_memory_get((size_t)mesh.node_count * 4, sizeof *at_rest);
@@ -292,7 +282,6 @@ static void turn_inside_out(void)
  * and their normals sum up to nothing. */
 static void the_middle_of_a_cavity_is_outside(void **state)
 {
-    (void)state;
     static const double wall[2] = {0.0115470054, 0.02}; /* m, from the middle */
     for (int k = 0; k < 4; ++k) {
         const bool is_hollow = k % 2 == 1;
@@ -322,7 +311,6 @@ static void check_way_out(double from, const double inward[3], const double expe
 
 static void a_tool_leaves_the_way_it_came_or_the_nearest(void **state)
 {
-    (void)state;
     static const double unknown[3] = {0.0, 0.0, 0.0}, x[3] = {1.0, 0.0, 0.0},
                         minus_x[3] = {-1.0, 0.0, 0.0}, z[3] = {0.0, 0.0, 1.0},
                         minus_z[3] = {0.0, 0.0, -1.0};
@@ -341,7 +329,6 @@ static void a_tool_leaves_the_way_it_came_or_the_nearest(void **state)
 /* Pressed down to a ball of 15 mm it may come back. */
 static void dented_tissue_is_where_it_rests_too(void **state)
 {
-    (void)state;
     static const double unknown[3] = {0.0, 0.0, 0.0};
     make_sphere(3, 0.02);
     ss_real *dent = ss_memory_get((size_t)mesh.node_count * 4, sizeof *dent);
@@ -364,7 +351,6 @@ static void dented_tissue_is_where_it_rests_too(void **state)
 /* A ball of 25 mm in a hollow of 20 mm. */
 static void a_tool_may_have_no_way_out(void **state)
 {
-    (void)state;
     static const double unknown[3] = {0.0, 0.0, 0.0};
     static const ss_shape large = {.kind = SS_SHAPE_SPHERE, .radius = 0.025};
     make_sphere(3, 0.02);
@@ -391,7 +377,6 @@ static double engulfed_at(const ss_tool_pose *pose)
  * too, on which rays along an axis would run. */
 static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
 {
-    (void)state;
     make_sphere(3, 0.02);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int i = 0; i < 3000; ++i) {
@@ -424,7 +409,6 @@ static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
 
 static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
 {
-    (void)state;
     make_plane(11, 11, 0.004);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int k = -20; k <= 20; ++k) {
@@ -450,7 +434,6 @@ static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
  * and each time as if for the first time. */
 static void what_is_remembered_of_the_inside_stays_right(void **state)
 {
-    (void)state;
     make_sphere(3, 0.02);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     int inside = 0, changes = 0;

@@ -16,7 +16,6 @@
 
 static void largest_eigenvalue_bounds_every_direction(void **state)
 {
-    (void)state;
     random_state = 2;
     for (int n = 0; n < 1000; ++n) {
         double m[3][3] = {{0}};
@@ -46,7 +45,6 @@ static void largest_eigenvalue_bounds_every_direction(void **state)
 
 static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
 {
-    (void)state;
     assert_near(ss_coupling_spring(800.0, 300.0), 20000.0, 1e-9);
     const double spring = ss_coupling_spring(800.0, 3000.0);
     assert_near(spring * 3000.0 / (spring + 3000.0), 800.0, 1e-9);
@@ -55,7 +53,6 @@ static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
 
 static void touch_and_leaving_are_continuous(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -80,7 +77,6 @@ static void touch_and_leaving_are_continuous(void **state)
  * results are slow. */
 static void law_errs_high(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     for (int is_slow = 0; is_slow < 2; ++is_slow) {
         rig r;
@@ -109,7 +105,6 @@ static void law_errs_high(void **state)
 /* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = h/4. */
 static void updates_are_continuous_and_decay(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -155,7 +150,6 @@ static void updates_are_continuous_and_decay(void **state)
  * in, however often results come. */
 static void a_touch_that_is_found_at_rest_is_let_in(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     for (int every = 1; every <= 16; every *= 4) {
         rig r;
@@ -184,7 +178,6 @@ static void a_touch_that_is_found_at_rest_is_let_in(void **state)
 
 static void curved_patch_bends_height_and_normal(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -208,7 +201,6 @@ static void curved_patch_bends_height_and_normal(void **state)
 
 static void grasp_starts_without_jump_and_holds_all_ways(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -250,7 +242,6 @@ static void grasp_starts_without_jump_and_holds_all_ways(void **state)
 
 static void grasp_ends_when_the_model_does_not_hold(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -268,7 +259,6 @@ static void grasp_ends_when_the_model_does_not_hold(void **state)
 
 static void non_finite_input_repeats_the_force(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -306,7 +296,6 @@ static void non_finite_input_repeats_the_force(void **state)
 
 static void absurd_numbers_stay_finite(void **state)
 {
-    (void)state;
     random_state = 3;
     const ss_haptic_config config = default_config();
     rig r;
@@ -330,7 +319,6 @@ static void absurd_numbers_stay_finite(void **state)
 
 static void nothing_is_sent_before_the_first_pose(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -353,7 +341,6 @@ static void nothing_is_sent_before_the_first_pose(void **state)
 
 static void prediction_is_bounded(void **state)
 {
-    (void)state;
     ss_proxy_target target = {.proxy = {1, 2, 3}, .velocity = {0.1, 0, 0}};
     double p[3];
     ss_haptic_predict(&target, 1.0, 1e-3, p);

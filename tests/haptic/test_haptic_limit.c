@@ -76,7 +76,6 @@ static bool brute_force(const ss_balance *b, double out_d[3])
 
 static void balance_is_the_brute_force_one(void **state)
 {
-    (void)state;
     random_state = 1;
     int most_passes = 0;
     double worst = 0.0;
@@ -143,7 +142,6 @@ static void random_grasp(ss_balance *b)
  * the local contact model, and the force is the limit where the stiff balance would exceed it. */
 static void limited_balance_meets_its_conditions(void **state)
 {
-    (void)state;
     random_state = 3;
     int most_passes = 0, limited = 0, too_far = 0;
     double worst = 0.0, worst_size = 0.0;
@@ -200,7 +198,6 @@ static void limited_balance_meets_its_conditions(void **state)
 /* For one contact in closed form: d = (a - L)/k', the spring's share L/(K d). */
 static void one_contact_slips_as_far_as_its_slope_asks(void **state)
 {
-    (void)state;
     ss_balance b = {.spring = 2000.0, .count = 1, .limit = 1.0};
     ss_rest rest;
     b.row[0] = (ss_balance_row){.normal = {0.0, 0.6, 0.8}, .free_force = 9.0, .slope = 400.0};
@@ -215,7 +212,6 @@ static void one_contact_slips_as_far_as_its_slope_asks(void **state)
  * hand. */
 static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
 {
-    (void)state;
     ss_balance b = {.spring = 2000.0, .is_held = true, .limit = 1.0};
     ss_rest rest;
     ss_set3(b.held_force, 0.0, 0.0, 5.0);
@@ -329,7 +325,6 @@ static void press(const press_plan *plan, limit_tick out[PRESS])
 
 static void a_press_stays_at_the_limit(void **state)
 {
-    (void)state;
     static limit_tick tick[PRESS], open[PRESS];
     static const double limit[4] = {0.5, 1.0, 2.0, 8.0};
     static const double k[2] = {300.0, 2000.0};
@@ -375,7 +370,6 @@ static void a_press_stays_at_the_limit(void **state)
 /* A grasp at its limit is a constant pull along the way it is drawn. */
 static void a_grasp_stays_at_the_limit(void **state)
 {
-    (void)state;
     static limit_tick tick[PRESS];
     for (int count = 1; count <= 8; count += 3) {
         const press_plan plan = {.count = count,
@@ -400,7 +394,6 @@ static void a_grasp_stays_at_the_limit(void **state)
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 {
-    (void)state;
     static limit_tick tick[PRESS];
     for (int mode = SS_BETWEEN_HOLD; mode <= SS_BETWEEN_LINEAR; ++mode) {
         const press_plan plan = {.count = 3,
@@ -427,7 +420,6 @@ static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
  * s, and no further; the proxy goes with it, without a swing. */
 static void a_changed_limit_is_reached_by_the_slew(void **state)
 {
-    (void)state;
     static const double slew[2] = {2000.0, 100.0};
     for (int s = 0; s < 2; ++s) {
         ss_haptic_config config = default_config();
@@ -471,7 +463,6 @@ static void a_changed_limit_is_reached_by_the_slew(void **state)
 
 static void force_is_limited_and_the_proxy_slips(void **state)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.max_force = 3.0;
     config.damping = 2.0;

@@ -449,7 +449,6 @@ static void assert_near(double value, double expected, double tolerance)
 /* The simulated hand must be the specified one: 500 N/m, two ticks late, lossless. */
 static void device_matches_golden_numbers(void **state)
 {
-    (void)state;
     static const struct {
         int tick;
         double x, z, vz, f, energy;
@@ -488,7 +487,6 @@ static void device_matches_golden_numbers(void **state)
  * that one may hand out what no energy controller is there to take. */
 static void stays_still_and_passive(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const double rate_hz[2] = {60.0, 1000.0};
     static const double tissue[5] = {50.0, 150.0, 300.0, 1000.0, 3000.0};
@@ -523,7 +521,6 @@ static void stays_still_and_passive(void **state)
 /* The test can fail: the same loop with the last force held is a motor. */
 static void holding_the_last_force_is_found_bad(void **state)
 {
-    (void)state;
     setting set = base(&bodies[0], PRESS, 300.0, 60.0);
     set.between_steps = SS_BETWEEN_HOLD;
     outcome *held = run(&set);
@@ -540,7 +537,6 @@ static void holding_the_last_force_is_found_bad(void **state)
 /* The limit follows the delay of the loop, as force_seq tells it, and keeps the hand still. */
 static void limit_follows_the_bus(void **state)
 {
-    (void)state;
     static const struct {
         int one_way;
         double delay_ms, limit;
@@ -571,7 +567,6 @@ static void limit_follows_the_bus(void **state)
 /* A client that corrects keeps the stiffness that the bus would cost. */
 static void correction_keeps_the_stiffness(void **state)
 {
-    (void)state;
     setting set = base(&bodies[0], PRESS, 3000.0, 1000.0);
     set.one_way = 1;
     set.corrects = true;
@@ -587,7 +582,6 @@ static void correction_keeps_the_stiffness(void **state)
 /* Found 10 mm inside 1 kN/m: the hand is not thrown out. */
 static void device_found_inside_is_let_in_slowly(void **state)
 {
-    (void)state;
     for (int b = 0; b < 3; ++b) {
         for (int r = 0; r < 2; ++r) {
             setting set = base(&bodies[b], HOLD_INSIDE, 1000.0, r == 0 ? 60.0 : 1000.0);
@@ -608,7 +602,6 @@ static void device_found_inside_is_let_in_slowly(void **state)
 
 static void equal_runs_give_equal_bits(void **state)
 {
-    (void)state;
     const setting set = base(&bodies[1], POKE, 300.0, 60.0);
     outcome *a = run(&set);
     outcome *b = run(&set);

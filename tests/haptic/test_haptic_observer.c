@@ -18,7 +18,6 @@
  * ticks of a full period (the sum in closed form). */
 static void observer_sees_the_gift_of_delay(void **state)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.is_lockstep = false;
     ss_observer *observer = calloc(1, sizeof *observer);
@@ -64,7 +63,6 @@ static void observer_sees_the_gift_of_delay(void **state)
 
 static void applied_force_of_the_device_counts_first(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     ss_observer *observer = calloc(1, sizeof *observer);
     assert_non_null(observer);
@@ -83,7 +81,6 @@ static void applied_force_of_the_device_counts_first(void **state)
 
 static void limit_follows_the_rule_and_its_rate(void **state)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.stiffness = 800.0;
     config.damping = 2.0;
@@ -115,7 +112,6 @@ static void limit_follows_the_rule_and_its_rate(void **state)
 /* The delay forgets what is older than a second, and hostile numbers do not enter. */
 static void delay_is_of_the_last_second(void **state)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.is_lockstep = false;
     ss_observer *observer = calloc(1, sizeof *observer);

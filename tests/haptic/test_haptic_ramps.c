@@ -12,7 +12,6 @@
 
 static void slew_is_limited_as_a_vector(void **state)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.max_slew = 100.0;
     rig r;
@@ -31,7 +30,6 @@ static void slew_is_limited_as_a_vector(void **state)
 
 static void watchdog_ramps_after_50_ticks_in_20(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -60,7 +58,6 @@ static void watchdog_ramps_after_50_ticks_in_20(void **state)
 /* A thread that sleeps through the beginning of the ramp does not end it later. */
 static void missed_ticks_do_not_lengthen_the_ramp(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -80,7 +77,6 @@ static void missed_ticks_do_not_lengthen_the_ramp(void **state)
 /* Nor does one that sleeps within a ramp, or an entry, end it in one step. */
 static void missed_ticks_do_not_step_the_force(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -106,7 +102,6 @@ static void missed_ticks_do_not_step_the_force(void **state)
 /* Before the haptic loop hears of a reset, or the model does: results from across it are no law. */
 static void results_from_across_a_reset_do_not_count(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -128,7 +123,6 @@ static void results_from_across_a_reset_do_not_count(void **state)
 
 static void entry_fades_the_depth_over_500_ticks(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -162,7 +156,6 @@ static void entry_fades_the_depth_over_500_ticks(void **state)
 
 static void late_results_ramp_with_the_fault_flag(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -189,7 +182,6 @@ static void late_results_ramp_with_the_fault_flag(void **state)
 
 static void fault_of_the_model_ramps(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -207,7 +199,6 @@ static void fault_of_the_model_ramps(void **state)
 
 static void pause_and_stop_ramp_without_the_fault_flag(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     for (int is_stop = 0; is_stop < 2; ++is_stop) {
         rig r;
@@ -239,7 +230,6 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
  * meanwhile. */
 static void a_ramp_from_nothing_gives_nothing(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -266,7 +256,6 @@ static void a_ramp_from_nothing_gives_nothing(void **state)
  * velocity, and in its reaction; the hand, still outside, feels neither at once. */
 static void the_jump_to_the_surface_is_not_felt(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -288,7 +277,6 @@ static void the_jump_to_the_surface_is_not_felt(void **state)
  * and proxies are the same to the bit, and will not be. */
 static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     uint64_t hash[2];
     for (int k = 0; k < 2; ++k) {
@@ -308,7 +296,6 @@ static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
 /* Each of what steers the force after the next result. */
 static void the_hash_tells_laws_apart(void **state)
 {
-    (void)state;
     static const struct {
         const char *what;
         size_t offset, size;
@@ -336,7 +323,6 @@ static void the_hash_tells_laws_apart(void **state)
  * of entries, and all else is the same. */
 static void the_hash_tells_entries_apart(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     uint64_t hash[2];
     for (int k = 0; k < 2; ++k) {
@@ -362,7 +348,6 @@ static void the_hash_tells_entries_apart(void **state)
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
 static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -392,7 +377,6 @@ static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
 
 static void new_holder_starts_without_force(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -407,7 +391,6 @@ static void new_holder_starts_without_force(void **state)
 
 static void target_has_the_whole_orientation(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     static const double turned[4] = {0.5, -0.5, 0.1, 0.7};
     rig r;
@@ -424,7 +407,6 @@ static void target_has_the_whole_orientation(void **state)
  * silence: the same device, so its force may not step. */
 static void device_that_returns_elsewhere_ramps_first(void **state)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     static const int silent_ticks[3] = {0, 49, 55};
     for (int k = 0; k < 3; ++k) {

@@ -35,7 +35,6 @@ static void step(runner *r, int64_t took_ns)
 /* 853 of 1000 steps a second, and 212 of 250, were called good. */
 static void what_falls_behind_is_slow_after_half_a_second(void **state)
 {
-    (void)state;
     static const struct {
         int64_t period_ns;
         double share;
@@ -57,7 +56,6 @@ static void what_falls_behind_is_slow_after_half_a_second(void **state)
 
 static void what_loses_every_seventh_period_is_slow(void **state)
 {
-    (void)state;
     runner r = begin(MS);
     for (int k = 0; k < 1000; ++k) {
         step(&r, k % 6 == 0 ? 2 * MS : MS);
@@ -67,7 +65,6 @@ static void what_loses_every_seventh_period_is_slow(void **state)
 
 static void what_keeps_up_is_not_slow_whatever_one_step_took(void **state)
 {
-    (void)state;
     static const int64_t hiccup_ms[] = {2, 25, 100, 400, 3000};
     for (size_t c = 0; c < sizeof hiccup_ms / sizeof *hiccup_ms; ++c) {
         runner r = begin(MS);
@@ -81,7 +78,6 @@ static void what_keeps_up_is_not_slow_whatever_one_step_took(void **state)
 /* A body touched for the first time: some twenty steps of two periods each. */
 static void a_first_touch_is_no_slowness(void **state)
 {
-    (void)state;
     runner r = begin(MS);
     for (int k = 0; k < 2000; ++k) {
         step(&r, k >= 1000 && k < 1022 ? 2 * MS : MS);
@@ -91,7 +87,6 @@ static void a_first_touch_is_no_slowness(void **state)
 
 static void steps_longer_than_the_window_are_slow(void **state)
 {
-    (void)state;
     runner r = begin(100 * MS);
     for (int k = 0; k < 6; ++k) {
         step(&r, 1000 * MS);
@@ -101,7 +96,6 @@ static void steps_longer_than_the_window_are_slow(void **state)
 
 static void slowness_is_forgotten_within_a_second(void **state)
 {
-    (void)state;
     runner r = begin(MS);
     for (int k = 0; k < 1000; ++k) {
         step(&r, 2 * MS);

@@ -79,7 +79,6 @@ static ss_mesh *make_soup(const soup *s)
 
 static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(void **state)
 {
-    (void)state;
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t both[2][1][4] = {{{0, 1, 2, 3}}, {{0, 2, 1, 3}}};
     for (int i = 0; i < 2; ++i) {
@@ -98,7 +97,6 @@ static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(voi
 
 static void cube_of_six_tetrahedra_has_the_measures_of_a_cube(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_cube();
     ss_mesh_report r;
     assert_int_equal(ss_mesh_check(mesh, &r), SOFTSIM_OK);
@@ -119,7 +117,6 @@ static void cube_of_six_tetrahedra_has_the_measures_of_a_cube(void **state)
 
 static void node_areas_sum_to_the_area_and_their_vectors_to_nothing(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_cube();
     double area[8];
     double vector[8][3];
@@ -142,7 +139,6 @@ static void node_areas_sum_to_the_area_and_their_vectors_to_nothing(void **state
 
 static void transform_scales_then_turns_about_world_x_y_z_then_moves(void **state)
 {
-    (void)state;
     const double x[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t triangle[1][3] = {{0, 1, 2}};
     ss_mesh *mesh = make_mesh(3, x, 1, triangle, 0, NULL);
@@ -161,7 +157,6 @@ static void transform_scales_then_turns_about_world_x_y_z_then_moves(void **stat
 
 static void create_refuses_counts_that_make_no_mesh(void **state)
 {
-    (void)state;
     const int32_t triangle[1][3] = {{0, 1, 2}};
     ss_mesh *mesh = NULL;
     softsim_error error = {0};
@@ -302,7 +297,6 @@ static const struct {
 
 static void each_planted_fault_is_found_counted_and_judged_at_any_scale(void **state)
 {
-    (void)state;
     const double scales[] = {1.0, 1e-3, 1e3};
     for (int32_t i = 0; i < COUNT(faults); ++i) {
         for (int s = 0; s < 3; ++s) {
@@ -334,7 +328,6 @@ static void each_planted_fault_is_found_counted_and_judged_at_any_scale(void **s
 
 static void faults_of_tetrahedra_are_found(void **state)
 {
-    (void)state;
     /* Two on one face is fine, three are not; the second is there twice; the last is flat. */
     const double x[7][3] = {{0, 0, 0},  {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
                             {0, 0, -1}, {1, 1, 2}, {1, 1, 0}};
@@ -355,7 +348,6 @@ static void faults_of_tetrahedra_are_found(void **state)
 
 static void a_body_of_kilometres_or_nanometres_is_refused_for_its_units(void **state)
 {
-    (void)state;
     const double scales[] = {1e-9, 1e6};
     for (int i = 0; i < 2; ++i) {
         ss_mesh *mesh = make_cube();
@@ -369,7 +361,6 @@ static void a_body_of_kilometres_or_nanometres_is_refused_for_its_units(void **s
 
 static void checking_survives_positions_at_the_ends_of_double(void **state)
 {
-    (void)state;
     const double extremes[] = {1e308, -1e308, 5e-324, 0.0, -0.0, 1e-300};
     for (int i = 0; i < COUNT(extremes); ++i) {
         soup s;
@@ -387,7 +378,6 @@ static void checking_survives_positions_at_the_ends_of_double(void **state)
 
 static void orient_turns_what_is_wrong_and_nothing_else(void **state)
 {
-    (void)state;
     soup s;
     cube_soup(&s);
     plant_cavity(&s);
@@ -425,7 +415,6 @@ static void orient_turns_what_is_wrong_and_nothing_else(void **state)
 
 static void an_open_sheet_keeps_the_sense_of_most_of_its_triangles(void **state)
 {
-    (void)state;
     soup s;
     cube_soup(&s);
     plant_hole(&s);
@@ -477,7 +466,6 @@ static softsim_status read_text(const char *text, size_t size, double unit, ss_m
 
 static void msh_keeps_file_order_and_maps_tags_groups_and_units(void **state)
 {
-    (void)state;
     ss_mesh *m = NULL;
     softsim_error error = {0};
     if (read_text(volume_text, sizeof volume_text - 1, 0.001, &m, &error) != SOFTSIM_OK) {
@@ -510,7 +498,6 @@ static void msh_keeps_file_order_and_maps_tags_groups_and_units(void **state)
 
 static void msh_version_1_and_surfaces_are_read(void **state)
 {
-    (void)state;
     ss_mesh *m = NULL;
     ss_mesh_report r;
     softsim_error error = {0};
@@ -528,7 +515,6 @@ static void msh_version_1_and_surfaces_are_read(void **state)
 
 static void groups_of_one_name_are_one_group(void **state)
 {
-    (void)state;
     static const char text[] =
         "$MeshFormat\n2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a\"\n2 2 \"a\"\n"
         "$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n$EndNodes\n"
@@ -592,7 +578,6 @@ static const struct {
 
 static void each_bad_msh_text_gives_one_clear_error(void **state)
 {
-    (void)state;
     for (int32_t i = 0; i < COUNT(bad_texts); ++i) {
         ss_mesh *m = NULL;
         softsim_error error = {0};
@@ -607,7 +592,6 @@ static void each_bad_msh_text_gives_one_clear_error(void **state)
 
 static void a_text_cut_anywhere_is_refused_and_nothing_leaks(void **state)
 {
-    (void)state;
     const int64_t before = ss_memory_in_use();
     const struct {
         const char *text;
@@ -631,7 +615,6 @@ static void a_text_cut_anywhere_is_refused_and_nothing_leaks(void **state)
 
 static void damaged_text_never_makes_a_mesh_with_bad_indices(void **state)
 {
-    (void)state;
     static const char alphabet[] = "0123456789 -+.e$\n\r\t\"nN\0\377";
     uint64_t random = 2026;
     for (int round = 0; round < 20000; ++round) {
@@ -657,7 +640,6 @@ static void damaged_text_never_makes_a_mesh_with_bad_indices(void **state)
 
 static void many_faults_are_named_up_to_a_few(void **state)
 {
-    (void)state;
     char text[4096];
     size_t used = (size_t)snprintf(text, sizeof text, "%s$Elements\n100\n", NODES);
     for (int i = 0; i < 100; ++i) {

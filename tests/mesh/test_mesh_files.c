@@ -43,7 +43,6 @@ static void expect_cube(const char *path, int32_t nodes)
 
 static void obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube(void **state)
 {
-    (void)state;
     expect_cube(
         write_text("cube.obj",
                    "\xEF\xBB\xBF# a cube\nmtllib none.mtl\no cube\n"
@@ -58,7 +57,6 @@ static void obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube(
 
 static void obj_numbers_and_digits_are_those_of_the_file(void **state)
 {
-    (void)state;
     /* Triangles use the vertices backwards; the third is used by none, the last lies on the first.
      */
     ss_mesh *m = load(write_text("order.obj", "v 0.12345678901234567 0 0\nv 1 0 0\nv 9 9 9\n"
@@ -77,7 +75,6 @@ static void obj_numbers_and_digits_are_those_of_the_file(void **state)
 
 static void concave_polygons_are_cut_within_their_outline(void **state)
 {
-    (void)state;
     /* An L of area 3: a fan from its first corner would cover more. */
     ss_mesh *m = load(write_text("ell.obj", "v 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\n"
                                             "f 5 6 1 2 3 4\n"),
@@ -96,7 +93,6 @@ static const int cube_face[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
 
 static void ascii_and_binary_stl_join_their_corners(void **state)
 {
-    (void)state;
     char text[8192] = "solid cube\n";
     char binary[84 + 12 * 50] = "binary";
     const uint32_t count = 12;
@@ -140,7 +136,6 @@ static const char *write_gltf(const char *name, const char *uri)
  * waited for. */
 static void materials_of_an_obj_are_not_opened(void **state)
 {
-    (void)state;
     /* Space, a continued line, and what assimp takes for the end of one. */
     static const char *const lines[] = {"mtllib %s\n", "mtllib\\\n %s\n", "g a\rmtllib %s\n",
                                         "mtllib\f%s\n", "g a\fmtllib %s\n"};
@@ -160,7 +155,6 @@ static void materials_of_an_obj_are_not_opened(void **state)
 
 static void ascii_ply_and_gltf_are_read(void **state)
 {
-    (void)state;
     char text[4096];
     size_t used = (size_t)snprintf(text, sizeof text,
                                    "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n"
@@ -195,7 +189,6 @@ static void ascii_ply_and_gltf_are_read(void **state)
 /* A mesh from elsewhere must not read what is not beside it, nor wait for it. */
 static void gltf_reads_nothing_that_is_not_beside_it(void **state)
 {
-    (void)state;
     static const struct {
         const char *uri, *says;
     } cases[] = {
@@ -269,7 +262,6 @@ static const struct {
 
 static void each_hostile_file_gives_one_error_that_names_it(void **state)
 {
-    (void)state;
     for (int32_t i = 0; i < COUNT(bad_files); ++i) {
         ss_mesh *m = NULL;
         softsim_error error = {0};
@@ -286,7 +278,6 @@ static void each_hostile_file_gives_one_error_that_names_it(void **state)
 
 static void what_is_no_file_is_named_so(void **state)
 {
-    (void)state;
     ss_mesh *m = NULL;
     softsim_error error = {0};
     assert_int_equal(ss_mesh_load(in_folder("missing.obj"), 1.0, importer, &m, &error),
@@ -307,7 +298,6 @@ static void what_is_no_file_is_named_so(void **state)
 
 static void damaged_files_never_bring_the_reader_down(void **state)
 {
-    (void)state;
     /* The bundled kidney with bytes changed, as OBJ; seeded. */
     FILE *file = fopen(SOURCE_DIR "/server/scenes/kidney.obj", "rb");
     assert_non_null(file);
@@ -348,7 +338,6 @@ static const char *write_helper(const char *name, const char *script)
 
 static void a_helper_that_fails_in_any_way_is_one_error(void **state)
 {
-    (void)state;
     const struct {
         const char *script, *says;
     } helpers[] = {
@@ -393,7 +382,6 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
  * not wrong, and writing it again would not help. */
 static void memory_that_runs_out_is_called_so(void **state)
 {
-    (void)state;
     unsigned char stl[84] = {0};
     const uint32_t facets = 21000000;
     memcpy(stl + 80, &facets, sizeof facets);
@@ -427,7 +415,6 @@ static void memory_that_runs_out_is_called_so(void **state)
 
 static void an_answer_with_bad_contents_is_refused(void **state)
 {
-    (void)state;
     const double positions[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                                        {{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}}};
     const int32_t triangles[2][1][3] = {{{0, 1, 3}}, {{0, 1, 2}}};
@@ -455,7 +442,6 @@ static void an_answer_with_bad_contents_is_refused(void **state)
 
 static void meshes_come_back_from_disk_as_they_were(void **state)
 {
-    (void)state;
     ss_mesh *kidney = load(SOURCE_DIR "/server/scenes/kidney.obj", 0.001);
     ss_mesh_transform(kidney, 1.0 / 3.0, (double[3]){10, 20, 30}, (double[3]){0.1, 0.2, 0.3});
     const char *paths[] = {in_folder("back.msh"), in_folder("back.obj")};
@@ -489,7 +475,6 @@ static void meshes_come_back_from_disk_as_they_were(void **state)
 
 static void groups_and_tetrahedra_survive_msh(void **state)
 {
-    (void)state;
     const char *text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a b\"\n"
                        "3 2 \"all\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
                        "4 0 0 1\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 3 2\n2 4 2 2 1 1 2 3 4\n"
@@ -515,7 +500,6 @@ static void groups_and_tetrahedra_survive_msh(void **state)
 
 static void generated_organs_are_closed_even_and_of_the_points_asked_for(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const struct {
         const char *arguments;
@@ -554,7 +538,6 @@ static void generated_organs_are_closed_even_and_of_the_points_asked_for(void **
 
 static void bundled_meshes_are_what_the_generator_makes(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const struct {
         const char *arguments, *name;
@@ -585,7 +568,6 @@ static void bundled_meshes_are_what_the_generator_makes(void **state)
 
 static void kidney_has_a_hollow_and_neighbours_near_in_memory(void **state)
 {
-    (void)state;
     ss_mesh *m = load(SOURCE_DIR "/server/scenes/kidney.obj", 0.001);
     /* At the hilum the surface lies deeper than at both ends of it. */
     double hilum = 0.0;
@@ -614,7 +596,6 @@ static void kidney_has_a_hollow_and_neighbours_near_in_memory(void **state)
 
 static void grids_have_rows_columns_and_alternating_diagonals(void **state)
 {
-    (void)state;
     char out[1024];
     assert_int_equal(run(TOOL "generate cylinder --rows 15 --columns 24 --radius-m 1 --length-m 4 "
                               "--out c.obj",
@@ -659,7 +640,6 @@ static void grids_have_rows_columns_and_alternating_diagonals(void **state)
 
 static void check_and_info_exit_as_promised(void **state)
 {
-    (void)state;
     (void)write_text("good.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"
                                         "f 2 4 8 6\n");
     (void)write_text("open.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n");

@@ -508,7 +508,6 @@ static bool is_as_expected(const file_case *c, const char *got, const softsim_er
 
 static void each_file_gets_what_the_table_says(void **state)
 {
-    (void)state;
     int32_t wrong = 0;
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         const file_case *c = &cases[i];
@@ -602,7 +601,6 @@ static bool is_good(const file_case *c)
 
 static void good_files_cut_anywhere_are_sound_or_refused(void **state)
 {
-    (void)state;
     const int64_t before = ss_memory_in_use();
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         static char data[8192];
@@ -617,7 +615,6 @@ static void good_files_cut_anywhere_are_sound_or_refused(void **state)
 
 static void good_files_damaged_at_random_are_sound_or_refused(void **state)
 {
-    (void)state;
     static const char alphabet[] = "0123456789 -+.e$<>\"/#\n\r\tnaN\0\377\200";
     const int64_t before = ss_memory_in_use();
     uint64_t random = 411;
@@ -648,7 +645,6 @@ static void open_text(const char *data, size_t size, size_t window, ss_text *out
 
 static void windows_of_any_size_show_the_same(void **state)
 {
-    (void)state;
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         const file_case *c = &cases[i];
         static char data[8192];

@@ -72,7 +72,6 @@ static double cut_volume(double a, double b, double c, double base)
 static void
 bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void **state)
 {
-    (void)state;
     const double ellipsoid = 4.0 / 3.0 * pi;
     const struct {
         const char *arguments;
@@ -113,7 +112,6 @@ bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void
 
 static void a_liver_of_tetrahedra_is_as_large_as_the_published_one(void **state)
 {
-    (void)state;
     if (!FULL_IN_RELEASE(true, false)) {
         skip();
     }
@@ -128,7 +126,6 @@ static void a_liver_of_tetrahedra_is_as_large_as_the_published_one(void **state)
 
 static void finer_meshes_are_nearer_to_the_volume(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const char *const shapes[] = {"ellipsoid", "ventricle", "ellipsoids", "cylinder"};
     for (int32_t i = 0; i < COUNT(shapes); ++i) {
@@ -153,7 +150,6 @@ static void finer_meshes_are_nearer_to_the_volume(void **state)
 
 static void groups_are_where_they_say(void **state)
 {
-    (void)state;
     ss_mesh *m = generate("ventricle --tetrahedra --points 1500", "v.msh", 1.0);
     const struct {
         const char *name;
@@ -191,7 +187,6 @@ static void groups_are_where_they_say(void **state)
 
 static void surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes(void **state)
 {
-    (void)state;
     ss_mesh *m = generate("ventricle --points 1500", "s.msh", 1.0);
     (void)expect_clean(m, 0.0);
     assert_int_equal(m->tetrahedron_count, 0);
@@ -215,7 +210,6 @@ static void surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes(void **
 /* Made without what is within: the very surface of the whole box, and room for a million nodes. */
 static void the_surface_of_a_box_needs_no_inside(void **state)
 {
-    (void)state;
     char out[2048];
     ss_mesh *whole = generate("block --tetrahedra --points 1331", "whole.msh", 1.0);
     ss_mesh *alone = generate("block --points 602", "alone.msh", 1.0);
@@ -240,7 +234,6 @@ static void the_surface_of_a_box_needs_no_inside(void **state)
 
 static void the_same_bytes_come_out_every_time(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char out[2048];
     assert_int_equal(run(TOOL "generate kidney --tetrahedra --points 500 --out a.msh && " TOOL
@@ -252,7 +245,6 @@ static void the_same_bytes_come_out_every_time(void **state)
 
 static void what_makes_no_body_is_refused(void **state)
 {
-    (void)state;
     const struct {
         const char *arguments;
         int status;

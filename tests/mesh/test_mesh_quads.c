@@ -84,7 +84,6 @@ static void u_of(const ss_mesh *mesh, int32_t q, double out[3])
 
 static void a_plane_is_numbered_directed_and_cut_as_promised(void **state)
 {
-    (void)state;
     ss_mesh *m = make_plane(4, 5);
     assert_int_equal(m->node_count, 20);
     assert_int_equal(m->quad_count, 12);
@@ -128,7 +127,6 @@ static void a_plane_is_numbered_directed_and_cut_as_promised(void **state)
 
 static void a_cylinder_faces_outward_with_u_along_its_axis(void **state)
 {
-    (void)state;
     /* 24: diagonals mirror all round; 7: they cannot at one place, and nothing is refused. */
     const int32_t columns[] = {24, 7, 3};
     for (int k = 0; k < 3; ++k) {
@@ -164,7 +162,6 @@ static void a_cylinder_faces_outward_with_u_along_its_axis(void **state)
 
 static void impossible_grids_are_refused(void **state)
 {
-    (void)state;
     const struct {
         int32_t rows, columns;
         ss_mesh_closed closed;
@@ -193,7 +190,6 @@ static void impossible_grids_are_refused(void **state)
 
 static void corners_written_in_any_turn_get_one_direction(void **state)
 {
-    (void)state;
     ss_mesh *m = make_plane(9, 7);
     int32_t quad[48][4];
     uint64_t random = 1;
@@ -234,7 +230,6 @@ static const int32_t cube_quad[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}
 
 static void a_cube_where_directions_cannot_agree_is_accepted_and_says_so(void **state)
 {
-    (void)state;
     ss_mesh *m = make(8, cube_corner, 6, cube_quad);
     softsim_error error = {0};
     assert_halves(m);
@@ -264,7 +259,6 @@ static void a_cube_where_directions_cannot_agree_is_accepted_and_says_so(void **
 
 static void diagonals_stay_inside_and_off_flat_halves(void **state)
 {
-    (void)state;
     /* A dart (reflex at node 1), and a triangle with a node in the middle of a side. */
     const double dart[4][3] = {{0, 0, 0}, {1, 0.2, 0}, {2, 0, 0}, {1, 2, 0}};
     const double split[4][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0.1, 1, 0}};
@@ -283,7 +277,6 @@ static void diagonals_stay_inside_and_off_flat_halves(void **state)
 
 static void the_shorter_diagonal_cuts_where_no_grid_is(void **state)
 {
-    (void)state;
     /* Three quads about node 0, a corner's fan: no structured part. */
     const double fan[7][3] = {{0, 0, 0},    {1, 0, 0},       {1, 1.5, 0},   {-0.5, 0.9, 0},
                               {-1.3, 0, 0}, {-0.5, -0.9, 0}, {0.8, -1.4, 0}};
@@ -312,7 +305,6 @@ static void the_shorter_diagonal_cuts_where_no_grid_is(void **state)
 
 static void areas_of_a_warped_quad_do_not_depend_on_the_diagonal(void **state)
 {
-    (void)state;
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0.3}, {1.1, 1, 0}, {0, 0.9, 0.4}};
     const int32_t quads[2][1][4] = {{{0, 1, 2, 3}}, {{1, 2, 3, 0}}};
     double expected[4] = {0};
@@ -348,7 +340,6 @@ static void areas_of_a_warped_quad_do_not_depend_on_the_diagonal(void **state)
 
 static void faults_of_quads_are_named(void **state)
 {
-    (void)state;
     const double far = 3.0;
     const double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
                             {1, 1, 0}, {2, 1, 0}, {1, 2, 0}, {far, 0, 0}};
@@ -415,7 +406,6 @@ static void faults_of_quads_are_named(void **state)
 
 static void turned_quads_are_turned_back_whole(void **state)
 {
-    (void)state;
     for (int is_cube = 0; is_cube < 2; ++is_cube) {
         ss_mesh *m = is_cube ? make(8, cube_corner, 6, cube_quad) : make_plane(6, 6);
         int32_t quad[25][4];
@@ -455,7 +445,6 @@ static void turned_quads_are_turned_back_whole(void **state)
 
 static void quads_come_back_from_disk_as_they_were(void **state)
 {
-    (void)state;
     static const double turn[3] = {10, 20, 30};
     ss_mesh *m = NULL;
     assert_int_equal(ss_mesh_create_cylinder(5, 8, 1.0, 3.0, &m, NULL), SOFTSIM_OK);
@@ -487,7 +476,6 @@ static void quads_come_back_from_disk_as_they_were(void **state)
 
 static void only_surfaces_of_quads_alone_keep_them(void **state)
 {
-    (void)state;
     static const struct {
         const char *text;
         int32_t quads, triangles, cut;
@@ -519,7 +507,6 @@ static void only_surfaces_of_quads_alone_keep_them(void **state)
 
 static void msh_quads_carry_groups_and_mix_with_triangles(void **state)
 {
-    (void)state;
     static const struct {
         const char *text;
         int32_t quads, triangles, cut, group;

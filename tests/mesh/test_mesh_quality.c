@@ -26,7 +26,6 @@ static const int32_t one[1][4] = {{0, 1, 2, 3}};
 
 static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
 {
-    (void)state;
     const double x[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}};
     ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
     ss_mesh_quality q;
@@ -40,7 +39,6 @@ static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
 
 static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state)
 {
-    (void)state;
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
     ss_mesh_quality q;
@@ -52,7 +50,6 @@ static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state
 
 static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
 {
-    (void)state;
     /* Four points near a square: flat angles. A needle: its dihedral angles are those of its base.
      * A tetrahedron of height 1 on a base of 1: neither. */
     const struct {
@@ -85,7 +82,6 @@ static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
 
 static void triangles_and_quads_are_told_by_their_least_angle(void **state)
 {
-    (void)state;
     const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.05, 0}, {0.5, 0.9, 0}, {0.5, -0.5, 0}};
     const int32_t triangle[3][3] = {{0, 1, 2}, {0, 4, 1}, {0, 1, 3}};
     ss_mesh *mesh = make_mesh(5, x, 3, triangle, 0, NULL);
@@ -139,7 +135,6 @@ static ss_mesh *make_soup(const soup *s)
 
 static void each_loop_of_open_edges_is_one_hole(void **state)
 {
-    (void)state;
     soup s = {0};
     add_cube(&s, 1.0, 0.0, 0.0, 0.0);
     add_cube(&s, 1.0, 5.0, 0.0, 0.0);
@@ -169,7 +164,6 @@ static void each_loop_of_open_edges_is_one_hole(void **state)
 
 static void crossings_are_found_and_touching_is_none(void **state)
 {
-    (void)state;
     const struct {
         const char *name;
         double size, x, y, z;
@@ -210,7 +204,6 @@ static void crossings_are_found_and_touching_is_none(void **state)
 
 static void neighbours_cross_only_when_they_are_folded_or_pierced(void **state)
 {
-    (void)state;
     const double x[8][3] = {{0, 0, 0},   {1, 0, 0},     {0.5, 1, 0},    {0.5, -1, 0},
                             {0.5, 2, 0}, {0.5, 0.5, 1}, {0.5, 0.6, -1}, {2, 1, 0}};
     const struct {
@@ -271,7 +264,6 @@ static bool pierces(const double p[3], const double q[3], const double t[3][3])
 
 static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(void **state)
 {
-    (void)state;
     enum { TRIANGLES = 120 };
     uint64_t random = 20260;
     for (int round = 0; round < 20; ++round) {
@@ -331,7 +323,6 @@ static void expect_good_cube(ss_mesh *mesh)
 
 static void repair_welds_drops_and_turns_and_counts_each(void **state)
 {
-    (void)state;
     soup s = {0};
     add_cube(&s, 1.0, 0.0, 0.0, 0.0);
     /* Corner 7 has a double for one triangle, 1e-8 off. */
@@ -369,7 +360,6 @@ static void repair_welds_drops_and_turns_and_counts_each(void **state)
 
 static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
 {
-    (void)state;
     const double x[10][3] = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
                              {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0, 0, 0}};
     /* Kuhn's six about 1-8; the second and fifth inverted, the last with the double of node 1. */
@@ -401,7 +391,6 @@ static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
 
 static void repair_keeps_quads_and_fails_where_nothing_is_left(void **state)
 {
-    (void)state;
     const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
     const int32_t quad[2][4] = {{0, 1, 2, 3}, {0, 1, 2, 3}};
     ss_mesh *mesh = NULL;

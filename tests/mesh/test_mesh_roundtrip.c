@@ -308,7 +308,6 @@ static ss_mesh *make_reference(void)
 
 static void one_mesh_in_every_format_is_one_mesh(void **state)
 {
-    (void)state;
     static const char *const names[] = {"1.msh",    "2.msh",   "4.msh",   "0.node", "1.node",
                                         "text.vtk", "old.vtk", "new.vtk", "x.vtu"};
     static const char *const groups[] = {"volume-3", "volume-3", "volume-3", "region=3", "region=3",
@@ -357,7 +356,6 @@ static void one_mesh_in_every_format_is_one_mesh(void **state)
 
 static void what_we_write_comes_back_to_the_last_bit(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_reference();
     assert_int_equal(ss_mesh_write_msh(mesh, in_folder("our.msh"), NULL), SOFTSIM_OK);
     assert_int_equal(ss_mesh_write_vtk(mesh, in_folder("our.vtk"), NULL), SOFTSIM_OK);
@@ -375,7 +373,6 @@ static void what_we_write_comes_back_to_the_last_bit(void **state)
 
 static void surfaces_come_back_to_the_last_bit(void **state)
 {
-    (void)state;
     static const double turn[3] = {10, 20, 30};
     static const double away[3] = {0.1, 0.2, 0.3};
     static const char *const names[] = {"face.obj", "face.msh", "face.vtk"};
@@ -415,7 +412,6 @@ static void surfaces_come_back_to_the_last_bit(void **state)
 
 static void a_line_that_exceeds_the_window_is_refused(void **state)
 {
-    (void)state;
     FILE *file = open_file("long.msh");
     (void)fputs("$Comments\n", file);
     for (int i = 0; i < SS_TEXT_WINDOW; ++i) {

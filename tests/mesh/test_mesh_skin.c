@@ -100,7 +100,6 @@ static double volume_of(const ss_mesh *mesh)
 
 static void closed_surface_covers_the_whole_core(void **state)
 {
-    (void)state;
     ss_mesh *core = make_cube(3, 1.0, true);
     ss_mesh *outer = make_shell(2, 2.0, 1.0, false);
     ss_mesh *mesh = NULL;
@@ -118,7 +117,6 @@ static void closed_surface_covers_the_whole_core(void **state)
 
 static void open_surface_is_joined_at_its_rim(void **state)
 {
-    (void)state;
     ss_mesh *core = make_cube(3, 1.0, false);
     ss_mesh *outer = make_shell(3, 2.0, 0.5, true);
     ss_mesh *mesh = NULL;
@@ -148,7 +146,6 @@ static void expect_refusal(const ss_mesh *core, ss_mesh *outer, const char *word
 
 static void surfaces_that_do_not_fit_are_refused(void **state)
 {
-    (void)state;
     ss_mesh *core = make_cube(3, 1.0, false);
     ss_mesh *far = make_shell(2, 0.1, 0.05, false);
     const double none[3] = {0, 0, 0};
@@ -164,7 +161,6 @@ static void surfaces_that_do_not_fit_are_refused(void **state)
 
 static void layers_grow_both_ways(void **state)
 {
-    (void)state;
     ss_mesh *core = make_cube(6, 1.2, false);
     ss_mesh *mesh = NULL;
     assert_int_equal(ss_mesh_grow_skin(core, -0.15, &mesh, NULL), SOFTSIM_OK);

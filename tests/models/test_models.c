@@ -62,7 +62,6 @@ static uint64_t hash_of(const setup *s)
 
 static void models_are_found_by_name_and_only_built_ones(void **state)
 {
-    (void)state;
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
     assert_true(count >= 1);
@@ -76,7 +75,6 @@ static void models_are_found_by_name_and_only_built_ones(void **state)
 
 static void every_row_has_a_default_within_its_bounds_and_a_help(void **state)
 {
-    (void)state;
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
     for (int32_t m = 0; m < count; ++m) {
@@ -235,7 +233,6 @@ static void bad_direction_of_one(setup *s)
 
 static void what_cannot_be_is_refused_and_named(void **state)
 {
-    (void)state;
     static const struct {
         spoil how;
         const char *says;
@@ -358,7 +355,6 @@ static void directions_of_tetrahedra_on_the_surface(setup *s)
 
 static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
 {
-    (void)state;
     static const struct {
         spoil how;
         const char *says;
@@ -389,7 +385,6 @@ static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
 
 static void all_faults_are_named_in_one_go(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -408,7 +403,6 @@ static void all_faults_are_named_in_one_go(void **state)
 /* A number beyond the mesh has none in the file either. */
 static void nodes_outside_a_renumbered_mesh_are_named_as_given(void **state)
 {
-    (void)state;
     setup s;
     int32_t outside = 4000000;
     setup_init(&s, "cnn-energy", make_plate(6, 0.1));
@@ -423,7 +417,6 @@ static void nodes_outside_a_renumbered_mesh_are_named_as_given(void **state)
 
 static void short_edges_and_loose_nodes_are_refused(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
         draft d;
@@ -455,7 +448,6 @@ static int notes(const setup *s, ss_note_kind kind, const char *where, const cha
 
 static void the_explanation_names_what_is_used_and_left_out(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -473,7 +465,6 @@ static void the_explanation_names_what_is_used_and_left_out(void **state)
 /* What it names is what limits the contact, so that doing it helps. */
 static void a_soft_contact_is_told_with_what_limits_it(void **state)
 {
-    (void)state;
     static const struct {
         double working_force, given;
         const char *remedy;
@@ -495,7 +486,6 @@ static void a_soft_contact_is_told_with_what_limits_it(void **state)
 
 static void the_explanation_tells_what_carries_the_cells(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -534,7 +524,6 @@ static void the_explanation_tells_what_carries_the_cells(void **state)
 
 static void the_step_cost_grows_with_nodes_and_tools(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -552,7 +541,6 @@ static void the_step_cost_grows_with_nodes_and_tools(void **state)
 
 static void creating_and_destroying_leaves_no_memory_behind(void **state)
 {
-    (void)state;
     const int64_t before = ss_memory_in_use();
     setup s;
     int32_t top;
@@ -566,7 +554,6 @@ static void creating_and_destroying_leaves_no_memory_behind(void **state)
 
 static void steps_do_not_allocate(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -579,7 +566,6 @@ static void steps_do_not_allocate(void **state)
 
 static void reset_brings_back_the_first_run_bit_for_bit(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -599,7 +585,6 @@ static void reset_brings_back_the_first_run_bit_for_bit(void **state)
 
 static void the_number_of_threads_does_not_matter(void **state)
 {
-    (void)state;
     uint64_t hash[3];
     static const int32_t threads[3] = {1, 2, 5};
     for (int k = 0; k < 3; ++k) {
@@ -617,7 +602,6 @@ static void the_number_of_threads_does_not_matter(void **state)
 
 static void live_values_change_the_body_and_the_energy_balance_knows(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);
@@ -646,7 +630,6 @@ static void live_values_change_the_body_and_the_energy_balance_knows(void **stat
 
 static void all_simd_paths_agree(void **state)
 {
-    (void)state;
     setup s;
     int32_t top;
     setup_whole(&s, &top);

@@ -146,7 +146,6 @@ static void set_nothing(softsim_pose *p)
 
 static void each_first_pose_is_judged_by_its_fault(void **state)
 {
-    (void)state;
     static const struct {
         const char *name;
         void (*spoil)(softsim_pose *pose);
@@ -203,7 +202,6 @@ static void each_first_pose_is_judged_by_its_fault(void **state)
 
 static void a_probe_without_a_tool_is_the_wrong_probe(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     softsim_pose pose = pose_make(ALICE, 1, 0);
     pose.probe = 1;
@@ -214,7 +212,6 @@ static void a_probe_without_a_tool_is_the_wrong_probe(void **state)
 
 static void orientations_that_pass_become_unit_ones(void **state)
 {
-    (void)state;
     softsim_pose pose = pose_make(ALICE, 1, 0);
     const double q[4] = {0.5004, -0.5, 0.5, 0.5};
     memcpy(pose.orientation, q, sizeof q);
@@ -238,7 +235,6 @@ static void orientations_that_pass_become_unit_ones(void **state)
 
 static void repeated_and_older_poses_are_refused(void **state)
 {
-    (void)state;
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
         uint32_t epoch = 0;
@@ -253,7 +249,6 @@ static void repeated_and_older_poses_are_refused(void **state)
 
 static void seq_may_wrap(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     assert_int_equal(offer(gate, ALICE, INT32_MAX, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
@@ -264,7 +259,6 @@ static void seq_may_wrap(void **state)
 
 static void the_first_sender_keeps_the_probe_until_half_a_second_of_silence(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     int32_t seq = 0;
@@ -290,7 +284,6 @@ static void the_first_sender_keeps_the_probe_until_half_a_second_of_silence(void
 
 static void ownership_in_lockstep_runs_on_simulated_time(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(true);
     uint32_t epoch = 0;
     assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
@@ -304,7 +297,6 @@ static void ownership_in_lockstep_runs_on_simulated_time(void **state)
 
 static void probes_are_held_each_by_itself(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
@@ -317,7 +309,6 @@ static void probes_are_held_each_by_itself(void **state)
 
 static void a_jump_is_refused_until_the_watchdog_lets_go(void **state)
 {
-    (void)state;
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
         uint32_t epoch = 0;
@@ -349,7 +340,6 @@ static void a_jump_is_refused_until_the_watchdog_lets_go(void **state)
 
 static void fifty_ticks_are_counted_exactly_at_any_rate(void **state)
 {
-    (void)state;
     const double rate[] = {1000.0, 3000.0, 700.0, 64.0};
     for (size_t r = 0; r < sizeof rate / sizeof rate[0]; ++r) {
         const ss_gate_config config = {
@@ -372,7 +362,6 @@ static void fifty_ticks_are_counted_exactly_at_any_rate(void **state)
 
 static void old_poses_are_stale_in_real_time_only(void **state)
 {
-    (void)state;
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
         uint32_t epoch = 0;
@@ -390,7 +379,6 @@ static void old_poses_are_stale_in_real_time_only(void **state)
 
 static void age_is_measured_against_the_last_ten_seconds(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     int32_t seq = 0;
@@ -423,7 +411,6 @@ static void age_is_measured_against_the_last_ten_seconds(void **state)
 
 static void a_sender_back_after_long_silence_is_not_held_to_its_old_delays(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
@@ -435,7 +422,6 @@ static void a_sender_back_after_long_silence_is_not_held_to_its_old_delays(void 
 
 static void a_sender_that_is_always_stale_starts_afresh_after_half_a_second(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     int32_t seq = 0;
@@ -463,7 +449,6 @@ static void a_sender_that_is_always_stale_starts_afresh_after_half_a_second(void
 
 static void one_timely_pose_ends_the_count_to_a_fresh_start(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     int32_t seq = 0;
@@ -479,7 +464,6 @@ static void one_timely_pose_ends_the_count_to_a_fresh_start(void **state)
 
 static void a_log_played_twice_by_the_same_sender_gets_in_again(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     for (int32_t i = 0; i < 2000; ++i) {
@@ -497,7 +481,6 @@ static void a_log_played_twice_by_the_same_sender_gets_in_again(void **state)
 
 static void hostile_times_overflow_nothing(void **state)
 {
-    (void)state;
     const int64_t time[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
     enum { COUNT = sizeof time / sizeof time[0] };
     for (int i = 0; i < COUNT * COUNT; ++i) {
@@ -516,7 +499,6 @@ static void hostile_times_overflow_nothing(void **state)
 /* Every force tells the holder's number to all who listen; its address is its own. */
 static void a_holder_is_its_address_too(void **state)
 {
-    (void)state;
     const bool lockstep[] = {false, true};
     for (int i = 0; i < 2; ++i) {
         ss_gate *gate = gate_make(lockstep[i]);
@@ -541,7 +523,6 @@ static void a_holder_is_its_address_too(void **state)
 
 static void other_senders_are_answered_ten_times_a_second(void **state)
 {
-    (void)state;
     ss_gate *gate = gate_make(false);
     const softsim_pose other = pose_make(BOB, 1, 0);
     int answers[SOFTSIM_MAX_PROBES] = {0};

@@ -87,7 +87,6 @@ static softsim_refusal decode_command_of(const uint8_t *message, int size)
 
 static void a_pose_is_decoded_as_it_was_sent(void **state)
 {
-    (void)state;
     uint8_t message[MESSAGE_SIZE];
     const int size = encode_pose(message);
     softsim_pose pose;
@@ -108,7 +107,6 @@ static void a_pose_is_decoded_as_it_was_sent(void **state)
 
 static void only_the_whole_message_is_decoded(void **state)
 {
-    (void)state;
     uint8_t message[MESSAGE_SIZE] = {0};
     int size = encode_pose(message);
     for (int n = 0; n <= size + 9; ++n) {
@@ -125,7 +123,6 @@ static void only_the_whole_message_is_decoded(void **state)
 
 static void another_type_is_told_by_its_hash(void **state)
 {
-    (void)state;
     uint8_t message[MESSAGE_SIZE];
     const int pose_size = encode_pose(message);
     assert_int_equal(decode_command_of(message, pose_size), SOFTSIM_REFUSED_TYPE_HASH);
@@ -144,7 +141,6 @@ static void another_type_is_told_by_its_hash(void **state)
 
 static void hostile_string_lengths_are_malformed(void **state)
 {
-    (void)state;
     const uint32_t hostile[] = {0,          1,          2,          5,          7,
                                 33,         1025,       65536,      0x40000001, 0x7ffffffe,
                                 0x7fffffff, 0x80000000, 0xfffffffe, 0xffffffff};
@@ -165,7 +161,6 @@ static void hostile_string_lengths_are_malformed(void **state)
 
 static void strings_are_bounded_and_clean(void **state)
 {
-    (void)state;
     static char name[64];
     static char argument[2048];
     uint8_t message[MESSAGE_SIZE];
@@ -274,7 +269,6 @@ static ss_net *net_make(heard *h, bool is_lockstep, const char *prefix)
 
 static void poses_reach_their_handler_and_refusals_theirs(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "SOFTSIM");
@@ -311,7 +305,6 @@ static void poses_reach_their_handler_and_refusals_theirs(void **state)
 
 static void in_lockstep_poses_carry_no_receive_time(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, true, "SOFTSIM");
@@ -325,7 +318,6 @@ static void in_lockstep_poses_carry_no_receive_time(void **state)
 
 static void a_dot_in_the_prefix_is_a_dot(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "a.b-c");
@@ -340,7 +332,6 @@ static void a_dot_in_the_prefix_is_a_dot(void **state)
 
 static void a_signal_ends_the_wait_and_is_drained(void **state)
 {
-    (void)state;
     static heard h;
     ss_net *net = net_make(&h, false, "SOFTSIM");
     const int fd = ss_wake_open();
@@ -354,7 +345,6 @@ static void a_signal_ends_the_wait_and_is_drained(void **state)
 
 static void a_command_is_answered_with_its_sender_and_id(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "T");
@@ -383,7 +373,6 @@ static void a_command_is_answered_with_its_sender_and_id(void **state)
 
 static void a_force_is_sent_as_it_is(void **state)
 {
-    (void)state;
     static heard h;
     ss_net *net = net_make(&h, false, "T");
     lcm_subscribe(ss_net_lcm(net), "T_FORCE_5", hear_message, &h);
@@ -442,7 +431,6 @@ static void a_force_is_sent_as_it_is(void **state)
 
 static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
 {
-    (void)state;
     static heard h;
     static char endless[100000];
     ss_net *net = net_make(&h, false, "T");
@@ -486,7 +474,6 @@ static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
 /* Multicast brings back what we send: our own statuses are known, another server's are not. */
 static void another_server_is_told_from_ourselves(void **state)
 {
-    (void)state;
     static heard h;
     ss_net *net = net_make(&h, false, "R");
     const softsim_server_status report = {.scene = "s", .model = "m", .reason = ""};
@@ -543,7 +530,6 @@ static void another_server_is_told_from_ourselves(void **state)
 /* A server's command to the others must not be taken for one to itself. */
 static void own_commands_are_passed_over(void **state)
 {
-    (void)state;
     static heard h;
     ss_net *net = net_make(&h, false, "R");
     lcm_subscribe(ss_net_lcm(net), "R_COMMAND", hear_message, &h);
@@ -570,7 +556,6 @@ static ss_net_status status_of(double start_s, double clock_s, double now_s)
 
 static void only_a_server_that_stays_counts(void **state)
 {
-    (void)state;
     ss_other_server other = {0};
     assert_false(ss_other_server_is_alive(&other, 5 * (int64_t)SECOND_NS));
     for (int k = 0; k < 3; ++k) { /* the last word of one that ends */
@@ -593,7 +578,6 @@ static void only_a_server_that_stays_counts(void **state)
 /* Whatever the delays and the clocks of two hosts: never both, and soon one. */
 static void of_two_servers_at_most_one_gives_way(void **state)
 {
-    (void)state;
     static const double apart_s[] = {1e-6, 1e-3, 0.2, 0.9, 1.1, 30.0};
     static const double clock_s[] = {0.0, 1000.0, -1000.0};
     static const double delay_s[] = {0.0, 0.01, 0.3, 0.95};
@@ -620,7 +604,6 @@ static void of_two_servers_at_most_one_gives_way(void **state)
 
 static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
 {
-    (void)state;
     static const struct {
         const char *url, *prefix, *hint;
     } cases[] = {
@@ -669,7 +652,6 @@ static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
 
 static void an_urls_parts_are_read(void **state)
 {
-    (void)state;
     static const struct {
         const char *url;
         int port, ttl, buffer;
@@ -690,7 +672,6 @@ static void an_urls_parts_are_read(void **state)
 
 static void a_url_of_ones_own_is_given_or_in_the_environment(void **state)
 {
-    (void)state;
     char before[256] = "";
     const char *outer = getenv("LCM_DEFAULT_URL");
     snprintf(before, sizeof before, "%s", outer != NULL ? outer : "");
@@ -710,7 +691,6 @@ static void a_url_of_ones_own_is_given_or_in_the_environment(void **state)
 /* Beyond the budget commands are counted and not answered. */
 static void commands_have_a_budget(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "T");
@@ -728,7 +708,6 @@ static void commands_have_a_budget(void **state)
 /* Forces must not wait behind a flood of poses. */
 static void a_signal_interrupts_a_flood(void **state)
 {
-    (void)state;
     static heard h;
     uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "SOFTSIM");

@@ -224,7 +224,6 @@ static void check_reassembled(const sheet *s)
 
 static void topology_chunks_make_the_mesh_and_come_every_two_seconds(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
         sheet_send(s, 0, NULL);
@@ -265,7 +264,6 @@ static void topology_chunks_make_the_mesh_and_come_every_two_seconds(void **stat
 
 static void the_topology_number_belongs_to_the_mesh(void **state)
 {
-    (void)state;
     sheet *a = sheet_make(8e6);
     sheet *b = sheet_make(8e6);
     sheet_send(a, 0, NULL);
@@ -278,7 +276,6 @@ static void the_topology_number_belongs_to_the_mesh(void **state)
 
 static void deltas_follow_the_displacements_within_half_a_count(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     uint64_t seed = 3;
     for (int i = 0; i < 10; ++i) {
@@ -309,7 +306,6 @@ static void deltas_follow_the_displacements_within_half_a_count(void **state)
 
 static void only_what_moved_is_sent(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
         sheet_send(s, 0, &s->displacement[0][0]);
@@ -331,7 +327,6 @@ static void only_what_moved_is_sent(void **state)
 
 static void every_displaced_node_comes_again_within_a_second(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     uint64_t seed = 4;
     displace_all(s, &seed, 0.1);
@@ -352,7 +347,6 @@ static void every_displaced_node_comes_again_within_a_second(void **state)
 
 static void a_lost_delta_heals_also_where_the_tissue_is_at_rest_again(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     uint64_t seed = 5;
     displace_all(s, &seed, 0.1);
@@ -397,7 +391,6 @@ static void check_cap(const sheet *s, double cap)
 
 static void no_second_holds_more_than_the_cap_and_all_gets_through(void **state)
 {
-    (void)state;
     const double cap[] = {1e5, 1e6, 8e6};
     for (size_t c = 0; c < sizeof cap / sizeof cap[0]; ++c) {
         sheet *s = sheet_make(cap[c]);
@@ -435,7 +428,6 @@ static void no_second_holds_more_than_the_cap_and_all_gets_through(void **state)
 
 static void the_cap_can_be_changed(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     uint64_t seed = 8;
     int64_t step = 0;
@@ -458,7 +450,6 @@ static void the_cap_can_be_changed(void **state)
 
 static void displacements_beyond_the_scale_are_clamped_and_told(void **state)
 {
-    (void)state;
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
         sheet_send(s, 0, &s->displacement[0][0]);
@@ -487,7 +478,6 @@ static void displacements_beyond_the_scale_are_clamped_and_told(void **state)
 
 static void a_mesh_without_size_is_refused(void **state)
 {
-    (void)state;
     const double rest[1][3] = {{0, 0, 0}};
     const double bad[] = {0.0, -1.0, UNKNOWN, HUGE_VAL, 1e-300};
     const ss_publisher_config config = {

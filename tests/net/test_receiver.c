@@ -165,7 +165,6 @@ static void hear_all(ss_receiver *receiver, heard *h, int fd)
 
 static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
 {
-    (void)state;
     static const struct {
         const char *magic, *channel;
         int size;
@@ -210,7 +209,6 @@ static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
 
 static void a_message_says_what_it_is_and_who_sent_it(void **state)
 {
-    (void)state;
     heard h;
     ss_receiver *receiver = open_receiver(&h, NULL, "T");
     const int fd[] = {sender_open(0), sender_open(0)};
@@ -247,7 +245,6 @@ static void a_message_says_what_it_is_and_who_sent_it(void **state)
 
 static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
 {
-    (void)state;
     heard h;
     const int fd = sender_open(0), far = sender_open(1);
     uint8_t datagram[512];
@@ -271,7 +268,6 @@ static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
 /* Every message of a channel that two lanes share comes in one of them. */
 static void a_part_of_the_message_chooses_between_lanes(void **state)
 {
-    (void)state;
     static const char part[] = "part of it"; /* two words and three bytes */
     enum { AT = 7 };
     ss_lane shared[2];
@@ -317,7 +313,6 @@ static void a_part_of_the_message_chooses_between_lanes(void **state)
 
 static void a_budget_fills_up_and_no_further(void **state)
 {
-    (void)state;
     ss_budget budget = {.interval_ns = 100, .burst = 5};
     assert_int_equal(ss_budget_left(&budget, 1000000), 5);
     ss_budget_spend(&budget, 5);
@@ -333,7 +328,6 @@ static void a_budget_fills_up_and_no_further(void **state)
 
 static void a_flood_is_read_no_faster_than_the_budget(void **state)
 {
-    (void)state;
     enum { FLOOD = 2000 };
     heard h;
     ss_receiver *receiver = open_receiver(&h, NULL, "T");
@@ -360,7 +354,6 @@ static void a_flood_is_read_no_faster_than_the_budget(void **state)
  * of it comes into the buffer, for a time. */
 static void a_sender_who_says_too_much_is_muted(void **state)
 {
-    (void)state;
     enum { MAY_SAY = 40, FLOOD = 20000 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h = {0};
@@ -409,7 +402,6 @@ static void say_all(ss_receiver *receiver, heard *h, int from, int count, int ot
 /* Others keep all places busy: then too a flood does not fill the buffer. */
 static void a_sender_without_a_place_is_muted_too(void **state)
 {
-    (void)state;
     enum { MAY_SAY = 40, OTHERS = 8, FLOOD = 20000 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
@@ -439,7 +431,6 @@ static void a_sender_without_a_place_is_muted_too(void **state)
 /* Whatever it says: without it the others are all that is left to hear. */
 static void the_sender_that_is_followed_is_never_muted(void **state)
 {
-    (void)state;
     enum { MAY_SAY = 4, SAYS = 100 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
@@ -478,7 +469,6 @@ static void *talk(void *argument)
 /* With nobody else there is nothing that would end the wait sooner. */
 static void a_wait_lets_the_muted_in_when_their_time_is_over(void **state)
 {
-    (void)state;
     enum { MAY_SAY = 4 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
@@ -504,7 +494,6 @@ static void a_wait_lets_the_muted_in_when_their_time_is_over(void **state)
 
 static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
 {
-    (void)state;
     heard h;
     ss_receiver *receiver = open_receiver(&h, NULL, "T");
     const int fd = sender_open(0), wake_fd = ss_wake_open();
@@ -526,7 +515,6 @@ static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
 
 static void nothing_is_read_beyond_a_datagram(void **state)
 {
-    (void)state;
     uint8_t datagram[512];
     ss_packet packet;
     const int whole = make(datagram, "LC02", "T_PROBE_5", 4);

@@ -37,7 +37,6 @@ static int64_t keep_busy(ss_senders *senders, int count)
 
 static void each_has_a_budget_of_its_own(void **state)
 {
-    (void)state;
     ss_senders senders = ss_senders_make(PER_S, BURST);
     for (uint64_t s = 1; s <= SS_SENDERS; ++s) {
         for (int i = 0; i < BURST; ++i) {
@@ -51,7 +50,6 @@ static void each_has_a_budget_of_its_own(void **state)
 
 static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
 {
-    (void)state;
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
     assert_false(say(&senders, 1, now_ns));
@@ -63,7 +61,6 @@ static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
 
 static void all_without_a_place_share_one_budget(void **state)
 {
-    (void)state;
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
     int heard = 0;
@@ -75,7 +72,6 @@ static void all_without_a_place_share_one_budget(void **state)
 
 static void a_place_is_taken_only_when_its_budget_is_full(void **state)
 {
-    (void)state;
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
     const int64_t full_ns = now_ns + 1000 * MS * (BURST + 1) / PER_S;

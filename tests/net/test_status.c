@@ -30,7 +30,6 @@ static const declared list[] = {
 
 static void the_list_is_the_lcm_file(void **state)
 {
-    (void)state;
     FILE *file = fopen(SOURCE_DIR "/lcmtypes/server_status_t.lcm", "re");
     assert_non_null(file);
     char line[256];
@@ -56,7 +55,6 @@ static void the_list_is_the_lcm_file(void **state)
 /* Byte by byte: every field of one is that field of the other. */
 static void a_status_comes_back_from_the_wire(void **state)
 {
-    (void)state;
     static char texts[] = "scene", model[] = "model", reason[] = "reason";
     softsim_server_status sent, back;
     unsigned char *at = (unsigned char *)&sent;

@@ -131,7 +131,6 @@ static const scene_case scene_cases[] = {
 
 static void scenes_and_meshes_are_refused(void **state)
 {
-    (void)state;
     static process p;
     for (size_t i = 0; i < sizeof scene_cases / sizeof *scene_cases; ++i) {
         const scene_case *c = &scene_cases[i];
@@ -151,7 +150,6 @@ static void scenes_and_meshes_are_refused(void **state)
 
 static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
 {
-    (void)state;
     static process p;
     static const struct {
         const char *units, *radius_mm, *doubt; /* NULL: none */
@@ -189,7 +187,6 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
 
 static void what_a_bundled_scene_prints_loads_again(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static process p;
     static char printed[sizeof p.out];
@@ -220,7 +217,6 @@ static void what_a_bundled_scene_prints_loads_again(void **state)
 
 static void arguments_are_refused(void **state)
 {
-    (void)state;
     static process p;
     const struct {
         const char *what, *argv[8], *word;
@@ -296,7 +292,6 @@ static void arguments_are_refused(void **state)
 
 static void poses_are_refused(void **state)
 {
-    (void)state;
     static process p;
     const struct {
         const char *what, *text, *word;
@@ -343,7 +338,6 @@ static void put_length(unsigned char *at, uint32_t value)
 
 static void damaged_logs_are_read_up_to_the_damage(void **state)
 {
-    (void)state;
     static process p;
     size_t size = 0;
     unsigned char *log = read_whole(SCENES "kidney-poke.lcmlog", &size);
@@ -426,7 +420,6 @@ static void expect_harmless(const process *p, const char *what)
 
 static void no_name_drives_a_terminal(void **state)
 {
-    (void)state;
     char mesh[256], scene[256], none[256];
     snprintf(mesh, sizeof mesh, "%s", write_text(HOSTILE ".obj", GOOD_MESH));
     snprintf(scene, sizeof scene, "%s",

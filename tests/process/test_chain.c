@@ -87,7 +87,6 @@ static bool play_and_feel(int *out_count)
  * press may be felt only when it is played again. */
 static void feels_the_kidney(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     start_daemon(KIDNEY, NULL);
     int rows_of_play = 0, row_count = 0, plays = 0;
@@ -146,7 +145,6 @@ static const char *cut_log(long first, size_t count)
 
 static void replays_bit_for_bit(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char hash[3][64];
     char log[320];
@@ -257,7 +255,6 @@ static void press_and_fall_silent(watch *w, int signal)
 
 static void silent_bridge_is_let_go(void **state)
 {
-    (void)state;
     watch w;
     start_daemon(KIDNEY, NULL);
     watch_open(&w);
@@ -284,7 +281,6 @@ static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *
  * the machine's affair, and 5 s without an answer end a replay: it is held meanwhile. */
 static void replay_outlives_a_killed_daemon(void **state)
 {
-    (void)state;
     start_daemon(KIDNEY, NULL);
     /* More often than ever needed: what is felt of it may take long on a busy machine. */
     const char *const replay[] = {"softsim-replay", POKE, "--repeat", "200", NULL};

@@ -47,7 +47,6 @@ static void expect_run(const char *const *argv)
 /* LCM reads between its bind and any filter that is attached later: 18 of 30 servers died here. */
 static void every_program_starts_under_fragments(void **state)
 {
-    (void)state;
     enum { STARTS = 4 };
     const char *const server[] = {"softsimd", tube(), "--duration", "0.05", NULL};
     const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
@@ -75,7 +74,6 @@ static void every_program_starts_under_fragments(void **state)
  * other hosts are heard. */
 static void a_server_starts_under_the_self_tests_of_others(void **state)
 {
-    (void)state;
     static const char *const urls[] = {"udpm://239.255.76.67:7667?ttl=0",
                                        "udpm://239.255.76.67:7667?ttl=1"};
     start_flood("self-test", "0", "600");
@@ -174,7 +172,6 @@ static void stop_bridge(void)
 
 static void the_holder_is_answered_under_all_kinds_at_once(void **state)
 {
-    (void)state;
     listener l;
     start_daemon(tube(), NULL);
     listen_open(&l);
@@ -200,7 +197,6 @@ static void the_holder_is_answered_under_all_kinds_at_once(void **state)
  * another address once took the probe: the holder's own were no longer the newer ones. */
 static void poses_under_the_holders_number_change_nothing(void **state)
 {
-    (void)state;
     listener l;
     start_daemon(tube(), NULL);
     listen_open(&l);
@@ -218,7 +214,6 @@ static void poses_under_the_holders_number_change_nothing(void **state)
 /* What is beyond the budget is not answered, and what comes after is. */
 static void commands_have_a_budget(void **state)
 {
-    (void)state;
     const char *const monitor[] = {"softsim-monitor", "--command", "status", NULL};
     listener l;
     start_daemon(tube(), NULL);
@@ -237,7 +232,6 @@ static void commands_have_a_budget(void **state)
  * spoke as often as one who floods, and its clients and other servers took it for one. */
 static void requests_of_many_are_answered_by_few_statuses(void **state)
 {
-    (void)state;
     listener l;
     start_daemon(tube(), NULL);
     listen_open(&l);
@@ -299,27 +293,23 @@ static void expect_no_command_lost(const char *kind)
 
 static void a_flood_of_status_requests_loses_no_command(void **state)
 {
-    (void)state;
     expect_no_command_lost("command-status");
 }
 
 static void a_flood_of_statuses_loses_no_command(void **state)
 {
-    (void)state;
     expect_no_command_lost("status");
 }
 
 /* The flooder takes its share, and no more. */
 static void a_flood_of_commands_loses_no_command_of_another(void **state)
 {
-    (void)state;
     expect_no_command_lost("command-pause");
 }
 
 /* Each is slow enough never to be muted, and asks for more than its budget: all places are busy. */
 static void slow_floods_of_many_lose_no_command_of_another(void **state)
 {
-    (void)state;
     expect_no_command_lost_under("8", "command-pause", "1200");
 }
 
@@ -327,7 +317,6 @@ static void slow_floods_of_many_lose_no_command_of_another(void **state)
  * was not heard, was taken for silent, and the forger was shown in its place. */
 static void a_monitor_stays_with_the_server_it_heard_first(void **state)
 {
-    (void)state;
     const char *const monitor[] = {"softsim-monitor", "--json", NULL};
     static const char seq[] = "\"seq\": ";
     start_daemon(tube(), NULL);

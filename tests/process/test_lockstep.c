@@ -35,7 +35,6 @@ static process server, client;
 
 static int tear_down(void **state)
 {
-    (void)state;
     process *all[] = {&client, &server};
     for (int i = 0; i < 2; ++i) {
         process_signal(all[i], SIGKILL);
@@ -75,7 +74,6 @@ static void serve_poke(const char *const *argv)
  * how fast the machine is. */
 static void duration_ends_on_its_tick(void **state)
 {
-    (void)state;
     static const char *const durations[] = {"0.3", "0.501"};
     for (int i = FULL_IN_RELEASE(0, 1); i < 2; ++i) {
         const char *const run[] = {"softsim-run", KIDNEY,       "--poses", POKE,
@@ -113,7 +111,6 @@ static double largest_force(const char *path)
  * both programs. */
 static void chainmail_is_felt_in_lockstep(void **state)
 {
-    (void)state;
     char scene[] = "/tmp/softsim_mail_XXXXXX.yaml", csv[] = "/tmp/softsim_mail_XXXXXX.csv";
     const int file = mkstemps(scene, 5), table = mkstemps(csv, 4);
     assert_true(file >= 0 && table >= 0);
@@ -147,7 +144,6 @@ static void chainmail_is_felt_in_lockstep(void **state)
 /* Neither has a clock to meet: simulation.max_substeps limits neither, and they agree. */
 static void a_budget_that_would_bind_changes_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const budgets[] = {"simulation.max_substeps=2",
                                           "simulation.max_substeps=500"};
@@ -227,7 +223,6 @@ static void send_pose(lcm_t *lcm, int64_t sender, int32_t seq, double x)
 
 static void answers_to_another_sender_count_nowhere(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsimd", KIDNEY, "--lockstep", NULL};
     start(argv);
     lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");

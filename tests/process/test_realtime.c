@@ -64,7 +64,6 @@ static void run_daemon(const char *report, const char *probe, const char *speed)
 
 static void loops_neither_allocate_nor_lock_nor_print(void **state)
 {
-    (void)state;
     char report[] = "/tmp/softsim-guard-XXXXXX";
     close(mkstemp(report));
     run_daemon(report, NULL, FULL_IN_LONG_RUN("1", "3"));
@@ -75,7 +74,6 @@ static void loops_neither_allocate_nor_lock_nor_print(void **state)
 
 static void the_guard_can_see(void **state)
 {
-    (void)state;
     char report[] = "/tmp/softsim-guard-XXXXXX";
     close(mkstemp(report));
     run_daemon(report, "RT_GUARD_PROBE=1", "9");
@@ -101,7 +99,6 @@ static unsigned long long capabilities(const char *path)
  * both. */
 static void root_keeps_no_capability_without_a_use(void **state)
 {
-    (void)state;
     enum { NICE = 1 << 23, LOCK = 1 << 14 };
     static process daemon_process;
     const unsigned long long own = capabilities("/proc/self/status");

@@ -47,7 +47,6 @@ static void expect_reply(watch *w, char *name, char *argument, int code)
 
 static void obeys_commands(void **state)
 {
-    (void)state;
     watch w;
     start_daemon(tube(), NULL);
     watch_open(&w);
@@ -111,7 +110,6 @@ static void on_topology(const lcm_recv_buf_t *buffer, const char *channel,
 /* The body is numbered by place inside; on the wire each node says its number in the file. */
 static void the_topology_leads_back_to_the_files_numbers(void **state)
 {
-    (void)state;
     const char *const argv[] = {"softsimd", SCENES "cylinder-grid.yaml", NULL};
     topology t = {0};
     lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
@@ -140,7 +138,6 @@ static void the_topology_leads_back_to_the_files_numbers(void **state)
 
 static void monitor_sends_commands(void **state)
 {
-    (void)state;
     static const struct {
         const char *command, *said;
         int status;
@@ -189,7 +186,6 @@ static bool says_slow_and_how_much(const watch *w)
 /* So light and so stiff that a quarter of a millisecond takes some dozens of sub-steps. */
 static void a_slow_server_says_so(void **state)
 {
-    (void)state;
     const char *const slow[] = {
         "--set", "haptic.rate_hz=4000",           "--set", "simulation.rate_hz=4000",
         "--set", "model.area_density_kg_m2=1e-6", "--set", "model.damping_n_s_per_m3=1",
@@ -214,7 +210,6 @@ static void a_slow_server_says_so(void **state)
 
 static void monitor_prints_one_status(void **state)
 {
-    (void)state;
     start_daemon(tube(), NULL);
     const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
     assert_int_equal(process_run(&client, monitor), 0);
@@ -240,7 +235,6 @@ static void send_wrapping_fragment(int fd)
 
 static void no_fragment_crashes_server_or_client(void **state)
 {
-    (void)state;
     const int fd = socket(AF_INET, SOCK_DGRAM, 0);
     assert_true(fd >= 0);
     start_daemon(tube(), NULL);

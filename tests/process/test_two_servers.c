@@ -36,7 +36,6 @@ static void expect_text(const char *text, const char *wanted)
 /* On a machine that has no time for the first one's answer the second gives way a little later. */
 static void the_second_names_the_first_and_does_not_start(void **state)
 {
-    (void)state;
     int status = 1;
     start_daemon(tube(), NULL);
     for (int attempt = 0; attempt < 5 && status == 1; ++attempt) {
@@ -57,7 +56,6 @@ static void the_second_names_the_first_and_does_not_start(void **state)
 
 static void a_killed_server_is_followed_at_once(void **state)
 {
-    (void)state;
     start_daemon(tube(), NULL);
     process_signal(&daemon_process, SIGKILL);
     process_finish(&daemon_process);
@@ -69,7 +67,6 @@ static void a_killed_server_is_followed_at_once(void **state)
 /* And has nothing to say of it: it runs on beyond its first statuses, which is when it would. */
 static void takeover_ends_the_first(void **state)
 {
-    (void)state;
     start_daemon(tube(), NULL);
     const char *const argv[] = {"softsimd", tube(), "--takeover", "--duration", "0.6", NULL};
     process_start(&other, argv, NULL);
@@ -82,7 +79,6 @@ static void takeover_ends_the_first(void **state)
 /* Neither heard the other at its start: the younger goes. */
 static void of_two_that_run_the_younger_gives_way(void **state)
 {
-    (void)state;
     start_daemon(tube(), NULL);
     process_signal(&daemon_process, SIGSTOP);
     start_other(tube(), NULL);
@@ -98,7 +94,6 @@ static void of_two_that_run_the_younger_gives_way(void **state)
  * is not confirmed does not keep one from starting. */
 static void statuses_of_nobody_hold_up_no_start(void **state)
 {
-    (void)state;
     char none[] = "";
     softsim_server_status_t status = {.scene = none, .model = none, .reason = none};
     lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
@@ -168,7 +163,6 @@ static void read_forces(const char *name, double *out_late, double *out_jump)
 
 static void a_bridge_lets_go_where_two_servers_answer(void **state)
 {
-    (void)state;
     double late = 0.0, jump = 0.0;
     start_two(KIDNEY);
     const char *const argv[] = {"softsim-bridge",
@@ -305,7 +299,6 @@ static bool is_ramp(const course *c)
  * Where a busy machine brought more than two messages in one period, it is done again. */
 static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
 {
-    (void)state;
     if (!HAS_FEM) {
         skip();
     }
@@ -357,7 +350,6 @@ static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
 
 static void watching_and_replaying_clients_say_that_there_are_two(void **state)
 {
-    (void)state;
     start_two(tube());
     const char *const watching[] = {"softsim-monitor", "--duration", "20", NULL};
     process_start(&client, watching, NULL);

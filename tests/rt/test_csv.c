@@ -16,7 +16,6 @@
 
 static void cells_are_cut_at_commas(void **state)
 {
-    (void)state;
     static const struct {
         const char *line;
         int count;
@@ -43,7 +42,6 @@ static void cells_are_cut_at_commas(void **state)
 
 static void blank_lines_and_comments_are_passed_over(void **state)
 {
-    (void)state;
     char blank[] = " \t\r\n", comment[] = "  # a,b\n", row[] = "  1, 2 \r\n";
     assert_null(ss_csv_trim(blank));
     assert_null(ss_csv_trim(comment));
@@ -52,7 +50,6 @@ static void blank_lines_and_comments_are_passed_over(void **state)
 
 static void columns_are_found_by_name_and_faults_have_their_line(void **state)
 {
-    (void)state;
     static const char *const name[] = {"b", "a", "c"};
     static char longer[10000];
     softsim_error error = {.status = SOFTSIM_OK};
@@ -96,7 +93,6 @@ static void columns_are_found_by_name_and_faults_have_their_line(void **state)
 /* Comments and blank lines may stand before it. */
 static void faults_of_the_head_have_its_line(void **state)
 {
-    (void)state;
     static const char *const name[] = {"b"};
     char wide[240] = "# made by hand\n\n";
     softsim_error error = {.status = SOFTSIM_OK};
@@ -117,7 +113,6 @@ static void faults_of_the_head_have_its_line(void **state)
 /* It would hide the rest of its line. The last one is UTF-16. */
 static void a_nul_is_refused(void **state)
 {
-    (void)state;
     static const char *const name[] = {"a"};
     static const struct {
         const char *bytes;
@@ -150,7 +145,6 @@ static void a_nul_is_refused(void **state)
 /* One row each, after the head line a,b. */
 static void strict_rows_are_whole_and_finite(void **state)
 {
-    (void)state;
     static const char *const name[] = {"a"};
     static const struct {
         const char *row, *fault;

@@ -71,7 +71,6 @@ static void assert_solves(ss_factor *factor, const matrix *m, uint64_t seed)
 
 static void a_factor_solves_and_is_filled_again(void **state)
 {
-    (void)state;
     static matrix m;
     ss_factor factor;
     build(&m, 0.5, 1);
@@ -97,7 +96,6 @@ static void a_factor_solves_and_is_filled_again(void **state)
 
 static void a_pivot_of_zero_is_told(void **state)
 {
-    (void)state;
     int column[] = {0, 1, 2}, row[] = {0, 1};
     double value[] = {2.0, 0.0};
     ss_factor factor;

@@ -52,7 +52,6 @@ typedef struct big_value {
 
 static void mailbox_gives_nothing_before_the_first_post(void **state)
 {
-    (void)state;
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
     assert_non_null(mailbox);
     bool is_new = true;
@@ -67,7 +66,6 @@ static void mailbox_gives_nothing_before_the_first_post(void **state)
 
 static void mailbox_gives_the_newest_and_says_whether_it_is_new(void **state)
 {
-    (void)state;
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
     for (int i = 1; i <= 5; ++i) {
         *(int *)ss_mailbox_draft(mailbox) = i;
@@ -106,7 +104,6 @@ static void *post_many(void *argument)
 
 static void mailbox_between_two_threads_is_never_torn_and_never_goes_back(void **state)
 {
-    (void)state;
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(big_value));
     ss_thread *writer = NULL;
     assert_int_equal(start(post_many, mailbox, &writer), SOFTSIM_OK);
@@ -159,7 +156,6 @@ static bool record_is_whole(const record *r)
 
 static void ring_keeps_order_and_refuses_what_does_not_fit(void **state)
 {
-    (void)state;
     ss_ring *ring = ss_ring_create(sizeof(int), 5); /* rounded up to 8 */
     assert_non_null(ring);
     int value = 0;
@@ -210,7 +206,6 @@ static void *push_many(void *argument)
 
 static void ring_between_two_threads_loses_and_tears_nothing(void **state)
 {
-    (void)state;
     push_job job = {ss_ring_create(sizeof(record), 64), 0};
     ss_thread *writer = NULL;
     assert_int_equal(start(push_many, &job, &writer), SOFTSIM_OK);
@@ -244,7 +239,6 @@ static int compare_doubles(const void *a, const void *b)
 
 static void histogram_agrees_with_sorting(void **state)
 {
-    (void)state;
     enum { SAMPLES = 20000 };
     static ss_histogram histogram;
     static double sample[SAMPLES];
@@ -266,7 +260,6 @@ static void histogram_agrees_with_sorting(void **state)
 
 static void histogram_forgets_after_ten_seconds(void **state)
 {
-    (void)state;
     static ss_histogram histogram;
     const int64_t second = 1000000000;
     ss_histogram_init(&histogram, 5 * second);
@@ -283,7 +276,6 @@ static void histogram_forgets_after_ten_seconds(void **state)
 
 static void histogram_takes_odd_values(void **state)
 {
-    (void)state;
     static ss_histogram histogram;
     ss_histogram_init(&histogram, 0);
     ss_histogram_add(&histogram, 0, -1.0);
@@ -298,7 +290,6 @@ static void histogram_takes_odd_values(void **state)
 
 static void memory_is_aligned_zeroed_and_counted(void **state)
 {
-    (void)state;
     const int64_t before = ss_memory_in_use();
     unsigned char *a = ss_memory_get(1001, 3);
     void *b = ss_memory_get(0, 8);
@@ -319,7 +310,6 @@ static void memory_is_aligned_zeroed_and_counted(void **state)
 
 static void arena_remembers_what_it_could_not_give_and_frees_all_at_once(void **state)
 {
-    (void)state;
     const int64_t before = ss_memory_in_use();
     ss_arena arena = {0};
     assert_int_equal(ss_arena_status(&arena), SOFTSIM_OK);
@@ -346,7 +336,6 @@ static void arena_remembers_what_it_could_not_give_and_frees_all_at_once(void **
 
 static void clock_sleeps_until_the_deadline_and_not_before(void **state)
 {
-    (void)state;
     const int64_t deadline = ss_clock_now_ns() + 2000000;
     ss_clock_sleep_until(deadline);
     assert_true(ss_clock_now_ns() >= deadline);
@@ -375,7 +364,6 @@ static void *look_around(void *argument)
 
 static void threads_carry_their_name_and_flush_denormals(void **state)
 {
-    (void)state;
     thread_seen seen = {"", 1.0f, -1};
     ss_thread *thread = NULL;
     bool fifo_refused = true;
@@ -395,7 +383,6 @@ static void threads_carry_their_name_and_flush_denormals(void **state)
 
 static void fifo_is_had_or_its_refusal_is_said(void **state)
 {
-    (void)state;
     thread_seen seen = {"", 1.0f, -1};
     ss_thread *thread = NULL;
     bool fifo_refused = false;
@@ -419,7 +406,6 @@ static void fifo_is_had_or_its_refusal_is_said(void **state)
 
 static void wake_is_seen_by_poll_until_drained(void **state)
 {
-    (void)state;
     const int fd = ss_wake_open();
     assert_true(fd >= 0);
     struct pollfd waiting = {.fd = fd, .events = POLLIN};
@@ -437,7 +423,6 @@ static void wake_is_seen_by_poll_until_drained(void **state)
 
 static void status_has_a_name_and_a_text(void **state)
 {
-    (void)state;
     assert_string_equal(softsim_status_name(SOFTSIM_OK), "OK");
     assert_string_equal(softsim_status_name(SOFTSIM_ERROR_MESH), "ERROR_MESH");
     assert_string_equal(softsim_status_text(SOFTSIM_ERROR_NETWORK), "no network");
@@ -447,7 +432,6 @@ static void status_has_a_name_and_a_text(void **state)
 
 static void verdicts_and_refusals_have_names(void **state)
 {
-    (void)state;
     assert_string_equal(softsim_verdict_name(SOFTSIM_VERDICT_GUARDED), "guarded");
     assert_string_equal(softsim_verdict_name((softsim_verdict)4), "unknown");
     assert_string_equal(softsim_refusal_name(SOFTSIM_REFUSED_JUMP), "jump");
@@ -458,7 +442,6 @@ static void verdicts_and_refusals_have_names(void **state)
 
 static void errors_keep_every_line_and_the_first_status(void **state)
 {
-    (void)state;
     static softsim_error error;
     memset(&error, 0, sizeof error);
     softsim_error_add(NULL, SOFTSIM_ERROR_MESH, "ignored");
@@ -473,7 +456,6 @@ static void errors_keep_every_line_and_the_first_status(void **state)
  */
 static void nothing_that_is_shown_drives_a_terminal(void **state)
 {
-    (void)state;
     static const struct {
         const char *text, *shown;
     } cases[] = {
@@ -536,7 +518,6 @@ static void nothing_that_is_shown_drives_a_terminal(void **state)
 
 static void a_full_error_says_how_many_more(void **state)
 {
-    (void)state;
     static softsim_error error;
     for (int length = 1; length < 400; length += FULL_IN_RELEASE(7, 57)) {
         memset(&error, 0, sizeof error);
@@ -562,7 +543,6 @@ static void a_full_error_says_how_many_more(void **state)
 
 static void an_endless_first_fault_is_cut(void **state)
 {
-    (void)state;
     static softsim_error error;
     memset(&error, 0, sizeof error);
     softsim_error_add(&error, SOFTSIM_ERROR_FILE, "%020000d", 1);
@@ -577,7 +557,6 @@ static void an_endless_first_fault_is_cut(void **state)
 /* Digits alone name an open file: what else strtol would take is the name of another. */
 static void only_digits_name_a_descriptor(void **state)
 {
-    (void)state;
     static const struct {
         const char *path;
         int number;
@@ -598,7 +577,6 @@ static void only_digits_name_a_descriptor(void **state)
 /* A terminal whose other side nobody reads: what is written to it waits for ever. */
 static void a_stalled_reader_holds_up_no_work(void **state)
 {
-    (void)state;
     char name[64], text[512];
     const int keyboard = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     assert_true(keyboard >= 0);
@@ -633,7 +611,6 @@ static void a_stalled_reader_holds_up_no_work(void **state)
 /* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
 static void progress_is_shown_and_wiped(void **state)
 {
-    (void)state;
     char out[1024];
     size_t used = 0;
     ssize_t more = 1;
@@ -674,7 +651,6 @@ static void progress_is_shown_and_wiped(void **state)
 /* The first numbers for the seed 1234567, as Rosetta Code publishes them. */
 static void random_numbers_are_those_of_splitmix64(void **state)
 {
-    (void)state;
     static const uint64_t wanted[] = {UINT64_C(6457827717110365317), UINT64_C(3203168211198807973),
                                       UINT64_C(9817491932198370423)};
     uint64_t seed = 1234567;
@@ -692,7 +668,6 @@ static void random_numbers_are_those_of_splitmix64(void **state)
 
 static void texts_become_strings_of_json(void **state)
 {
-    (void)state;
     static const struct {
         const char *text, *json;
     } cases[] = {{"", "\"\""},
@@ -714,7 +689,6 @@ static void texts_become_strings_of_json(void **state)
 
 static void a_reason_is_an_error_without_its_place(void **state)
 {
-    (void)state;
     static const char *const cases[][2] = {{"/tmp/a.yaml:3:4: error: no: none", "error: no: none"},
                                            {"out of memory\nb: c", "out of memory"},
                                            {"a.yaml: first\nb.yaml: second", "first"},

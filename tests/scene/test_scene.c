@@ -50,7 +50,6 @@ static const char full[] =
 
 static void gives_every_value_of_a_scene(void **state)
 {
-    (void)state;
     ss_scene *s = load_good(full, NULL, 0);
     assert_string_equal(s->model_name, "jelly");
     assert_int_equal(s->model_index, 0);
@@ -122,7 +121,6 @@ static void gives_every_value_of_a_scene(void **state)
 
 static void has_the_documented_defaults(void **state)
 {
-    (void)state;
     ss_scene *s = load_good(replace_line(12, "  rate_hz: 1000"), NULL, 0);
     assert_near(s->max_force_n, 8, 0);
     assert_near(s->max_slew_n_per_s, 2000, 0);
@@ -141,7 +139,6 @@ static void has_the_documented_defaults(void **state)
 
 static void millimetres_and_metres_give_the_same_body(void **state)
 {
-    (void)state;
     ss_scene *mm = load_good(small, NULL, 0);
     const char *const overrides[] = {"object.mesh=cube_m.msh", "object.units=m"};
     ss_scene *m = load_good(small, overrides, 2);
@@ -158,7 +155,6 @@ static void millimetres_and_metres_give_the_same_body(void **state)
 /* Regions with the border through nodes, in a body of awkward size. */
 static void regions_take_the_nodes_on_their_border(void **state)
 {
-    (void)state;
     static const struct {
         const char *region;
         int count;
@@ -186,7 +182,6 @@ static void regions_take_the_nodes_on_their_border(void **state)
 
 static void the_first_matching_region_gives_the_value(void **state)
 {
-    (void)state;
     ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho:\n"
                                             "    - {where: {nodes: [7]}, value: 3}\n"
                                             "    - {where: {group: top}, value: 2}\n"
@@ -204,7 +199,6 @@ static void the_first_matching_region_gives_the_value(void **state)
 
 static void values_by_link_are_read_and_renumbered(void **state)
 {
-    (void)state;
     write_text("links.csv", "node,node,value\n0,1,0.5\n# a note\n7, 2, 0.25\n0,3,1\n");
     ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho: {file: links.csv}"), NULL, 0);
     const ss_param_value *rho = &s->param[RHO];
@@ -222,7 +216,6 @@ static void values_by_link_are_read_and_renumbered(void **state)
 
 static void an_empty_cell_leaves_its_axis_free(void **state)
 {
-    (void)state;
     ss_scene *s =
         load_good(replace_line(13, "prescribed: [{displacement_file: lift.csv, group: top}]\n"
                                    "loads:"),
@@ -247,7 +240,6 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
 /* A tetrahedron's surface with a corner twice, one face twice, one face turned and a loose node. */
 static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
 {
-    (void)state;
     write_text("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 5 5 5\n2 0 0 0\n"
                              "3 1 0 0\n4 0 1 0\n5 0 0 1\n6 0 0 1\n$EndNodes\n$Elements\n5\n"
                              "1 2 0 2 4 3\n2 2 0 2 3 5\n3 2 0 2 3 6\n4 2 0 3 4 6\n5 2 0 2 4 5\n"
@@ -273,7 +265,6 @@ static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
 
 static void a_grid_is_made_in_the_scene_itself(void **state)
 {
-    (void)state;
     ss_scene *s =
         load_good(GRID("  grid: {cylinder: {rows: 15, columns: 24, radius_m: 1, length_m: 4}}\n"
                        "  fixed: [{plane: {point_m: [0, 0, -2], normal: [0, 0, 1]}}]\n"),
@@ -304,7 +295,6 @@ static void a_grid_is_made_in_the_scene_itself(void **state)
 
 static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
 {
-    (void)state;
     FILE *stream = open_file("ring.csv");
     fprintf(stream, "x,y,z\n");
     for (int i = 0; i < 20; i++) {
@@ -338,7 +328,6 @@ static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
 
 static void a_direction_is_normalised_whatever_its_length(void **state)
 {
-    (void)state;
     static const struct {
         const char *text;
         double v[3];
@@ -382,7 +371,6 @@ static void write_directions(const char *name, int count)
 
 static void directions_by_file_are_of_quads_or_triangles_or_tetrahedra(void **state)
 {
-    (void)state;
     write_directions("grain_12.csv", 12);
     write_directions("grain_6.csv", 6);
     write_directions("grain_1.csv", 1);
@@ -454,7 +442,6 @@ static ss_scene *load_bundled(const char *name)
 
 static void the_bundled_scenes_hold_what_they_should(void **state)
 {
-    (void)state;
     if (access(BIN_DIR "/softsim-import", X_OK) != 0) {
         skip(); /* its meshes are read through that program */
     }
@@ -503,7 +490,6 @@ static void the_bundled_scenes_hold_what_they_should(void **state)
 
 static void overrides_reach_every_scalar(void **state)
 {
-    (void)state;
     static const char *const overrides[] = {
         "haptic.max_force_n=6",
         "haptic.coupling.damping_n_s_per_m=0.5",
@@ -543,7 +529,6 @@ static void overrides_reach_every_scalar(void **state)
 
 static void a_bad_override_names_the_option(void **state)
 {
-    (void)state;
     static const struct {
         const char *option;
         const char *word;
@@ -620,7 +605,6 @@ static void assert_same_scene(const ss_scene *a, const ss_scene *b)
 
 static void what_is_printed_loads_again(void **state)
 {
-    (void)state;
     static char text[65536];
     static char again[65536];
     write_directions("grain_12.csv", 12);
@@ -659,7 +643,6 @@ static void what_is_printed_loads_again(void **state)
 
 static void each_printed_value_has_its_meaning_beside_it(void **state)
 {
-    (void)state;
     static char text[65536];
     ss_scene *s = load_good(small, NULL, 0);
     text[0] = '\0';
@@ -678,7 +661,6 @@ static void each_printed_value_has_its_meaning_beside_it(void **state)
 
 static void live_keys_are_parsed_and_the_rest_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *assignment;
         ss_scene_live_key key;

@@ -131,7 +131,6 @@ static const bad bad_row[] = {
 
 static void names_every_fault_with_its_place(void **state)
 {
-    (void)state;
     int wrong = 0;
     for (size_t i = 0; i < sizeof bad_row / sizeof *bad_row; i++) {
         const bad *row = &bad_row[i];
@@ -151,7 +150,6 @@ static void names_every_fault_with_its_place(void **state)
 
 static void a_model_that_is_missing_or_needs_a_volume_is_named(void **state)
 {
-    (void)state;
     assert_null(load_with("softsim: 1\nobject: {mesh: cube.msh, units: mm}\n", NULL, 0));
     assert_int_equal(error.fault_count, 1);
     assert_non_null(strstr(error.text, ":1:1: error: model is missing"));
@@ -163,7 +161,6 @@ static void a_model_that_is_missing_or_needs_a_volume_is_named(void **state)
 
 static void shows_the_line_and_a_caret(void **state)
 {
-    (void)state;
     assert_null(load_with(replace_line(12, "  max_force_n: 300"), NULL, 0));
     assert_non_null(strstr(error.text, "\n  max_force_n: 300\n               ^~~"));
     /* Columns count characters, not bytes. */
@@ -173,7 +170,6 @@ static void shows_the_line_and_a_caret(void **state)
 
 static void faults_of_data_files_name_the_file_and_line(void **state)
 {
-    (void)state;
     assert_null(load_with(replace_line(5, "  fixed: [{nodes: bad_nodes.txt}]"), NULL, 0));
     assert_int_equal(error.fault_count, 3);
     assert_non_null(strstr(error.text, "bad_nodes.txt:2: error: 'two' is not a node number"));
@@ -241,7 +237,6 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
 
 static void reports_all_faults_in_one_go_and_in_order(void **state)
 {
-    (void)state;
     assert_null(load_with("softsim: 1\n"
                           "object:\n"
                           "  mesh: cube.msh\n"
@@ -269,7 +264,6 @@ static void reports_all_faults_in_one_go_and_in_order(void **state)
 
 static void counts_faults_beyond_what_can_be_shown(void **state)
 {
-    (void)state;
     char text[16384] = "softsim: 1\nobject:\n";
     for (int i = 0; i < 200; i++) {
         char line[40];
@@ -283,7 +277,6 @@ static void counts_faults_beyond_what_can_be_shown(void **state)
 
 static void hostile_text_is_refused_and_cleaned(void **state)
 {
-    (void)state;
     ss_scene *scene = NULL;
     static const char *const text[] = {
         "",

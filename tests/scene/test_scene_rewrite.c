@@ -38,7 +38,6 @@ static char *rewrite(const char *source, const char *const *set, int count, cons
 
 static void a_number_changes_in_its_place(void **state)
 {
-    (void)state;
     const char *set[] = {"model.modulus_j=12.5", "model.rho.1.value=0.25",
                          "contact.tools.0.shape.sphere.radius_mm=6"};
     char *out = rewrite(text, set, 3, folder);
@@ -60,7 +59,6 @@ static void a_number_changes_in_its_place(void **state)
 
 static void what_is_not_there_is_added(void **state)
 {
-    (void)state;
     const char *set[] = {"model.cells=9", "haptic.max_force_n=3",
                          "haptic.coupling.stiffness_n_per_m=300", "contact.working_force_n=1.5",
                          "simulation.rate_hz=500"};
@@ -89,7 +87,6 @@ static void what_is_not_there_is_added(void **state)
 
 static void a_key_goes_before_a_mapping_that_comes_first(void **state)
 {
-    (void)state;
     const char *set[] = {"haptic.max_force_n=3"};
     char *out = rewrite(replace_line(12, "  coupling: {damping_n_s_per_m: 1}"), set, 1, folder);
     assert_non_null(out);
@@ -107,7 +104,6 @@ static void a_key_goes_before_a_mapping_that_comes_first(void **state)
 
 static void files_are_found_from_another_folder(void **state)
 {
-    (void)state;
     const char *other = in_folder("other");
     assert_int_equal(mkdir(other, 0777), 0);
     static const char with_files[] = "softsim: 1\n"
@@ -139,7 +135,6 @@ static void files_are_found_from_another_folder(void **state)
 
 static void lists_and_lost_folders_are_refused(void **state)
 {
-    (void)state;
     const char *list[] = {"model.rho=3"};
     assert_null(rewrite(text, list, 1, folder));
     assert_non_null(strstr(error.text, "model.rho is a list or a mapping there"));
@@ -149,7 +144,6 @@ static void lists_and_lost_folders_are_refused(void **state)
 
 static void numbers_are_found_by_path(void **state)
 {
-    (void)state;
     const char *set[] = {"model.rho.0.value=0.5"};
     ss_scene *scene = load_with(text, set, 1);
     double value = 0.0;
@@ -175,7 +169,6 @@ static void gather(void *sink, const char *line)
 
 static void what_was_given_is_printed_alone(void **state)
 {
-    (void)state;
     char out[1024] = "";
     const char *set[] = {"model.modulus_j=2", "model.rho={file: rho.csv}", "model.cells=3"};
     ss_scene *scene = load_with(text, set, 3);

@@ -36,7 +36,6 @@
 
 static void norms_have_the_values_worked_out_by_hand(void **state)
 {
-    (void)state;
     const double weight[] = {1.0, 3.0};
     const double reference[][3] = {{3.0, 0.0, 4.0}, {0.0, 0.0, 2.0}};
     const double u[][3] = {{3.0, 1.0, 4.0}, {0.0, 0.0, 0.0}};
@@ -52,7 +51,6 @@ static void norms_have_the_values_worked_out_by_hand(void **state)
 
 static void norms_without_a_value_are_not_numbers(void **state)
 {
-    (void)state;
     const double weight[] = {1.0}, zero[][3] = {{0.0}}, one[][3] = {{1.0, 0.0, 0.0}};
     const double wild[][3] = {{(double)NAN, 0.0, 0.0}}, down[] = {0.0, 0.0, -1.0};
     assert_true(isnan(ss_norms_compute(1, weight, one, zero).field));
@@ -67,7 +65,6 @@ static void norms_without_a_value_are_not_numbers(void **state)
 
 static void tables_keep_quoted_cells_and_short_rows(void **state)
 {
-    (void)state;
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
     const char *path = write_text("t.csv", "a,b,c\r\n1,\"x, \"\"y\"\"\",-2e3\r\n\n4\n");
@@ -87,7 +84,6 @@ static void tables_keep_quoted_cells_and_short_rows(void **state)
 
 static void tables_with_too_much_are_refused(void **state)
 {
-    (void)state;
     static const char *const bad[] = {"a,b\n1,2,3\n", "a\n1\n2,\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_table table;
@@ -101,7 +97,6 @@ static void tables_with_too_much_are_refused(void **state)
 
 static void damaged_gzip_files_are_refused(void **state)
 {
-    (void)state;
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
     const char *path = in_folder("x.gz");
@@ -124,7 +119,6 @@ static void damaged_gzip_files_are_refused(void **state)
 
 static void a_good_case_is_read_as_it_is(void **state)
 {
-    (void)state;
     ss_case c;
     softsim_error error = {.status = SOFTSIM_OK};
     assert_int_equal(ss_case_load(REFERENCE "/c_slab", &c, &error), SOFTSIM_OK);
@@ -148,7 +142,6 @@ static void a_good_case_is_read_as_it_is(void **state)
  * and the surface has the same nodes by number, weighted by its own areas. */
 static void bodies_have_their_nodes_weights_and_references(void **state)
 {
-    (void)state;
     ss_case c;
     ss_case_body volume, surface;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -189,7 +182,6 @@ static void bodies_have_their_nodes_weights_and_references(void **state)
 
 static void every_bundled_case_can_be_read(void **state)
 {
-    (void)state;
     static const char *const names[] = {"b_cantilever", "e_ventricle", "f_membrane", "g_dynamics"};
     for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
         char path[512];
@@ -213,7 +205,6 @@ static void every_bundled_case_can_be_read(void **state)
 
 static void a_dynamic_case_has_its_curves(void **state)
 {
-    (void)state;
     ss_case c;
     softsim_error error = {.status = SOFTSIM_OK};
     assert_int_equal(ss_case_load(REFERENCE "/g_dynamics", &c, &error), SOFTSIM_OK);
@@ -237,7 +228,6 @@ static void a_dynamic_case_has_its_curves(void **state)
 
 static void hostile_statements_are_refused_with_their_place(void **state)
 {
-    (void)state;
     static const struct {
         const char *text, *says;
     } bad[] = {
@@ -323,7 +313,6 @@ static softsim_status load_tiny(ss_case_body *body, softsim_error *error)
 /* The numbers of the file need not be in order, nor begin with 1. */
 static void numbers_lead_to_nodes(void **state)
 {
-    (void)state;
     ss_case_body body;
     softsim_error error = {.status = SOFTSIM_OK};
     write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
@@ -353,7 +342,6 @@ static void numbers_lead_to_nodes(void **state)
 
 static void hostile_bodies_are_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *name, *text, *says;
     } bad[] = {
@@ -422,7 +410,6 @@ static void hostile_bodies_are_refused(void **state)
 
 static void the_front_is_what_nothing_beats(void **state)
 {
-    (void)state;
     const double time[] = {1.0, 2.0, 2.0, 3.0, 4.0, (double)NAN, 1.0};
     const double error[] = {0.5, 0.4, 0.3, 0.35, 0.1, 0.01, 0.5};
     bool is_front[7];
@@ -433,7 +420,6 @@ static void the_front_is_what_nothing_beats(void **state)
 
 static void the_choice_is_the_most_accurate_that_fits(void **state)
 {
-    (void)state;
     const ss_accuracy_mean mean[] = {{.error_l2 = 0.4, .p50_us = 10.0},
                                      {.error_l2 = (double)NAN, .p50_us = 1.0},
                                      {.error_l2 = 0.1, .p50_us = 900.0},
@@ -515,7 +501,6 @@ static int count_parts(const char *name)
 
 static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double field[2];
     if (ss_model_find("cnn-energy") == NULL) {
@@ -554,7 +539,6 @@ static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
 
 static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     ss_accuracy_rows first, second;
     if (ss_model_find("cnn-energy") == NULL) {
@@ -606,7 +590,6 @@ static void find_floor(const ss_table *floor, const ss_accuracy_row *row, double
  * better than any plain element can be. */
 static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const run[][3] = {{"b_cantilever", "99", "locking_cure=auto"},
                                          {"c_slab", "300", "locking_cure=auto"},
@@ -647,7 +630,6 @@ static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
 /* Twice as fine: the same volume, eight times the elements, sets on the same faces. */
 static void refinement_keeps_the_body(void **state)
 {
-    (void)state;
     ss_case c;
     ss_case_body body, fine;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -682,7 +664,6 @@ static void refinement_keeps_the_body(void **state)
 
 static void bad_commands_end_with_2(void **state)
 {
-    (void)state;
     const char *out = in_folder("none");
     write_slab(1.0);
     const char *const commands[][9] = {

@@ -72,7 +72,6 @@ static int run(const char *const *option)
 /* Whatever is wrong with the last case of a call, none is run, and the file is named. */
 static void a_damaged_case_stops_the_call_before_any_run(void **state)
 {
-    (void)state;
     static const struct {
         const char *name, *text; /* NULL: not there */
         const char *says;
@@ -125,7 +124,6 @@ static void a_damaged_case_stops_the_call_before_any_run(void **state)
 /* The node that is pushed is right; in the other reference a held one has gone as far. */
 static void a_poor_field_is_said_in_the_verdict(void **state)
 {
-    (void)state;
     static const char *const reference[] = {
         good_reference, "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,.001,0\n"
                         "7,0,0,0,.1,0,0,0\n9,0,1,0,.1,0,0,0\n"};
@@ -190,7 +188,6 @@ static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
 
 static void a_swing_is_judged_by_all_its_steps(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char verdict[512];
     double error;
@@ -211,7 +208,6 @@ static void a_swing_is_judged_by_all_its_steps(void **state)
 /* A row that no picture can show as what it is stops the call before any run. */
 static void an_odd_row_of_another_program_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *row, *says;
     } bad[] = {
@@ -261,7 +257,6 @@ static void an_odd_row_of_another_program_is_refused(void **state)
  * leaves no folder behind. */
 static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
 {
-    (void)state;
     char text[1024];
     if (ss_model_find("fem") == NULL) {
         skip();
@@ -293,7 +288,6 @@ static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
 /* Rows of another program may be more than all of our models and meshes. */
 static void every_row_of_another_program_is_on_the_page(void **state)
 {
-    (void)state;
     enum { ROWS = 300 };
     char last[32];
     size_t size = 0;
@@ -324,7 +318,6 @@ static void every_row_of_another_program_is_on_the_page(void **state)
 /* What was run before a case was mended is not taken for a result of the mended one. */
 static void a_mended_case_is_not_resumed(void **state)
 {
-    (void)state;
     if (ss_model_find("mass-spring") == NULL) {
         skip();
     }
@@ -350,7 +343,6 @@ static void a_mended_case_is_not_resumed(void **state)
 /* A case's own constants, a key that no model has, no value: none can be set. */
 static void only_what_is_left_to_choose_can_be_set(void **state)
 {
-    (void)state;
     static const char *const odd[] = {"youngs_modulus_pa=1", "lame_mu_pa=1", "depth=1",
                                       "layer.spacing_m=1",   "name=xpbd",    "locking_cure",
                                       "locking_cure=",       "=1",           ""};

@@ -49,7 +49,6 @@ static softsim_status refer(const char *corner, const char *model, const char *r
  * it says it is worth, and far nearer than the beam's own mesh. */
 static void a_scene_makes_its_own_reference(void **state)
 {
-    (void)state;
     ss_accuracy_worth worth;
     ss_case c, trusted;
     ss_case_body body, other;
@@ -91,7 +90,6 @@ static void a_scene_makes_its_own_reference(void **state)
  * worth little, and it is not said that all is well. */
 static void a_scene_without_a_limit_is_called_one(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     ss_accuracy_worth worth;
     softsim_error error;
@@ -111,7 +109,6 @@ static void a_scene_without_a_limit_is_called_one(void **state)
 /* The beam's end goes nearly to its support: fem settles, with elements turned inside out. */
 static void a_run_that_ends_degraded_makes_no_reference(void **state)
 {
-    (void)state;
     ss_accuracy_worth worth;
     softsim_error error;
     if (ss_model_find("fem") == NULL) {
@@ -129,7 +126,6 @@ static void a_run_that_ends_degraded_makes_no_reference(void **state)
 
 static void scenes_that_are_no_case_are_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *model, *rest, *says;
     } bad[] = {

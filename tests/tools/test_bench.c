@@ -39,7 +39,6 @@
 
 static void quantiles_are_exact_samples(void **state)
 {
-    (void)state;
     ss_samples samples;
     assert_true(ss_samples_init(&samples, 1000));
     assert_true(isnan(ss_samples_quantile(&samples, 0.5)));
@@ -56,7 +55,6 @@ static void quantiles_are_exact_samples(void **state)
 
 static void samples_beyond_the_capacity_are_counted(void **state)
 {
-    (void)state;
     ss_samples samples;
     assert_true(ss_samples_init(&samples, 2));
     for (int i = 0; i < 5; ++i) {
@@ -72,7 +70,6 @@ static void samples_beyond_the_capacity_are_counted(void **state)
 
 static void missed_periods_are_held_against_the_bare_loop(void **state)
 {
-    (void)state;
     assert_true(ss_figures_is_missed_good(10000, 10, 10000, 0));
     assert_false(ss_figures_is_missed_good(10000, 11, 10000, 0));
     assert_true(ss_figures_is_missed_good(10000, 110, 10000, 50));
@@ -118,7 +115,6 @@ static void make_session(ss_session *session, ss_session_status status[STATUSES]
 
 static void figures_come_from_the_run_alone(void **state)
 {
-    (void)state;
     enum { TICKS = 26000 };
     static ss_bare_tick tick[TICKS];
     static ss_session_status status[STATUSES];
@@ -148,7 +144,6 @@ static void figures_come_from_the_run_alone(void **state)
 
 static void sums_that_do_not_add_up_are_found(void **state)
 {
-    (void)state;
     static ss_bare_tick tick[100];
     static ss_session_status status[STATUSES];
     ss_session session;
@@ -175,7 +170,6 @@ static void sums_that_do_not_add_up_are_found(void **state)
 
 static void only_first_answers_within_the_run_count(void **state)
 {
-    (void)state;
     ss_session session = {.begin_ns = SECOND_NS, .end_ns = 2LL * SECOND_NS};
     ss_figures figures = {.window_count = 0};
     softsim_error error = {.status = SOFTSIM_OK};
@@ -202,7 +196,6 @@ static void only_first_answers_within_the_run_count(void **state)
 
 static void a_bridges_log_is_timed_by_its_ticks(void **state)
 {
-    (void)state;
     ss_judge_log log;
     softsim_error error = {.status = SOFTSIM_OK};
     const char *path = write_text("hand.csv", "tick,x,y,z,vx,fx,fy,fz\n"
@@ -222,7 +215,6 @@ static void a_bridges_log_is_timed_by_its_ticks(void **state)
 
 static void bridge_arguments_are_read_without_a_shell(void **state)
 {
-    (void)state;
     char value[64];
     const char *word[3];
     const char *path = write_text("p.sh", "# X_SECOND=no\nOTHER=\"a\"\n"
@@ -249,7 +241,6 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
 
 static void a_page_is_escaped_and_complete_or_not_there(void **state)
 {
-    (void)state;
     static char text[65536];
     ss_page page;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -294,7 +285,6 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
 /* With a PATH in which there is nothing. */
 static void a_report_without_gnuplot_says_so_before_and_after(void **state)
 {
-    (void)state;
     char text[4096], kept_path[4096];
     ss_page page;
     ss_output script;
@@ -328,7 +318,6 @@ static void a_report_without_gnuplot_says_so_before_and_after(void **state)
 
 static void a_csv_field_is_quoted_where_it_must_be(void **state)
 {
-    (void)state;
     char text[128];
     FILE *file = open_file("quote.csv");
     ss_csv_text(file, "plain: text");
@@ -352,7 +341,6 @@ static void make_inner(const char *in, const char *name, bool is_folder)
 /* No softsim-mesh is beside this test, so that every run is lost at once: its row is there. */
 static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
 {
-    (void)state;
     char out[128], *argv[] = {"softsim-bench ablation", "--out", out, NULL};
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -374,7 +362,6 @@ static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
 
 static void temporary_folders_go_with_what_is_in_them(void **state)
 {
-    (void)state;
     char one[SS_SCRATCH_PATH], other[SS_SCRATCH_PATH], kept[SS_SCRATCH_PATH], link[512];
     softsim_error error = {.status = SOFTSIM_OK};
     const char *outside = write_text("good.csv", "");
@@ -411,7 +398,6 @@ static void temporary_folders_go_with_what_is_in_them(void **state)
 
 static void temporary_folders_are_made_where_it_is_said_if_that_can_be(void **state)
 {
-    (void)state;
     char path[SS_SCRATCH_PATH], far[2 * SS_SCRATCH_PATH] = "/tmp";
     softsim_error error = {.status = SOFTSIM_OK};
     while (strlen(far) < SS_SCRATCH_PATH) {
@@ -442,7 +428,6 @@ static int run(const char *const *argv, double timeout_s)
 
 static void children_are_reaped_with_their_status(void **state)
 {
-    (void)state;
     static const char *const three[] = {"sh", "-c", "exit 3", NULL};
     static const char *const none[] = {"/nowhere/program", NULL};
     static const char *const endless[] = {"sleep", "1000", NULL};
@@ -471,7 +456,6 @@ static void children_are_reaped_with_their_status(void **state)
 /* The speed of fem is measured on what was asked for, and its figures belong together. */
 static void speed_of_tetrahedra_adds_up(void **state)
 {
-    (void)state;
     const ss_yardstick yardstick = {.fma_gflops = 100.0, .bandwidth_gb_s = 20.0};
     ss_fem_speed_case what = {.elements = 1500, .rounds = 3};
     ss_fem_speed plain, other;
@@ -498,7 +482,6 @@ static int remove_files(void **state)
 {
     static const char *const names[] = {"answers.csv", "good.csv",   "hand.csv", "p.sh",
                                         "quote.csv",   "before.txt", "after.txt"};
-    (void)state;
     return remove_only(names, sizeof names / sizeof *names);
 }
 

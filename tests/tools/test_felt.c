@@ -69,7 +69,6 @@ static double tapping(double t)
 
 static void quiet_press_is_good_in_all(void **state)
 {
-    (void)state;
     plant(still, 0);
     judge();
     assert_int_equal(felt.contacts, 1);
@@ -88,7 +87,6 @@ static void quiet_press_is_good_in_all(void **state)
  * s, sums in closed form. */
 static void delay_hands_out_the_closed_form(void **state)
 {
-    (void)state;
     for (int delay = 2; delay <= 10; delay += 4) {
         plant(poke, delay);
         judge();
@@ -103,7 +101,6 @@ static void delay_hands_out_the_closed_form(void **state)
 /* 0.2 mm at 40 Hz; its force through two first-order stages at 30 Hz: (40/30)^2/(1 + (40/30)^2). */
 static void chatter_and_buzz_are_found(void **state)
 {
-    (void)state;
     plant(shaking, 0);
     judge();
     assert_near(felt.chatter_m.value, 0.2e-3, 0.03 * 0.2e-3);
@@ -116,7 +113,6 @@ static void chatter_and_buzz_are_found(void **state)
 
 static void steps_break_continuity(void **state)
 {
-    (void)state;
     plant(still, 0);
     for (int i = 0; i < ROWS; ++i) {
         row[i].f[2] += row[i].f[2] > 1.0 && i / 16 % 2 == 0 ? 0.3 : 0.0;
@@ -128,7 +124,6 @@ static void steps_break_continuity(void **state)
 
 static void bounces_are_counted(void **state)
 {
-    (void)state;
     plant(tapping, 0);
     judge();
     assert_int_equal(felt.contacts, 32);
@@ -138,7 +133,6 @@ static void bounces_are_counted(void **state)
 
 static void age_and_prediction_are_read(void **state)
 {
-    (void)state;
     plant(still, 0);
     for (int i = 0; i < ROWS; ++i) {
         row[i].flags = i % 4 == 0 ? 0 : SOFTSIM_FORCE_PREDICTED;
@@ -152,7 +146,6 @@ static void age_and_prediction_are_read(void **state)
 
 static void free_motion_gets_no_verdict(void **state)
 {
-    (void)state;
     plant(poke, 0);
     for (int i = 0; i < ROWS; ++i) {
         row[i].f[2] = 0.0;
@@ -167,7 +160,6 @@ static void free_motion_gets_no_verdict(void **state)
 
 static void bad_logs_are_refused(void **state)
 {
-    (void)state;
     const ss_felt_options options = {0};
     plant(still, 0);
     assert_int_equal(ss_felt_judge(row, 1, &options, &felt), SOFTSIM_ERROR_ARGUMENT);

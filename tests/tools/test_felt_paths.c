@@ -57,7 +57,6 @@ static ss_scene *load_plane(void)
 
 static void a_sheet_is_pressed_in_its_middle(void **state)
 {
-    (void)state;
     ss_scene *scene = load_plane();
     ss_felt_place place;
     assert_true(ss_felt_find_place(scene, &place));
@@ -81,7 +80,6 @@ static void a_sheet_is_pressed_in_its_middle(void **state)
 
 static void bundled_bodies_are_pressed_from_outside(void **state)
 {
-    (void)state;
     static const char *const name[] = {"kidney", "liver", "ventricle"};
     for (size_t k = 0; k < sizeof name / sizeof *name; ++k) {
         char path[4096];
@@ -118,7 +116,6 @@ static void depth_at(const ss_felt_place *place, ss_felt_path path, double t, do
 
 static void paths_have_the_speeds_of_their_names(void **state)
 {
-    (void)state;
     const ss_felt_place place = {.normal = {0.0, 0.0, 1.0},
                                  .along = {1.0, 0.0, 0.0},
                                  .reach_m = 0.004,
@@ -167,7 +164,6 @@ static void paths_have_the_speeds_of_their_names(void **state)
 
 static void a_force_that_is_a_tenth_more_is_a_tenth_off(void **state)
 {
-    (void)state;
     enum { N = 1000 };
     static double reference_n[N][3], more_n[N][3];
     for (int k = 0; k < N; ++k) {
@@ -204,7 +200,6 @@ static int run(const char *arguments)
 
 static void a_rate_compared_with_itself_differs_in_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char arguments[4096], line[1024];
     snprintf(arguments, sizeof arguments,
@@ -232,7 +227,6 @@ static void a_rate_compared_with_itself_differs_in_nothing(void **state)
 /* Contact stiffness is the scene's: 60 Hz gave a third of the force at 1000 Hz. */
 static void a_held_press_is_the_same_at_every_rate(void **state)
 {
-    (void)state;
     static const struct {
         const char *name;
         const char *set;
@@ -269,7 +263,6 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
 /* A contact that real time plans is the one that softsim-run, lockstep and reports have. */
 static void what_is_planned_does_not_depend_on_a_clock(void **state)
 {
-    (void)state;
     static const char *const mode[] = {"", "--lockstep"};
     char contact[2][512] = {"", ""};
     for (int i = 0; i < 2; ++i) {
@@ -293,7 +286,6 @@ static void what_is_planned_does_not_depend_on_a_clock(void **state)
 
 static void wrong_arguments_are_named(void **state)
 {
-    (void)state;
     static const char *const wrong[] = {"--scene a/b.yaml --scene b.yaml",
                                         "--rates 5",
                                         "--rates 60,,90",

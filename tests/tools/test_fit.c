@@ -82,7 +82,6 @@ static ss_solve solve_law(law *l, double start0, double start1)
 
 static void two_unknowns_are_found_from_far_away(void **state)
 {
-    (void)state;
     law l = {.p = {2.0, 3.0}};
     const ss_solve s = solve_law(&l, 0.02, 200.0);
     assert_true(s.has_settled);
@@ -95,7 +94,6 @@ static void two_unknowns_are_found_from_far_away(void **state)
 
 static void a_product_is_told_as_a_combination(void **state)
 {
-    (void)state;
     law l = {.p = {2.0, 3.0}, .is_product = true};
     const ss_solve s = solve_law(&l, 1.0, 1.0);
     assert_near(exp(s.x[0] + s.x[1]), 6.0, 1e-3);
@@ -110,7 +108,6 @@ static void a_product_is_told_as_a_combination(void **state)
 
 static void an_unknown_without_effect_stays_and_has_a_range(void **state)
 {
-    (void)state;
     law l = {.p = {2.0, 1e-7}}; /* the cubic part is nowhere to be seen */
     const ss_solve s = solve_law(&l, 1.0, 1e-4);
     assert_near(exp(s.x[0]), 2.0, 1e-3);
@@ -124,7 +121,6 @@ static void an_unknown_without_effect_stays_and_has_a_range(void **state)
 
 static void an_answer_at_a_bound_is_told(void **state)
 {
-    (void)state;
     law l = {.p = {2.0, 3.0}};
     ss_solve s = {.n = 2,
                   .m = 10,
@@ -145,7 +141,6 @@ static void an_answer_at_a_bound_is_told(void **state)
 
 static void bad_curves_are_refused_with_their_line(void **state)
 {
-    (void)state;
     static const struct {
         const char *text, *fault;
     } bad[] = {
@@ -178,7 +173,6 @@ static void bad_curves_are_refused_with_their_line(void **state)
 
 static void columns_may_stand_in_any_order(void **state)
 {
-    (void)state;
     ss_curve curve;
     error = (softsim_error){0};
     write_text("c.csv", "region,force_n,depth_m\n1,3,0.001\n1,4,0.002\n");
@@ -275,7 +269,6 @@ static void gather(void *sink, const char *line)
 
 static void parameters_come_back_from_their_own_curve(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static ss_fit fit;
     const char *truth[] = {tool, "model.modulus_j=11", "model.pretension_j=0.4"};
@@ -293,7 +286,6 @@ static void parameters_come_back_from_their_own_curve(void **state)
 
 static void a_parameter_that_no_force_depends_on_is_told(void **state)
 {
-    (void)state;
     static ss_fit fit;
     char text[4096] = "";
     const char *truth[] = {tool, "model.pretension_j=0.4"};
@@ -312,7 +304,6 @@ static void a_parameter_that_no_force_depends_on_is_told(void **state)
 
 static void a_patch_and_a_relaxation_give_the_damping(void **state)
 {
-    (void)state;
     static ss_fit fit;
     const char *truth[] = {"model.damping_n_s_per_m3=16000"};
     const char *wanted[] = {"model.damping_n_s_per_m3"};
@@ -327,7 +318,6 @@ static void a_patch_and_a_relaxation_give_the_damping(void **state)
 /* A plate of links: the data of one without slack have no toe. */
 static void alpha_is_not_told_without_a_toe(void **state)
 {
-    (void)state;
     static ss_fit fit;
     char text[4096] = "";
     const char *truth[] = {CHAIN, "model.alpha=0.000001"}, *set[] = {CHAIN};
@@ -356,7 +346,6 @@ static void alpha_is_not_told_without_a_toe(void **state)
 
 static void the_press_is_where_and_as_it_is_said_to_be(void **state)
 {
-    (void)state;
     const char *set[] = {tool};
     const ss_press_scene scene = {in_folder("plate.yaml"), set, 1};
     ss_press press;
@@ -398,7 +387,6 @@ static void the_press_is_where_and_as_it_is_said_to_be(void **state)
 
 static void parameters_are_chosen_and_checked(void **state)
 {
-    (void)state;
     ss_fit_parameter p[SS_FIT_MAX_PARAMETERS];
     const char *path = in_folder("plate.yaml");
     error = (softsim_error){0};
@@ -432,7 +420,6 @@ static void parameters_are_chosen_and_checked(void **state)
 
 static void regions_are_fitted_by_entry(void **state)
 {
-    (void)state;
     ss_fit_parameter p[SS_FIT_MAX_PARAMETERS];
     const char *set[] = {
         "model.rest_stiffness_n_per_m3=[{where: {box_m: [[0, -1, -1], [1, 1, 1]]}, "
@@ -446,7 +433,6 @@ static void regions_are_fitted_by_entry(void **state)
 /* Two halves of different stiffness, each pressed in its own middle, fitted together. */
 static void two_curves_tell_two_regions(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static ss_fit fit;
     const char *halves =
@@ -501,7 +487,6 @@ static int run_program(const char *const *argument)
 
 static void the_program_writes_the_scene_with_its_origin(void **state)
 {
-    (void)state;
     char text[8192], told[4096];
     const char *truth[] = {tool, "model.modulus_j=11"};
     make_curve("press.csv", false, 0.012, 6, 0.012, truth, 2, NULL);
@@ -533,7 +518,6 @@ static void the_program_writes_the_scene_with_its_origin(void **state)
 
 static void the_program_refuses_what_is_wrong(void **state)
 {
-    (void)state;
     char told[4096];
     write_text("bad.csv", "depth_m,force_n\n");
     write_text("deep.csv", "depth_m,force_n\n1,1\n2,3\n");
@@ -570,7 +554,6 @@ static void the_program_refuses_what_is_wrong(void **state)
 
 static void a_reference_case_is_fitted_level_by_level(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char told[4096], text[8192];
     const char *out = in_folder("case.yaml");

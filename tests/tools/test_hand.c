@@ -48,7 +48,6 @@ static ss_hand_account judge_track(const track *of)
  * much to what holds it an answer later; nothing to what goes evenly. */
 static void a_sampled_spring_hands_out_what_its_steps_leave(void **state)
 {
-    (void)state;
     static track t;
     const double stiffness = 500.0, depth = 0.008;
     for (int32_t steps = 1; steps <= 64; steps *= 4) {
@@ -69,7 +68,6 @@ static void a_sampled_spring_hands_out_what_its_steps_leave(void **state)
 /* A torque works on the shorter way round; contacts that follow within 20 ms are one. */
 static void torque_works_and_what_chatters_is_one_contact(void **state)
 {
-    (void)state;
     static track t;
     const double torque = 0.2, angle = 0.1;
     t.count = 0;
@@ -128,7 +126,6 @@ static void make_press(planted what, track *out)
 
 static void what_makes_energy_is_found(void **state)
 {
-    (void)state;
     static track t;
     const double work = 0.5 * 500.0 * 0.01 * 0.01; /* 25 mJ */
     static const struct {
@@ -149,7 +146,6 @@ static void what_makes_energy_is_found(void **state)
 /* What was stored while a tool was let in is the hand's to get, and no more. */
 static void what_was_let_in_does_not_drive(void **state)
 {
-    (void)state;
     static track t;
     for (int is_let_in = 0; is_let_in < 2; ++is_let_in) {
         t.count = 0;
@@ -171,7 +167,6 @@ static void what_was_let_in_does_not_drive(void **state)
  * holds its forces is handed. */
 static void the_watch_and_the_judge_agree_on_random_tracks(void **state)
 {
-    (void)state;
     static track t;
     int32_t told_runs = 0, quiet_runs = 0;
     for (int run = 0; run < 300; ++run) {

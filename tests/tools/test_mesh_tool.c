@@ -115,7 +115,6 @@ static const struct {
 
 static void each_fault_has_its_count_numbers_and_exit_status(void **state)
 {
-    (void)state;
     for (int32_t i = 0; i < COUNT(faults); ++i) {
         char command[256];
         char out[16384];
@@ -135,7 +134,6 @@ static void each_fault_has_its_count_numbers_and_exit_status(void **state)
 
 static void lengths_are_the_files_own_unless_units_are_given(void **state)
 {
-    (void)state;
     char out[8192];
     write_text("two.obj",
                "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -169,7 +167,6 @@ static double number_after(const char *text, const char *word)
 
 static void each_model_tells_its_stable_step_and_memory(void **state)
 {
-    (void)state;
     char out[8192];
     double bytes[2];
     for (int i = 0; i < 2; ++i) {
@@ -201,7 +198,6 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
 
 static void formats_and_units_are_converted(void **state)
 {
-    (void)state;
     char out[4096];
     write_text("good.obj", CUBE_V CUBE_F);
     assert_int_equal(run(TOOL "convert good.obj good.msh --units m --to-units mm", out, sizeof out),
@@ -224,7 +220,6 @@ static void formats_and_units_are_converted(void **state)
 
 static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
 {
-    (void)state;
     char out[4096];
     /* Kuhn's six of a cube, two inverted; node 9 loose, 10 on top of 1; the third is there twice.
      */
@@ -252,7 +247,6 @@ static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
 
 static void repair_tells_what_it_leaves(void **state)
 {
-    (void)state;
     char out[4096];
     /* A pyramid without its base, one side twice. */
     write_text("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
@@ -268,7 +262,6 @@ static void repair_tells_what_it_leaves(void **state)
 /* The help names the groups that are written, and no others. */
 static void help_names_the_groups_of_each_shape(void **state)
 {
-    (void)state;
     static const char *const shapes[] = {"kidney",     "liver", "ellipsoid", "ventricle",
                                          "ellipsoids", "block", "beam",      "cylinder"};
     char help[8192], out[8192], command[256];
@@ -296,7 +289,6 @@ static void help_names_the_groups_of_each_shape(void **state)
 
 static void the_input_is_replaced_only_when_asked(void **state)
 {
-    (void)state;
     char out[4096];
     write_text("mine.obj", CUBE_V CUBE_F);
     const struct {
@@ -331,7 +323,6 @@ static void the_input_is_replaced_only_when_asked(void **state)
 /* With a program of that name, or none, on the path. */
 static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
 {
-    (void)state;
     char out[4096];
     write_text("good.obj", CUBE_V CUBE_F);
     write_text("open.obj", CUBE_V "f 1 3 4\nf 1 4 2\n");
@@ -379,7 +370,6 @@ static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
 
 static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
 {
-    (void)state;
     char out[4096];
     if (run("command -v tetgen", out, sizeof out) != 0) {
         print_message("tetgen is not installed: not tested\n");
@@ -412,7 +402,6 @@ static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
 
 static void cavities_stay_hollow(void **state)
 {
-    (void)state;
     char out[4096];
     if (run("command -v tetgen", out, sizeof out) != 0) {
         print_message("tetgen is not installed: not tested\n");

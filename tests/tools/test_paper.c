@@ -48,7 +48,6 @@ static void start(void)
 
 static void claims_pass_within_their_bounds_only(void **state)
 {
-    (void)state;
     start();
     const double none = (double)NAN;
     ss_claim_near(&paper, "Fig. 4", SS_FROM_PAPER, 1.0, 1.0199, 0.02, "a");
@@ -72,7 +71,6 @@ static void claims_pass_within_their_bounds_only(void **state)
 
 static void the_list_of_claims_is_bounded(void **state)
 {
-    (void)state;
     start();
     for (int k = 0; k < SS_PAPER_MAX_CLAIMS + 10; ++k) {
         ss_claim_at_most(&paper, "Fig. 4", SS_FROM_PAPER, 1.0, 0.0, "claim %d", k);
@@ -84,7 +82,6 @@ static void the_list_of_claims_is_bounded(void **state)
 
 static void claims_are_written_with_tolerance_and_source(void **state)
 {
-    (void)state;
     char text[2048];
     start();
     ss_claim_near(&paper, "Fig. 4", SS_FROM_CODE, 0.5, 0.501, 0.02, "depth, \"U\", %d N", 3);
@@ -103,7 +100,6 @@ static void claims_are_written_with_tolerance_and_source(void **state)
 
 static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
 {
-    (void)state;
     start();
     ss_claim_near(&paper, "Fig. 4", SS_FROM_FORM, 0.0, 0.0, 0.02, "still");
     assert_string_equal(paper.claim[0].measured, "0");
@@ -118,7 +114,6 @@ static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
 
 static void the_closing_note_names_what_does_not_pass_with_its_search(void **state)
 {
-    (void)state;
     char text[8192];
     start();
     assert_int_equal(ss_page_open(&paper.page, folder, "page", "title", &error), SOFTSIM_OK);
@@ -141,7 +136,6 @@ static void the_closing_note_names_what_does_not_pass_with_its_search(void **sta
 
 static void the_page_shows_each_claim_once(void **state)
 {
-    (void)state;
     char text[8192];
     start();
     assert_int_equal(ss_page_open(&paper.page, folder, "page", "title", &error), SOFTSIM_OK);
@@ -180,7 +174,6 @@ static softsim_status stops(ss_paper *of, softsim_error *fault)
 
 static void sections_run_in_order_up_to_the_first_that_fails(void **state)
 {
-    (void)state;
     static const ss_paper_section sections[] = {
         {"One", works, 1.0}, {"Two", works, 2.0}, {"Three", stops, 4.0}, {"Four", works, 8.0}};
     char text[8192];
@@ -246,7 +239,6 @@ static ss_zhong_net *make_hexagon(int32_t triangle[6][3], double rho)
 
 static void a_hexagon_is_as_solved_by_hand(void **state)
 {
-    (void)state;
     int32_t triangle[6][3];
     ss_zhong_net *net = make_hexagon(triangle, 0.05);
     assert_int_equal(net->edge_count, 12);
@@ -276,7 +268,6 @@ static void a_hexagon_is_as_solved_by_hand(void **state)
 /* At its bound the cell's current is K/ghat: z = F/(ks + 6 rho K/h^2). */
 static void a_bounded_hexagon_is_as_solved_by_hand(void **state)
 {
-    (void)state;
     int32_t triangle[6][3];
     const double rho = 0.05, bound = 0.2;
     ss_zhong_net *net = make_hexagon(triangle, rho);
@@ -299,7 +290,6 @@ static void a_bounded_hexagon_is_as_solved_by_hand(void **state)
  * lengths add up to three volumes. */
 static void a_tetrahedron_parts_its_volume_among_cells_and_faces(void **state)
 {
-    (void)state;
     static const double position[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     static const int32_t tetrahedron[1][4] = {{0, 1, 2, 3}};
     const double volume = 8.0 / 3.0;
@@ -318,7 +308,6 @@ static void a_tetrahedron_parts_its_volume_among_cells_and_faces(void **state)
 
 static void a_tube_has_the_printed_coefficients(void **state)
 {
-    (void)state;
     /* Rings at uneven heights; across twice as much. */
     static const double height[4] = {0.0, 0.5, 0.8, 1.6};
     double position[4 * 6][3];
@@ -352,7 +341,6 @@ static void a_tube_has_the_printed_coefficients(void **state)
 
 static void the_direction_counts_on_triangles(void **state)
 {
-    (void)state;
     static const double position[4][3] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 0, 1}};
     static const int32_t triangle[2][3] = {{0, 2, 1}, {2, 3, 1}};
     static const double axis[3] = {0, 0, 1};
@@ -372,7 +360,6 @@ static void the_direction_counts_on_triangles(void **state)
 
 static void an_indefinite_matrix_is_refused(void **state)
 {
-    (void)state;
     double good[4] = {4.0, 0.0, 2.0, 3.0}, b[4] = {2.0, 1.0, 8.0, 8.0};
     double bad[4] = {1.0, 0.0, 2.0, 1.0};
     assert_true(ss_zhong_cholesky(2, good, 2, b));
@@ -387,7 +374,6 @@ static void an_indefinite_matrix_is_refused(void **state)
 
 static void hookes_law_is_the_isotropic_one_where_moduli_agree(void **state)
 {
-    (void)state;
     double c[6][6];
     const double young = 60.0, nu = 0.3;
     const double mu = 0.5 * young / (1.0 + nu), lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
@@ -425,7 +411,6 @@ static double hexagon_depth(ss_zhong_source source, double force, double ks, dou
 
 static void the_closure_returns_and_the_work_of_the_force_cancels(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double left;
     const double z = hexagon_depth(SS_ZHONG_CLOSURE, 0.5, 0.3, &left);
@@ -448,7 +433,6 @@ static void the_closure_returns_and_the_work_of_the_force_cancels(void **state)
 
 static void what_the_program_refuses_is_told(void **state)
 {
-    (void)state;
     ss_trial_body body;
     char reason[256];
     start();
@@ -461,7 +445,6 @@ static void what_the_program_refuses_is_told(void **state)
 
 static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static ss_tube tube;
     static double u[SS_TUBE_POINTS][3];
@@ -487,7 +470,6 @@ static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
 
 static void faces_are_drawn_from_far_to_near(void **state)
 {
-    (void)state;
     static const double rest[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                       {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     static const double u[8][3] = {{0}};
@@ -534,7 +516,6 @@ static int run_quietly(int argc, char **argv)
 
 static void wrong_arguments_are_refused(void **state)
 {
-    (void)state;
     char program[] = "softsim-bench paper", unknown[] = "zhong2007", known[] = "zhong2006";
     char *none[] = {program, NULL}, *wrong[] = {program, unknown, NULL};
     char option[] = "--fast", out[] = "--out", nowhere[] = "/dev/null/report";

@@ -29,7 +29,6 @@ static ss_heart_own own;
 /* A cube of 1 in five tetrahedra about its middle one, with its surface. */
 static int make_cube(void **state)
 {
-    (void)state;
     static const double position[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
                                           {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
     static const int32_t tetrahedron[5][4] = {
@@ -45,7 +44,6 @@ static int make_cube(void **state)
 
 static int free_cube(void **state)
 {
-    (void)state;
     ss_mesh_destroy(&mesh);
     return 0;
 }
@@ -76,7 +74,6 @@ static double elastic_now(void)
 /* P of a confined stretch by s, by hand: (lambda + 2 mu)/2 s (s^2 - 1). */
 static void a_confined_stretch_is_as_by_hand(void **state)
 {
-    (void)state;
     static const double stretch[3] = {0.8, 1.2, 1.5}, wanted[3] = {-1.512, 2.772, 9.84375};
     for (int k = 0; k < 3; ++k) {
         start();
@@ -95,7 +92,6 @@ static void a_confined_stretch_is_as_by_hand(void **state)
 
 static void a_rigid_motion_costs_nothing(void **state)
 {
-    (void)state;
     start();
     own.phi = own.psi = 1.0;
     for (int32_t i = 0; i < 8; ++i) {
@@ -115,7 +111,6 @@ static void a_rigid_motion_costs_nothing(void **state)
 /* Also where the guard of squeezed elements acts. */
 static void forces_are_the_slope_of_the_energy(void **state)
 {
-    (void)state;
     for (int guarded = 0; guarded < 2; ++guarded) {
         start();
         own.is_guarded = guarded == 1;
@@ -142,7 +137,6 @@ static void forces_are_the_slope_of_the_energy(void **state)
 /* Below the step that it names a free body's small motion stays, above it does not. */
 static void the_stable_step_is_one(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; ++k) {
         double step;
         start();
@@ -163,7 +157,6 @@ static void the_stable_step_is_one(void **state)
 
 static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
 {
-    (void)state;
     start();
     own.radius = 0.5;
     own.stiffness = 100.0;
@@ -186,7 +179,6 @@ static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
 
 static void the_pair_curve_is_the_printed_one(void **state)
 {
-    (void)state;
     static ss_paper paper;
     softsim_error error = {.status = SOFTSIM_OK};
     paper.name = "hybrid";

@@ -41,7 +41,6 @@ static ss_mesh *make_pair(void)
 
 static void distances_are_relative_and_weighted(void **state)
 {
-    (void)state;
     const double u[2][3] = {{3, 0, 0}, {0, 4, 0}}, v[2][3] = {{3, 4, 0}, {0, 4, 3}};
     const double weight[2] = {1.0, 3.0};
     assert_near(ss_zhang_distance(2, u, v, NULL), sqrt(25.0 / 50.0), 1e-15);
@@ -51,7 +50,6 @@ static void distances_are_relative_and_weighted(void **state)
 
 static void volumes_are_shared_and_inversions_counted(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_pair();
     double volume[5], u[5][3] = {{0.0}};
     ss_zhang_volumes(mesh, volume);
@@ -68,7 +66,6 @@ static void volumes_are_shared_and_inversions_counted(void **state)
 
 static void roughness_is_what_neighbours_do_not_do(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_pair();
     const uint8_t fixed[5] = {7, 7, 7, 0, 7};
     double u[5][3];
@@ -101,7 +98,6 @@ static ss_zhang_setup network(void)
 
 static void refusals_are_told(void **state)
 {
-    (void)state;
     ss_zhang_run run;
     ss_zhang_setup setup = network();
     setup.model = "jelly";
@@ -127,7 +123,6 @@ static void refusals_are_told(void **state)
 
 static void the_patch_goes_in_and_comes_back(void **state)
 {
-    (void)state;
     static double u[SS_PLANE_NODES][3];
     ss_zhang_run run;
     const ss_zhang_setup setup = network();
@@ -175,7 +170,6 @@ static void start_link(ss_zhang_own *own, bool is_one_fixed)
  * squeezed; a slack link does nothing. */
 static void a_link_relaxes_as_worked_out_by_hand(void **state)
 {
-    (void)state;
     static const double length[3] = {1.6, 0.4, 1.05}, end[3] = {1.1, 0.9, 1.05};
     for (int k = 0; k < 6; ++k) {
         ss_zhang_own own;
@@ -199,7 +193,6 @@ static void a_link_relaxes_as_worked_out_by_hand(void **state)
 
 static void the_own_network_settles_to_one_force_by_two_algorithms(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     ss_zhang_own slow, quick;
     assert_int_equal(ss_zhang_plane_own(&plane, SS_OWN_KEEP, NULL, &slow, &error), SOFTSIM_OK);
@@ -218,7 +211,6 @@ static void the_own_network_settles_to_one_force_by_two_algorithms(void **state)
 /* The first link of a pushed row is brought to (1 + alpha) along itself, the others after it. */
 static void a_row_of_chainmail_follows_link_by_link(void **state)
 {
-    (void)state;
     double at[4][2];
     ss_zhang_own_row(4, 0.1, 0.4, 1, at);
     assert_near(at[0][1], 0.4, 1e-15);
@@ -259,7 +251,6 @@ static void compare(const ss_zhang_setup *setup, const double *stiffness_of)
 
 static void forces_are_those_of_the_own_network(void **state)
 {
-    (void)state;
     if (!ss_zhang_has("cnn-chainmail")) {
         skip();
     }
@@ -269,7 +260,6 @@ static void forces_are_those_of_the_own_network(void **state)
 
 static void two_tissues_are_those_of_the_own_network(void **state)
 {
-    (void)state;
     static double stiffness[SS_PLANE_NODES];
     if (!ss_zhang_has("cnn-chainmail")) {
         skip();
@@ -287,7 +277,6 @@ static void two_tissues_are_those_of_the_own_network(void **state)
 /* The section of the report: three claims, of which none is known to fail. */
 static void the_section_on_two_tissues_passes(void **state)
 {
-    (void)state;
     static ss_paper paper;
     static ss_zhang zhang;
     if (!ss_zhang_has("cnn-chainmail")) {
@@ -312,13 +301,11 @@ static void the_section_on_two_tissues_passes(void **state)
 
 static int make_plane(void **state)
 {
-    (void)state;
     return ss_zhang_plane_init(&plane, &error) == SOFTSIM_OK ? 0 : -1;
 }
 
 static int free_plane(void **state)
 {
-    (void)state;
     ss_zhang_plane_fini(&plane);
     return 0;
 }

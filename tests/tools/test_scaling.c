@@ -46,7 +46,6 @@ static bool begins(const char *text, const char *with)
 
 static void every_row_has_a_time_and_names_its_solver(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char command[512], path[128];
     ss_table table;
@@ -102,7 +101,6 @@ static double highest(const ss_body_run *run)
 
 static void fields_are_those_of_a_direct_solve(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     ss_body body;
     ss_body_run load, all, part, pull;
@@ -131,7 +129,6 @@ static void fields_are_those_of_a_direct_solve(void **state)
 /* A direct solve that fails leaves its reason, and the run as it was. */
 static void a_missing_direct_solve_is_told(void **state)
 {
-    (void)state;
     ss_body body;
     ss_body_run run;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -203,7 +200,6 @@ static double fan_height(const fan *f, double start)
 
 static void a_direct_solve_finds_the_known_answer(void **state)
 {
-    (void)state;
     fan f;
     make_fan(&f);
     const double square = fan_edge * fan_edge;
@@ -236,7 +232,6 @@ static void a_direct_solve_finds_the_known_answer(void **state)
 
 static void a_direct_solve_says_what_it_cannot_do(void **state)
 {
-    (void)state;
     fan f;
     make_fan(&f);
     double u[RIM + 1][3] = {{0.0}};

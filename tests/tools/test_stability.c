@@ -41,7 +41,6 @@ static double volume_of(const ss_specimen *s, int32_t t)
 
 static void the_specimen_is_a_mesh_at_every_flatness(void **state)
 {
-    (void)state;
     static ss_specimen s;
     double whole = 0.0, regular = 1.0;
     for (double flatness = 1.0; flatness > 5e-7; flatness *= 0.1) {
@@ -66,7 +65,6 @@ static void the_specimen_is_a_mesh_at_every_flatness(void **state)
 
 static void inverted_elements_are_counted(void **state)
 {
-    (void)state;
     static ss_specimen s;
     static double u[SS_SPECIMEN_NODES][3];
     ss_specimen_make(1.0, &s);
@@ -135,7 +133,6 @@ static uint32_t audit_spring(defect what, bool has_work, bool is_rested)
 
 static void the_audit_finds_what_is_wrong_and_nothing_else(void **state)
 {
-    (void)state;
     static const struct {
         defect what;
         uint32_t found;
@@ -159,7 +156,6 @@ static void the_audit_finds_what_is_wrong_and_nothing_else(void **state)
 
 static void a_verdict_agrees_when_it_owns_up(void **state)
 {
-    (void)state;
     assert_true(ss_audit_agrees(0, SOFTSIM_VERDICT_GOOD));
     assert_true(ss_audit_agrees(0, SOFTSIM_VERDICT_FAULT));
     for (int k = 0; k < SS_AUDIT_KINDS; ++k) {
@@ -188,7 +184,6 @@ static int compare_text(const void *a, const void *b)
 
 static void every_model_of_the_program_is_tried(void **state)
 {
-    (void)state;
     int32_t models = 0;
     const ss_model_class *const *table = ss_model_table(&models);
     for (int32_t m = 0; m < models; ++m) {
@@ -202,7 +197,6 @@ static void every_model_of_the_program_is_tried(void **state)
 
 static void every_run_is_listed_once(void **state)
 {
-    (void)state;
     static const char *const all[] = {NULL};
     ss_stability list, quick;
     assert_true(ss_stability_list(&list, all, false));
@@ -225,7 +219,6 @@ static void every_run_is_listed_once(void **state)
 
 static void what_a_run_leaves_is_read_back(void **state)
 {
-    (void)state;
     char good[] = "1 2 9 0 3\nwhat acted\na,b,c\n", silent[] = "0 0 0 1 0\n\nd,e\n";
     char lost[] = "crashed: Killed";
     ss_sweep_run run[] = {{false, good}, {false, silent}, {true, lost}};
@@ -263,7 +256,6 @@ static ss_stress_case_result run_of(int32_t subject, ss_stress_case_kind kind, d
 
 static void a_light_load_is_stable_and_its_work_adds_up(void **state)
 {
-    (void)state;
     for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         const ss_stress_case_result r = run_of(s, SS_STRESS_CASE_CONTROL, 1e4, 0.0, 0);
         if (!r.is_agreed) {
@@ -278,7 +270,6 @@ static void a_light_load_is_stable_and_its_work_adds_up(void **state)
 /* A report whose controls are all refused has shown nothing. */
 static void what_must_be_stable_may_not_be_refused(void **state)
 {
-    (void)state;
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTROL, 1e40, 0.0, 0);
     assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
     assert_false(r.is_agreed);
@@ -287,7 +278,6 @@ static void what_must_be_stable_may_not_be_refused(void **state)
 /* What a body does does not depend on its stiffness, hence neither does what is said of it. */
 static void a_soft_body_owns_up_as_a_stiff_one_does(void **state)
 {
-    (void)state;
     for (double stiffness = 1.0; stiffness < 1e5; stiffness *= 1e2) {
         assert_true(run_of(0, SS_STRESS_CASE_STEP, stiffness, 2.0, 0).is_agreed);
     }
@@ -295,7 +285,6 @@ static void a_soft_body_owns_up_as_a_stiff_one_does(void **state)
 
 static void contradictions_are_refused_by_name(void **state)
 {
-    (void)state;
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 2);
     assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
     assert_non_null(strstr(r.acted, "prescribed.1 holds node 112"));
@@ -304,7 +293,6 @@ static void contradictions_are_refused_by_name(void **state)
 
 static void a_teleport_is_refused_by_the_gate_and_said(void **state)
 {
-    (void)state;
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_TELEPORT, 1e6, 1.0, 0);
     assert_int_equal(r.outcome, SS_STRESS_CASE_GUARDED);
     assert_non_null(strstr(r.acted, "pose refused: jump"));
@@ -326,7 +314,6 @@ static int32_t count_commas(const char *line)
 /* The report has a row for every run, lost ones too, with every column of its head. */
 static void every_run_has_a_row_with_every_column(void **state)
 {
-    (void)state;
     ss_stress_case stress_case[] = {{0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 3},
                                     {0, SS_STRESS_CASE_FLATTENED, 1e4, 0.5, 1},
                                     {0, SS_STRESS_CASE_FLATTENED, 1e4, 0.1, 1}};
@@ -370,7 +357,6 @@ static int remove_report(void **state)
                                         "stability-contradiction.svg",
                                         "stability-flattened.gp",
                                         "stability-flattened.svg"};
-    (void)state;
     return remove_only(names, sizeof names / sizeof *names);
 }
 

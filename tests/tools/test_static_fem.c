@@ -149,7 +149,6 @@ static void test_rows(const char *mesh, const char *poisson, int every)
 
 static void stretches_as_the_closed_form(void **state)
 {
-    (void)state;
     test_rows("a_uniaxial/mesh_8.msh", "0.3", 1);
     test_rows("a_uniaxial/mesh_8.msh", "0.45", 2);
     test_rows("a_uniaxial/mesh_8.msh", "0.49", 2);
@@ -157,7 +156,6 @@ static void stretches_as_the_closed_form(void **state)
 
 static void passes_the_patch_test(void **state)
 {
-    (void)state;
     test_rows("a_uniaxial/mesh_125.msh", "0.45", 16);
 }
 
@@ -225,7 +223,6 @@ static void slab_at(ss_tissue_kind kind, double depth, const char *csv, const ch
 
 static void indents_the_slab_as_the_floor_says(void **state)
 {
-    (void)state;
     slab_at(SS_TISSUE_LINEAR, 0.001, "c_slab/reference_u_linear_300.csv", "1mm", 14.706, 12.451,
             0.67366);
     slab_at(SS_TISSUE_STVK, 0.005, "c_slab/reference_u_stvk_300.csv", "5mm", 20.490, 14.603,
@@ -236,7 +233,6 @@ static void indents_the_slab_as_the_floor_says(void **state)
 
 static void bends_the_beam_as_the_floor_says(void **state)
 {
-    (void)state;
     static const struct {
         ss_tissue_kind kind;
         double g, tip;
@@ -286,7 +282,6 @@ static int32_t find_pressed(const body *b, const char *name, int32_t (*out)[3])
 
 static void inflates_the_ventricle_as_the_floor_says(void **state)
 {
-    (void)state;
     body b;
     body_init(&b, "e_ventricle/mesh_400.msh", SS_TISSUE_NEO_HOOKEAN, 3e4, 0.45);
     hold_group(&b, "base", 7);
@@ -308,7 +303,6 @@ static void inflates_the_ventricle_as_the_floor_says(void **state)
 
 static void follows_the_stiffness_of_each_element(void **state)
 {
-    (void)state;
     body soft, hard;
     body_init(&soft, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 1e4, 0.3);
     body_init(&hard, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 1e4, 0.3);
@@ -334,7 +328,6 @@ static void follows_the_stiffness_of_each_element(void **state)
 
 static void goes_on_from_an_equilibrium(void **state)
 {
-    (void)state;
     body b;
     vector *further = calloc(8, sizeof *further);
     body_init(&b, "a_uniaxial/mesh_8.msh", SS_TISSUE_NEO_HOOKEAN, 1e4, 0.45);
@@ -365,7 +358,6 @@ static void goes_on_from_an_equilibrium(void **state)
 
 static void linear_call_is_the_linear_law(void **state)
 {
-    (void)state;
     body b;
     body_init(&b, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 2e3, 0.4);
     hold_group(&b, "x0", 7);
@@ -386,7 +378,6 @@ static void linear_call_is_the_linear_law(void **state)
 
 static void refuses_what_has_no_answer(void **state)
 {
-    (void)state;
     body b;
     body_init(&b, "a_uniaxial/mesh_8.msh", SS_TISSUE_LINEAR, 1e4, 0.3);
     assert_int_equal(ss_static_solve(&b.problem, b.u, NULL, NULL, &b.error), SOFTSIM_ERROR_MESH);

@@ -135,7 +135,6 @@ static void execute(const deed *what, int32_t jobs, ss_sweep_result *result)
 
 static void every_run_is_done_once_whatever_the_jobs(void **state)
 {
-    (void)state;
     for (int32_t jobs = 1; jobs <= 5; jobs += 2) {
         ss_sweep_result result;
         remove_all();
@@ -151,7 +150,6 @@ static void every_run_is_done_once_whatever_the_jobs(void **state)
 
 static void a_lost_run_is_a_result_with_its_reason(void **state)
 {
-    (void)state;
     static const deed bad = {.salt = "bad", .is_bad = true};
     ss_sweep_result result;
     remove_all();
@@ -176,7 +174,6 @@ static void a_lost_run_is_a_result_with_its_reason(void **state)
 
 static void a_killed_sweep_goes_on(void **state)
 {
-    (void)state;
     static const deed slow = {.salt = "slow", .pause_us = 20000};
     ss_sweep_result result;
     char log[256];
@@ -204,7 +201,6 @@ static void a_killed_sweep_goes_on(void **state)
 /* As a terminal does it: to the sweep and to its runs at once. */
 static void an_interrupted_sweep_loses_no_run(void **state)
 {
-    (void)state;
     static const deed slow = {.salt = "slow", .pause_us = 20000};
     ss_sweep_result result;
     char log[256];
@@ -232,7 +228,6 @@ static void an_interrupted_sweep_loses_no_run(void **state)
 
 static void a_torn_record_is_run_again(void **state)
 {
-    (void)state;
     ss_sweep_result result;
     struct stat whole;
     const char *path = in_folder("test.0.part");
@@ -267,7 +262,6 @@ static void a_torn_record_is_run_again(void **state)
 
 static void another_sweep_is_refused(void **state)
 {
-    (void)state;
     static const deed other = {.salt = "other"};
     ss_sweep_result result;
     remove_all();
@@ -283,7 +277,6 @@ static void another_sweep_is_refused(void **state)
 
 static void parts_are_removed_only_when_all_is_done(void **state)
 {
-    (void)state;
     ss_sweep_result result;
     const char *path = in_folder("test.0.part");
     remove_all();
@@ -323,7 +316,6 @@ static pid_t start_rank(const deed *what, int rank)
 
 static void ranks_share_the_runs(void **state)
 {
-    (void)state;
     remove_all();
     pid_t pid[3];
     for (int rank = 0; rank < 3; ++rank) {
@@ -348,7 +340,6 @@ static void ranks_share_the_runs(void **state)
 
 static void rank_0_waits_for_ranks_that_have_not_begun(void **state)
 {
-    (void)state;
     remove_all();
     const pid_t first = start_rank(&good, 0);
     const pid_t second = start_rank(&good, 1);
@@ -365,7 +356,6 @@ static void rank_0_waits_for_ranks_that_have_not_begun(void **state)
 
 static int remove_sweep(void **state)
 {
-    (void)state;
     return remove_only(left, LEFT_COUNT);
 }
 

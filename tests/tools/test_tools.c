@@ -34,7 +34,6 @@ static const char two_tools[] = "softsim: 1\n"
 
 static void no_output_is_an_input_or_another_output(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *options, *says;
     } bad[] = {
@@ -110,7 +109,6 @@ static void no_output_is_an_input_or_another_output(void **state)
 /* Pictures of a run of a picture of a run, in one folder. */
 static void a_picture_never_replaces_the_mesh(void **state)
 {
-    (void)state;
     char out[16384], before[16384];
     assert_int_equal(mkdir(in_folder("pictures"), 0777), 0);
     assert_int_equal(run(TOOL "generate block --points 100 --tetrahedra --units m --out "
@@ -133,7 +131,6 @@ static void a_picture_never_replaces_the_mesh(void **state)
 
 static void what_an_option_cannot_do_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *options, *says;
     } bad[] = {
@@ -159,7 +156,6 @@ static void what_an_option_cannot_do_is_refused(void **state)
 /* What cannot be written is found out before anything is done. */
 static void an_output_that_cannot_be_opened_starts_nothing(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *options;
     } bad[] = {
@@ -196,7 +192,6 @@ static void an_output_that_cannot_be_opened_starts_nothing(void **state)
 /* Half a metre at once, and a probe that has no tool. */
 static void a_run_says_why_poses_were_refused(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     write_text("refused.csv",
@@ -225,7 +220,6 @@ static double json_number(const char *json, const char *name)
 /* What a fem plan counts of contact is little, and none without a tool. */
 static void the_estimate_says_what_of_it_is_contact(void **state)
 {
-    (void)state;
     char out[16384];
     write_inputs();
     assert_int_equal(run(BIN_DIR "/softsimd --explain --json scene.yaml", out, sizeof out), 0);
@@ -248,7 +242,6 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
  * with warnings, 2 unusable. */
 static void what_a_model_doubts_is_told(void **state)
 {
-    (void)state;
     static const struct {
         const char *set, *doubt;
     } cases[] = {
@@ -282,7 +275,6 @@ static void what_a_model_doubts_is_told(void **state)
 /* --check tells that layer.max_active may bind, with how many particles; not where it cannot. */
 static void a_cap_on_particles_that_may_bind_is_told(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char out[4096], command[512];
     for (int k = 0; k < 2; ++k) {
@@ -300,7 +292,6 @@ static void a_cap_on_particles_that_may_bind_is_told(void **state)
  * once move in turn. It is said, and not of a log of one. */
 static void a_log_of_two_probes_is_told_to_play_slower(void **state)
 {
-    (void)state;
     enum { TICKS = 200 };
     char out[8192];
     write_inputs();
@@ -373,7 +364,6 @@ static void run_fit_on_terminal(char *out, size_t size)
 
 static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
 {
-    (void)state;
     char out[4096];
     if (!has_program("softsim-fit")) {
         skip();
@@ -388,7 +378,6 @@ static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
 /* Played to nobody, it would end well. */
 static void a_log_without_poses_is_refused(void **state)
 {
-    (void)state;
     char out[4096];
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -405,7 +394,6 @@ static void a_log_without_poses_is_refused(void **state)
 /* Not endless, and not the default. */
 static void a_duration_of_nothing_is_refused(void **state)
 {
-    (void)state;
     static const char *const started[] = {"softsimd --duration 0 scene.yaml",
                                           "softsim-run --duration 0 scene.yaml",
                                           "softsim-run --duration 0 --poses poses.csv scene.yaml"};
@@ -423,7 +411,6 @@ static void a_duration_of_nothing_is_refused(void **state)
 /* A press of 10 mm is told as one, beside what the tool is still ahead of the surface. */
 static void a_press_of_ten_millimetres_reads_as_one(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     char out[4096];
     write_inputs();
@@ -456,7 +443,6 @@ static void a_press_of_ten_millimetres_reads_as_one(void **state)
 /* Every column of every CSV stands in the --help of the program that writes it. */
 static void help_explains_every_column(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *columns;
     } written[] = {

@@ -17,7 +17,6 @@
 
 static void a_full_disk_ends_a_run(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     if (access("/dev/full", W_OK) != 0) {
@@ -33,7 +32,6 @@ static void a_full_disk_ends_a_run(void **state)
 /* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
 static void standard_output_may_be_a_file(void **state)
 {
-    (void)state;
     char out[4096], text[4096];
     write_inputs();
     assert_int_equal(run("(" BIN_DIR
@@ -56,7 +54,6 @@ static void standard_output_may_be_a_file(void **state)
 
 static void devices_may_be_written_twice(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     assert_int_equal(run(BIN_DIR "/softsim-run --duration 0.01 --csv /dev/null --nodes /dev/null "
@@ -68,7 +65,6 @@ static void devices_may_be_written_twice(void **state)
 /* A pipe without a writer would keep a program waiting for ever. */
 static void a_pipe_is_refused_as_any_input(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *options;
     } bad[] = {
@@ -118,7 +114,6 @@ static void a_pipe_is_refused_as_any_input(void **state)
  * matter. */
 static void a_pipe_is_refused_as_any_output(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *options, *says;
     } bad[] = {
@@ -170,7 +165,6 @@ enum { PROGRAM_COUNT = sizeof programs / sizeof *programs };
 
 static void help_that_gets_nowhere_is_a_failure(void **state)
 {
-    (void)state;
     char out[4096], command[256];
     for (int i = 0; i < PROGRAM_COUNT; ++i) {
         static const char *const asked[] = {"--help", "--version"};
@@ -193,7 +187,6 @@ static void help_that_gets_nowhere_is_a_failure(void **state)
 
 static void a_hash_that_gets_nowhere_is_a_failure(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     assert_int_equal(
@@ -208,7 +201,6 @@ static void a_hash_that_gets_nowhere_is_a_failure(void **state)
 /* LCM would blame the network for it. */
 static void too_few_descriptors_are_named(void **state)
 {
-    (void)state;
     static const char *const started[] = {"softsim-bridge --device sim --ticks 5",
                                           "softsim-monitor --once", "softsim-replay poses.csv",
                                           "softsimd scene.yaml", "softsim-run --duration 1 k.yaml"};
@@ -235,7 +227,6 @@ static void too_few_descriptors_are_named(void **state)
  * limit a run that waits for it ends by a signal. */
 static void a_reader_who_stalls_holds_up_no_run(void **state)
 {
-    (void)state;
     char out[1024];
     assert_int_equal(run("mkfifo stalled && exec 3<>stalled && "
                          "dd if=/dev/zero of=stalled bs=4096 oflag=nonblock 2>/dev/null; "
@@ -250,7 +241,6 @@ static void a_reader_who_stalls_holds_up_no_run(void **state)
 
 static void a_full_disk_leaves_the_rows_of_a_run(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     assert_int_equal(run("{ ulimit -f 700 && timeout 900 " BIN_DIR
@@ -272,7 +262,6 @@ static void a_full_disk_leaves_the_rows_of_a_run(void **state)
 /* A result is written in pieces: the first that finds no room says why, whichever it is. */
 static void a_full_disk_is_named_by_each_result(void **state)
 {
-    (void)state;
     static const struct {
         const char *program, *options, *says;
     } full[] = {
@@ -307,7 +296,6 @@ static void a_full_disk_is_named_by_each_result(void **state)
 /* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
 static void a_stopped_run_leaves_its_rows(void **state)
 {
-    (void)state;
     char out[4096];
     write_inputs();
     assert_int_equal(run("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "

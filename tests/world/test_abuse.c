@@ -54,7 +54,6 @@ static softsim_state shake(ss_world *world, int32_t ticks, double amplitude, dou
  * hand that is limited to L does more than L times the body's length in one push. */
 static void a_step_slower_than_time_does_not_fling_the_tool(void **state)
 {
-    (void)state;
     static const char *const set[] = {"simulation.max_substeps=8"};
     ss_world *world = make_scene(KIDNEY, set, 1);
     double kinetic;
@@ -101,7 +100,6 @@ static int32_t follow_slow_steps(ss_world *world, double x, double y, double dow
  * the kidney with few sub-steps, and a stiff block of every model with one. */
 static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const set[] = {"simulation.max_substeps=3"};
     static ss_stress_case_plan plan; /* large */
@@ -125,7 +123,6 @@ static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state
 /* Under pause nothing moves, and nothing is flung when it goes on. */
 static void a_paused_tool_stays_where_it_is(void **state)
 {
-    (void)state;
     ss_world *world = make_scene(KIDNEY, NULL, 0);
     const ss_world_probe *probe = &world->probe[0];
     ss_command_record record;
@@ -165,7 +162,6 @@ static void a_paused_tool_stays_where_it_is(void **state)
  * it. */
 static void energy_that_no_hand_has_stops_the_tissue(void **state)
 {
-    (void)state;
     ss_world *world = make_scene(KIDNEY, NULL, 0);
     ss_command_record record;
     char text[128];
@@ -207,7 +203,6 @@ static ss_stress_case_result abuse(int32_t subject, ss_stress_case_kind kind, do
 
 static void what_hands_out_energy_is_not_called_good(void **state)
 {
-    (void)state;
     static const struct {
         ss_stress_case_kind kind;
         double value;
@@ -240,7 +235,6 @@ static void what_hands_out_energy_is_not_called_good(void **state)
  * a sphere that is drawn across at 10 m/s, a box that turns ten times a second. */
 static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const ss_stress_case_kind kind[] = {SS_STRESS_CASE_THROUGH, SS_STRESS_CASE_SPIN};
     int32_t made = 0;
@@ -266,7 +260,6 @@ static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
  * what steps of 0.2 mm leave. */
 static void a_slow_press_hands_out_nothing(void **state)
 {
-    (void)state;
     const int32_t count = FULL_IN_RELEASE(ss_stress_case_subject_count(), 1);
     for (int32_t s = 0; s < count; ++s) {
         const ss_stress_case_result r = abuse(s, SS_STRESS_CASE_CONTROL, 0.0, 1);
@@ -283,7 +276,6 @@ static void a_slow_press_hands_out_nothing(void **state)
  * a hand could, the shorter way. */
 static void a_tool_turns_no_faster_than_a_hand(void **state)
 {
-    (void)state;
     static ss_stress_case_plan plan; /* large */
     const ss_stress_case trial = {0, SS_STRESS_CASE_SPIN, 1e5, 100.0, 0};
     ss_stress_case_plan_make(&trial, &plan);

@@ -6,7 +6,6 @@
 
 static void an_organ_is_felt_and_comes_back(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force last;
@@ -24,7 +23,6 @@ static void an_organ_is_felt_and_comes_back(void **state)
 /* Two spheres that meet, part and cross each other's dents: nothing comes from nowhere. */
 static void two_tools_close_together_keep_the_energy_balance(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];
@@ -54,7 +52,6 @@ static void two_tools_close_together_keep_the_energy_balance(void **state)
 /* Found 10 mm inside, the tool is let in by fading: no force at first, then that of the place. */
 static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];
@@ -80,7 +77,6 @@ static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
 /* In lockstep a result is taken exactly one simulation period after its pose. */
 static void results_come_one_period_late(void **state)
 {
-    (void)state;
     static const char *const rate[] = {"simulation.rate_hz=100"};
     softsim_world *world = make_world(1, rate, 1);
     softsim_force force[SOFTSIM_MAX_PROBES];
@@ -101,7 +97,6 @@ static void results_come_one_period_late(void **state)
  * longer than the step's own time. The bound asks for one to three. */
 static void a_tool_that_stands_beside_the_body_repeats_no_substep(void **state)
 {
-    (void)state;
     for (double gap = 0.0; gap < 0.003; gap += 0.0004) {
         softsim_world *world = make_world(1, NULL, 0);
         softsim_force force[SOFTSIM_MAX_PROBES];
@@ -121,7 +116,6 @@ static void a_tool_that_stands_beside_the_body_repeats_no_substep(void **state)
 /* The worst verdict is that of the steps, not of those that happened to be read. */
 static void the_worst_verdict_needs_no_reading(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     softsim_world *watched = make_world(1, NULL, 0);
     softsim_world *left_alone = make_world(2, NULL, 0);
@@ -158,7 +152,6 @@ static void the_worst_verdict_needs_no_reading(void **state)
 /* So light that a tick takes some dozens of sub-steps. Without a clock to meet it gets them. */
 static void a_run_without_a_clock_has_no_budget(void **state)
 {
-    (void)state;
     static const char *const set[3][3] = {
         {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
          "simulation.max_substeps=2"},
@@ -201,7 +194,6 @@ static void a_run_without_a_clock_has_no_budget(void **state)
 
 static void a_configuration_without_its_cookie_is_refused(void **state)
 {
-    (void)state;
     const softsim_config config = {0};
     memset(&error, 0, sizeof error);
     assert_null(softsim_create(KIDNEY, &config, &error));

@@ -38,7 +38,6 @@ static double thickness_of(softsim_world *world)
 
 static void depth_is_bounded_by_the_body(void **state)
 {
-    (void)state;
     static const char *const names[] = {"chainmail", "kidney",       "liver",      "hard hm1",
                                         "xpbd",      "corotational", "mass-spring"};
     const size_t count = FULL_IN_RELEASE(sizeof names / sizeof *names, 1);

@@ -64,7 +64,6 @@ static double peak_of_press(const char *between_steps)
  * high; not so far that a fast press feels like another body. */
 static void a_fast_press_is_felt_as_the_model_answers(void **state)
 {
-    (void)state;
     const double held = peak_of_press("haptic.between_steps=hold");
     const double local = peak_of_press("haptic.between_steps=local");
     print_message("peak force: held %.3f N, local contact model %.3f N\n", held, local);
@@ -76,7 +75,6 @@ static void a_fast_press_is_felt_as_the_model_answers(void **state)
  * to be felt is what the force falls by, or more, but not several times it. */
 static void a_deep_press_is_felt_as_stiff_as_it_is(void **state)
 {
-    (void)state;
     softsim_world *world = make_ventricle("haptic.max_force_n=100");
     double least = INFINITY, most = 0.0, before = 0.0;
     for (int32_t k = 0; k < 3600; ++k) {

@@ -175,7 +175,6 @@ static outcome run_press(const press *one, const char *contact)
 
 static void a_tool_inside_the_tissue_is_told(void **state)
 {
-    (void)state;
     for (int k = 0; k < PRESSES; ++k) {
         const outcome out = run_press(&presses[k], TOO_SOFT);
         assert_int_equal(out.inside_at_rest, 20);
@@ -187,7 +186,6 @@ static void a_tool_inside_the_tissue_is_told(void **state)
 /* The block pushes back for as long as the tool is pressed into it. */
 static void a_tool_stays_outside(void **state)
 {
-    (void)state;
     for (int k = FULL_IN_RELEASE(0, PRESSES - 1); k < PRESSES; ++k) {
         const outcome out = run_press(&presses[k], "");
         assert_int_equal(out.inside, 0);
@@ -273,7 +271,6 @@ static meeting meet(const fall *one, const char *contact, double sway)
 /* As much as by a tool that sways further than a gather spares, and so looks anew. */
 static void tissue_that_comes_to_a_still_tool_is_felt(void **state)
 {
-    (void)state;
     for (size_t k = 0; k < sizeof falls / sizeof *falls; k += FULL_IN_RELEASE(1, 2)) {
         const meeting moving = meet(&falls[k], "", 0.0025), still = meet(&falls[k], "", 0.0);
         print_message("%s: %.3g N s on a moving tool, %.3g N s on a still one\n", falls[k].name,
@@ -286,7 +283,6 @@ static void tissue_that_comes_to_a_still_tool_is_felt(void **state)
 
 static void a_still_tool_that_tissue_swallows_is_told(void **state)
 {
-    (void)state;
     const meeting still = meet(&falls[0], "  stiffness_n_per_m3: 1.0e+5\n", 0.0);
     print_message("inside for %d ticks, told wrongly in %d\n", still.inside, still.unsaid);
     assert_true(still.inside > 0);

@@ -92,7 +92,6 @@ static bool is_press_good(const body *b, double limit, const limit_tick *open)
 
 static void a_slow_press_stays_at_the_limit(void **state)
 {
-    (void)state;
     static limit_tick open[PRESS_TICKS];
     bool is_good = true;
     write_block_mesh();
@@ -128,7 +127,6 @@ static void set_limit(softsim_world *world, double limit)
  * is never pressed much harder than by the greater of the two. */
 static void a_changed_limit_flings_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
     const body *b = &bodies[0];
@@ -166,7 +164,6 @@ static void a_changed_limit_flings_nothing(void **state)
  * was, the proxy to where it was. */
 static void a_limit_that_came_and_went_leaves_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const body *b = &bodies[2];
     softsim_world *world = make_world(b, 8.0);
@@ -198,7 +195,6 @@ static void a_limit_that_came_and_went_leaves_nothing(void **state)
  * where the hand is, and no further than that by 5 %. */
 static void a_limit_raised_out_of_reach_does_not_overshoot(void **state)
 {
-    (void)state;
     static const char *const names[] = {"mass-spring", "kidney"};
     write_block_mesh();
     for (int k = 0; k < FULL_IN_RELEASE(2, 1) * BODIES; ++k) {
@@ -244,7 +240,6 @@ static void command(softsim_world *world, const char *name)
  * tick, and nothing makes it grow by more than a few hundredths of a newton. */
 static void pauses_and_resets_do_not_step(void **state)
 {
-    (void)state;
     const body *b = &bodies[0];
     softsim_world *world = make_world(b, 8.0);
     uint64_t random = 1;
@@ -329,7 +324,6 @@ static bool is_drawn_still(const body *b, double limit)
 
 static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const struct {
         int body;
@@ -415,7 +409,6 @@ static void judge_hand(const body *b, double limit, int hand, ss_felt *out)
  * the same. */
 static void a_hand_feels_a_raised_limit_without_overshoot(void **state)
 {
-    (void)state;
     static ss_felt_row row[HAND_TICKS], open[HAND_TICKS];
     enum { RAISE = 950, END = 1390 };
     for (int hand = FULL_IN_RELEASE(1, 2); hand < 3; ++hand) {
@@ -437,7 +430,6 @@ static void a_hand_feels_a_raised_limit_without_overshoot(void **state)
 
 static void hands_press_without_a_motor(void **state)
 {
-    (void)state;
     static const char *const names[3] = {"light/soft", "medium/medium", "heavy/firm"};
     bool is_good = true;
     write_block_mesh();

@@ -126,7 +126,6 @@ static bool is_felt(const visit *v, const double outside[3])
 /* A ventricle that is pressed by more than its wall is thick, too: out the way that it came. */
 static void a_tool_that_moved_is_felt_as_one_that_was_pressed(void **state)
 {
-    (void)state;
     static const int body_of[] = {0, 2, 4};
     static const double depths[] = {0.012, 0.008}, sides[] = {0.0, 0.020, 0.005, 0.010, -0.010};
     const int depth_count = FULL_IN_LONG_RUN(2, 1);
@@ -174,7 +173,6 @@ static void approach(const body *b, double above, double speed, int wait,
 /* It is outside that it comes from: a touch in the first 0.1 s is felt as one that comes later. */
 static void a_touch_just_after_the_first_pose_is_felt(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const body touched[] = {
         {"kidney", "kidney.yaml", NULL, NULL, {0, 0.006, 0.0273}, {0, 0, -1}, {1, 0, 0}, 0.0},
@@ -264,7 +262,6 @@ static escape pull_out(const char *scene, int stay)
  * force is gone within a ramp. */
 static void a_tool_that_is_pulled_out_is_let_go(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const scenes[] = {
         "kidney",     "ventricle",     "liver",         "liver-chainmail",   "cylinder",
@@ -334,7 +331,6 @@ static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_stat
 /* It is not in the tissue: nothing is pressed, nothing told. */
 static void a_tool_in_a_cavity_is_free(void **state)
 {
-    (void)state;
     softsim_state now;
     const softsim_force force = stand_in_a_hollow(8.0, &now);
     assert_int_equal(now.worst_verdict, SOFTSIM_VERDICT_GOOD);
@@ -346,7 +342,6 @@ static void a_tool_in_a_cavity_is_free(void **state)
 /* One that is larger than the cavity is nowhere outside: it is not felt, and told. */
 static void a_tool_without_a_place_is_told(void **state)
 {
-    (void)state;
     softsim_state now;
     const softsim_force force = stand_in_a_hollow(26.0, &now);
     assert_int_equal(force.contact_count, 1);
@@ -360,7 +355,6 @@ static void a_tool_without_a_place_is_told(void **state)
  * 300, 620, 1260 and 2260 ms. A tool that comes out is in the world within 20 ms all the same. */
 static void a_place_is_looked_for_ever_less_often(void **state)
 {
-    (void)state;
     softsim_world *world = make_hollow(26.0);
     const ss_world_probe *probe = &((ss_world *)world)->probe[0];
     int looks = 0, n = 0, came = 0;
@@ -442,7 +436,6 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
 /* Tissue that has gone elsewhere of itself does not spring back to where it rested. */
 static void a_tool_stands_where_tissue_was(void **state)
 {
-    (void)state;
     static const char *const before[] = {"not touched", "touched", "touched and reset"};
     for (int k = 0; k < 3; ++k) {
         double off = 0.0;

@@ -124,7 +124,6 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
 
 static void resets_are_entered_anew(void **state)
 {
-    (void)state;
     static const char *const reset[2] = {"reset", "reset"};
     static const int gaps[] = {120, 250, 310, 400, 1, 10, 22};
     enum { GAPS = sizeof gaps / sizeof *gaps };
@@ -144,7 +143,6 @@ static void resets_are_entered_anew(void **state)
 
 static void pauses_and_resumes_ramp_and_enter(void **state)
 {
-    (void)state;
     static const char *const pause[2] = {"pause", "resume"};
     static const int gaps[] = {1, 2, 3, 5, 10, 19, 20, 21, 30, 50, 150, 300};
     enum { GAPS = sizeof gaps / sizeof *gaps };

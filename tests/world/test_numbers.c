@@ -163,7 +163,6 @@ static void the_same_element(const int32_t *a, const int32_t *b, int size, const
 
 static void every_number_leads_back_to_the_file(void **state)
 {
-    (void)state;
     for (kind what = TRIANGLES; what <= TETRAHEDRA; ++what) {
         ss_mesh *m = make_scattered(what);
         ss_mesh *file = make_scattered(what);
@@ -207,7 +206,6 @@ static void every_number_leads_back_to_the_file(void **state)
 
 static void blocks_have_few_neighbours_outside(void **state)
 {
-    (void)state;
     /* A square patch of 64 nodes of a grid has 36 about it, a cube of 64 in tetrahedra some 110;
      * the rim has fewer. */
     static const double most[3] = {33.0, 36.0, 85.0};
@@ -225,7 +223,6 @@ static void blocks_have_few_neighbours_outside(void **state)
 
 static void numbers_that_are_right_already_have_no_map(void **state)
 {
-    (void)state;
     for (kind what = TRIANGLES; what <= TETRAHEDRA; ++what) {
         ss_mesh *m = make_scattered(what);
         assert_true(ss_mesh_renumber(m));
@@ -325,7 +322,6 @@ static const ss_scene_model jelly = {.name = "jelly", .row = jelly_row, .row_cou
 
 static void a_scene_is_renumbered_with_its_mesh(void **state)
 {
-    (void)state;
     for (kind what = TRIANGLES; what <= QUADS; ++what) {
         ss_mesh *mesh = make_scattered(what);
         write_files("s.msh", mesh);
@@ -383,7 +379,6 @@ static void a_scene_is_renumbered_with_its_mesh(void **state)
 /* What is wrong with a file of elements, by line; a row that takes nodes alone says so. */
 static void element_files_are_read_with_care(void **state)
 {
-    (void)state;
     static const struct {
         const char *file, *key, *message;
     } rows[] = {
@@ -470,7 +465,6 @@ static softsim_world *run(const char *name, int32_t ticks)
 
 static void a_shuffled_file_gives_the_same_body_in_its_own_numbers(void **state)
 {
-    (void)state;
     enum { NODES = 21 * 16, TICKS = 200 };
     for (kind what = TRIANGLES; what <= QUADS; ++what) {
         ss_mesh *mesh = make(QUADS);
@@ -577,7 +571,6 @@ static void press(const char *file, const char *units, softsim_force out[], int3
 
 static void newtons_know_neither_units_nor_numbers(void **state)
 {
-    (void)state;
     enum { TICKS = 400 };
     static softsim_force in_metres[TICKS], in_millimetres[TICKS], shuffled[TICKS];
     ss_mesh *mesh = make(QUADS);

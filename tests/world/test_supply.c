@@ -86,7 +86,6 @@ static double made_by_supply(const track *t, int32_t first, int32_t last)
 
 static void it_is_the_worst_of_all_parts(void **state)
 {
-    (void)state;
     static track t;
     int32_t found = 0;
     for (int run = 0; run < 400; ++run) {
@@ -114,7 +113,6 @@ static void it_is_the_worst_of_all_parts(void **state)
 /* One result every `every` ticks; the first three settle nothing. */
 static void what_is_not_known_yet_is_not_judged(void **state)
 {
-    (void)state;
     const double given[SS_SUPPLY_DEVICES] = {1.0, 1.0, 1.0};
     for (int is_told = 0; is_told < 2; ++is_told) {
         ss_supply supply = {.is_known = false};
@@ -187,7 +185,6 @@ static ss_hand_verdict press(planted what, double scale, bool is_lockstep)
  * with a loss. */
 static void what_tissue_swallowed_excuses_nothing(void **state)
 {
-    (void)state;
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         assert_int_equal(press(SOUND, 1.0, is_lockstep).verdict, SOFTSIM_VERDICT_GOOD);
         assert_int_equal(press(SWALLOWED, 0.45, is_lockstep).verdict, SOFTSIM_VERDICT_GOOD);
@@ -208,7 +205,6 @@ static void what_tissue_swallowed_excuses_nothing(void **state)
 /* The next contact begins with nothing that the last one left. */
 static void each_contact_begins_anew(void **state)
 {
-    (void)state;
     ss_supply supply = {.is_known = false};
     const double given[SS_SUPPLY_DEVICES] = {0.02, 0.02, 0.02},
                  put_in[SS_SUPPLY_DEVICES] = {-0.02, -0.02, -0.02};

@@ -34,7 +34,6 @@ static softsim_verdict verdict_after(double stored, double way)
 
 static void energy_beyond_a_hands_limit_is_a_verdict(void **state)
 {
-    (void)state;
     const double unit = limit_n * tool_m;
     assert_int_equal(verdict_after(0.99 * unit, 0.0), SOFTSIM_VERDICT_GOOD);
     assert_int_equal(verdict_after(1.01 * unit, 0.0), SOFTSIM_VERDICT_GUARDED);
@@ -74,7 +73,6 @@ static bool is_telling(const ss_hand_watch *watch, int64_t tick)
 /* In and out by 8 mm in one step of a spring of 500 N/m: 32 mJ a contact. */
 static void a_hand_that_is_driven_is_told_for_a_second(void **state)
 {
-    (void)state;
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         ss_hand_watch watch = {.has_pose = false};
         int64_t k = 1;
@@ -124,7 +122,6 @@ static void a_hand_that_is_driven_is_told_for_a_second(void **state)
  * let in is taken off, and said as such. The worse holds on. */
 static void the_verdict_follows_the_energy_of_a_contact(void **state)
 {
-    (void)state;
     static const struct {
         double contact_j, let_in_j;
         softsim_verdict verdict;
@@ -167,7 +164,6 @@ static void the_verdict_follows_the_energy_of_a_contact(void **state)
  * 5 ms later a touch of 1 mJ. With a clock the client names its forces 5 ms late. */
 static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
 {
-    (void)state;
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         ss_hand_watch watch = {.has_pose = false};
         double given[400] = {0.0}, before = 0.0, sent = 0.0;
@@ -203,7 +199,6 @@ static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
  * such. */
 static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int is_shaking = 0; is_shaking < 2; ++is_shaking) {
         ss_world *world = make_scene(KIDNEY, NULL, 0);
@@ -239,7 +234,6 @@ static bool is_said(const ss_world *world, const char *words)
  * end. A softer tissue lets in less than what is degraded, a stiffer one more. */
 static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char *const stiffer[] = {
         "model.pretension_j=4", "model.rest_stiffness_n_per_m3=2e5",
@@ -269,7 +263,6 @@ static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state
  * nobody went: the force of then does no work on that way. */
 static void nobody_went_from_one_device_to_the_next(void **state)
 {
-    (void)state;
     for (int64_t next = 1; next <= 2; ++next) {
         ss_world *world = make_scene(KIDNEY, NULL, 0);
         softsim_force force = {.seq = 0};
@@ -309,7 +302,6 @@ static double slam(ss_world *world, bool *out_is_told)
  * felt, and all was called good. */
 static void a_blow_that_is_not_felt_is_told(void **state)
 {
-    (void)state;
     static const char *const held_back[] = {"haptic.coupling.damping_n_s_per_m=1000"};
     bool is_told;
     ss_world *world = make_scene(KIDNEY, NULL, 0);

@@ -52,7 +52,6 @@ static softsim_pose pose_of(int64_t sender, int32_t seq, int32_t probe)
 /* The answer goes to who asked: the channel's client, whatever number the pose claims. */
 static void lockstep_answers_a_wrong_probe_on_its_own_channel(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", true);
     static const int32_t claimed[] = {1, 7, -5, 1000000, INT32_MIN};
     for (int32_t i = 0; i < 5; ++i) {
@@ -74,7 +73,6 @@ static void lockstep_answers_a_wrong_probe_on_its_own_channel(void **state)
 /* A scene without tools has no haptic loop that would empty a ring of commands. */
 static void commands_are_taken_without_a_haptic_loop(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "cylinder.yaml", false);
     assert_int_equal(world->used_probes, 0);
     for (int i = 0; i < 500; ++i) {
@@ -91,7 +89,6 @@ static void commands_are_taken_without_a_haptic_loop(void **state)
 /* Whoever adds one means something that would not happen. */
 static void an_argument_that_is_not_taken_is_refused(void **state)
 {
-    (void)state;
     static const char *const names[] = {"reset",   "pause",  "resume",
                                         "refresh", "status", "shutdown"};
     ss_world *world = create(SCENES "cylinder.yaml", false);
@@ -128,7 +125,6 @@ static int32_t set(ss_world *world, const char *argument, char *out_text, int32_
 /* What the hand may feel is decided where the scene is; a command may only lower it. */
 static void no_command_raises_a_limit_above_the_scenes(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", false);
     char text[512], argument[128];
     const struct {
@@ -163,7 +159,6 @@ static softsim_refusal judge_step(ss_world *world, int32_t seq, double x)
 /* Neither of the loops, nor the gate: whichever of the rings is full. */
 static void a_command_that_finds_no_room_changes_nothing(void **state)
 {
-    (void)state;
     for (int full = 0; full < 2; ++full) {
         ss_world *world = create(SCENES "kidney.yaml", false);
         char text[512];
@@ -220,7 +215,6 @@ static void run_ticks(ss_world *world, int32_t count)
 /* Whoever asks for a status asks for the hash, which costs milliseconds on a large body. */
 static void a_state_is_hashed_once(void **state)
 {
-    (void)state;
     ss_world *asked = create(SCENES "kidney.yaml", true);
     ss_world *left_alone = create(SCENES "kidney.yaml", true);
     static ss_model_class counting;
@@ -263,7 +257,6 @@ static void a_state_is_hashed_once(void **state)
  * refused. */
 static void a_set_says_what_it_will_do(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", false);
     char text[512];
     assert_int_equal(set(world, "haptic.coupling.stiffness_n_per_m=400", text, sizeof text), 0);
@@ -283,7 +276,6 @@ static void a_set_says_what_it_will_do(void **state)
  * haptic loop says that it lets it in. */
 static void a_tool_found_inside_stands_outside_until_it_is_entered(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", false);
     const ss_world_probe *probe = &world->probe[0];
     const double deep[3] = {0.0, 0.006, 0.012};
@@ -319,7 +311,6 @@ static void a_tool_found_inside_stands_outside_until_it_is_entered(void **state)
 /* A full ring refuses a command for both loops: they count resets, each for itself. */
 static void a_command_reaches_both_loops_or_none(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", false);
     ss_command_record record;
     char text[256];
@@ -346,7 +337,6 @@ static void a_command_reaches_both_loops_or_none(void **state)
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
 static void haptic_figures_come_though_ticks_are_skipped(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "kidney.yaml", false);
     int64_t posts = 0;
     double last = -1.0;
@@ -366,7 +356,6 @@ static void haptic_figures_come_though_ticks_are_skipped(void **state)
 /* Set-up arithmetic belongs to the result: the daemon and a headless run set it up alike. */
 static void a_world_is_set_up_without_denormals(void **state)
 {
-    (void)state;
     ss_world *world = create(SCENES "cylinder.yaml", false);
 #if defined(__SSE__)
     const volatile float least = FLT_MIN;
@@ -386,7 +375,6 @@ static bool are_denormals_kept(void)
 /* A program's own arithmetic goes on as it was; what the world computes does not depend on it. */
 static void a_world_leaves_the_callers_arithmetic_alone(void **state)
 {
-    (void)state;
     uint64_t hash[2];
     const uint64_t before = ss_thread_flush_denormals();
     for (int k = 0; k < 2; ++k) {

@@ -31,7 +31,6 @@ static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, do
 
 static void hats_sum_to_one(void **state)
 {
-    (void)state;
     enum { CELLS = 20 };
     setup s;
     setup_network(&s, make_box(9, 9, 9, 0.01), 0.02);
@@ -71,7 +70,6 @@ static void hats_sum_to_one(void **state)
 
 static void energy_never_rises_with_two_levels(void **state)
 {
-    (void)state;
     random_state = 5;
     for (int held = 0; held < 2; ++held) {
         int32_t node[PATCH];
@@ -122,7 +120,6 @@ static double depth_after(int32_t cells, int count, double *out_force)
 
 static void poke_reaches_into_the_depth_at_once(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double force[4];
     const double settled = depth_after(64, 3000, &force[0]);
@@ -150,7 +147,6 @@ static void slide(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], int count)
 
 static void reset_gives_the_same_bits_again(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup s;
     setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
@@ -182,7 +178,6 @@ static void reset_gives_the_same_bits_again(void **state)
 
 static void aggregated_cells_stay_near_the_full_model(void **state)
 {
-    (void)state;
     double *full = calloc(4 * NODES, sizeof *full), force[2][3];
     for (int which = 0; which < 2; ++which) {
         int32_t node[PATCH];
@@ -217,7 +212,6 @@ static void aggregated_cells_stay_near_the_full_model(void **state)
 
 static void volumes_have_it_and_surfaces_have_not(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
     create(&s);
@@ -232,7 +226,6 @@ static void volumes_have_it_and_surfaces_have_not(void **state)
 /* Whether the step or C is what is chosen, and with the front or without. */
 static void saturation_never_reached_changes_nothing(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 3; ++kind) {
         int32_t node[PATCH];
         double way[PATCH][3];
@@ -261,7 +254,6 @@ static void saturation_never_reached_changes_nothing(void **state)
 /* Beyond its saturation a cell is drawn back by 1/R alone, however far the coarse level reaches. */
 static void saturated_cells_are_calm_with_two_levels(void **state)
 {
-    (void)state;
     double middle[2];
     for (int which = 0; which < 2; ++which) {
         int32_t node[PATCH];
@@ -290,7 +282,6 @@ static void saturated_cells_are_calm_with_two_levels(void **state)
  */
 static void leak_balances_a_load_on_every_level(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double middle[3];
     for (int which = 0; which < 3; ++which) {
@@ -322,7 +313,6 @@ static void leak_balances_a_load_on_every_level(void **state)
 /* Every element above the fixed ones is prescribed: there is no cell left that may move. */
 static void a_body_without_a_free_cell_follows_its_set(void **state)
 {
-    (void)state;
     for (int aggregated = 0; aggregated < 2; ++aggregated) {
         static int32_t node[NODES];
         static double way[NODES][3];

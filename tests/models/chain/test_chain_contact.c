@@ -65,7 +65,6 @@ static ss_contact_set feel(felt *f)
 
 static void near_contact_is_told_before_touching(void **state)
 {
-    (void)state;
     felt f;
     felt_init(&f, 0.0);
     create(&f.s);
@@ -79,7 +78,6 @@ static void near_contact_is_told_before_touching(void **state)
 
 static void held_cells_lie_on_the_tool(void **state)
 {
-    (void)state;
     for (int current = 0; current < 2; ++current) {
         felt f;
         felt_init(&f, 0.0);
@@ -105,7 +103,6 @@ static void held_cells_lie_on_the_tool(void **state)
 
 static void nothing_holds_a_tool_back(void **state)
 {
-    (void)state;
     felt f;
     felt_init(&f, 0.02);
     create(&f.s);
@@ -121,7 +118,6 @@ static void nothing_holds_a_tool_back(void **state)
 
 static void force_is_smooth_as_the_tool_slides(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     felt f;
     felt_init(&f, 0.01);
@@ -144,7 +140,6 @@ static void force_is_smooth_as_the_tool_slides(void **state)
 
 static void told_stiffness_errs_high(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int alpha = 0; alpha < 2; ++alpha) {
         felt f;
@@ -171,7 +166,6 @@ static void told_stiffness_errs_high(void **state)
 
 static void grasp_pulls_and_lets_go(void **state)
 {
-    (void)state;
     felt f;
     felt_init(&f, 0.0);
     create(&f.s);
@@ -220,14 +214,12 @@ static double balance_books(double leak_resistance)
 
 static void books_balance_under_a_tool(void **state)
 {
-    (void)state;
     assert_true(balance_books(0.0) > 0.0);
     (void)balance_books(10.0); /* nearly a spring */
 }
 
 static void teleport_ends_well(void **state)
 {
-    (void)state;
     felt f;
     felt_init(&f, 0.02);
     create(&f.s);
@@ -251,7 +243,6 @@ static void teleport_ends_well(void **state)
 
 static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
 {
-    (void)state;
     for (int guarded = 0; guarded < 2; ++guarded) {
         setup s;
         int32_t node[1] = {SIDE * SIDE * (LAYERS - 1) + SIDE * SIDE / 2};
@@ -295,7 +286,6 @@ static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
 /* A tool that hovers beside one that presses takes hold of nothing. */
 static void grasp_holds_what_its_own_tool_touches(void **state)
 {
-    (void)state;
     felt f;
     felt_init(&f, 0.02);
     f.s.plan.tool[1] = f.s.plan.tool[0];
@@ -318,7 +308,6 @@ static void grasp_holds_what_its_own_tool_touches(void **state)
 /* A fault under a tool leaves nothing behind that reset does not clear. */
 static void reset_after_a_fault_forgets_the_contact(void **state)
 {
-    (void)state;
     double force[2] = {0.0};
     for (int faulty = 0; faulty < 2; ++faulty) {
         felt f;
@@ -348,7 +337,6 @@ static void reset_after_a_fault_forgets_the_contact(void **state)
 /* Of surfaces without a leak, where it does (on the kidney, 8 mm deep, to 1 % in half a second). */
 static void the_plan_says_where_a_held_force_fades(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; ++k) {
         setup s;
         setup_init(&s, "cnn-chainmail", k == 0 ? make_box(3, 3, 3, EDGE) : make_plane(3));
@@ -365,7 +353,6 @@ static void the_plan_says_where_a_held_force_fades(void **state)
 /* Held cells have the contact stiffness that is given, a current source its own. */
 static void a_contact_stiffness_that_is_not_used_is_told(void **state)
 {
-    (void)state;
     for (int k = 0; k < 4; ++k) {
         const bool is_current = k % 2 == 1, is_given = k >= 2;
         setup s;

@@ -57,7 +57,6 @@ static void shake(setup *s, double size)
 
 static void links_are_counted_once(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_box(2, 2, 2, 1.0), 0.02);
     create(&s);
@@ -82,7 +81,6 @@ static void links_are_counted_once(void **state)
 
 static void alpha_is_taken_link_by_link(void **state)
 {
-    (void)state;
     ss_param_link link[3] = {{{0, 1}, 0.5}, {{2, 0}, 0.0}, {{1, 2}, 0.0}};
     setup s;
     setup_network(&s, make_triangle(1.0), 0.0);
@@ -107,7 +105,6 @@ static void alpha_is_taken_link_by_link(void **state)
 
 static void pull_is_that_of_the_plain_sum_over_links(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_box(5, 4, 3, 0.1), 0.05);
     create(&s);
@@ -137,7 +134,6 @@ static void pull_is_that_of_the_plain_sum_over_links(void **state)
 
 static void pull_has_no_force_and_no_torque_of_its_own(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_box(4, 4, 4, 1.0), 0.02);
     create(&s);
@@ -162,7 +158,6 @@ static void pull_has_no_force_and_no_torque_of_its_own(void **state)
 
 static void pull_is_the_slope_of_the_energy(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_box(3, 3, 3, 1.0), 0.02);
     create(&s);
@@ -188,7 +183,6 @@ static void pull_is_the_slope_of_the_energy(void **state)
 
 static void coincident_ends_part_along_their_rest_direction(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_triangle(1000.0), 0.02);
     create(&s);
@@ -204,7 +198,6 @@ static void coincident_ends_part_along_their_rest_direction(void **state)
 
 static void a_wide_band_ends_at_length_zero(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_triangle(1000.0), 1.5); /* lmin would be -0.5 */
     create(&s);
@@ -219,7 +212,6 @@ static void a_wide_band_ends_at_length_zero(void **state)
 
 static void two_ends_approach_their_band_at_the_known_rate(void **state)
 {
-    (void)state;
     for (int fixed = 0; fixed < 2; ++fixed) {
         setup s;
         setup_network(&s, make_triangle(1000.0), 0.02);
@@ -250,7 +242,6 @@ static double euler(setup *s, double h)
 
 static void energy_never_rises_at_the_proven_step(void **state)
 {
-    (void)state;
     random_state = 7;
     for (int which = 0; which < 3; ++which) {
         setup s;
@@ -280,7 +271,6 @@ static void energy_never_rises_at_the_proven_step(void **state)
 
 static void energy_rises_beyond_the_bound_on_a_star(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_star(300), 0.0);
     for (int32_t i = 1; i <= 300; ++i) {
@@ -310,7 +300,6 @@ static void energy_rises_beyond_the_bound_on_a_star(void **state)
 
 static void results_turn_and_move_with_the_body(void **state)
 {
-    (void)state;
     for (int saturated = 0; saturated < 2; ++saturated) {
         setup s[2];
         for (int which = 0; which < 2; ++which) {

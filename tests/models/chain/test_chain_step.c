@@ -37,7 +37,6 @@ static double held_force(const setup *s)
 
 static void held_force_fades_below_the_threshold(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 1.5, 1.5); /* d_c = 10 sqrt(1.02^2 - 1) = 2.01 */
     create(&s);
@@ -52,7 +51,6 @@ static void held_force_fades_below_the_threshold(void **state)
 /* A prototype in double had 4.36 after 10 C, 1.33 after 100; arrival 9.2 to 9.4 by its step. */
 static void held_force_relaxes_to_a_minimum_above_it(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 5.0, 5.0);
     create(&s);
@@ -87,7 +85,6 @@ static double chord_deviation(const setup *s)
 
 static void shape_is_no_pyramid(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 5.0, 20.0);
     create(&s);
@@ -115,7 +112,6 @@ static void setup_block(setup *s, int n, int32_t *node, double (*way)[3])
 
 static void front_gives_the_bits_of_the_full_step(void **state)
 {
-    (void)state;
     for (int leak = 0; leak < 2; ++leak) {
         setup s[2];
         int32_t node[1], other[1] = {5};
@@ -148,7 +144,6 @@ static void front_gives_the_bits_of_the_full_step(void **state)
 
 static void poke_costs_the_same_in_a_larger_body(void **state)
 {
-    (void)state;
     int64_t looked_at[2], moved_nodes[2];
     for (int which = 0; which < 2; ++which) {
         setup s;
@@ -169,7 +164,6 @@ static void poke_costs_the_same_in_a_larger_body(void **state)
 
 static void rest_stays_rest(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_box(5, 5, 5, 0.013), 0.0);
     create(&s);
@@ -222,7 +216,6 @@ static void loop(ss_chain_unloading rule, double *out_in, double *out_net)
 
 static void ramp_dissipates_and_literal_creates(void **state)
 {
-    (void)state;
     double in, net;
     loop(SS_CHAIN_RAMP, &in, &net);
     assert_true(net > 0.3 * in);
@@ -234,7 +227,6 @@ static void ramp_dissipates_and_literal_creates(void **state)
 
 static void leak_brings_back_the_exact_shape(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 3.0, 3.0);
     give(&s, "leak_resistance", 10.0);
@@ -253,7 +245,6 @@ static void leak_brings_back_the_exact_shape(void **state)
 
 static void load_is_carried_by_the_supports(void **state)
 {
-    (void)state;
     int32_t node[1] = {5 * 25 - 13};
     setup s;
     setup_network(&s, make_box(5, 5, 5, 1.0), 0.01);
@@ -277,7 +268,6 @@ static void load_is_carried_by_the_supports(void **state)
 
 static void what_moves_a_cell_is_work(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 4.0, 8.0);
     create(&s);
@@ -295,7 +285,6 @@ static void what_moves_a_cell_is_work(void **state)
 
 static void stiffness_scales_forces_alone(void **state)
 {
-    (void)state;
     double force[2], shape[2];
     for (int which = 0; which < 2; ++which) {
         setup s;
@@ -315,7 +304,6 @@ static void stiffness_scales_forces_alone(void **state)
 
 static void what_cannot_be_honoured_is_refused_by_name(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_plane(5), 0.02);
     s.plan.gravity[2] = -9.81;
@@ -329,7 +317,6 @@ static void what_cannot_be_honoured_is_refused_by_name(void **state)
 
 static void contradiction_is_an_equilibrium_with_energy(void **state)
 {
-    (void)state;
     int32_t node[2] = {0, 8};
     double way[2][3] = {{0.0, 0.0, -5.0}, {0.0, 0.0, 5.0}};
     setup s;
@@ -347,7 +334,6 @@ static void contradiction_is_an_equilibrium_with_energy(void **state)
 
 static void too_few_substeps_are_said(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_plane(5), 0.02);
     s.plan.max_substeps = 4;
@@ -361,7 +347,6 @@ static void too_few_substeps_are_said(void **state)
 
 static void not_finite_is_a_fault_until_reset(void **state)
 {
-    (void)state;
     setup s;
     setup_network(&s, make_plane(5), 0.02);
     create(&s);
@@ -378,7 +363,6 @@ static void not_finite_is_a_fault_until_reset(void **state)
 
 static void a_set_too_fast_to_follow_is_said(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.02, 40.0, 0.0);
     s.plan.max_substeps = 8;
@@ -393,7 +377,6 @@ static void a_set_too_fast_to_follow_is_said(void **state)
 /* What turns up in the last sub-step is not published either. */
 static void nothing_not_finite_is_published(void **state)
 {
-    (void)state;
     for (int front = 0; front < 2; ++front) {
         double force[3];
         setup s;
@@ -419,7 +402,6 @@ static void nothing_not_finite_is_published(void **state)
 /* The energy balance is what says so: energy that nobody brought in stays in it. */
 static void energy_from_nowhere_is_in_the_energy_balance(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.0, 4.0, 4.0);
     create(&s);
@@ -442,7 +424,6 @@ static void energy_from_nowhere_is_in_the_energy_balance(void **state)
 /* Creeping in, never more than a share at a time. */
 static void energy_that_creeps_in_is_found(void **state)
 {
-    (void)state;
     setup s;
     setup_plane(&s, 0.0, 4.0, 4.0);
     create(&s);

@@ -27,7 +27,6 @@ static void setup_plane(setup *s, double alpha, bool is_radial, int32_t *node, d
 
 static void box_makes_the_pyramid(void **state)
 {
-    (void)state;
     for (int order = 0; order < 2; ++order) {
         int32_t node[1];
         double way[1][3] = {{0.0, 0.0, 5.0}};
@@ -46,7 +45,6 @@ static void box_makes_the_pyramid(void **state)
 
 static void radial_keeps_every_moved_link_in_band(void **state)
 {
-    (void)state;
     int32_t node[1];
     double way[1][3] = {{0.2, 0.0, 1.5}};
     setup s;
@@ -97,14 +95,12 @@ static double frame_error(bool is_radial)
 
 static void radial_turns_with_the_body_and_box_does_not(void **state)
 {
-    (void)state;
     assert_below(frame_error(true), BY_TYPE(1e-3, 1e-9));
     assert_true(frame_error(false) > 0.1);
 }
 
 static void fixed_nodes_and_what_is_in_band_stay(void **state)
 {
-    (void)state;
     int32_t node[1];
     double way[1][3] = {{0.0, 0.0, 0.4}};
     setup s;
@@ -135,7 +131,6 @@ static double roughness(const setup *s)
 
 static void relaxation_smooths_what_nobody_holds(void **state)
 {
-    (void)state;
     double rough[2];
     for (int relaxed = 0; relaxed < 2; ++relaxed) {
         int32_t node[1];
@@ -156,7 +151,6 @@ static void relaxation_smooths_what_nobody_holds(void **state)
  * where the surface was. */
 static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
     add_sphere(&s, 0, 0.015);
@@ -214,7 +208,6 @@ static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
 /* A set that drives z alone leaves x and y to the links. */
 static void axes_that_are_not_prescribed_are_free(void **state)
 {
-    (void)state;
     int32_t node[2] = {0, 1};
     double way[2][3] = {{-1.0, 0.0, 0.0}, {(double)NAN, (double)NAN, 0.1}};
     setup s;
@@ -234,7 +227,6 @@ static void axes_that_are_not_prescribed_are_free(void **state)
 /* A tool that touches nothing takes hold of nothing, whatever another one touches. */
 static void grasp_holds_what_its_own_tool_touches(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
     for (int k = 0; k < 2; ++k) {
@@ -268,7 +260,6 @@ static void grasp_holds_what_its_own_tool_touches(void **state)
 
 static void too_few_parts_are_said(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
     add_sphere(&s, 0, 0.015);
@@ -288,7 +279,6 @@ static void too_few_parts_are_said(void **state)
 
 static void a_contact_stiffness_that_is_not_used_is_told(void **state)
 {
-    (void)state;
     for (int given = 0; given < 2; ++given) {
         setup s;
         setup_init(&s, "chainmail", make_box(3, 3, 3, 0.01));
@@ -304,7 +294,6 @@ static void a_contact_stiffness_that_is_not_used_is_told(void **state)
 
 static void forces_are_refused_by_name(void **state)
 {
-    (void)state;
     int32_t node[1] = {12};
     setup s;
     setup_init(&s, "chainmail", make_plane(5));

@@ -151,7 +151,6 @@ static double compare_changed(int kind, bool is_free, bool is_renumbered)
 
 static void place_and_numbering_do_not_matter(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < BODY_KINDS; ++kind) {
         for (int k = 0; k < 4; ++k) {
             assert_near(compare_changed(kind, k / 2 == 1, k % 2 == 1), 0.0, BY_TYPE(2e-5, 1e-11));
@@ -161,7 +160,6 @@ static void place_and_numbering_do_not_matter(void **state)
 
 static void forces_are_the_gradient_of_the_potential(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2 * BODY_KINDS; ++kind) {
         const change none = {.q = {1.0, 0.0, 0.0, 0.0}};
         setup s;
@@ -183,7 +181,6 @@ static void forces_are_the_gradient_of_the_potential(void **state)
 
 static void a_free_volume_gains_the_momentum_it_is_given(void **state)
 {
-    (void)state;
     const change none = {.q = {1.0, 0.0, 0.0, 0.0}};
     setup s;
     int32_t node;
@@ -278,7 +275,6 @@ static double measured_over_bound(int kind)
 
 static void the_step_bound_holds_for_all_elements(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < BODY_KINDS; ++kind) {
         const double ratio = measured_over_bound(kind);
         print_message("stable step measured over computed, body %d: %.3f\n", kind, ratio);
@@ -339,7 +335,6 @@ static double press_plate(bool is_grid, double across)
 
 static void a_tool_presses_a_grid_as_it_presses_triangles(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; ++k) {
         const double across = k == 0 ? 1.0 : 4.0;
         const double grid = press_plate(true, across), triangles = press_plate(false, across);
@@ -369,7 +364,6 @@ static void setup_apex(setup *s, double length)
 
 static void an_apex_stores_half_e_v_eps_squared(void **state)
 {
-    (void)state;
     /* kap = 1/(3 L^2), eps = (H z + z^2/2)/L^2, Qhat = V = L^3/(24 sqrt 2), w = sqrt 2 L/24. */
     const double length = 0.5, modulus = 4000.0, height = sqrt(2.0 / 3.0) * length;
     const double volume = length * length * length / (24.0 * sqrt(2.0));
@@ -433,7 +427,6 @@ static double press(setup *s, double depth, double until)
 
 static void a_pressed_volume_moves_inside(void **state)
 {
-    (void)state;
     setup s;
     setup_block(&s, 6, 0.5);
     create(&s);
@@ -465,7 +458,6 @@ static void a_pressed_volume_moves_inside(void **state)
 
 static void a_refined_volume_behaves_the_same_per_volume(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double force[2];
     for (int k = 0; k < 2; ++k) {
@@ -481,7 +473,6 @@ static void a_refined_volume_behaves_the_same_per_volume(void **state)
 
 static void an_enclosed_volume_resists_on_its_surface(void **state)
 {
-    (void)state;
     double lost[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -503,7 +494,6 @@ static void an_enclosed_volume_resists_on_its_surface(void **state)
 
 static void a_volume_with_too_many_edges_for_a_tool_is_refused(void **state)
 {
-    (void)state;
     setup s;
     setup_block(&s, 27, 0.0);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
@@ -516,7 +506,6 @@ static void a_volume_with_too_many_edges_for_a_tool_is_refused(void **state)
 
 static void only_the_domain_that_is_asked_for_is_simulated(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "cnn-energy", make_block(3, 1.0));
     int32_t top = (2 * 4 + 2) * 4 + 3;

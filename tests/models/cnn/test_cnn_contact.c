@@ -36,7 +36,6 @@ static void setup_touched_fan(setup *s)
 
 static void the_fan_under_a_sphere_has_its_closed_form(void **state)
 {
-    (void)state;
     static const struct {
         double height, weight, amplitude, psi, force, penalty;
     } row[3] = {
@@ -175,7 +174,6 @@ static void check_gradient(double height, double saturation, double wanted_ampli
 
 static void all_forces_are_the_gradient_of_one_potential(void **state)
 {
-    (void)state;
     /* Footprint, the contact cell, and a network that is still on its way. */
     static const char *const choice[3] = {NULL, "source", "solver"};
     for (int k = 0; k < 3; ++k) {
@@ -187,7 +185,6 @@ static void all_forces_are_the_gradient_of_one_potential(void **state)
 
 static void forces_balance_and_move_with_body_and_tool(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_deformed(&s, tool, 0.0415, 0.0, NULL);
@@ -244,7 +241,6 @@ static void check_told(setup *s, ss_model_tool *tool)
 
 static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int kind = 0; kind < 4; ++kind) {
         const double radius = kind < 2 ? PLATE_EDGE : 3.0 * PLATE_EDGE;
@@ -261,7 +257,6 @@ static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
 /* Held nodes are stiffer than touched ones, and a closed body resists with all its volume. */
 static void the_stiffness_told_counts_the_grasp(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 1, PLATE_EDGE, 0.2);
@@ -276,7 +271,6 @@ static void the_stiffness_told_counts_the_grasp(void **state)
 
 static void the_stiffness_told_counts_the_enclosed_volume(void **state)
 {
-    (void)state;
     for (int bodies = 1; bodies <= 2; ++bodies) { /* the second is not touched */
         setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -303,7 +297,6 @@ static void the_stiffness_told_counts_the_enclosed_volume(void **state)
 
 static void contacts_tell_of_nearness_before_they_touch(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 1, PLATE_EDGE, 0.2);
@@ -340,7 +333,6 @@ static void contacts_tell_of_nearness_before_they_touch(void **state)
 
 static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 1, PLATE_EDGE, 0.2);
@@ -361,7 +353,6 @@ static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
 
 static void a_tool_that_leaves_or_jumps_keeps_the_energy_balance(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 1, PLATE_EDGE, 0.2);
@@ -432,7 +423,6 @@ static void throw_about(uint64_t seed, ss_shape_kind kind)
 
 static void tools_thrown_about_leave_the_body_whole(void **state)
 {
-    (void)state;
     throw_about(11, SS_SHAPE_SPHERE);
     throw_about(12, SS_SHAPE_CAPSULE);
     throw_about(13, SS_SHAPE_BOX);
@@ -444,7 +434,6 @@ static void tools_thrown_about_leave_the_body_whole(void **state)
 
 static void compact_columns_are_the_same_columns(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "cnn-energy", make_plate(49, 0.2)); /* 2304 cells that can carry a source */
     hold_rim(&s, 49);
@@ -484,7 +473,6 @@ static void compact_columns_are_the_same_columns(void **state)
 
 static void too_many_columns_are_refused_by_name(void **state)
 {
-    (void)state;
     if (sizeof(ss_real) != sizeof(double)) {
         return; /* half the nodes suffice in double precision */
     }

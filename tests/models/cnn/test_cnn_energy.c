@@ -40,7 +40,6 @@ static double duffing(double z[2], double e, double m, double gamma, double ks, 
 
 static void the_hexagon_fan_is_exactly_the_duffing_oscillator(void **state)
 {
-    (void)state;
     static const double direction[3][3] = {{0, 0, 1}, {1, 0, 0}, {0.48, -0.6, 0.64}};
     for (int d = 0; d < 3; ++d) {
         setup s;
@@ -63,7 +62,6 @@ static void the_hexagon_fan_is_exactly_the_duffing_oscillator(void **state)
 
 static void a_saturated_fan_carries_the_rest_by_its_springs(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
         int32_t centre = 0;
@@ -84,7 +82,6 @@ static void a_saturated_fan_carries_the_rest_by_its_springs(void **state)
 
 static void pretension_adds_its_stiffness_to_the_fan(void **state)
 {
-    (void)state;
     setup s;
     int32_t centre = 0;
     const double pretension = 0.05, ks = 0.3 + pretension / (FAN_EDGE * FAN_EDGE);
@@ -103,7 +100,6 @@ static void pretension_adds_its_stiffness_to_the_fan(void **state)
 
 static void a_prescribed_node_reports_the_force_that_it_takes(void **state)
 {
-    (void)state;
     setup s;
     int32_t centre = 0;
     double way[1][3] = {{0.0, 0.0, -0.1}};
@@ -129,7 +125,6 @@ static void a_prescribed_node_reports_the_force_that_it_takes(void **state)
 
 static void an_axis_that_is_fixed_alone_stays_and_the_others_move(void **state)
 {
-    (void)state;
     setup s;
     int32_t centre = 0;
     setup_fan(&s, 7.0, 1.0, 0.5, 0.3);
@@ -177,7 +172,6 @@ static void run_rho(setup *s, double rho, double saturation)
 
 static void uniform_rho_cancels(void **state)
 {
-    (void)state;
     setup a, b;
     run_rho(&a, 0.05, 0.0);
     run_rho(&b, 50.0, 0.0);
@@ -189,7 +183,6 @@ static void uniform_rho_cancels(void **state)
 
 static void doubling_rho_equals_doubling_the_saturation(void **state)
 {
-    (void)state;
     setup a, b, c;
     run_rho(&a, 0.05, 0.2);
     run_rho(&b, 0.1, 0.1);
@@ -278,7 +271,6 @@ static void compare_changed(bool is_free, bool is_renumbered, bool is_flipped, d
 
 static void place_numbering_and_winding_do_not_matter(void **state)
 {
-    (void)state;
     for (int is_free = 0; is_free < 2; ++is_free) {
         compare_changed(is_free != 0, false, false, BY_TYPE(2e-5, 1e-11));
         compare_changed(is_free != 0, true, false, BY_TYPE(2e-5, 1e-11));
@@ -288,7 +280,6 @@ static void place_numbering_and_winding_do_not_matter(void **state)
 
 static void a_free_body_gains_the_momentum_it_is_given(void **state)
 {
-    (void)state;
     setup s;
     setup_body(&s, 4);
     memset(s.fixed, 0, (size_t)s.mesh->node_count);
@@ -315,7 +306,6 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
 
 static void network_forces_are_the_gradient_of_the_potential(void **state)
 {
-    (void)state;
     /* plain; two sources, saturated; T0 and B; free; hinged: fixed, yet free to turn */
     for (int kind = 0; kind < 5; ++kind) {
         setup s;
@@ -346,7 +336,6 @@ static void network_forces_are_the_gradient_of_the_potential(void **state)
 
 static void each_load_has_one_equilibrium(void **state)
 {
-    (void)state;
     setup a, b;
     int32_t top;
     for (int which = 0; which < 2; ++which) {
@@ -368,7 +357,6 @@ static void each_load_has_one_equilibrium(void **state)
 
 static void a_crumpled_body_returns_to_rest(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
         setup_body(&s, 4);
@@ -406,7 +394,6 @@ static double static_depth(double mass, double damping, double dt, int count)
 
 static void the_equilibrium_does_not_depend_on_mass_damping_or_step(void **state)
 {
-    (void)state;
     const double depth = static_depth(1.0, 2.0, 0.1, 6000);
     assert_true(depth < -0.3);
     assert_near(static_depth(1.0, 2.0, 0.04, 15000) / depth, 1.0, BY_TYPE(1e-6, 1e-10));
@@ -416,7 +403,6 @@ static void the_equilibrium_does_not_depend_on_mass_damping_or_step(void **state
 
 static void a_refined_body_behaves_the_same_per_area(void **state)
 {
-    (void)state;
     double depth[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -454,7 +440,6 @@ static void a_refined_body_behaves_the_same_per_area(void **state)
 
 static void the_cylinder_hardens_with_load(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const double force[7] = {0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
     static const double grid[7] = {0.087, 0.332, 0.5193, 0.720, 0.994, 1.365, 1.863};
@@ -479,7 +464,6 @@ static void the_cylinder_hardens_with_load(void **state)
 
 static void the_cylinder_creeps_in_the_order_of_its_damping(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     /* Published for the grid: 38 s and 123.5 s to 90 % of the depth after 400 s. */
     enum { COUNT = 2000 };
@@ -509,7 +493,6 @@ static void the_cylinder_creeps_in_the_order_of_its_damping(void **state)
 
 static void the_cylinder_yields_less_to_a_quick_ramp(void **state)
 {
-    (void)state;
     static const double gamma[4] = {1.0, 4.0, 7.0, 10.0}, depth[4] = {0.709, 0.468, 0.383, 0.334};
     for (int k = 0; k < 4; ++k) {
         setup s;
@@ -526,7 +509,6 @@ static void the_cylinder_yields_less_to_a_quick_ramp(void **state)
 
 static void the_cylinder_shows_hysteresis_and_returns(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     /* Depths at F = .25 on the way up and down; of the triangles this mesh's own. */
     static const double gamma[4] = {2.0, 9.0, 2.0, 9.0}, area[4] = {0.113, 0.118, 0.106, 0.115};
@@ -591,7 +573,6 @@ static dent dent_of(setup *s)
 
 static void the_cylinder_follows_its_directions(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     /* rho along the axis and around it; published depth and width, grid then triangles. */
     static const struct {
@@ -617,7 +598,6 @@ static void the_cylinder_follows_its_directions(void **state)
 
 static void the_cylinder_differs_by_its_bands(void **state)
 {
-    (void)state;
     /* Published for bands of .05 and .1, whose places are not told: here two rings each, the
      * pushed ring in a band of .1. */
     static const double depth[2] = {1.037, 1.015};
@@ -635,7 +615,6 @@ static void the_cylinder_differs_by_its_bands(void **state)
 
 static void a_region_of_tiny_rho_stays_still(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; ++k) { /* grid, triangles, grid with two tiny rho */
         setup s;
         double rho[360];

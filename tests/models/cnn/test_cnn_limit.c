@@ -143,7 +143,6 @@ static double measured_over_computed(dynamics *d, double *out_bound)
 
 static void the_computed_step_is_never_beyond_the_measured_limit(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const struct {
         double force, modulus, mass, damping, stiffness;
@@ -190,7 +189,6 @@ static ss_mesh *make_sliver(double gap)
 
 static void slivers_are_stepped_safely_or_refused(void **state)
 {
-    (void)state;
     fprintf(stderr, "   gap  outcome\n");
     for (int power = 0; power <= 6; ++power) {
         const double gap = pow(10.0, -power);
@@ -222,7 +220,6 @@ static void slivers_are_stepped_safely_or_refused(void **state)
 
 static void forces_to_a_million_end_finite_and_every_guard_is_told(void **state)
 {
-    (void)state;
     fprintf(stderr, "     F  largest u  sub-steps  verdict\n");
     for (int power = 0; power <= 6; ++power) {
         setup s;

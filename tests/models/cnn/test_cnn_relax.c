@@ -31,7 +31,6 @@ static void setup_relaxed(setup *s, double steps_a_substep)
 
 static void states_follow_the_literal_network_for_any_resistance(void **state)
 {
-    (void)state;
     for (int trial = 0; trial < 2; ++trial) {
         setup s;
         literal net;
@@ -64,7 +63,6 @@ static void states_follow_the_literal_network_for_any_resistance(void **state)
 
 static void the_step_is_below_the_limit_of_the_fastest_mode(void **state)
 {
-    (void)state;
     setup s;
     literal net;
     int32_t top = TOP;
@@ -147,7 +145,6 @@ static void count_steps(setup *s, int32_t cell, int32_t out_steps[2], double *ou
 
 static void the_error_of_the_field_falls_at_the_rate_that_is_told(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 3; ++kind) { /* held, held and uneven, free */
         setup s;
         int32_t top = kind == 2 ? TOP + 24 * 3 : TOP, count[2]; /* where slow modes take part */
@@ -181,7 +178,6 @@ static void the_error_of_the_field_falls_at_the_rate_that_is_told(void **state)
 
 static void settled_columns_are_those_of_the_direct_solve(void **state)
 {
-    (void)state;
     setup s;
     int32_t patch[3] = {TOP, TOP + 1, TOP + 24};
     setup_relaxed(&s, 100.0);
@@ -210,7 +206,6 @@ static void settled_columns_are_those_of_the_direct_solve(void **state)
 
 static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int trial = 0; trial < 3; ++trial) {
         setup s;
@@ -252,7 +247,6 @@ static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void 
 
 static void outputs_stay_within_saturation_while_the_network_spreads(void **state)
 {
-    (void)state;
     setup s;
     int32_t top = TOP;
     const double limit = 0.25;
@@ -277,7 +271,6 @@ static void outputs_stay_within_saturation_while_the_network_spreads(void **stat
 
 static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
 {
-    (void)state;
     setup s;
     int32_t centre = 0;
     setup_fan(&s, 7.0, 1.0, 0.5, 0.3);
@@ -299,7 +292,6 @@ static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
 
 static void bodies_come_to_the_same_rest_and_slower_networks_later(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup settled, relaxed, slow;
     int32_t top = TOP;
@@ -354,7 +346,6 @@ static double spread_energy(const setup *s, const double *ghat, int32_t cell)
 
 static void the_networks_work_is_what_its_flux_brings_and_no_more(void **state)
 {
-    (void)state;
     setup s;
     int32_t top = TOP;
     setup_cylinder(&s, 2.0);
@@ -392,7 +383,6 @@ static void the_networks_work_is_what_its_flux_brings_and_no_more(void **state)
 
 static void a_release_gives_back_everything(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup s;
     int32_t top = TOP;

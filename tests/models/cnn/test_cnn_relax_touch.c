@@ -47,7 +47,6 @@ static int32_t states_in_use(const setup *s)
 
 static void cells_spread_while_touched_and_start_anew_after(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup settled, s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, same[SOFTSIM_MAX_PROBES] = {{0}};
@@ -114,7 +113,6 @@ static uint64_t hash_after_press(setup *s)
 
 static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
 {
-    (void)state;
     uint64_t hash[4];
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -181,7 +179,6 @@ static void momentum_of(const setup *s, double out[3])
 
 static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int kind = 0; kind < 16; ++kind) {
         setup s;
@@ -230,7 +227,6 @@ static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void 
 
 static void free_bodies_move_by_what_pushes_them(void **state)
 {
-    (void)state;
     for (int kind = FREE; kind < 16; kind += 2) {
         setup s;
         int32_t pushed[2];
@@ -252,7 +248,6 @@ static void free_bodies_move_by_what_pushes_them(void **state)
 
 static void steps_without_relaxation_and_cells_without_area_are_refused(void **state)
 {
-    (void)state;
     setup s;
     int32_t top = TOP;
     setup_cylinder(&s, 1.0);
@@ -294,7 +289,6 @@ static void steps_without_relaxation_and_cells_without_area_are_refused(void **s
 
 static void too_many_states_are_refused_before_they_are_solved(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "cnn-energy", make_plate(70, 0.2));
     give_skin(&s);
@@ -307,7 +301,6 @@ static void too_many_states_are_refused_before_they_are_solved(void **state)
 
 static void cost_and_explanation_count_the_networks_steps(void **state)
 {
-    (void)state;
     double cost[4];
     for (int k = 0; k < 4; ++k) {
         setup s;

@@ -95,7 +95,6 @@ static bool search_lcp(int n, const double *matrix, const double *q, double *out
 
 static void the_complementarity_problem_is_solved_exactly(void **state)
 {
-    (void)state;
     random_state = 11;
     for (int trial = 0; trial < 400; ++trial) {
         const int n = 1 + trial % 8, rank = trial % 3 == 0 ? (n + 1) / 2 : n;
@@ -155,7 +154,6 @@ static void draw_problem(double metric[SIZE], double potential[SIZE * SIZE], dou
 
 static void strengths_are_the_projection_and_nothing_is_nearer(void **state)
 {
-    (void)state;
     random_state = 5;
     int held = 0, off = 0;
     for (int trial = 0; trial < 200; ++trial) {
@@ -201,7 +199,6 @@ static void strengths_are_the_projection_and_nothing_is_nearer(void **state)
  * said to be solved nothing is nearer. */
 static void wishes_far_beyond_the_output_keep_every_condition(void **state)
 {
-    (void)state;
     random_state = 3;
     for (int trial = 0; trial < 600; ++trial) {
         const double over = pow(10.0, trial % 300);
@@ -278,7 +275,6 @@ static bool find_slopes(const double *metric, const double *potential, double *w
 
 static void the_projection_is_a_gradient_and_the_literal_clip_is_none(void **state)
 {
-    (void)state;
     random_state = 8;
     int smooth = 0;
     double clip_twist = 0.0;
@@ -364,7 +360,6 @@ static void setup_trio(setup *s, trio *at, double rho, double saturation)
 
 static void strengths_in_a_body_keep_every_condition(void **state)
 {
-    (void)state;
     setup s;
     trio at;
     const double limit = 0.3;
@@ -402,7 +397,6 @@ static void strengths_in_a_body_keep_every_condition(void **state)
 
 static void potentials_are_those_of_the_network(void **state)
 {
-    (void)state;
     setup s;
     trio at;
     setup_trio(&s, &at, 0.05, 0.3);
@@ -436,7 +430,6 @@ static void potentials_are_those_of_the_network(void **state)
 
 static void forces_of_saturated_sources_are_one_gradient(void **state)
 {
-    (void)state;
     setup s;
     trio at;
     setup_trio(&s, &at, 0.05, 0.3);
@@ -473,7 +466,6 @@ static void forces_of_saturated_sources_are_one_gradient(void **state)
 
 static void saturated_bodies_have_one_equilibrium(void **state)
 {
-    (void)state;
     setup a, b;
     trio at, other;
     setup_trio(&a, &at, 0.05, 0.3);
@@ -498,7 +490,6 @@ static void saturated_bodies_have_one_equilibrium(void **state)
 
 static void doubling_rho_doubles_the_saturation_of_several_too(void **state)
 {
-    (void)state;
     setup a, b, c;
     trio at[3];
     setup_trio(&a, &at[0], 0.05, 0.3);
@@ -528,7 +519,6 @@ static void doubling_rho_doubles_the_saturation_of_several_too(void **state)
 
 static void two_fans_that_do_not_touch_saturate_each_on_its_own(void **state)
 {
-    (void)state;
     draft d;
     setup s;
     int32_t centre[2] = {0, 7};
@@ -564,7 +554,6 @@ static void two_fans_that_do_not_touch_saturate_each_on_its_own(void **state)
 
 static void too_many_saturated_sources_are_refused(void **state)
 {
-    (void)state;
     static int32_t node[17];
     static ss_load load[17];
     setup s;
@@ -600,7 +589,6 @@ static void too_many_saturated_sources_are_refused(void **state)
 
 static void the_obstacle_is_met_exactly_where_currents_are_cut(void **state)
 {
-    (void)state;
     setup s;
     setup_cylinder(&s, 1.0);
     create(&s);

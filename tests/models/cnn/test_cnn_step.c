@@ -42,7 +42,6 @@ static double amplification(double d, double w, double dt)
 
 static void the_rk4_limit_is_the_edge_of_stability(void **state)
 {
-    (void)state;
     for (int k = 0; k <= 60; ++k) {
         const double w = 10.0, d = w * pow(10.0, -2.0 + 0.06 * k);
         const double limit = ss_cnn_rk4_limit(d, d, w * w);
@@ -63,7 +62,6 @@ static void the_rk4_limit_is_the_edge_of_stability(void **state)
 
 static void the_step_bound_covers_the_stiffest_mode(void **state)
 {
-    (void)state;
     /* Power iteration on the dynamics themselves: x := force(u + x) - force(u), over the mass. */
     setup s;
     setup_body(&s, 3);
@@ -128,7 +126,6 @@ static void the_step_bound_covers_the_stiffest_mode(void **state)
 
 static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
 {
-    (void)state;
     static const double force[3] = {1.0, 1e4, 1e6};
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -150,7 +147,6 @@ static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
 
 static void beyond_the_budget_time_slows_down_and_it_is_said(void **state)
 {
-    (void)state;
     setup s;
     int32_t top = TOP;
     setup_cylinder(&s, 1.0);
@@ -175,7 +171,6 @@ static void beyond_the_budget_time_slows_down_and_it_is_said(void **state)
 
 static void a_state_that_is_not_finite_is_a_fault_until_reset(void **state)
 {
-    (void)state;
     setup s;
     int32_t top = TOP;
     setup_cylinder(&s, 1.0);
@@ -204,7 +199,6 @@ static void a_state_that_is_not_finite_is_a_fault_until_reset(void **state)
 
 static void the_audit_error_falls_with_the_fourth_power_of_the_step(void **state)
 {
-    (void)state;
     double error[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -226,7 +220,6 @@ static void the_audit_error_falls_with_the_fourth_power_of_the_step(void **state
 
 static void pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body(void **state)
 {
-    (void)state;
     setup s;
     setup_body(&s, 4);
     int32_t all[1000];
@@ -257,7 +250,6 @@ static void pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body(vo
 
 static void gravity_hangs_each_node_on_its_spring(void **state)
 {
-    (void)state;
     setup s;
     setup_body(&s, 3);
     s.plan.gravity[2] = -0.02;
@@ -294,7 +286,6 @@ static double enclosed_volume(const setup *s)
 
 static void what_is_enclosed_keeps_most_of_its_volume(void **state)
 {
-    (void)state;
     double lost[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -325,7 +316,6 @@ static void what_is_enclosed_keeps_most_of_its_volume(void **state)
 /* Each body encloses a volume of its own: what presses one does not inflate the other. */
 static void bodies_of_one_mesh_enclose_a_volume_each(void **state)
 {
-    (void)state;
     static setup s[2];
     for (int k = 0; k < 2; ++k) {
         setup_init(&s[k], "cnn-energy", make_bodies(make_ellipsoid(4, 1.0, 0.9, 0.8), k + 1, 3.0));
@@ -373,7 +363,6 @@ static void bodies_of_one_mesh_enclose_a_volume_each(void **state)
 /* A ball in a ball, the inner one inside out, and a third beside them. */
 static void a_cavity_belongs_to_the_body_around_it(void **state)
 {
-    (void)state;
     setup s;
     ss_mesh *ball[3] = {make_ellipsoid(4, 1.0, 1.0, 1.0), make_ellipsoid(3, 0.5, 0.5, 0.5),
                         make_ellipsoid(2, 0.4, 0.4, 0.4)};
@@ -414,7 +403,6 @@ static void a_cavity_belongs_to_the_body_around_it(void **state)
 /* Runge-Kutta near its stable step: at omega h = 1.9 a cycle loses a third of its energy. */
 static void a_step_that_loses_energy_says_so(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2; ++kind) {
         const double dt = kind == 0 ? 0.1 : 1.9;
         setup s;

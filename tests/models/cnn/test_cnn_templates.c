@@ -81,7 +81,6 @@ static double moments_of(const ss_cnn_network *network, const ss_mesh *mesh, int
 
 static void the_hexagon_fan_has_the_printed_template(void **state)
 {
-    (void)state;
     const double h = 0.3;
     ss_mesh *mesh = make_fan(h);
     const uint8_t held[7] = {0, 1, 1, 1, 1, 1, 1};
@@ -108,7 +107,6 @@ static void the_hexagon_fan_has_the_printed_template(void **state)
 
 static void a_tensor_grid_has_the_printed_template(void **state)
 {
-    (void)state;
     enum { ROWS = 5, COLUMNS = 6 };
     static const double x[ROWS] = {0.0, 0.3, 0.35, 1.0, 1.2};
     static const double y[COLUMNS] = {-1.0, -0.8, -0.1, 0.0, 0.7, 0.75};
@@ -149,7 +147,6 @@ static double one_sided(const ss_mesh *mesh, int32_t at, int32_t to, int32_t lef
 
 static void a_distorted_grid_takes_the_mean_of_both_ends(void **state)
 {
-    (void)state;
     enum { SIDE = 5 };
     double position[SIDE * SIDE][3];
     random_state = 11;
@@ -176,7 +173,6 @@ static void a_distorted_grid_takes_the_mean_of_both_ends(void **state)
 
 static void an_edge_in_a_volume_has_its_dual_face(void **state)
 {
-    (void)state;
     /* The ball fan: D from its four corners, one by one; V a quarter of the star. */
     const double h = 0.4;
     ss_mesh *mesh = make_ball_fan(h);
@@ -232,7 +228,6 @@ static void an_edge_in_a_volume_has_its_dual_face(void **state)
 
 static void what_is_left_of_an_edge_is_the_sum_of_its_elements(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 3; ++kind) {
         ss_mesh *mesh = kind == 0   ? make_plate(4, 1.0)
                         : kind == 1 ? make_grid_cylinder(4, 6, 1.0, 2.0)
@@ -282,7 +277,6 @@ static void assert_moments(const ss_cnn_network *network, const ss_mesh *mesh, i
 
 static void a_linear_potential_is_reproduced_on_tensor_grids(void **state)
 {
-    (void)state;
     static const double x[5] = {0.0, 0.3, 0.35, 1.0, 1.2}, even[5] = {0.0, 0.5, 1.0, 1.5, 2.0};
     ss_mesh *mesh = make_tensor_grid(5, 5, x, even);
     ss_cnn_network *network =
@@ -300,7 +294,6 @@ static void a_linear_potential_is_reproduced_on_tensor_grids(void **state)
 
 static void triangles_are_consistent_when_equilateral(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_fan(0.3);
     ss_cnn_network *network =
         network_of(&(ss_cnn_fabric){.mesh = mesh, .element = SS_CNN_TRIANGLE}, NULL);
@@ -355,7 +348,6 @@ static ss_mesh *make_lattice_cell(void)
 
 static void tetrahedra_conduct_a_little_too_well(void **state)
 {
-    (void)state;
     /* sum |D| L >= 6 V, equal only where every dual face stands upright on its edge. Linear and
      * isotropic in the body-centred lattice, 4 % high; linear, but stretched and 19 % high, in
      * cubes of six. */
@@ -383,7 +375,6 @@ static void tetrahedra_conduct_a_little_too_well(void **state)
 
 static void a_grid_conducts_by_its_sides(void **state)
 {
-    (void)state;
     enum { ROWS = 3, COLUMNS = 4, NODES = ROWS * COLUMNS };
     static const double x[ROWS] = {0.0, 0.3, 0.7}, y[COLUMNS] = {0.0, 0.2, 0.5, 1.0};
     static const double given[3][3] = {{0.2, 0.9, 0.0}, {-0.8, 0.1, 5.0}, {0.0, 0.0, 1.0}};
@@ -422,7 +413,6 @@ static void a_grid_conducts_by_its_sides(void **state)
 
 static void where_directions_differ_an_edge_takes_their_share(void **state)
 {
-    (void)state;
     /* Two quads, one beside the other, the first with u along x, the second along y. */
     static const double x[2] = {0.0, 1.0}, y[3] = {0.0, 1.0, 4.0};
     static const double direction[2][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
@@ -445,7 +435,6 @@ static void where_directions_differ_an_edge_takes_their_share(void **state)
 
 static void triangles_conduct_by_the_angle_to_the_projected_direction(void **state)
 {
-    (void)state;
     /* Edges of three directions carry both: a ratio r comes out as (3 + r) : (1 + 3 r). */
     const double r = 4.0;
     double along[7], across[7], d[3][3];
@@ -482,7 +471,6 @@ static void triangles_conduct_by_the_angle_to_the_projected_direction(void **sta
 
 static void tetrahedra_conduct_by_the_angle_in_space(void **state)
 {
-    (void)state;
     static const double direction[3] = {0.48, -0.6, 0.64};
     double along[27], across[27];
     ss_mesh *mesh = make_block(2, 1.0);
@@ -600,7 +588,6 @@ static void check_column(const ss_cnn_network *network, ss_cnn_network *solved, 
 
 static void columns_agree_with_a_dense_solve(void **state)
 {
-    (void)state;
     static const double direction[3] = {0.6, 0.0, 0.8};
     for (int run = 0; run < 6; ++run) {
         const int kind = run % 3; /* the second time without a factor */
@@ -638,7 +625,6 @@ static void columns_agree_with_a_dense_solve(void **state)
 /* Nothing is held: every part drains and has a cell pinned. */
 static void a_drained_network_settles_the_same_without_a_factor(void **state)
 {
-    (void)state;
     static const int32_t node[3] = {3, 17, 40};
     static const double weight[3] = {0.5, 0.3, 0.2};
     ss_mesh *mesh = make_cylinder(6, 8, 1.0, 3.0);

@@ -75,7 +75,6 @@ static slide run_slide(double dt, double x0, double speed, bool is_one_cell)
 
 static void a_sliding_tool_feels_no_jumps(void **state)
 {
-    (void)state;
     const slide s = run_slide(5e-4, -0.015, 0.05, false);
     assert_true(s.mean > 0.08 && s.mean < 0.14);
     assert_true(s.jump < 0.005);
@@ -84,7 +83,6 @@ static void a_sliding_tool_feels_no_jumps(void **state)
 
 static void closed_loops_gain_nothing_in_either_direction(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     /* From the soft rim's side to the stiff middle and back: without the forces through the
      * weights this gains and loses a third of the stored energy. */
@@ -110,7 +108,6 @@ static void setup_one_cell(setup *s, int tools)
 
 static void one_cell_carries_the_whole_source_of_a_load(void **state)
 {
-    (void)state;
     /* Seven nodes pushed: the force is on all of them, the source on the one in their middle. */
     int32_t pushed[7] = {12 * 25 + 12, 12 * 25 + 13, 12 * 25 + 11, 13 * 25 + 12,
                          11 * 25 + 12, 13 * 25 + 13, 11 * 25 + 11};
@@ -143,7 +140,6 @@ static void one_cell_carries_the_whole_source_of_a_load(void **state)
 
 static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_one_cell(&s, 1);
@@ -191,7 +187,6 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
 /* A sub-step that is taken back has pressed nothing: the tool goes on to the next cell. */
 static void a_press_that_is_taken_back_holds_no_cell(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_one_cell(&s, 1);
@@ -215,7 +210,6 @@ static void a_press_that_is_taken_back_holds_no_cell(void **state)
  * stored, and with the tool pressed in: only that is told. */
 static void what_is_taken_back_is_told_where_it_could_be_felt(void **state)
 {
-    (void)state;
     for (int is_pressed = 0; is_pressed < 2; ++is_pressed) {
         setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -239,7 +233,6 @@ static void what_is_taken_back_is_told_where_it_could_be_felt(void **state)
 /* The same run twice gives the same bits, the second time after a reset in the midst of a grasp. */
 static void a_reset_forgets_every_touch(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int mode = 0; mode < 4; ++mode) {
         setup s;
@@ -276,7 +269,6 @@ static void a_reset_forgets_every_touch(void **state)
 
 static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_one_cell(&s, 2);
@@ -301,7 +293,6 @@ static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
 
 static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const slide s = run_slide(5e-4, -0.015, 0.05, true);
     assert_true(s.mean < 0.5 * run_slide(5e-4, -0.015, 0.05, false).mean); /* left behind */
@@ -312,7 +303,6 @@ static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
 
 static void two_starts_lead_to_one_answer(void **state)
 {
-    (void)state;
     setup a, b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, other[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&a, 1, PLATE_EDGE, 0.2);
@@ -337,7 +327,6 @@ static void two_starts_lead_to_one_answer(void **state)
 
 static void second_tools_add_their_own_potential(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 2, PLATE_EDGE, 0.0);
@@ -366,7 +355,6 @@ static void second_tools_add_their_own_potential(void **state)
  * held off by what is stored there already. */
 static void strained_tissue_holds_no_tool_off(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const double radius = 2.0 * PLATE_EDGE;
     setup s;
@@ -409,7 +397,6 @@ static void lift(setup *s, ss_model_tool *tool, double y)
 
 static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_grip(&s, tool);
@@ -445,7 +432,6 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
 
 static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_grip(&s, tool);

@@ -129,7 +129,6 @@ static int32_t far_node(const pair *p)
 
 static void the_field_and_the_energy_balance_are_those_of_the_whole_body(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const struct {
         double pretension, bulk, force;
@@ -176,7 +175,6 @@ static void the_field_and_the_energy_balance_are_those_of_the_whole_body(void **
 
 static void the_window_follows_the_load_and_closes_at_rest(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     pair p;
     create_pair(&p, 50.0, 2000.0, true, 200.0);
@@ -215,7 +213,6 @@ static void the_window_follows_the_load_and_closes_at_rest(void **state)
 
 static void prescribed_nodes_open_the_window_too(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup s[2];
     int32_t patch[200], count = 0;
@@ -266,7 +263,6 @@ static double rim_share(const setup *s)
 
 static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
 {
-    (void)state;
     pair p;
     create_pair(&p, 0.0, 0.0, false, 200.0);
     steps(&p.with, 200, 2e-3);
@@ -283,7 +279,6 @@ static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
 /* Kernels take two nodes at a time: the spare one of an odd number is none. */
 static void nodes_are_counted_once(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup s;
     setup_init(&s, "cnn-energy", make_plate(64, 1.0));
@@ -311,7 +306,6 @@ static void nodes_are_counted_once(void **state)
 /* What a block had when it last moved says nothing of the step now. */
 static void still_nodes_do_not_limit_the_step(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     pair p;
     create_pair(&p, 0.0, 0.0, false, 200.0);
@@ -329,7 +323,6 @@ static void still_nodes_do_not_limit_the_step(void **state)
 /* Several loads that saturate together, a prescribed patch, pretension and an enclosed volume. */
 static void everything_at_once_is_that_of_the_whole_body(void **state)
 {
-    (void)state;
     static const double top[3] = {0.0, 0.0, 0.8}, side[3] = {1.0, 0.0, 0.0},
                         back[3] = {0.0, -0.9, 0.0};
     setup s[2];
@@ -402,7 +395,6 @@ static void everything_at_once_is_that_of_the_whole_body(void **state)
 
 static void steps_that_are_taken_back_take_the_far_field_back(void **state)
 {
-    (void)state;
     pair p;
     create_pair(&p, 50.0, 2000.0, false, 1e6);
     p.with.load[0].ramp = p.without.load[0].ramp = 0.0; /* a blow */
@@ -431,7 +423,6 @@ static void steps_that_are_taken_back_take_the_far_field_back(void **state)
 
 static void reset_and_threads_give_the_same_bits(void **state)
 {
-    (void)state;
     uint64_t hash[3];
     pair p;
     for (int k = 0; k < 3; ++k) {
@@ -465,7 +456,6 @@ static const char *reason_of(setup *s)
 
 static void bodies_that_gain_nothing_have_no_window(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const double top[3] = {0.0, 0.0, 0.8};
     const ss_shape shape = {.kind = SS_SHAPE_SPHERE, .radius = 0.2};
@@ -508,7 +498,6 @@ static void bodies_that_gain_nothing_have_no_window(void **state)
 
 static void refuses_a_tolerance_that_means_nothing(void **state)
 {
-    (void)state;
     static const double wrong[] = {-1e-4, 0.5, (double)NAN};
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; ++k) {
         setup s;

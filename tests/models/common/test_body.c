@@ -16,7 +16,6 @@
 
 static void what_falls_freely_falls_exactly(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         bench b;
         bench_init(&b);
@@ -42,7 +41,6 @@ static void what_falls_freely_falls_exactly(void **state)
 
 static void an_oscillator_has_the_frequency_of_its_method(void **state)
 {
-    (void)state;
     const double dt = 2e-3;
     for (int m = 0; m < 2; ++m) {
         bench b;
@@ -66,7 +64,6 @@ static void an_oscillator_has_the_frequency_of_its_method(void **state)
 
 static void the_stable_step_is_the_edge_of_stability(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         for (int is_over = 0; is_over < 2; ++is_over) {
             bench b;
@@ -91,7 +88,6 @@ static void the_stable_step_is_the_edge_of_stability(void **state)
 
 static void a_step_that_is_too_long_does_not_go_unseen(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         bench b;
         bench_init(&b);
@@ -115,7 +111,6 @@ static void a_step_that_is_too_long_does_not_go_unseen(void **state)
 
 static void the_energy_balance_of_ten_thousand_steps_closes(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.share = 0.9;
@@ -138,7 +133,6 @@ static void the_energy_balance_of_ten_thousand_steps_closes(void **state)
 
 static void damping_takes_what_is_booked(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         for (int kind = 0; kind < 2; ++kind) { /* mass damping, viscosity */
             bench b;
@@ -168,7 +162,6 @@ static void damping_takes_what_is_booked(void **state)
 
 static void supports_answer_what_loads_push(void **state)
 {
-    (void)state;
     int32_t pushed[2] = {21, 22}, held[3] = {0, 1, 5};
     double way[3][3] = {{1e-3, 0.0, NAN}, {1e-3, 0.0, NAN}, {1e-3, 0.0, NAN}};
     bench b;
@@ -209,7 +202,6 @@ static void supports_answer_what_loads_push(void **state)
 
 static void prescribed_nodes_go_at_constant_velocity_and_pay(void **state)
 {
-    (void)state;
     int32_t held[1] = {10};
     double way[1][3] = {{5e-3, NAN, NAN}};
     bench b;
@@ -235,7 +227,6 @@ static void prescribed_nodes_go_at_constant_velocity_and_pay(void **state)
 
 static void pressure_pushes_along_the_surface(void **state)
 {
-    (void)state;
     int32_t side[16];
     int32_t count = 0;
     bench b;
@@ -271,7 +262,6 @@ static void pressure_pushes_along_the_surface(void **state)
  * once: that is its work, and no energy from nowhere. */
 static void a_rising_load_gains_nothing(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         int32_t node[2] = {20, 21};
         bench b;
@@ -297,7 +287,6 @@ static void a_rising_load_gains_nothing(void **state)
 
 static void mass_that_moves_takes_its_weight_along(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.mass_damping = 60.0;
@@ -314,7 +303,6 @@ static void mass_that_moves_takes_its_weight_along(void **state)
 
 static void a_blow_is_slowed_down_and_said(void **state)
 {
-    (void)state;
     int32_t hit[1] = {21};
     const double blow[] = {1e2, 1e6, 1e12};
     for (size_t k = 0; k < sizeof blow / sizeof *blow; ++k) {
@@ -339,7 +327,6 @@ static void a_blow_is_slowed_down_and_said(void **state)
 
 static void what_is_not_finite_is_put_back_until_reset(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.mass_damping = 1.0;
@@ -369,7 +356,6 @@ static void what_is_not_finite_is_put_back_until_reset(void **state)
 
 static void too_small_a_budget_is_slower_than_time_and_said(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.law.stiffness = 1e6; /* stable to 0.1 ms */
@@ -387,7 +373,6 @@ static void too_small_a_budget_is_slower_than_time_and_said(void **state)
 
 static void a_flight_out_of_the_world_is_cut_off(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.law.stiffness = 0.0;
@@ -401,7 +386,6 @@ static void a_flight_out_of_the_world_is_cut_off(void **state)
 
 static void energy_from_nowhere_is_taken_out_and_said(void **state)
 {
-    (void)state;
     bench b;
     bench_init(&b);
     b.law.damping = -0.5; /* pushes on what moves, and books nothing */
@@ -415,7 +399,6 @@ static void energy_from_nowhere_is_taken_out_and_said(void **state)
 
 static void faults_of_a_plan_are_named(void **state)
 {
-    (void)state;
     int32_t fixed[1] = {3}, none[1] = {21};
     bench b;
     bench_init(&b);

@@ -67,7 +67,6 @@ static void bench_pressed(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES])
 
 static void a_tool_gets_back_what_it_gives(void **state)
 {
-    (void)state;
     for (int m = 0; m < 2; ++m) {
         bench b;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -102,7 +101,6 @@ static void a_tool_gets_back_what_it_gives(void **state)
 
 static void the_felt_stiffness_errs_high_but_little(void **state)
 {
-    (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     ss_contact_set set;
@@ -125,7 +123,6 @@ static void the_felt_stiffness_errs_high_but_little(void **state)
 
 static void a_grasp_pulls_and_lets_go(void **state)
 {
-    (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     bench_pressed(&b, tool);
@@ -153,7 +150,6 @@ static void a_grasp_pulls_and_lets_go(void **state)
 
 static void a_fast_tool_is_swept_and_does_not_tunnel(void **state)
 {
-    (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     bench_with_ball(&b);
@@ -206,7 +202,6 @@ static double carry_same_rate2(void *owner, int32_t count, const int32_t *node, 
 
 static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
 {
-    (void)state;
     ss_contact_set set[2];
     double stable[2];
     for (int kind = 0; kind < 2; ++kind) {
@@ -248,7 +243,6 @@ static uint64_t whole_hash(bench *b)
 
 static void the_same_run_gives_the_same_bits_also_after_a_reset(void **state)
 {
-    (void)state;
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     uint64_t hash[2];

@@ -28,7 +28,6 @@ static void take_through(const ss_mesh *mesh, int32_t node, double way, ss_real 
 
 static void a_tetrahedron_is_found_within_its_round(void **state)
 {
-    (void)state;
     static const double period[3] = {1e-3, 1e-2, 1.0};
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
@@ -70,7 +69,6 @@ static void a_tetrahedron_is_found_within_its_round(void **state)
 /* One tetrahedron comes back, another stays: it is said without a gap. */
 static void one_after_the_other_is_said_without_a_gap(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
     const int32_t last = mesh->node_count - 1;
@@ -93,7 +91,6 @@ static void one_after_the_other_is_said_without_a_gap(void **state)
 /* What was inside out leaves no trace in the order of the looks, which the hash leaves out. */
 static void steps_alone_say_which_is_next(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_box(4, 4, 4, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
     ss_turned looked, passed;
@@ -149,7 +146,6 @@ static const kind kinds[] = {
 /* A corner of a block is taken through the node across its cell, and back. */
 static void every_model_says_it_while_it_lasts(void **state)
 {
-    (void)state;
     for (size_t m = 0; m < sizeof kinds / sizeof *kinds; ++m) {
         int32_t node[1] = {0};
         double way[1][3] = {{0.03, 0.03, 0.03}};

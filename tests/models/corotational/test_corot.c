@@ -68,7 +68,6 @@ static void place(setup *s, void (*to)(const double x[3], double out_u[3]))
 
 static void rest_stays_rest(void **state)
 {
-    (void)state;
     setup s;
     setup_bar(&s, 1e4, 0.45);
     create(&s);
@@ -90,7 +89,6 @@ static void turned(const double x[3], double out_u[3])
 
 static void a_turned_body_is_at_rest(void **state)
 {
-    (void)state;
     setup s;
     setup_corot(&s, make_block(&(block_size){.cells = {3, 2, 2}, .size = {0.06, 0.04, 0.04}}), 1e4,
                 0.45);
@@ -107,7 +105,6 @@ static void a_turned_body_is_at_rest(void **state)
 
 static void free_fall_is_exact(void **state)
 {
-    (void)state;
     setup s;
     setup_corot(&s, make_block(&(block_size){.cells = {2, 2, 2}, .size = {0.04, 0.04, 0.04}}), 1e3,
                 0.3);
@@ -134,7 +131,6 @@ static void settle(setup *s)
 
 static void settles_where_the_static_solution_is(void **state)
 {
-    (void)state;
     setup s;
     setup_bar(&s, 2e4, 0.4);
     const double g = 1e-4; /* tiny: turning plays no part */
@@ -169,7 +165,6 @@ static void settles_where_the_static_solution_is(void **state)
 /* Reference b: the beam at 0.02 g, on its coarsest mesh; its floor is for linear tetrahedra. */
 static void bends_as_the_reference_beam(void **state)
 {
-    (void)state;
     setup s;
     ss_mesh *mesh = NULL;
     assert_int_equal(ss_mesh_load(SOURCE_DIR "/tests/reference/b_cantilever/mesh_99.msh", 1.0, NULL,
@@ -191,7 +186,6 @@ static void bends_as_the_reference_beam(void **state)
 
 static void prescribed_nodes_arrive_and_push_back(void **state)
 {
-    (void)state;
     setup s;
     int32_t end[16], count = 0;
     vector displacement[16];
@@ -229,7 +223,6 @@ static void prescribed_nodes_arrive_and_push_back(void **state)
 
 static void elements_differ_in_stiffness(void **state)
 {
-    (void)state;
     setup soft, hard;
     setup_bar(&soft, 1e4, 0.3);
     setup_bar(&hard, 1e4, 0.3);
@@ -273,7 +266,6 @@ static void stays_bounded(double young, double poisson, double dt, double ratio,
 
 static void stays_bounded_at_any_step_stiffness_and_mass(void **state)
 {
-    (void)state;
     stays_bounded(1e4, 0.45, 1.0, 1.0, 10);
     stays_bounded(1e4, 0.45, 1e-6, 1.0, 10);
     stays_bounded(1e13, 0.45, 1e-3, 1.0, 10);
@@ -329,7 +321,6 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
 
 static void comes_back_from_anything(void **state)
 {
-    (void)state;
     comes_back(scrambled);
     comes_back(mirrored);
     comes_back(flattened);
@@ -337,7 +328,6 @@ static void comes_back_from_anything(void **state)
 
 static void never_makes_energy(void **state)
 {
-    (void)state;
     static const double dt[] = {1e-4, 1e-3, 1e-2};
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -356,7 +346,6 @@ static void never_makes_energy(void **state)
 
 static void viscosity_and_mass_damping_dissipate(void **state)
 {
-    (void)state;
     static const int row[] = {SS_COROT_MASS_DAMPING, SS_COROT_STIFFNESS_DAMPING,
                               SS_COROT_VISCOSITY_PSI};
     static const double value[] = {20.0, 0.02, 100.0};
@@ -407,7 +396,6 @@ static void press(setup *s, ss_model_tool *tool, double depth, int count)
 
 static void presses_and_is_pressed(void **state)
 {
-    (void)state;
     double force[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -434,7 +422,6 @@ static void presses_and_is_pressed(void **state)
  * it touches on little of that way. */
 static void a_tool_that_darts_about_makes_no_energy(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_press(&s, 1e8);
@@ -455,7 +442,6 @@ static void a_tool_that_darts_about_makes_no_energy(void **state)
 
 static void holds_what_it_grasps(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_press(&s, 0.0);
@@ -480,7 +466,6 @@ static void holds_what_it_grasps(void **state)
 
 static void same_input_gives_same_bits(void **state)
 {
-    (void)state;
     uint64_t hash[3];
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -506,7 +491,6 @@ static void same_input_gives_same_bits(void **state)
 
 static void says_when_it_was_not_solved(void **state)
 {
-    (void)state;
     setup s;
     setup_bar(&s, 1e6, 0.49);
     s.plan.gravity[2] = -9.81;
@@ -529,7 +513,6 @@ static void refuse(setup *s, const char *words)
 
 static void refuses_what_it_cannot_honour(void **state)
 {
-    (void)state;
     setup s;
     setup_bar(&s, 1e4, 0.3);
     assert_string_equal(s.class->row[SS_COROT_MATERIAL].choices,

@@ -152,7 +152,6 @@ static void random_deformation(int kind, double f[3][3])
 /* With lambda = 0: W = mu V |F - R|^2 = mu V (|F|^2 + 3 - 2 tr(R^T F)), least at the best R. */
 static void turns_by_the_nearest_rotation(void **state)
 {
-    (void)state;
     octet o;
     octet_init(&o, 0.0, 6.0);
     const ss_corot_kernels *kernels;
@@ -186,7 +185,6 @@ static void turns_by_the_nearest_rotation(void **state)
 
 static void force_is_the_gradient_of_the_energy(void **state)
 {
-    (void)state;
     octet o;
     octet_init(&o, 12.0, 6.0);
     const double h = BY_TYPE(1e-2, 1e-6);
@@ -219,7 +217,6 @@ static void force_is_the_gradient_of_the_energy(void **state)
 
 static void tangent_is_symmetric_and_positive(void **state)
 {
-    (void)state;
     octet o;
     octet_init(&o, 12.0, 6.0);
     ss_real *x = ss_memory_get(128, sizeof *x), *y = ss_memory_get(128, sizeof *y);

@@ -94,7 +94,6 @@ static void near_field(const ss_real *field, const double *expected, int32_t nod
 /* Random, and squeezed so that the guard and the floor act. */
 static void kernels_compute_the_laws(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int squeeze = 0; squeeze < 2; ++squeeze) {
             setup s;
@@ -151,7 +150,6 @@ static double energy_at(setup *s, const ss_real *u, ss_real *force)
 /* With the cure too: force is minus the slope of the energy, and the tangent the slope of force. */
 static void forces_and_tangents_are_slopes(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int cure = 1; cure <= 2; ++cure) {
             setup s;
@@ -194,7 +192,6 @@ static void forces_and_tangents_are_slopes(void **state)
 
 static void affine_motion_leaves_no_force_inside(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int cure = 1; cure <= 2; ++cure) {
             setup s;
@@ -265,7 +262,6 @@ static double turned_force(int kind, double offset, double angle)
 
 static void rigid_motion_needs_no_force(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
         assert_true(turned_force(kind, 0.0, 0.8) < BY_TYPE(4e-4, 1e-11));
         /* no worse in a world a kilometre away */
@@ -317,7 +313,6 @@ static double tip_answer(double offset, bool is_turned, bool is_shuffled)
 
 static void place_axes_and_numbers_change_nothing(void **state)
 {
-    (void)state;
     const double answer = tip_answer(0.0, false, false);
     assert_true(answer < -1e-3);
     assert_near(tip_answer(1000.0, false, false), answer, BY_TYPE(1e-3, 1e-6) * fabs(answer));
@@ -341,7 +336,6 @@ static double mean_energy(setup *s, int count)
 /* Free in space, random velocities, 3 % strain or so. */
 static void momentum_and_energy_last(void **state)
 {
-    (void)state;
     setup s;
     block_setup(&s, &small, SS_TISSUE_STVK_GUARDED, 0.3);
     open_up(&s);
@@ -387,7 +381,6 @@ static void momentum_and_energy_last(void **state)
 /* A bar of two moduli in a row: the same stress, strains as one to three. */
 static void elements_have_their_own_material(void **state)
 {
-    (void)state;
     setup s;
     const block_size size = {.cells = {2, 1, 1}, .size = {0.02, 0.01, 0.01}, .jitter = 0.0};
     setup_fem(&s, make_block(&size));
@@ -432,7 +425,6 @@ static void elements_have_their_own_material(void **state)
 /* Shear of a wide slab at given viscosity: the top moves at mu/psi's own time. */
 static void viscosity_creeps_in_its_own_time(void **state)
 {
-    (void)state;
     setup s;
     const block_size size = {.cells = {1, 1, 2}, .size = {0.01, 0.01, 0.02}, .jitter = 0.0};
     setup_fem(&s, make_block(&size));
@@ -501,7 +493,6 @@ static void with_unstable_moduli(setup *s)
 
 static void says_what_is_wrong_with_a_material(void **state)
 {
-    (void)state;
     refuses(without_ratio, "give youngs_modulus_pa and poisson_ratio, or lame_lambda_pa");
     refuses(with_both, "these two together and no other");
     refuses(with_unstable_moduli, "moduli of 108 elements (first 0, 1, ");

@@ -67,7 +67,6 @@ static void random_gradient(int which, double h[9])
 
 static void stress_is_the_slope_of_energy(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
         for (int trial = 0; trial < 60; ++trial) {
@@ -87,7 +86,6 @@ static void stress_is_the_slope_of_energy(void **state)
 
 static void tangent_is_the_slope_of_stress(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
         for (int trial = 0; trial < 60; ++trial) {
@@ -114,7 +112,6 @@ static void tangent_is_the_slope_of_stress(void **state)
 
 static void uniaxial_stress_is_that_of_the_closed_forms(void **state)
 {
-    (void)state;
     static const double stretch[3] = {0.8, 1.2, 1.5};
     static const double confined[3] = {-1.512, 2.772, 9.84375};
     static const double free_sides[3] = {-0.9675, 1.77375, 6.298828125};
@@ -147,7 +144,6 @@ static void uniaxial_stress_is_that_of_the_closed_forms(void **state)
 
 static void guard_makes_confined_compression_monotone(void **state)
 {
-    (void)state;
     const ss_tissue_law guarded = law_of(SS_TISSUE_STVK_GUARDED), plain = law_of(SS_TISSUE_STVK);
     double last = -1e30, last_plain = -1e30, p[9];
     int turns = 0;
@@ -165,7 +161,6 @@ static void guard_makes_confined_compression_monotone(void **state)
 
 static void all_laws_agree_at_rest(void **state)
 {
-    (void)state;
     const ss_tissue_law linear = law_of(SS_TISSUE_LINEAR);
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
@@ -186,7 +181,6 @@ static void all_laws_agree_at_rest(void **state)
 /* P(Q F) = Q P(F), and no viscous stress from turning. */
 static void turning_the_body_turns_the_stress(void **state)
 {
-    (void)state;
     const double c = cos(0.7), s = sin(0.7);
     const double q[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
     const double spin[9] = {-s, -c, 0, c, -s, 0, 0, 0, 0};
@@ -219,7 +213,6 @@ static void turning_the_body_turns_the_stress(void **state)
 
 static void viscous_power_is_stress_times_rate(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
         double h[9], rate[9], p[9];
@@ -239,7 +232,6 @@ static void viscous_power_is_stress_times_rate(void **state)
 
 static void lame_constants_are_those_of_the_books(void **state)
 {
-    (void)state;
     double lambda, mu;
     ss_tissue_lame(3000.0, 0.45, &lambda, &mu);
     assert_true(fabs(mu - 1034.4827586206898) < 1e-9);
@@ -248,7 +240,6 @@ static void lame_constants_are_those_of_the_books(void **state)
 
 static void gradients_are_exact_for_affine_fields(void **state)
 {
-    (void)state;
     const double x[4][3] = {{0.1, 0.2, -0.1}, {1.1, 0.1, 0}, {0.2, 1.3, 0.1}, {0, 0.1, 0.9}};
     double g[4][3], h[9] = {0.0}, a[9];
     random_matrix(1.0, a);

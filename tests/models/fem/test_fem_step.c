@@ -54,7 +54,6 @@ static const double jitters[3] = {0.0, 0.25, 0.47};
 /* What is reported is not beyond dt*, also with slivers and with a part held; the bound neither. */
 static void reported_step_is_not_beyond_the_largest(void **state)
 {
-    (void)state;
     for (int k = 0; k < 6; ++k) {
         setup s;
         const block_size size = {
@@ -128,7 +127,6 @@ static double growth(setup *s, double h, bool is_rk4, int count)
 
 static void stable_below_and_unstable_above(void **state)
 {
-    (void)state;
     static const double damping[3] = {0.0, 2e-4, 5e-3};
     for (int k = 0; k < 6; ++k) {
         setup s;
@@ -150,7 +148,6 @@ static void stable_below_and_unstable_above(void **state)
 /* Damping per mass shortens the step of Runge-Kutta's method, which it would blow up. */
 static void mass_damping_bounds_runge_kutta(void **state)
 {
-    (void)state;
     setup s;
     const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
     setup_fem(&s, make_block(&size));
@@ -171,7 +168,6 @@ static void mass_damping_bounds_runge_kutta(void **state)
 /* Stretched by half, sheared, squeezed: the step follows, whatever the law. */
 static void step_follows_the_stretch(void **state)
 {
-    (void)state;
     static const double stretch[4][3] = {
         {1.5, 0.9, 0.9}, {1.0, 0.7, 1.3}, {2.0, 1, 1}, {0.5, 1, 1}};
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
@@ -284,7 +280,6 @@ static double tip_ratio(double ratio, int cure)
 
 static void cure_keeps_a_beam_from_locking(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     enum { AUTO, NONE, NODAL };
     /* What the elements do alone is known: 0.69, 0.48, 0.24, 0.11. */
@@ -324,7 +319,6 @@ static void scramble(setup *s, double size)
  * though its sides may stay twisted, stvk stays tangled. */
 static void scrambled_bodies_come_back(void **state)
 {
-    (void)state;
     static const int kinds[4] = {SS_TISSUE_STVK_GUARDED, SS_TISSUE_STABLE_NEO_HOOKEAN,
                                  SS_TISSUE_NEO_HOOKEAN, SS_TISSUE_STVK};
     for (int k = 0; k < 4; ++k) {
@@ -356,7 +350,6 @@ static void scrambled_bodies_come_back(void **state)
 /* The whole block squashed to a third and pulled through itself. */
 static void inverted_bodies_come_back(void **state)
 {
-    (void)state;
     static const double scale[3] = {0.3, -0.5, -1.0};
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -378,7 +371,6 @@ static void inverted_bodies_come_back(void **state)
 /* 10 and 1000 times what dents the block, on one node. */
 static void huge_forces_are_survived(void **state)
 {
-    (void)state;
     static const double force[2] = {1.0, 100.0};
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
         for (int k = 0; k < 2; ++k) {
@@ -413,7 +405,6 @@ static void huge_forces_are_survived(void **state)
 /* lambda, mu times 1e3 and 1e6: the step is shorter by the root, answers the same at that load. */
 static void stiffness_scales_the_step_alone(void **state)
 {
-    (void)state;
     static const double factor[3] = {1.0, 1e3, 1e6};
     double tip[3], step[3];
     for (int k = 0; k < 3; ++k) {
@@ -443,7 +434,6 @@ static void stiffness_scales_the_step_alone(void **state)
 /* More sub-steps than allowed: slower than time, said, and stable. */
 static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
 {
-    (void)state;
     setup s;
     block_of(&s, SS_TISSUE_STVK_GUARDED, 10.0);
     give_row(&s, SS_FEM_YOUNGS_MODULUS, 1e10);
@@ -464,7 +454,6 @@ static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
 
 static void reset_and_repeat_give_the_same_bits(void **state)
 {
-    (void)state;
     setup s;
     block_of(&s, SS_TISSUE_NEO_HOOKEAN, 5.0);
     int32_t node = s.mesh->node_count - 13;
@@ -486,7 +475,6 @@ static void reset_and_repeat_give_the_same_bits(void **state)
 /* A sphere pressed in slowly: the force grows all the way, and is what the support bears. */
 static void pressing_deeper_takes_more(void **state)
 {
-    (void)state;
     setup s;
     const block_size size = {.cells = {8, 8, 5}, .size = {0.08, 0.08, 0.05}, .jitter = 0.0};
     setup_fem(&s, make_block(&size));

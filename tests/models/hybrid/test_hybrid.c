@@ -75,7 +75,6 @@ static double bar_force(double cohesion, double stabilisation)
  * takes P = 6.71875 (1.01^3 - 1.01)/2. */
 static void bar_carries_the_exact_force(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     const double exact = 6.71875 * (1.01 * 1.01 * 1.01 - 1.01) / 2.0;
     assert_near(bar_force(0.0, 0.0) / exact, 1.0, 0.03);
@@ -146,7 +145,6 @@ static double growth(double share, int steps, double size, int32_t awake, double
 
 static void reported_step_is_the_limit(void **state)
 {
-    (void)state;
     double momentum;
     for (int32_t awake = 1; awake <= 60; awake += 59) {
         const double tiny = BY_TYPE(1e-4, 1e-6);
@@ -157,7 +155,6 @@ static void reported_step_is_the_limit(void **state)
 
 static void motion_keeps_energy_and_momentum(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     double momentum;
     const double kept = growth(0.5, 10000, 0.05, 60, &momentum);
@@ -216,7 +213,6 @@ static double kinetic_of(const ss_hybrid *hybrid)
  * kinetic energy. */
 static void waking_keeps_mass_and_momentum(void **state)
 {
-    (void)state;
     setup s;
     init_block(&s, 100);
     memset(s.fixed, 0, (size_t)s.mesh->node_count);
@@ -258,7 +254,6 @@ static void waking_keeps_mass_and_momentum(void **state)
  * particles wake and sleep all the time, gives it no energy. */
 static void passing_tool_gives_no_energy(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -299,7 +294,6 @@ static void passing_tool_gives_no_energy(void **state)
  * body comes back to rest. */
 static void tool_wakes_what_it_touches(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     init_block(&s, 150);
@@ -333,7 +327,6 @@ static void tool_wakes_what_it_touches(void **state)
  * the 5 % that their number costs, and moves as smoothly. */
 static void switching_is_not_felt(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     enum { STOPS = 30 };
     double force[2][STOPS];
@@ -398,7 +391,6 @@ static double contact_rate2(ss_body *body)
  * are as long as the two shares let them be. */
 static void contact_bounds_the_substeps(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     init_block(&s, 150);
@@ -429,7 +421,6 @@ static bool is_below_four(int i, int j, int k)
  * one of them is awake, by a whole row. */
 static void rows_have_room(void **state)
 {
-    (void)state;
     setup s;
     setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four),
                  0.15);
@@ -455,7 +446,6 @@ static void rows_have_room(void **state)
  * triangles that are much longer than most, and asleep. */
 static void touched_skin_is_laid(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     ss_mesh *mesh = make_bar((const int[3]){30, 4, 4}, 0.2, origin, 0.0, is_below);
@@ -507,7 +497,6 @@ static uint64_t press_and_hash(setup *s)
 /* After a fault the body stays as it was, and so does its surface wherever a tool goes. */
 static void a_fault_freezes_the_surface(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     init_block(&s, 150);
@@ -541,7 +530,6 @@ static bool warns(setup *s, const char *where)
 
 static void what_makes_results_worse_is_told(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; ++k) {
         setup s;
         init_block(&s, 150);
@@ -560,7 +548,6 @@ static void what_makes_results_worse_is_told(void **state)
 
 static void reset_begins_anew(void **state)
 {
-    (void)state;
     setup s;
     init_block(&s, 100);
     (void)start_hybrid(&s);
@@ -581,7 +568,6 @@ static void reset_begins_anew(void **state)
  * spacing of a layer that also has coarser ones. */
 static void fast_nodes_keep_within_an_edge(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int is_fine_core = 0; is_fine_core < 2; ++is_fine_core) {
         setup s;
@@ -611,7 +597,6 @@ static void fast_nodes_keep_within_an_edge(void **state)
 /* A number that is not finite is a fault until reset, with either integrator, and none after. */
 static void fault_ends_with_reset(void **state)
 {
-    (void)state;
     for (int integrator = 0; integrator < 2; ++integrator) {
         setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -643,7 +628,6 @@ static void fault_ends_with_reset(void **state)
 /* A blow far too hard: finite, told, and back to rest. */
 static void hard_blow_is_survived(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     init_block(&s, 100);
@@ -664,7 +648,6 @@ static void hard_blow_is_survived(void **state)
 /* A corner of the core is taken through the node across its cell. */
 static void a_core_turned_inside_out_is_told(void **state)
 {
-    (void)state;
     setup s;
     int32_t node[1] = {0};
     double way[1][3] = {{0.4, 0.4, 0.4}};

@@ -25,7 +25,6 @@ static const double gradient[3][3] = {
 
 static void rows_reproduce_places(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_block(origin);
     ss_layer *layer = NULL;
     const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.07};
@@ -69,7 +68,6 @@ static void rows_reproduce_places(void **state)
 /* Numbered by place, nodes of tetrahedra come first: no pass over the core goes past the skin. */
 static void skin_is_numbered_last(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_block(origin);
     assert_true(ss_mesh_renumber(mesh));
     int32_t last = 0;
@@ -113,7 +111,6 @@ static int32_t check_pairs(const ss_layer *layer)
 
 static void neighbours_are_mutual(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_block(origin);
     ss_layer *layer = NULL;
     const ss_layer_plan plan = {.mesh = mesh, .spacing = 0.1};
@@ -128,7 +125,6 @@ static void neighbours_are_mutual(void **state)
  * points behind when all sleeps. */
 static void far_spacings_have_mutual_neighbours(void **state)
 {
-    (void)state;
     setup s;
     setup_hybrid(&s, make_block(origin), 0.16);
     double *spacing = calloc((size_t)s.mesh->node_count, sizeof *spacing);
@@ -155,7 +151,6 @@ static void far_spacings_have_mutual_neighbours(void **state)
 /* A finer region has particles of half the spacing, the same volume, and exact gradients. */
 static void spacing_may_differ(void **state)
 {
-    (void)state;
     ss_mesh *mesh = make_block(origin);
     setup s;
     setup_hybrid(&s, mesh, 0.1);
@@ -196,7 +191,6 @@ static void spacing_may_differ(void **state)
  * own: ghosts, cells and particles. */
 static void affine_maps_are_exact(void **state)
 {
-    (void)state;
     for (int awake = 0; awake < 3; ++awake) {
         setup s;
         setup_hybrid(&s, make_block(origin), 0.07);
@@ -256,7 +250,6 @@ static bool is_lowest(int i, int j, int k)
 /* All awake are all awake, also where each ghost of a thin core has a share. */
 static void all_of_a_layer_wake(void **state)
 {
-    (void)state;
     setup s;
     setup_hybrid(&s, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_lowest), 0.1);
     wake_all(&s);
@@ -269,7 +262,6 @@ static void all_of_a_layer_wake(void **state)
 /* The least reach that a scene can give wakes nobody, and is no end of work to set up. */
 static void least_reach_is_none(void **state)
 {
-    (void)state;
     setup s;
     setup_hybrid(&s, make_block(origin), 0.1);
     give_row(&s, SS_HYBRID_ACTIVATE, 4.9e-324);
@@ -292,7 +284,6 @@ static void shake(const ss_hybrid *hybrid, double size)
 /* Force = -dE/dx of every term, with cohesion, residual and an awake region among sleepers. */
 static void force_is_the_slope_of_energy(void **state)
 {
-    (void)state;
     setup s;
     setup_hybrid(&s, make_block(origin), 0.1);
     give_row(&s, SS_HYBRID_MAX_ACTIVE, 40);
@@ -338,7 +329,6 @@ static ss_hybrid *start_woken(setup *s, const double low[3])
 /* The tangent is the force's change; the cohesion's is taken at rest, so the state is near it. */
 static void tangent_is_the_change_of_force(void **state)
 {
-    (void)state;
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
@@ -389,7 +379,6 @@ static double rotation_noise(const double low[3])
 
 static void rigid_motion_is_free(void **state)
 {
-    (void)state;
     const double far[3] = {1000.0, -500.0, 200.0}; /* where a double has 1e-13 for a millimetre */
     assert_near(rotation_noise(origin), 0.0, BY_TYPE(1e-3, 1e-11));
     assert_near(rotation_noise(far), 0.0, BY_TYPE(1e-2, 1e-9));
@@ -398,7 +387,6 @@ static void rigid_motion_is_free(void **state)
 /* Inner forces of a free body sum to nothing, and so do their torques. */
 static void inner_forces_balance(void **state)
 {
-    (void)state;
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
     shake(hybrid, 0.03);
@@ -434,7 +422,6 @@ static void inner_forces_balance(void **state)
 /* Both paths of the kernels agree, and each with itself. */
 static void paths_agree(void **state)
 {
-    (void)state;
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
     shake(hybrid, 0.03);
@@ -462,7 +449,6 @@ static void paths_agree(void **state)
 
 static void pair_potential_is_as_derived(void **state)
 {
-    (void)state;
     double slope;
     assert_near(ss_layer_pair_potential(1.0, &slope), -1.0, 1e-15);
     assert_near(slope, 0.0, 1e-15);
@@ -515,7 +501,6 @@ static void refuse(setup *s, const char *word)
 
 static void wrong_layers_are_refused(void **state)
 {
-    (void)state;
     const int n[3] = {2, 2, 2};
     setup s;
     setup_hybrid(&s, make_bar(n, 0.2, origin, 0.0, is_everywhere), 0.1);

@@ -38,7 +38,6 @@ static ss_scene *load(const char *name, const char *first, const char *second, s
 
 static void outer_surface_makes_a_layer(void **state)
 {
-    (void)state;
     softsim_error error;
     ss_scene *scene = load("hm1.yaml", NULL, NULL, &error);
     if (scene == NULL) {
@@ -70,7 +69,6 @@ static void expect(const char *name, const char *first, const char *second, cons
 
 static void wrong_layers_are_named(void **state)
 {
-    (void)state;
     expect("hm1.yaml", "model.name=fem", NULL, "object.outer");
     expect("hm1.yaml", "model.layer.thickness_m=0.1", NULL, "remove one of the two");
     expect("hm1.yaml", "object.outer=hm1.msh", NULL, "rim");
@@ -88,7 +86,6 @@ static void print(void *sink, const char *text)
 /* Printed values make the same scene again: the layer's keys are a mapping there too. */
 static void layer_is_printed_as_a_mapping(void **state)
 {
-    (void)state;
     softsim_error error;
     static char text[60000];
     ss_scene *scene = load("hm1.yaml", NULL, NULL, &error);

@@ -63,7 +63,6 @@ static uint64_t hash_wanted(const ss_hybrid *hybrid)
  */
 static void short_look_is_enough(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     enum { STEPS = 240 };
     static uint64_t hash[2][STEPS];
@@ -99,7 +98,6 @@ static void short_look_is_enough(void **state)
 /* Particles that are let go and wait for their tie under a dent cost no forces anew. */
 static void waiting_changes_nothing(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     int32_t waited = 0;
@@ -130,7 +128,6 @@ static void waiting_changes_nothing(void **state)
 /* A share, a theta or an offset alone that moves asks for forces anew; then there is rest. */
 static void each_change_is_told(void **state)
 {
-    (void)state;
     setup s;
     init_block(&s, 100);
     ss_hybrid *hybrid = start_hybrid(&s);
@@ -157,7 +154,6 @@ static void each_change_is_told(void **state)
 /* Where there is room for all particles, all in reach wake, and no limit is told of. */
 static void room_for_all_is_no_limit(void **state)
 {
-    (void)state;
     for (int k = 0; k < 2; ++k) {
         setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES];

@@ -97,7 +97,6 @@ static double stretched_modulus(int cells)
  * ones must have the same. */
 static void a_block_has_about_the_modulus_that_is_given(void **state)
 {
-    (void)state;
     const double coarse = stretched_modulus(3), fine = stretched_modulus(5);
     assert_near(fine, 0.7 * MODULUS, 0.05 * MODULUS);
     assert_near(coarse, fine, 0.02 * MODULUS);
@@ -106,7 +105,6 @@ static void a_block_has_about_the_modulus_that_is_given(void **state)
 /* Rows of equilateral triangles: every node moves affinely, so that the formula is exact. */
 static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
 {
-    (void)state;
     enum { ROWS = 9, COLUMNS = 9 };
     const double h = 0.01, thickness = 0.002;
     draft d;
@@ -171,7 +169,6 @@ static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
  * of a regular tetrahedron of equal springs: omega^2 = 4 k / m. */
 static void a_tetrahedron_breathes_at_its_frequency(void **state)
 {
-    (void)state;
     const double position[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     const int32_t corner[1][4] = {{0, 1, 2, 3}};
     setup s;
@@ -215,7 +212,6 @@ static void start_shaken(setup *s, int cells, int32_t nodes[4])
 
 static void momentum_stays_when_loads_have_gone(void **state)
 {
-    (void)state;
     setup s;
     int32_t nodes[4];
     start_shaken(&s, 3, nodes);
@@ -252,7 +248,6 @@ static void momentum_stays_when_loads_have_gone(void **state)
 
 static void energy_stays_over_ten_thousand_steps(void **state)
 {
-    (void)state;
     setup s;
     int32_t nodes[4];
     start_shaken(&s, 2, nodes);
@@ -273,7 +268,6 @@ static void energy_stays_over_ten_thousand_steps(void **state)
 
 static void dampers_take_energy_and_book_it(void **state)
 {
-    (void)state;
     for (int method = 0; method < 2; ++method) {
         setup s;
         int32_t nodes[4];
@@ -349,7 +343,6 @@ static double true_limit(const ss_mesh *mesh, const double *mass, double modulus
 
 static void the_stable_step_is_safe_and_not_far_below_the_true_one(void **state)
 {
-    (void)state;
     for (int cells = 1; cells <= 4; ++cells) {
         setup s;
         setup_springs(&s, cells);
@@ -370,7 +363,6 @@ static void the_stable_step_is_safe_and_not_far_below_the_true_one(void **state)
  * rho = 2 k/m: exact. Sub-steps of half of it, so the time step is stretched by the mass. */
 static void the_bound_of_a_regular_tetrahedron_is_exact(void **state)
 {
-    (void)state;
     const double position[4][3] = {
         {.01, .01, .01}, {.01, -.01, -.01}, {-.01, .01, -.01}, {-.01, -.01, .01}};
     const int32_t corner[1][4] = {{0, 1, 2, 3}};
@@ -389,7 +381,6 @@ static void the_bound_of_a_regular_tetrahedron_is_exact(void **state)
 
 static void a_crushed_block_comes_back_or_says_so(void **state)
 {
-    (void)state;
     setup s;
     int32_t node[1] = {13};
     setup_springs(&s, 2);
@@ -435,7 +426,6 @@ static bool are_neighbours(const ss_mesh *mesh, int32_t node, int32_t other)
  * tetrahedra names a node, one of a turned one's. */
 static void what_is_turned_inside_out_is_said_until_reset(void **state)
 {
-    (void)state;
     setup s;
     double aside[1][3] = {{0.06, 0.06, 0.06}};
     int32_t corner[1] = {-1};
@@ -476,7 +466,6 @@ static void what_is_turned_inside_out_is_said_until_reset(void **state)
 
 static void the_same_run_gives_the_same_bits(void **state)
 {
-    (void)state;
     uint64_t hash[3];
     setup s;
     int32_t nodes[4];
@@ -497,7 +486,6 @@ static void the_same_run_gives_the_same_bits(void **state)
 
 static void far_from_the_origin_nothing_is_lost(void **state)
 {
-    (void)state;
     double out[2];
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -519,7 +507,6 @@ static void far_from_the_origin_nothing_is_lost(void **state)
 
 static void wrong_scenes_are_refused(void **state)
 {
-    (void)state;
     setup s;
     setup_init(&s, "mass-spring", make_plate(4, 0.1));
     give(&s, "youngs_modulus_pa", MODULUS);

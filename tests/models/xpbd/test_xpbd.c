@@ -40,7 +40,6 @@ static const ss_tissue_kind kinds[] = {SS_TISSUE_NEO_HOOKEAN, SS_TISSUE_STABLE_N
 
 static void a_body_at_rest_stays_at_rest_to_the_last_bit(void **state)
 {
-    (void)state;
     const double modulus[] = {1.0, 5e3, 1e9}, ratio[] = {0.0, 0.3, 0.4999};
     for (int m = 0; m < 3; ++m) {
         for (int n = 0; n < 2; ++n) {
@@ -103,7 +102,6 @@ static double affine_error(ss_tissue_kind kind, int substeps, double *out_energy
 
 static void inside_an_affine_surface_all_is_affine(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     for (int n = 0; n < 2; ++n) {
         double energy;
@@ -146,7 +144,6 @@ static double hanging(const char *name, ss_tissue_kind kind, double ratio, int s
 
 static void many_substeps_lead_to_the_static_solution_of_the_law(void **state)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     if (!ss_model_find("fem")) {
         skip();
@@ -168,7 +165,6 @@ static void many_substeps_lead_to_the_static_solution_of_the_law(void **state)
 
 static void no_stiffness_is_too_much_for_a_step(void **state)
 {
-    (void)state;
     const double modulus[] = {4e5, 1e7, 1e9}, ratio[] = {0.3, 0.4999};
     for (int m = 0; m < 3; ++m) {
         for (int n = 0; n < 2; ++n) {
@@ -193,7 +189,6 @@ static void no_stiffness_is_too_much_for_a_step(void **state)
 
 static void a_crushed_body_gets_its_shape_back(void **state)
 {
-    (void)state;
     for (int n = 0; n < 2; ++n) {
         setup s;
         int32_t node[2] = {62, 42};
@@ -221,7 +216,6 @@ static void a_crushed_body_gets_its_shape_back(void **state)
 
 static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state)
 {
-    (void)state;
     setup s;
     setup_soft(&s, 2, SS_TISSUE_STABLE_NEO_HOOKEAN, 0.3);
     give(&s, "substep_s", 1e-5);
@@ -239,7 +233,6 @@ static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state
 
 static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
 {
-    (void)state;
     double cost[3];
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -254,7 +247,6 @@ static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
 
 static void a_thrown_body_keeps_its_momentum(void **state)
 {
-    (void)state;
     setup s;
     int32_t node[1] = {0};
     setup_soft(&s, 2, SS_TISSUE_STABLE_NEO_HOOKEAN, 0.45);
@@ -284,7 +276,6 @@ static void a_thrown_body_keeps_its_momentum(void **state)
 
 static void axes_that_are_held_do_not_move(void **state)
 {
-    (void)state;
     setup s;
     setup_soft(&s, 3, SS_TISSUE_NEO_HOOKEAN, 0.3);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
@@ -312,7 +303,6 @@ static void axes_that_are_held_do_not_move(void **state)
 
 static void a_tool_is_carried_by_the_support(void **state)
 {
-    (void)state;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     ss_contact_set set = {0};
@@ -347,7 +337,6 @@ static void a_tool_is_carried_by_the_support(void **state)
 
 static void the_same_run_gives_the_same_bits(void **state)
 {
-    (void)state;
     uint64_t hash[2];
     setup s;
     setup_soft(&s, 3, SS_TISSUE_NEO_HOOKEAN, 0.45);
@@ -410,7 +399,6 @@ static void loose_fini(loose *l)
 
 static void packs_hold_every_element_once_and_no_node_twice(void **state)
 {
-    (void)state;
     loose l;
     loose_init(&l, 5);
     int32_t found = 0;
@@ -434,7 +422,6 @@ static void packs_hold_every_element_once_and_no_node_twice(void **state)
 
 static void all_paths_agree(void **state)
 {
-    (void)state;
     loose l;
     loose_init(&l, 3);
     const size_t n = 4 * (size_t)l.mesh->node_count;
@@ -468,7 +455,6 @@ static void all_paths_agree(void **state)
 
 static void one_element_takes_its_implicit_step(void **state)
 {
-    (void)state;
     /* One free tetrahedron: momentum stays, and in the limit of small h the way is h^2 f / m. */
     const double position[4][3] = {
         {.01, .01, .01}, {.01, -.01, -.01}, {-.01, .01, -.01}, {-.01, -.01, .01}};
@@ -541,7 +527,6 @@ static void one_element_takes_its_implicit_step(void **state)
 
 static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
 {
-    (void)state;
     setup s;
     double cost[3];
     for (int k = 0; k < 3; ++k) {
@@ -558,7 +543,6 @@ static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
 /* The constraints of |F| and J are two laws: a scene is offered these, and no other. */
 static void every_law_that_is_offered_is_taken(void **state)
 {
-    (void)state;
     const ss_param_row *row = &ss_model_find("xpbd")->row[0];
     assert_string_equal(row->name, "material");
     assert_string_equal(row->choices, "neo-hookean|stable-neo-hookean");
@@ -573,7 +557,6 @@ static void every_law_that_is_offered_is_taken(void **state)
 
 static void wrong_scenes_are_refused(void **state)
 {
-    (void)state;
     setup s;
     setup_soft(&s, 1, kinds[0], 0.3);
     give(&s, "youngs_modulus_pa", -1.0); /* refused also where nobody wants to know why */
