@@ -16,6 +16,7 @@
 
 #include "mesh/topology.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 
@@ -83,12 +84,8 @@ bool ss_draft_put_node(ss_draft *d, int32_t i, const double x[3])
 
 static int compare_tags(const void *left, const void *right)
 {
-    const ss_draft_tag *a = left;
-    const ss_draft_tag *b = right;
-    if (a->tag != b->tag) {
-        return a->tag < b->tag ? -1 : 1;
-    }
-    return (a->index > b->index) - (a->index < b->index);
+    const ss_draft_tag *a = left, *b = right;
+    return ss_order_then(ss_order_int(a->tag, b->tag), ss_order_int(a->index, b->index));
 }
 
 bool ss_draft_sort_tags(ss_draft *d)

@@ -18,6 +18,7 @@
 #include "mesh/msh4.h"
 
 #include "rt/memory.h"
+#include "rt/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -62,12 +63,8 @@ static bool read_entity(ss_msh *r, int32_t dimension, ss_msh_entity *out, int32_
 
 static int compare_entities(const void *left, const void *right)
 {
-    const ss_msh_entity *a = left;
-    const ss_msh_entity *b = right;
-    if (a->dimension != b->dimension) {
-        return a->dimension < b->dimension ? -1 : 1;
-    }
-    return (a->tag > b->tag) - (a->tag < b->tag);
+    const ss_msh_entity *a = left, *b = right;
+    return ss_order_then(ss_order_int(a->dimension, b->dimension), ss_order_int(a->tag, b->tag));
 }
 
 /* Goes over the entities; with `group` NULL to count their groups. */

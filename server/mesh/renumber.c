@@ -21,6 +21,7 @@
  */
 #include "mesh/mesh.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -73,14 +74,10 @@ typedef struct place {
 
 static int compare_places(const void *left, const void *right)
 {
-    const place *a = left;
-    const place *b = right;
-    for (int k = 0; k < 2; ++k) {
-        if (a->key[k] != b->key[k]) {
-            return a->key[k] < b->key[k] ? -1 : 1;
-        }
-    }
-    return (a->number > b->number) - (a->number < b->number);
+    const place *a = left, *b = right;
+    const int by_key =
+        ss_order_then(ss_order_bits(a->key[0], b->key[0]), ss_order_bits(a->key[1], b->key[1]));
+    return ss_order_then(by_key, ss_order_int(a->number, b->number));
 }
 
 static void place_nodes(const ss_mesh *mesh, place *out)
@@ -151,13 +148,6 @@ static void sort_halves(ss_mesh *mesh, const int32_t *new_number, const place *o
     }
 }
 
-static int compare_numbers(const void *left, const void *right)
-{
-    const int32_t a = *(const int32_t *)left;
-    const int32_t b = *(const int32_t *)right;
-    return (a > b) - (a < b);
-}
-
 static void renumber_groups(ss_mesh *mesh, const int32_t *new_number)
 {
     for (int32_t g = 0; g < mesh->group_count; ++g) {
@@ -165,7 +155,7 @@ static void renumber_groups(ss_mesh *mesh, const int32_t *new_number)
         for (int32_t i = 0; i < group->node_count; ++i) {
             group->node[i] = new_number[group->node[i]];
         }
-        qsort(group->node, (size_t)group->node_count, sizeof *group->node, compare_numbers);
+        qsort(group->node, (size_t)group->node_count, sizeof *group->node, ss_compare_ints);
     }
 }
 

@@ -17,6 +17,7 @@
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <float.h>
@@ -194,12 +195,8 @@ typedef struct tree {
 
 static int compare_places(const void *left, const void *right)
 {
-    const place *a = left;
-    const place *b = right;
-    if (a->code != b->code) {
-        return a->code < b->code ? -1 : 1;
-    }
-    return (a->triangle > b->triangle) - (a->triangle < b->triangle);
+    const place *a = left, *b = right;
+    return ss_order_then(ss_order_bits(a->code, b->code), ss_order_int(a->triangle, b->triangle));
 }
 
 static uint64_t spread_bits(uint64_t value)

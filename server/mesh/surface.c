@@ -10,6 +10,7 @@
  */
 #include "mesh/topology.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -84,12 +85,8 @@ static bool fill_buckets(extractor *x)
 
 static int compare_faces(const void *left, const void *right)
 {
-    const face *a = left;
-    const face *b = right;
-    if (a->middle != b->middle) {
-        return a->middle < b->middle ? -1 : 1;
-    }
-    return (a->highest > b->highest) - (a->highest < b->highest);
+    const face *a = left, *b = right;
+    return ss_order_then(ss_order_int(a->middle, b->middle), ss_order_int(a->highest, b->highest));
 }
 
 enum { MAX_INSERTION = 48 }; /* larger buckets go to qsort */

@@ -9,6 +9,7 @@
 #include "mesh/topology.h"
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -18,14 +19,8 @@
 
 static int compare_tuples(const void *left, const void *right)
 {
-    const ss_mesh_tuple *a = left;
-    const ss_mesh_tuple *b = right;
-    for (int k = 0; k < 4; ++k) {
-        if (a->node[k] != b->node[k]) {
-            return a->node[k] < b->node[k] ? -1 : 1;
-        }
-    }
-    return (a->id > b->id) - (a->id < b->id);
+    const ss_mesh_tuple *a = left, *b = right;
+    return ss_order_then(ss_order_ints(a->node, b->node, 4), ss_order_int(a->id, b->id));
 }
 
 static void sort_nodes(int32_t *node, int count)

@@ -30,6 +30,7 @@
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/plain.h"
 #include "rt/progress.h"
 #include "rt/random.h"
@@ -230,13 +231,6 @@ static void ring_between_two_threads_loses_and_tears_nothing(void **state)
 
 /* ---- histogram ---- */
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void histogram_agrees_with_sorting(void **state)
 {
     enum { SAMPLES = 20000 };
@@ -248,7 +242,7 @@ static void histogram_agrees_with_sorting(void **state)
         sample[i] = 0.02 * pow(1e7, ss_random_unit(&seed)); /* 0.02 us .. 0.2 s */
         ss_histogram_add(&histogram, (int64_t)i * 400000, sample[i]);
     }
-    qsort(sample, SAMPLES, sizeof sample[0], compare_doubles);
+    qsort(sample, SAMPLES, sizeof sample[0], ss_compare_doubles);
     const double quantile[] = {0.001, 0.1, 0.5, 0.9, 0.99, 0.999};
     for (size_t q = 0; q < sizeof quantile / sizeof quantile[0]; ++q) {
         const double exact = sample[(int)ceil(quantile[q] * SAMPLES) - 1];

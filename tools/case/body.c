@@ -13,6 +13,7 @@
 
 #include "case/case.h"
 #include "case/table.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 #include "scene/report.h"
 #include "scene/tree.h"
@@ -45,7 +46,7 @@ static void join(const loader *l, const char *name, char out[LONG_PATH])
 static int by_number(const void *a, const void *b)
 {
     const numbered *x = a, *y = b;
-    return (x->number > y->number) - (x->number < y->number);
+    return ss_order_int(x->number, y->number);
 }
 
 /* -1: no node has that number. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "case/samples.h"
+#include "rt/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,20 +35,13 @@ void ss_samples_add(ss_samples *samples, double value)
     samples->is_sorted = false;
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double ss_samples_quantile(ss_samples *samples, double quantile)
 {
     if (samples->count == 0) {
         return NAN;
     }
     if (!samples->is_sorted) {
-        qsort(samples->value, (size_t)samples->count, sizeof *samples->value, compare);
+        qsort(samples->value, (size_t)samples->count, sizeof *samples->value, ss_compare_doubles);
         samples->is_sorted = true;
     }
     /* The rank is rounded with a hair of slack: 0.99 x 100 is not quite 99 in binary. */

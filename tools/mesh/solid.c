@@ -15,6 +15,7 @@
 #include "solid.h"
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -269,12 +270,8 @@ typedef struct deep_node {
 
 static int compare_depth(const void *left, const void *right)
 {
-    const deep_node *a = left;
-    const deep_node *b = right;
-    if (a->depth != b->depth) {
-        return a->depth < b->depth ? -1 : 1;
-    }
-    return (a->node > b->node) - (a->node < b->node);
+    const deep_node *a = left, *b = right;
+    return ss_order_then(ss_order_double(a->depth, b->depth), ss_order_int(a->node, b->node));
 }
 
 /* The worst of the tetrahedra around i with j in its place; above `limit` when it cannot be. */

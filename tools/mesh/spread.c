@@ -17,6 +17,7 @@
 
 #include "mesh/mesh.h"
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -431,24 +432,13 @@ typedef struct place_on_curve {
 
 static int compare_places(const void *left, const void *right)
 {
-    const place_on_curve *a = left;
-    const place_on_curve *b = right;
-    if (a->key != b->key) {
-        return a->key < b->key ? -1 : 1;
-    }
-    return (a->node > b->node) - (a->node < b->node);
+    const place_on_curve *a = left, *b = right;
+    return ss_order_then(ss_order_bits(a->key, b->key), ss_order_int(a->node, b->node));
 }
 
 static int compare_triangles(const void *left, const void *right)
 {
-    const int32_t *a = left;
-    const int32_t *b = right;
-    for (int k = 0; k < 3; ++k) {
-        if (a[k] != b[k]) {
-            return a[k] < b[k] ? -1 : 1;
-        }
-    }
-    return 0;
+    return ss_order_ints(left, right, 3);
 }
 
 static bool number_nodes(const net *t, spread *s)

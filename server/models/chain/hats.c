@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* Radius of a hat over the spacing of the cells. */
@@ -68,8 +69,7 @@ typedef struct key {
 static int compare(const void *a, const void *b)
 {
     const key *x = a, *y = b;
-    return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
-                                : (x->node > y->node) - (x->node < y->node);
+    return ss_order_then(ss_order_bits(x->place, y->place), ss_order_int(x->node, y->node));
 }
 
 /* Half the elements of a cell, so that a hat is nearly linear over a block. */

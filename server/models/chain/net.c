@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* ---- links ---- */
@@ -38,12 +39,6 @@ static source find_source(const ss_mesh *mesh)
                     3, 3, triangle_edge};
 }
 
-static int compare(const void *a, const void *b)
-{
-    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* Lower and higher node of edge k of an element. */
 static void edge_of(const source *from, int32_t element, int k, int32_t *low, int32_t *high)
 {
@@ -67,7 +62,7 @@ static void keep_distinct(ss_chain_net *net, const ss_mesh *mesh, const int64_t 
     for (int32_t i = 0; i < net->node_count; ++i) {
         const int64_t count = first[i + 1] - first[i];
         int32_t *list = higher + first[i];
-        qsort(list, (size_t)count, sizeof *list, compare);
+        qsort(list, (size_t)count, sizeof *list, ss_compare_ints);
         for (int64_t k = 0; k < count; ++k) {
             if (k > 0 && list[k] == list[k - 1]) {
                 ++net->duplicates;

@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/thread.h"
 
 /* Columns solved in one pass over the factor. */
@@ -158,12 +159,6 @@ static void *run_solve_job(void *argument)
     return NULL;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *node)
 {
     double *sorted = ss_memory_get((size_t)network->influence_count, sizeof *sorted);
@@ -173,7 +168,7 @@ static softsim_status find_median_qhat(ss_cnn_network *network, const int32_t *n
     for (int32_t k = 0; k < network->influence_count; ++k) {
         sorted[k] = network->qhat[node[k]];
     }
-    qsort(sorted, (size_t)network->influence_count, sizeof *sorted, compare_doubles);
+    qsort(sorted, (size_t)network->influence_count, sizeof *sorted, ss_compare_doubles);
     network->median_qhat =
         network->influence_count > 0 ? sorted[network->influence_count / 2] : 0.0;
     ss_memory_free(sorted);

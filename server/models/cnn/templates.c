@@ -45,6 +45,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* Sine of the angle between a direction and the triangle's normal, below which the projection says
@@ -251,13 +252,8 @@ typedef struct element_side {
 static int compare_sides(const void *a, const void *b)
 {
     const element_side *x = a, *y = b;
-    if (x->i != y->i) {
-        return x->i < y->i ? -1 : 1;
-    }
-    if (x->j != y->j) {
-        return x->j < y->j ? -1 : 1;
-    }
-    return x->element < y->element ? -1 : x->element > y->element;
+    const int by_ends = ss_order_then(ss_order_int(x->i, y->i), ss_order_int(x->j, y->j));
+    return ss_order_then(by_ends, ss_order_int(x->element, y->element));
 }
 
 /* Sides of all elements, sorted, so that those of one edge are neighbours. */

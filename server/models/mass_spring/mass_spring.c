@@ -47,6 +47,7 @@
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/note.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* ---- parameters ---- */
@@ -320,10 +321,7 @@ typedef struct draft_edge {
 static int compare_edges(const void *left, const void *right)
 {
     const draft_edge *a = left, *b = right;
-    if (a->low != b->low) {
-        return a->low < b->low ? -1 : 1;
-    }
-    return a->high < b->high ? -1 : a->high > b->high;
+    return ss_order_then(ss_order_int(a->low, b->low), ss_order_int(a->high, b->high));
 }
 
 static double edge_length(const ss_mesh *mesh, int32_t a, int32_t b)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* An edge of the coarse mesh, its lower node first. */
@@ -29,7 +30,7 @@ static softsim_status no_memory(softsim_error *error)
 static int by_nodes(const void *x, const void *y)
 {
     const edge *p = x, *q = y;
-    return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
+    return ss_order_then(ss_order_int(p->a, q->a), ss_order_int(p->b, q->b));
 }
 
 static edge edge_of(int32_t a, int32_t b)

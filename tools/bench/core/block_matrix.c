@@ -18,17 +18,12 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 typedef double vector[3];
 
 /* ---- pattern ---- */
-
-static int compare(const void *a, const void *b)
-{
-    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
 
 /* Neighbours of every node with repetitions, then sorted and made unique in place. */
 static softsim_status find_pattern(ss_block_matrix *matrix, int32_t tetrahedron_count,
@@ -61,7 +56,7 @@ static softsim_status find_pattern(ss_block_matrix *matrix, int32_t tetrahedron_
     int32_t count = 0;
     for (int32_t i = 0; i < n; ++i) {
         matrix->first[i] = count;
-        qsort(list + start[i], (size_t)(start[i + 1] - start[i]), sizeof *list, compare);
+        qsort(list + start[i], (size_t)(start[i + 1] - start[i]), sizeof *list, ss_compare_ints);
         for (int64_t k = start[i]; k < start[i + 1]; ++k) {
             if (k == start[i] || list[k] != list[k - 1]) {
                 matrix->diagonal[i] = list[k] == i ? count : matrix->diagonal[i];

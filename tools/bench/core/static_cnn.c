@@ -27,6 +27,7 @@
 #include <string.h>
 
 #include "rt/factor.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 /* Of the right-hand side's length: what a refined solve may leave. */
@@ -239,8 +240,7 @@ static bool allocate(state *s)
 static int compare_sides(const void *a, const void *b)
 {
     const side *x = a, *y = b;
-    return x->node[0] != y->node[0] ? (x->node[0] > y->node[0]) - (x->node[0] < y->node[0])
-                                    : (x->node[1] > y->node[1]) - (x->node[1] < y->node[1]);
+    return ss_order_ints(x->node, y->node, 2);
 }
 
 static double distance(const vector a, const vector b)

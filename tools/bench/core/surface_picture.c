@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "rt/order.h"
 #include "rt/vec.h"
 
 static const uint32_t plain_colour = 0xd8a58a;
@@ -29,14 +30,13 @@ typedef struct canvas {
 static int by_depth(const void *a, const void *b)
 {
     const facet *x = a, *y = b;
-    return (x->depth > y->depth) - (x->depth < y->depth);
+    return ss_order_double(x->depth, y->depth);
 }
 
 static int by_nodes(const void *a, const void *b)
 {
     const side *x = a, *y = b;
-    return x->from != y->from ? (x->from > y->from) - (x->from < y->from)
-                              : (x->to > y->to) - (x->to < y->to);
+    return ss_order_then(ss_order_int(x->from, y->from), ss_order_int(x->to, y->to));
 }
 
 static int32_t corners(const int32_t face[4])

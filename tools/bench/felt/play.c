@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "correct.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 
@@ -176,12 +177,6 @@ void ss_felt_trace_fini(ss_felt_trace *trace)
 
 /* ---- comparing ---- */
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
                      ss_felt_errors *out)
 {
@@ -209,7 +204,7 @@ bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
     }
     if (used > 0) {
         const double mean = touching / used;
-        qsort(apart, (size_t)used, sizeof *apart, by_size);
+        qsort(apart, (size_t)used, sizeof *apart, ss_compare_doubles);
         out->p50 = apart[used / 2] / mean;
         out->p99 = apart[(int32_t)(0.99 * (used - 1))] / mean;
         out->largest = apart[used - 1] / mean;

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/order.h"
 #include "rt/vec.h"
 
 #define CONTACT_FORCE 0.02 /* N */
@@ -246,16 +247,9 @@ static void judge_windows(const ss_felt_row *row, const scratch *work, ss_felt *
     }
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double quantile(double *sample, int64_t count, double q)
 {
-    qsort(sample, (size_t)count, sizeof *sample, compare);
+    qsort(sample, (size_t)count, sizeof *sample, ss_compare_doubles);
     int64_t rank = (int64_t)ceil(q * (double)count) - 1;
     rank = rank < 0 ? 0 : rank;
     return sample[rank];
@@ -272,7 +266,7 @@ static double step_beyond_trend(const ss_felt_row *row, int64_t i)
             change[k] = at->f[axis] - (at - 1)->f[axis];
         }
         const double own = change[MEDIAN / 2];
-        qsort(change, MEDIAN, sizeof *change, compare);
+        qsort(change, MEDIAN, sizeof *change, ss_compare_doubles);
         beyond[axis] = own - change[MEDIAN / 2];
     }
     return ss_norm3(beyond);

@@ -25,6 +25,7 @@
 #include "case/scratch.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/order.h"
 
 enum { LEAST_POINTS = 200, MOST_POINTS = 1000000 };
 static const char standard_points[] =
@@ -49,13 +50,6 @@ static const struct {
 
 /* ---- options ---- */
 
-static int compare_sizes(const void *a, const void *b)
-{
-    const int32_t x = *(const int32_t *)a;
-    const int32_t y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* Numbers with commas, sorted; returns how many. */
 static int32_t parse_points(const char *points, int32_t out_size[SS_SCALING_MAX_SIZES],
                             softsim_error *error)
@@ -76,7 +70,7 @@ static int32_t parse_points(const char *points, int32_t out_size[SS_SCALING_MAX_
         out_size[count++] = (int32_t)value;
         at = *end == ',' ? end + 1 : end;
     } while (*at != '\0');
-    qsort(out_size, (size_t)count, sizeof *out_size, compare_sizes);
+    qsort(out_size, (size_t)count, sizeof *out_size, ss_compare_ints);
     return count;
 }
 

@@ -10,6 +10,7 @@
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 enum { LIVER_POINTS = 5762, LIVER_PATCH = 15 };
@@ -154,9 +155,8 @@ typedef struct by_distance {
 
 static int compare(const void *a, const void *b)
 {
-    const by_distance *p = a, *q = b;
-    return p->distance != q->distance ? (p->distance > q->distance) - (p->distance < q->distance)
-                                      : p->node - q->node;
+    const by_distance *x = a, *y = b;
+    return ss_order_then(ss_order_double(x->distance, y->distance), ss_order_int(x->node, y->node));
 }
 
 /* The free surface node that is nearest to the ray's line among those in its direction. */

@@ -14,6 +14,7 @@
 #include "bench/core/static_fem.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "rt/clock.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 enum { RATIO_COUNT = 4, WAY_STEPS = 5, TIMED = 41 };
@@ -25,12 +26,6 @@ typedef struct cells_run {
     double step_s, us, error, frame_us; /* frame: of one C */
     bool is_there;
 } cells_run;
-
-static int by_size(const void *a, const void *b)
-{
-    const double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
 
 static softsim_status run_cells(ss_zhang *zhang, const ss_zhang_solid *liver, int32_t per_cell,
                                 cells_run *out, double (*u)[3], softsim_error *error)
@@ -60,7 +55,7 @@ static softsim_status run_cells(ss_zhang *zhang, const ss_zhang_solid *liver, in
         }
     }
     const int32_t timed = out->steps < TIMED ? out->steps : TIMED;
-    qsort(us, (size_t)timed, sizeof *us, by_size);
+    qsort(us, (size_t)timed, sizeof *us, ss_compare_doubles);
     out->us = us[timed / 2];
     out->frame_us = out->us / run.step_s;
     ss_zhang_read(&run, u);

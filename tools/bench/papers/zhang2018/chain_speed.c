@@ -13,6 +13,7 @@
 
 #include "models/model.h"
 #include "rt/clock.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 enum { PATCH = 15, POKE_STEPS = 200, FRAME = 8, FULL_SETTLE = 600, FULL_STEPS = 201 };
@@ -36,12 +37,6 @@ static int by_height(const void *a, const void *b)
 {
     const double x = sort_values[*(const int32_t *)a], y = sort_values[*(const int32_t *)b];
     return (x < y) - (x > y);
-}
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 static void give(bench *b, const char *name, double value)
@@ -174,7 +169,7 @@ static bool measure_full(const ss_mesh *mesh, ss_chain_speed *out, softsim_error
         took[k] = step(&b, 1);
     }
     if (is_good) {
-        qsort(took, FULL_STEPS, sizeof *took, by_value);
+        qsort(took, FULL_STEPS, sizeof *took, ss_compare_doubles);
         out->full_us = took[FULL_STEPS / 2];
     }
     finish(&b);

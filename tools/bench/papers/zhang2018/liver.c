@@ -20,6 +20,7 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/order.h"
 #include "rt/vec.h"
 
 enum {
@@ -79,12 +80,6 @@ static softsim_status solve_fem(const ss_zhang_solid *liver, double depth, field
     free(held);
     free(prescribed);
     return status;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
 }
 
 /* What the body looks like at a mark. */
@@ -164,7 +159,7 @@ static softsim_status run_shape(const ss_zhang_solid *liver, double depth, const
             softsim_error_add(error, status, "stopped before the end; nothing is reported");
         }
     }
-    qsort(us, (size_t)timed, sizeof *us, by_size);
+    qsort(us, (size_t)timed, sizeof *us, ss_compare_doubles);
     row->us = us[timed / 2];
     row->roughness = 1e3 * ss_zhang_roughness(liver->mesh, liver->fixed, (const double(*)[3])u);
     row->rise = run.peak_energy_rise / fmax(peak, 1e-300);

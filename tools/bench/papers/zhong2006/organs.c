@@ -11,6 +11,7 @@
 
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/order.h"
 #include "rt/real.h"
 #include "rt/vec.h"
 
@@ -39,8 +40,8 @@ typedef struct by_x {
 
 static int compare_x(const void *a, const void *b)
 {
-    const by_x *p = a, *q = b;
-    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : p->node - q->node;
+    const by_x *x = a, *y = b;
+    return ss_order_then(ss_order_double(x->x, y->x), ss_order_int(x->node, y->node));
 }
 
 /* The fixed list, also as marks, and the node with the greatest x. */
