@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/files.h"
 #include "rt/plain.h"
 
@@ -21,10 +22,7 @@ static const int64_t flush_ns = 1000000000;
 
 static void forget(ss_output *output)
 {
-    free(output->path);
-    free(output->temporary);
-    free(output->buffer);
-    free(output->row_end);
+    SS_EACH(free, output->path, output->temporary, output->buffer, output->row_end);
     *output = (ss_output){0};
 }
 

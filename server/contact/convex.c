@@ -14,6 +14,7 @@
 #include <math.h>
 
 #include "contact/shape.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -177,11 +178,8 @@ void ss_convex_centre(const ss_convex *convex, double out[3])
 static void convex_destroy(ss_convex *convex)
 {
     if (convex != NULL) {
-        ss_memory_free(convex->vertex);
-        ss_memory_free(convex->triangle);
-        ss_memory_free(convex->plane_of);
-        ss_memory_free(convex->plane);
-        ss_memory_free(convex);
+        SS_EACH(ss_memory_free, convex->vertex, convex->triangle, convex->plane_of, convex->plane,
+                convex);
     }
 }
 

@@ -12,6 +12,7 @@
 #include <math.h>
 
 #include "contact/surface.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -158,8 +159,6 @@ softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh)
             }
         }
     }
-    ss_memory_free(count);
-    ss_memory_free(rough);
-    ss_memory_free(fits);
+    SS_EACH(ss_memory_free, count, rough, fits);
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }

@@ -15,6 +15,7 @@
 #include "mesh/draft.h"
 
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/plain.h"
@@ -45,13 +46,7 @@ void ss_draft_destroy(ss_draft **draft)
     for (int32_t g = 0; g < d->group_count; ++g) {
         ss_memory_free(d->group[g].node);
     }
-    ss_memory_free(d->position);
-    ss_memory_free(d->tag);
-    ss_memory_free(d->triangle);
-    ss_memory_free(d->quad);
-    ss_memory_free(d->tetrahedron);
-    ss_memory_free(d->bits);
-    ss_memory_free(d);
+    SS_EACH(ss_memory_free, d->position, d->tag, d->triangle, d->quad, d->tetrahedron, d->bits, d);
     *draft = NULL;
 }
 

@@ -16,6 +16,7 @@
 #include "mesh/mesh.h"
 
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -118,14 +119,8 @@ void ss_mesh_destroy(ss_mesh **mesh)
     for (int32_t g = 0; g < (*mesh)->group_count; ++g) {
         ss_memory_free((*mesh)->group[g].node);
     }
-    ss_memory_free((*mesh)->group);
-    ss_memory_free((*mesh)->position);
-    ss_memory_free((*mesh)->triangle);
-    ss_memory_free((*mesh)->quad);
-    ss_memory_free((*mesh)->file_node);
-    ss_memory_free((*mesh)->file_element);
-    ss_memory_free((*mesh)->tetrahedron);
-    ss_memory_free(*mesh);
+    SS_EACH(ss_memory_free, (*mesh)->group, (*mesh)->position, (*mesh)->triangle, (*mesh)->quad,
+            (*mesh)->file_node, (*mesh)->file_element, (*mesh)->tetrahedron, *mesh);
     *mesh = NULL;
 }
 

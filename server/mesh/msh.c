@@ -19,6 +19,7 @@
 #include "mesh/msh4.h"
 #include "mesh/msh_parts.h"
 #include "mesh/readers.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 
 #include <stdio.h>
@@ -410,9 +411,7 @@ softsim_status ss_mesh_parse_msh(ss_text *text, double metres_per_unit, ss_mesh 
         (void)ss_draft_finish(r.draft, out_mesh);
     }
     ss_draft_destroy(&r.draft);
-    ss_memory_free(r.name);
-    ss_memory_free(r.entity);
-    ss_memory_free(r.group);
+    SS_EACH(ss_memory_free, r.name, r.entity, r.group);
     return text->status;
 }
 

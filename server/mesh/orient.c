@@ -10,6 +10,7 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 
 #include <string.h>
@@ -28,13 +29,8 @@ typedef struct orienter {
 static void orienter_fini(orienter *o)
 {
     ss_mesh_tuples_fini(&o->edges);
-    ss_memory_free(o->neighbour);
-    ss_memory_free(o->queue);
-    ss_memory_free(o->patch);
-    ss_memory_free(o->is_turned);
-    ss_memory_free(o->part);
-    ss_memory_free(o->parts);
-    ss_memory_free(o->is_inside_out);
+    SS_EACH(ss_memory_free, o->neighbour, o->queue, o->patch, o->is_turned, o->part, o->parts,
+            o->is_inside_out);
 }
 
 static bool orienter_init(orienter *o, const ss_mesh *mesh)

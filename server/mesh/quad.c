@@ -22,6 +22,7 @@
  * first the one with the lower number in the file: (p0, p1, p2) and (p2, p3, p0).
  */
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -144,14 +145,8 @@ typedef struct arranger {
 static void arranger_fini(arranger *a)
 {
     ss_mesh_tuples_fini(&a->edges);
-    ss_memory_free(a->neighbour);
-    ss_memory_free(a->queue);
-    ss_memory_free(a->is_reached);
-    ss_memory_free(a->is_turned);
-    ss_memory_free(a->is_preferred);
-    ss_memory_free(a->colour);
-    ss_memory_free(a->quads);
-    ss_memory_free(a->is_rim);
+    SS_EACH(ss_memory_free, a->neighbour, a->queue, a->is_reached, a->is_turned, a->is_preferred,
+            a->colour, a->quads, a->is_rim);
 }
 
 static bool arranger_init(arranger *a, ss_mesh *mesh)

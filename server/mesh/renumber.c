@@ -20,6 +20,7 @@
  * cache holds, the difference is within the noise.
  */
 #include "mesh/mesh.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -220,10 +221,6 @@ bool ss_mesh_renumber(ss_mesh *mesh)
         memcpy(mesh->position, position, nodes * sizeof *position);
         is_done = renumber_elements(mesh, new_number, order, scratch);
     }
-    ss_memory_free(node_order);
-    ss_memory_free(order);
-    ss_memory_free(scratch);
-    ss_memory_free(new_number);
-    ss_memory_free(position);
+    SS_EACH(ss_memory_free, node_order, order, scratch, new_number, position);
     return is_done;
 }

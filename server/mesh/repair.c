@@ -12,6 +12,7 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -265,9 +266,6 @@ softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_r
     if (status == SOFTSIM_ERROR_MEMORY) {
         softsim_error_add(error, status, "out of memory while mending %d nodes", mesh->node_count);
     }
-    ss_memory_free(twin);
-    ss_memory_free(m.number);
-    ss_memory_free(m.position);
-    ss_memory_free(m.element);
+    SS_EACH(ss_memory_free, twin, m.number, m.position, m.element);
     return status;
 }

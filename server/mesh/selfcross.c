@@ -16,6 +16,7 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -333,8 +334,6 @@ bool ss_mesh_find_crossings(const ss_mesh *mesh, ss_mesh_fault *out_triangle, bo
             }
         }
     }
-    ss_memory_free(t.place);
-    ss_memory_free(t.box);
-    ss_memory_free(t.is_crossing);
+    SS_EACH(ss_memory_free, t.place, t.box, t.is_crossing);
     return is_good;
 }

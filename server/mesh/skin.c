@@ -22,6 +22,7 @@
  */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -57,10 +58,7 @@ static bool builder_init(builder *b, int32_t node_count, int32_t triangle_count)
 
 static void builder_fini(builder *b)
 {
-    ss_memory_free(b->covered);
-    ss_memory_free(b->position);
-    ss_memory_free(b->triangle);
-    ss_memory_free(b->tetrahedron);
+    SS_EACH(ss_memory_free, b->covered, b->position, b->triangle, b->tetrahedron);
 }
 
 static void add_triangle(builder *b, int32_t i, int32_t j, int32_t k)

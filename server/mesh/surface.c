@@ -9,6 +9,7 @@
  * tuples of all faces at once, as the checks do, takes forty: more than the mesh itself.
  */
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -30,10 +31,7 @@ typedef struct extractor {
 
 static void extractor_fini(extractor *x)
 {
-    ss_memory_free(x->start);
-    ss_memory_free(x->id);
-    ss_memory_free(x->bucket);
-    ss_memory_free(x->is_surface);
+    SS_EACH(ss_memory_free, x->start, x->id, x->bucket, x->is_surface);
 }
 
 static void get_face(const ss_mesh *mesh, int32_t id, int32_t out[3])

@@ -12,6 +12,7 @@
 #include "mesh/vtk.h"
 
 #include "mesh/readers.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 
 #include <string.h>
@@ -557,10 +558,7 @@ softsim_status ss_vtk_make_mesh(ss_vtk_grid *grid, double metres_per_unit, ss_me
     for (int32_t f = 0; r.field != NULL && f < grid->field_count; ++f) {
         ss_draft_field_fini(&r.field[f]);
     }
-    ss_memory_free(r.field);
-    ss_memory_free(r.cell_field);
-    ss_memory_free(r.type);
-    ss_memory_free(r.size);
+    SS_EACH(ss_memory_free, r.field, r.cell_field, r.type, r.size);
     if (is_read) {
         (void)ss_draft_finish(r.draft, out_mesh);
     }

@@ -26,6 +26,7 @@
 
 #include "net/net.h"
 #include "net/wire.h"
+#include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "softsim_mesh_delta_t.h"
@@ -309,11 +310,8 @@ void ss_publisher_close(ss_publisher **publisher)
     if ((*publisher)->lcm != NULL) {
         lcm_destroy((*publisher)->lcm);
     }
-    ss_memory_free((*publisher)->latest);
-    ss_memory_free((*publisher)->sent);
-    ss_memory_free((*publisher)->is_swept);
-    ss_memory_free((*publisher)->in_message);
-    ss_memory_free(*publisher);
+    SS_EACH(ss_memory_free, (*publisher)->latest, (*publisher)->sent, (*publisher)->is_swept,
+            (*publisher)->in_message, *publisher);
     *publisher = NULL;
 }
 

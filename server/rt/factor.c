@@ -5,6 +5,7 @@
 #include <amd.h>
 #include <ldl.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 
 softsim_status ss_factor_init(ss_factor *factor, int n, int *column, int *row)
@@ -59,13 +60,8 @@ void ss_factor_solve(ss_factor *factor, double *x)
 
 void ss_factor_trim(ss_factor *factor)
 {
-    ss_memory_free(factor->order);
-    ss_memory_free(factor->inverse);
-    ss_memory_free(factor->parent);
-    ss_memory_free(factor->count);
-    ss_memory_free(factor->flag);
-    ss_memory_free(factor->pattern);
-    ss_memory_free(factor->scratch);
+    SS_EACH(ss_memory_free, factor->order, factor->inverse, factor->parent, factor->count,
+            factor->flag, factor->pattern, factor->scratch);
     factor->order = factor->inverse = factor->parent = factor->count = NULL;
     factor->flag = factor->pattern = NULL;
     factor->scratch = NULL;
@@ -74,9 +70,6 @@ void ss_factor_trim(ss_factor *factor)
 void ss_factor_fini(ss_factor *factor)
 {
     ss_factor_trim(factor);
-    ss_memory_free(factor->column);
-    ss_memory_free(factor->row);
-    ss_memory_free(factor->lower);
-    ss_memory_free(factor->diagonal);
+    SS_EACH(ss_memory_free, factor->column, factor->row, factor->lower, factor->diagonal);
     *factor = (ss_factor){0};
 }

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "scene/schema.h"
 
 enum { PATH_SIZE = 256, TEXT_SIZE = 320 };
@@ -274,9 +275,7 @@ static void check_model_keys(ss_scene_check *check, ss_scene_node *node)
     } else {
         ss_scene_node_fault(check->report, node, "out of memory");
     }
-    free(top);
-    free(below);
-    free(name);
+    SS_EACH(free, top, below, name);
 }
 
 static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)

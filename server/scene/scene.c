@@ -16,6 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "rt/each.h"
 #include "rt/files.h"
 #include "rt/progress.h"
 #include "scene/grid.h"
@@ -396,10 +397,8 @@ void ss_scene_destroy(ss_scene **scene_pointer)
         free(scene->prescribed[i].displacement);
     }
     for (int32_t i = 0; scene->param != NULL && i < scene->source->model_row_count - 1; i++) {
-        free(scene->param[i].per_node);
-        free(scene->param[i].by_element);
-        free(scene->param[i].per_link);
-        free(scene->param[i].per_element);
+        SS_EACH(free, scene->param[i].per_node, scene->param[i].by_element,
+                scene->param[i].per_link, scene->param[i].per_element);
     }
     for (int i = 0; i < SOFTSIM_MAX_PROBES; i++) {
         if (scene->tool[i].is_used) {
@@ -411,12 +410,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
         free(scene->source->model_row);
     }
     ss_mesh_destroy(&scene->mesh);
-    free(scene->load);
-    free(scene->prescribed);
-    free(scene->param);
-    free(scene->fixed);
-    free(scene->source);
-    free(scene);
+    SS_EACH(free, scene->load, scene->prescribed, scene->param, scene->fixed, scene->source, scene);
     *scene_pointer = NULL;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/progress.h"
@@ -393,13 +394,8 @@ void ss_world_destroy(ss_world **world_pointer)
     ss_mailbox_destroy(&world->haptic_stats);
     ss_mailbox_destroy(&world->simulation_stats);
     ss_mailbox_destroy(&world->surface);
-    ss_memory_free(world->lateness);
-    ss_memory_free(world->step_time);
-    ss_memory_free(world->set_value);
-    ss_memory_free(world->load);
-    ss_memory_free(world->prescribed);
-    ss_memory_free(world->node_of_file);
-    ss_memory_free(world->file_triangle);
+    SS_EACH(ss_memory_free, world->lateness, world->step_time, world->set_value, world->load,
+            world->prescribed, world->node_of_file, world->file_triangle);
     ss_scene_destroy(&world->scene);
     ss_memory_free(world);
     *world_pointer = NULL;

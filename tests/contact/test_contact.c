@@ -3,6 +3,7 @@
 /* A tool that touches the contact surface. Rows: test_contact_surface.c; shapes:
  * test_contact_shape.c. */
 #include "contact_fixture.h"
+#include "rt/each.h"
 
 /* ---- forces are gradients ---- */
 
@@ -488,9 +489,7 @@ static void tangent_and_diagonal_match_differences(void **state)
         assert_near(diagonal[i], -(double)dforce[4 * i + 2], 1e-5 * 5e7 * 2.5e-5);
     }
     assert_near(whole, 5e7 * 338.0 * 0.25 * sqrt(3.0) * 2.5e-5, 1e-6 * whole);
-    ss_memory_free(du);
-    ss_memory_free(dforce);
-    ss_memory_free(diagonal);
+    SS_EACH(ss_memory_free, du, dforce, diagonal);
     close_query();
 }
 

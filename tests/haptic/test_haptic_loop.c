@@ -22,6 +22,7 @@
 #include "bench/latency/felt.h"
 #include "common/effort.h"
 #include "haptic/haptic.h"
+#include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/random.h"
 
@@ -611,9 +612,7 @@ static void equal_runs_give_equal_bits(void **state)
     other.tissue = 301.0;
     outcome *c = run(&other);
     assert_true(c->hash != a->hash);
-    free(a);
-    free(b);
-    free(c);
+    SS_EACH(free, a, b, c);
 }
 
 int main(void)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "mesh/mesh.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 
 /* n x n x n cubes of edge `size`/n about the origin as tetrahedra; with `hole`, without the middle
@@ -81,9 +82,7 @@ static ss_mesh *make_shell(int n, double size, double top, bool is_open)
     assert_int_equal(ss_mesh_create(nodes, (const double(*)[3])x, count,
                                     (const int32_t(*)[3])triangle, 0, NULL, &mesh, NULL),
                      SOFTSIM_OK);
-    free(triangle);
-    free(number);
-    free(x);
+    SS_EACH(free, triangle, number, x);
     ss_mesh_destroy(&cube);
     return mesh;
 }

@@ -26,6 +26,7 @@
 #include "common/effort.h"
 #include "rt/arena.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/files.h"
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
@@ -296,9 +297,7 @@ static void memory_is_aligned_zeroed_and_counted(void **state)
     assert_int_equal(ss_memory_in_use() - before, 3003);
     assert_null(ss_memory_get(SIZE_MAX / 2, 3));
     assert_null(ss_memory_get(SIZE_MAX, 1));
-    ss_memory_free(a);
-    ss_memory_free(b);
-    ss_memory_free(NULL);
+    SS_EACH(ss_memory_free, a, b, NULL);
     assert_int_equal(ss_memory_in_use(), before);
 }
 

@@ -18,6 +18,7 @@
 
 #include "bench/core/static_fem.h"
 #include "common/number_fixture.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 
 #define REFERENCE SOURCE_DIR "/tests/reference/"
@@ -58,10 +59,7 @@ static void body_init(body *b, const char *mesh, ss_tissue_kind kind, double you
 static void body_fini(body *b)
 {
     ss_mesh_destroy(&b->mesh);
-    free(b->held);
-    free(b->prescribed);
-    free(b->u);
-    free(b->reaction);
+    SS_EACH(free, b->held, b->prescribed, b->u, b->reaction);
 }
 
 static const ss_mesh_group *group_of(const body *b, const char *name)

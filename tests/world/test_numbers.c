@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "common/folder_fixture.h"
+#include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/random.h"
 #include "rt/vec.h"
@@ -113,10 +114,7 @@ static ss_mesh *scatter(const ss_mesh *m, kind what)
                           : ss_mesh_create(m->node_count, position, 0, NULL, elements,
                                            (const int32_t(*)[4])node, &out, &error);
     assert_int_equal(status, SOFTSIM_OK);
-    free(node_place);
-    free(place);
-    free(x);
-    free(node);
+    SS_EACH(free, node_place, place, x, node);
     return out;
 }
 

@@ -13,6 +13,7 @@
 
 #include "case/case.h"
 #include "case/table.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 #include "scene/report.h"
@@ -293,11 +294,7 @@ static bool load_surface(loader *l)
     }
     is_good = is_good && build_surface(l, &s) && sort_numbers(l, path) &&
               ss_mesh_accept(l->body->mesh, path, l->error) == SOFTSIM_OK;
-    free(s.position);
-    free(s.number);
-    free(s.new_node);
-    free(s.triangle);
-    free(text);
+    SS_EACH(free, s.position, s.number, s.new_node, s.triangle, text);
     return is_good;
 }
 
@@ -633,13 +630,8 @@ void ss_case_body_fini(ss_case_body *body)
     for (int32_t i = 0; i < body->level_count && body->reference != NULL; ++i) {
         free(body->reference[i]);
     }
-    free(body->reference);
-    free(body->number);
-    free(body->weight);
-    free(body->fixed);
-    free(body->pushed);
-    free(body->profile);
-    free(body->pressed);
+    SS_EACH(free, body->reference, body->number, body->weight, body->fixed, body->pushed,
+            body->profile, body->pressed);
     ss_mesh_destroy(&body->mesh);
     *body = (ss_case_body){.mesh = NULL};
 }

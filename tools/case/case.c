@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "case/table.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 #include "scene/report.h"
 #include "scene/tree.h"
@@ -580,9 +581,7 @@ static softsim_status load_case(const char *folder, bool is_other, ss_case *out,
             read_other_files(out, files, is_other, error);
         }
     }
-    free(files);
-    free(report);
-    free(text);
+    SS_EACH(free, files, report, text);
     return error->fault_count > 0 ? error->status : SOFTSIM_OK;
 }
 

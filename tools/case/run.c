@@ -12,6 +12,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 
@@ -521,11 +522,7 @@ softsim_status ss_static_measure(const ss_static_plan *plan, double *out_omega,
         status = status == SOFTSIM_OK ? fly(plan, &p, world, out_omega, error) : status;
     }
     softsim_destroy(&world);
-    free(p.u);
-    free(p.integral);
-    free(p.sum);
-    free(p.moment);
-    free(p.is_driven);
+    SS_EACH(free, p.u, p.integral, p.sum, p.moment, p.is_driven);
     return status;
 }
 

@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "rt/csv.h"
+#include "rt/each.h"
 #include "rt/files.h"
 
 static const size_t MAX_BYTES = (size_t)1 << 30;
@@ -156,12 +157,8 @@ softsim_status ss_table_load(const char *path, ss_table *out, softsim_error *err
 
 void ss_table_fini(ss_table *table)
 {
-    free(table->path);
-    free(table->text);
-    free(table->cell);
-    free(table->line);
-    free(table->cell_count);
-    free(table->head);
+    SS_EACH(free, table->path, table->text, table->cell, table->line, table->cell_count,
+            table->head);
     *table = (ss_table){.path = NULL};
 }
 

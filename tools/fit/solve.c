@@ -20,6 +20,7 @@
  * so promise more the more points a smooth curve has.
  */
 #include "solve.h"
+#include "rt/each.h"
 
 #include <math.h>
 #include <nlopt.h>
@@ -369,8 +370,6 @@ bool ss_solve_run(ss_solve *s)
                                                                   : 0;
         }
     }
-    free(w.residual);
-    free(w.other);
-    free(w.jacobian);
+    SS_EACH(free, w.residual, w.other, w.jacobian);
     return is_good;
 }

@@ -14,6 +14,7 @@
  */
 #include "solid.h"
 
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -115,9 +116,7 @@ typedef struct star_table {
 
 static void star_table_fini(star_table *t)
 {
-    ss_memory_free(t->start);
-    ss_memory_free(t->tetrahedron);
-    ss_memory_free(t->is_surface);
+    SS_EACH(ss_memory_free, t->start, t->tetrahedron, t->is_surface);
 }
 
 static bool star_table_init(star_table *t, const solid *s)

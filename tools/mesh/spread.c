@@ -16,6 +16,7 @@
 #include "spread.h"
 
 #include "mesh/mesh.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -497,10 +498,7 @@ static bool net_init(net *t, int32_t count)
 
 static void net_fini(net *t)
 {
-    ss_memory_free(t->x);
-    ss_memory_free(t->triangle);
-    ss_memory_free(t->beside);
-    ss_memory_free(t->stack);
+    SS_EACH(ss_memory_free, t->x, t->triangle, t->beside, t->stack);
 }
 
 bool spread_init(spread *s, const organ *o, int32_t point_count)

@@ -29,6 +29,7 @@
  */
 #include "stuffing.h"
 
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -125,12 +126,7 @@ static bool is_long(place p, place q)
 
 static void lattice_fini(lattice *l)
 {
-    ss_memory_free(l->position);
-    ss_memory_free(l->sign);
-    ss_memory_free(l->node);
-    ss_memory_free(l->slot);
-    ss_memory_free(l->cut);
-    ss_memory_free(l->cut_node);
+    SS_EACH(ss_memory_free, l->position, l->sign, l->node, l->slot, l->cut, l->cut_node);
 }
 
 static bool lattice_init(lattice *l, const double low[3], const double high[3], double edge)

@@ -17,6 +17,7 @@
 
 #include "command.h"
 #include "prism.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 #include "shape.h"
@@ -669,8 +670,6 @@ ss_mesh *volume_take_surface(const ss_mesh *volume)
             ss_mesh_destroy(&surface);
         }
     }
-    ss_memory_free(number);
-    ss_memory_free(x);
-    ss_memory_free(triangle);
+    SS_EACH(ss_memory_free, number, x, triangle);
     return surface;
 }

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "hybrid_fixture.h"
+#include "rt/each.h"
 #include "rt/random.h"
 
 static const double origin[3] = {0.0, 0.0, 0.0};
@@ -347,9 +348,7 @@ static void tangent_is_the_change_of_force(void **state)
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
         assert_near((double)product[k] / scale, -(double)force[k] / scale, BY_TYPE(4e-3, 2e-4));
     }
-    free(force);
-    free(x);
-    free(product);
+    SS_EACH(free, force, x, product);
     setup_fini(&s);
 }
 

@@ -23,6 +23,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/each.h"
 #include "rt/files.h"
 #include "rt/hash.h"
 #include "world/world.h"
@@ -585,10 +586,7 @@ static void fini(ss_accuracy *r)
     for (int32_t k = 0; k < r->plan.case_count; ++k) {
         ss_case_fini(&r->plan.c[k]);
     }
-    free(r->plan.c);
-    free(r->plan.job);
-    free(r->dynamic.job);
-    free(r->dynamics);
+    SS_EACH(free, r->plan.c, r->plan.job, r->dynamic.job, r->dynamics);
     ss_accuracy_rows_fini(&r->rows);
     free(r);
 }

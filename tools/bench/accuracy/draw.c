@@ -7,6 +7,7 @@
 
 #include "bench/accuracy/accuracy.h"
 #include "bench/core/surface_picture.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 
 enum { MAX_SHAPE_NODES = 8000, NAME_SIZE = 300 };
@@ -267,11 +268,7 @@ typedef struct pair {
 
 static void pair_fini(pair *p)
 {
-    free(p->rest);
-    free(p->u);
-    free(p->face);
-    free(p->colour);
-    free(p->error);
+    SS_EACH(free, p->rest, p->u, p->face, p->colour, p->error);
 }
 
 /* Columns of fields/ID.csv into both halves. */

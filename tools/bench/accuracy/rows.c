@@ -7,6 +7,7 @@
 
 #include "bench/accuracy/accuracy.h"
 #include "output.h"
+#include "rt/each.h"
 
 const char ss_accuracy_head[] =
     "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,us_per_step_p50,"
@@ -299,10 +300,7 @@ softsim_status ss_accuracy_means_find(const ss_accuracy_rows *rows, const char *
 
 void ss_accuracy_means_fini(ss_accuracy_means *means)
 {
-    free(means->mean);
-    free(means->time);
-    free(means->error);
-    free(means->is_front);
+    SS_EACH(free, means->mean, means->time, means->error, means->is_front);
     *means = (ss_accuracy_means){.mean = NULL};
 }
 

@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -106,13 +107,8 @@ void ss_block_matrix_destroy(ss_block_matrix **matrix)
     if (!gone) {
         return;
     }
-    ss_memory_free(gone->first);
-    ss_memory_free(gone->column);
-    ss_memory_free(gone->diagonal);
-    ss_memory_free(gone->block);
-    ss_memory_free(gone->inverse);
-    ss_memory_free(gone->work);
-    ss_memory_free(gone);
+    SS_EACH(ss_memory_free, gone->first, gone->column, gone->diagonal, gone->block, gone->inverse,
+            gone->work, gone);
     *matrix = NULL;
 }
 

@@ -26,6 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/factor.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -57,11 +58,7 @@ typedef struct matrix {
 
 static void fini_matrix(matrix *m)
 {
-    free(m->column);
-    free(m->row);
-    free(m->next);
-    free(m->value);
-    free(m->rest);
+    SS_EACH(free, m->column, m->row, m->next, m->value, m->rest);
     ss_factor_fini(&m->factor);
 }
 

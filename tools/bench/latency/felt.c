@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -385,10 +386,6 @@ softsim_status ss_felt_judge(const ss_felt_row *row, int64_t count, const ss_fel
         judge_age(row, count, &work, options, out_felt);
         status = SOFTSIM_OK;
     }
-    free(work.contact);
-    free(work.smooth);
-    free(work.high);
-    free(work.rough);
-    free(work.sample);
+    SS_EACH(free, work.contact, work.smooth, work.high, work.rough, work.sample);
     return status;
 }

@@ -9,6 +9,7 @@
 #include "bench/papers/paper.h"
 #include "mesh/mesh.h"
 #include "process.h"
+#include "rt/each.h"
 #include "rt/plain.h"
 
 enum { PATH_SIZE = 256 };
@@ -81,9 +82,7 @@ softsim_status ss_trial_begin(const ss_paper *paper, const ss_trial_plan *plan, 
 void ss_trial_end(ss_trial *trial)
 {
     softsim_destroy(&trial->world);
-    free(trial->position);
-    free(trial->u);
-    free(trial->v);
+    SS_EACH(free, trial->position, trial->u, trial->v);
     trial->position = trial->u = trial->v = NULL;
 }
 

@@ -14,6 +14,7 @@
 #include "bench/stability/stress_scene.h"
 #include "case/scratch.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
@@ -456,10 +457,6 @@ softsim_status ss_stress_case_run(const ss_stress_case *trial, const char *paren
         ss_scratch_remove(r->folder.path);
     }
     out->cpu_ms = 1e-6 * (double)(ss_clock_thread_cpu_ns() - begin_ns);
-    free(r->u);
-    free(r->v);
-    free(r->old);
-    free(r->felt);
-    free(r);
+    SS_EACH(free, r->u, r->v, r->old, r->felt, r);
     return status;
 }

@@ -17,6 +17,7 @@
 #include "mesh/mesh.h"
 #include "models/model.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -41,9 +42,7 @@ static size_t site_count(const lattice *l)
 
 static void free_lattice(lattice *l)
 {
-    free(l->number);
-    free(l->position);
-    free(l->tetrahedron);
+    SS_EACH(free, l->number, l->position, l->tetrahedron);
     *l = (lattice){0};
 }
 

@@ -12,15 +12,14 @@
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/own.h"
 #include "models/layer.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 
 static const uint32_t awake_colour = 0xd0605a, layer_colour = 0xd8b9a0, core_colour = 0x8fb3c9;
 
 static void picture_fini(ss_heart_picture *p)
 {
-    free(p->u);
-    free(p->face);
-    free(p->colour);
+    SS_EACH(free, p->u, p->face, p->colour);
     *p = (ss_heart_picture){0};
 }
 

@@ -10,6 +10,7 @@
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -142,9 +143,7 @@ softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int
 void ss_zhang_solid_fini(ss_zhang_solid *solid)
 {
     ss_mesh_destroy(&solid->mesh);
-    free(solid->fixed);
-    free(solid->volume);
-    free(solid->pushed);
+    SS_EACH(free, solid->fixed, solid->volume, solid->pushed);
     *solid = (ss_zhang_solid){.mesh = NULL};
 }
 

@@ -14,6 +14,7 @@
 #include "bench/core/static_fem.h"
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -98,9 +99,7 @@ static softsim_status reference(const ss_zhang_solid *liver, double step_s, int3
         *out_error = ss_zhang_distance((int32_t)n, (const double(*)[3])out_u,
                                        (const double(*)[3])fem, liver->volume);
     }
-    free(fem);
-    free(prescribed);
-    free(held);
+    SS_EACH(free, fem, prescribed, held);
     return status;
 }
 

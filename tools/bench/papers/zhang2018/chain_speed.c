@@ -13,6 +13,7 @@
 
 #include "models/model.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -101,10 +102,7 @@ static void finish(bench *b)
     if (b->model) {
         b->class->destroy(b->model);
     }
-    free(b->param);
-    free(b->fixed);
-    free(b->node);
-    free(b->way);
+    SS_EACH(free, b->param, b->fixed, b->node, b->way);
 }
 
 static bool start(bench *b, const ss_mesh *mesh, bool is_full, softsim_error *error)

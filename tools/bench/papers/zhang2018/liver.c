@@ -20,6 +20,7 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -664,9 +665,7 @@ static softsim_status go_about(ss_zhang *zhang, ss_zhang_solid *liver, softsim_e
                          "many elements in a cell are an enhancement: at these places, error after "
                          "10 steps with the coarse level over that after 212 without: largest");
     }
-    free(fem);
-    free(u);
-    free(scratch);
+    SS_EACH(free, fem, u, scratch);
     return status;
 }
 
@@ -734,9 +733,7 @@ static softsim_status poke(ss_zhang *zhang, const ss_zhang_solid *liver, const f
         status = search_better(zhang, liver, fem, what, &row[FINE], row[COARSE].error[LATE], u,
                                scratch, error);
     }
-    free(fem);
-    free(u);
-    free(scratch);
+    SS_EACH(free, fem, u, scratch);
     return status;
 }
 

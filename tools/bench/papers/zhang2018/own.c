@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "bench/papers/zhang2018/own.h"
+#include "rt/each.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -120,13 +121,7 @@ bool ss_zhang_own_init(ss_zhang_own *own, const ss_zhang_own_plan *plan)
 
 void ss_zhang_own_fini(ss_zhang_own *own)
 {
-    free(own->rest);
-    free(own->at);
-    free(own->flow);
-    free(own->link);
-    free(own->length);
-    free(own->weight);
-    free(own->is_held);
+    SS_EACH(free, own->rest, own->at, own->flow, own->link, own->length, own->weight, own->is_held);
     *own = (ss_zhang_own){.node_count = 0};
 }
 

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/vec.h"
 
 bool ss_zhong_hooke(double along, double across, double out_tensor[6][6])
@@ -58,9 +59,7 @@ bool ss_zhong_motion_init(ss_zhong_motion *motion, const ss_zhong_net *net, cons
 
 void ss_zhong_motion_fini(ss_zhong_motion *motion)
 {
-    free(motion->u);
-    free(motion->v);
-    free(motion->scratch);
+    SS_EACH(free, motion->u, motion->v, motion->scratch);
     *motion = (ss_zhong_motion){.net = NULL};
 }
 

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/vec.h"
 
 /* ---- memory ---- */
@@ -386,9 +387,7 @@ double ss_zhong_net_static(ss_zhong_net *net, double modulus, const double *stif
         }
         current = 0.5 * (low + high);
     }
-    free(matrix);
-    free(b);
-    free(pull);
+    SS_EACH(free, matrix, b, pull);
     net->current = is_good ? current : (double)NAN;
     return net->current;
 }
@@ -405,8 +404,6 @@ bool ss_zhong_net_shape(const ss_zhong_net *net, double current, const double *s
         is_good =
             shape_at(net, current, stiffness, force, (const double(*)[3])pull, matrix, b, out_u);
     }
-    free(matrix);
-    free(b);
-    free(pull);
+    SS_EACH(free, matrix, b, pull);
     return is_good;
 }

@@ -11,6 +11,7 @@
 
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/each.h"
 #include "rt/order.h"
 #include "rt/real.h"
 #include "rt/vec.h"
@@ -145,9 +146,7 @@ static double own_depth(const ss_trial_body *body, const uint8_t *is_held, int32
         }
     }
     ss_zhong_net_destroy(&net);
-    free(stiffness);
-    free(force);
-    free(u);
+    SS_EACH(free, stiffness, force, u);
     return depth;
 }
 
@@ -379,9 +378,7 @@ static softsim_status renumbered_claim(ss_zhong *zhong, const free_run *run,
         ss_trial_end(&trial);
     }
     ss_trial_body_fini(&other);
-    free(number);
-    free(position);
-    free(triangle);
+    SS_EACH(free, number, position, triangle);
     return status;
 }
 

@@ -12,6 +12,7 @@
 
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "mesh/mesh.h"
+#include "rt/each.h"
 #include "rt/vec.h"
 
 enum { CUBE_POINTS = 216, LOADS = 3 };
@@ -173,9 +174,7 @@ static softsim_status claim_loads(ss_zhong *zhong, const cube *c, ss_zhong_net *
                           "and of a node 0.4 of the height below it, m (below 0: it rises)");
         }
     }
-    free(force);
-    free(u);
-    free(stiffness);
+    SS_EACH(free, force, u, stiffness);
     if (status == SOFTSIM_ERROR_MEMORY) {
         softsim_error_add(error, status, "out of memory");
     }
