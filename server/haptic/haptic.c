@@ -364,7 +364,7 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
     if (local->held.is_held && (!haptic->is_pressed || is_refused)) {
-        ss_local_contact_release(local, x, haptic->p, haptic->pdot);
+        ss_local_contact_release(local, x, haptic->p, haptic->pdot, haptic->slip.limit);
         let_go(haptic, x, v);
     } else if (!local->held.is_held && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {

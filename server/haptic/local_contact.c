@@ -381,20 +381,33 @@ void ss_local_contact_hold(ss_local_contact *local, const double p[3], const dou
     held->is_held = true;
 }
 
+/* Of what was felt, W, the contacts carry their part: of what their laws say at once, C, the share
+ * 0 <= s <= 1 that comes nearest, offsets holding the rest back. What they cannot carry, W - s C,
+ * decays: it is no larger than W, and points against C only as far as W does. */
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
-                              const double pdot[3])
+                              const double pdot[3], double limit)
 {
     if (!local->held.is_held) {
         return;
     }
+    double said[3] = {0.0, 0.0, 0.0};
     ss_add3(local->released, local->released, local->held.value);
+    (void)ss_limit_force(local->released, limit);
     local->held.is_held = false;
     ss_set3(local->held.value, 0.0, 0.0, 0.0);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
         c->offset = 0.0;
         c->value = fmax(0.0, contact_force(local, c, x, p, pdot));
-        ss_madd3(local->released, local->released, -c->value, c->direction);
+        ss_madd3(said, said, c->value, c->direction);
+    }
+    const double carried = ss_dot3(local->released, said), whole = ss_dot3(said, said);
+    const double share = carried > 0.0 ? fmin(1.0, carried / whole) : 0.0;
+    ss_madd3(local->released, local->released, -share, said);
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_local_contact_point *c = &local->contact[i];
+        c->offset = (share - 1.0) * c->value;
+        c->value *= share;
     }
 }
 

@@ -391,6 +391,37 @@ static void a_grasp_stays_at_the_limit(void **state)
     }
 }
 
+/* The tissue reacts with 110 N in the tick in which a grasp is let go, or in the one before, for a
+ * while: what is left over of that is no more than what the hand felt, and never points into the
+ * tissue that pushes out. */
+static void a_grasp_let_go_never_reverses_the_force(void **state)
+{
+    (void)state;
+    enum { RELEASE = 100 };
+    for (int begin = RELEASE - 1; begin <= RELEASE; ++begin) {
+        for (int end = RELEASE + 1; end <= RELEASE + 4; ++end) {
+            ss_haptic_config config = default_config();
+            config.damping = 2.0;
+            config.stiffness = 800.0;
+            rig r;
+            rig_start(&r, &config);
+            (void)rig_press(&r, 1000.0, 4e-3);
+            for (int n = 0; n < 4 * RELEASE; ++n) {
+                rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
+                r.result.set.is_held = n < RELEASE;
+                if (n >= begin && n < end) {
+                    r.result.set.contact[0].force = r.result.set.force[2] = 110.0;
+                }
+                r.pose.buttons = n < RELEASE ? SOFTSIM_BUTTON_GRASP : 0;
+                const double f = rig_tick(&r, -4e-3);
+                assert_true(f >= -1e-9 && f <= config.max_force * 1.0001);
+            }
+            assert_near(r.out.force.force[2], 2.9, 0.1); /* as before */
+            rig_end(&r);
+        }
+    }
+}
+
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 {
@@ -499,6 +530,7 @@ int main(void)
         cmocka_unit_test(a_law_without_stiffness_keeps_the_proxy_near),
         cmocka_unit_test(a_press_stays_at_the_limit),
         cmocka_unit_test(a_grasp_stays_at_the_limit),
+        cmocka_unit_test(a_grasp_let_go_never_reverses_the_force),
         cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
         cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
         cmocka_unit_test(force_is_limited_and_the_proxy_slips),
