@@ -136,6 +136,9 @@ typedef struct ss_fem_material {
 softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error);
 
+/* Fraction of the stable step that sub-steps take; fem_step.c counts on it. */
+#define SS_FEM_STEP_SHARE 0.5
+
 /* ---- the elastic body ---- */
 
 /* Dilatation resisted by nodes: fem_average.c. */

@@ -354,17 +354,19 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
         s->age = 0;
         s->seen_strain = strain;
     }
+    /* Sub-steps are that share of what is reported: share^2 of the bound is enough. */
+    const double share2 = SS_FEM_STEP_SHARE * SS_FEM_STEP_SHARE;
     /* |F|^2 <= 1 + |D|, tr D <= sqrt 3 |D|, so s/(lambda + 2 mu) <= sqrt 3 / 2 |D| */
     double bound = s->rest_bound * (1.0 + 1.8661 * strain);
     const bool may_turn = strain > TURNING_STRAIN || s->turned > 0;
     if (may_turn ||
-        (has_rule && (bound > 4.0 * WORTH_LOOKING * s->rate2 || strain > UNGUARDED_STRAIN))) {
+        (has_rule && (bound > WORTH_LOOKING / share2 * s->rate2 || strain > UNGUARDED_STRAIN))) {
         const double looked = look_at_elements(fem);
         bound = has_rule ? looked : bound;
     } else {
         s->squeezed = 0;
     }
-    const double rate2 = has_rule ? fmax(s->rate2, 0.25 * bound) : s->rate2;
+    const double rate2 = has_rule ? fmax(s->rate2, share2 * bound) : s->rate2;
     return ss_fem_step_limit(fem, rate2);
 }
 

@@ -5,7 +5,7 @@
  * fem: a volume of linear tetrahedra under Green strain with viscous stress, explicit in time.
  *
  * After the finite element part of the hybrid model's paper (its eqs. (1) to (6), put right in
- * common/tissue_law.c), which takes its discretisation from O'Brien and Hodgins (1999). The elastic
+ * models/tissue_law.c), which takes its discretisation from O'Brien and Hodgins (1999). The elastic
  * body is ss_fem, everything else ss_body. Mass is lumped, so that an explicit step solves nothing.
  * Where the nonlinearity comes from: Green strain under a linear law (stvk), quadratic in the
  * displacement; the other laws are nonlinear of themselves, and the guard stiffens what is squeezed
@@ -29,9 +29,6 @@ struct ss_model {
 };
 
 static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
-
-/* Of the stable step that sub-steps take. */
-#define STEP_SHARE 0.5
 
 /* ---- cost ---- */
 
@@ -60,7 +57,7 @@ static double substeps_of_ms(const ss_model_plan *plan, const ss_fem_material *m
             sqrt((material->lambda[e] + 2.0 * material->mu[e]) / material->density[e]);
         rate = fmax(rate, speed * largest);
     }
-    return fmax(1.0, 1e-3 * rate / STEP_SHARE);
+    return fmax(1.0, 1e-3 * rate / SS_FEM_STEP_SHARE);
 }
 
 static double step_cost_us(const ss_model_plan *plan)
@@ -116,8 +113,8 @@ static softsim_status build_on(ss_model *model, const ss_model_plan *plan, doubl
                                .mass = mass,
                                .mass_damping = model->material.mass_damping,
                                .edge = ss_body_mean_edge(plan->mesh),
-                               .planned_step = STEP_SHARE * ss_fem_rest_step(model->fem),
-                               .step_share = STEP_SHARE,
+                               .planned_step = SS_FEM_STEP_SHARE * ss_fem_rest_step(model->fem),
+                               .step_share = SS_FEM_STEP_SHARE,
                                .integrator = model->material.integrator,
                                .elastic = {.owner = model->fem,
                                            .force = ss_fem_force,
