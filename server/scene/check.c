@@ -103,7 +103,7 @@ static void check_box(ss_scene_check *check, const ss_scene_row *row, ss_scene_n
 {
     if (node->kind != SS_SCENE_LIST || node->count != 2) {
         fault_value(check, row, node,
-                    node->kind == SS_SCENE_LIST ? "has not two corners" : kind_text(node));
+                    node->kind == SS_SCENE_LIST ? "does not have two corners" : kind_text(node));
         return;
     }
     double low[3];
@@ -244,7 +244,6 @@ static void check_direction(ss_scene_check *check, const ss_scene_row *row, ss_s
     }
 }
 
-/* The model's name picks the table for the other keys. */
 /* A model's row `a.b` is key b of a mapping a: rows of one mapping stand together. */
 static void check_model_keys(ss_scene_check *check, ss_scene_node *node)
 {
@@ -278,6 +277,7 @@ static void check_model_keys(ss_scene_check *check, ss_scene_node *node)
     SS_EACH(free, top, below, name);
 }
 
+/* The model's name picks the table for the other keys. */
 static void check_model(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
 {
     if (node->kind != SS_SCENE_MAP) {

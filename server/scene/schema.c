@@ -13,8 +13,12 @@
     {                                                                                              \
         array, COUNT(array)                                                                        \
     }
-#define FIELD(member) .field = 1 + (int32_t)offsetof(ss_scene, member)
-#define LIVE(key)     .live = 1 + (int32_t)(key)
+/* Of the types that check.c binds: another does not compile. */
+#define FIELD(member)                                                                              \
+    .field = 1 + (int32_t)offsetof(ss_scene, member) * _Generic(((ss_scene *)NULL)->member,        \
+                                                                double : 1, double * : 1,          \
+                                                                int32_t : 1, ss_scene_between : 1)
+#define LIVE(key) .live = 1 + (int32_t)(key)
 
 /* Bounds that only stop nonsense: coordinates in m, and times in s. */
 #define FAR     1e4

@@ -3,8 +3,8 @@
 #pragma once
 /*
  * Every key of a scene, one row each; checking, binding, printing and the command `set` read
- * nothing else. A row of kind MAP or LIST has a table of its own below it, so that a key's path is
- * its way down the tables. Used inside scene/ only. Thread: set-up only.
+ * nothing else. A row of kind KEYS or ENTRIES has a table of its own below it, so that a key's path
+ * is its way down the tables. Used inside scene/ only. Thread: set-up only.
  */
 #include "scene/scene.h"
 #include "scene/tree.h"
@@ -51,7 +51,8 @@ struct ss_scene_row {
     const char *choices;  /* "a|b|c" */
     const char *help;     /* NULL: the key is described by its table */
     ss_scene_table child; /* KEYS, ENTRIES */
-    int32_t field;        /* 1 + byte offset in ss_scene of the value, 0 none */
+    int32_t field;        /* 1 + byte offset in ss_scene of the value, 0 none: a double (VECTOR: 3),
+                             of INTEGER and CHOICE an int32_t */
     bool takes_links;     /* a field by file may be one by link */
     int32_t live;         /* 1 + ss_scene_live_key, 0: not while running */
 };
