@@ -77,7 +77,7 @@ void ss_claim_add(ss_paper *paper, const char *figure, ss_claim_source source,
 void ss_claim_near(ss_paper *paper, const char *figure, ss_claim_source source, double expected,
                    double measured, double tolerance, const char *claim, ...)
     __attribute__((format(printf, 7, 8)));
-/* Passes when `measured` is at most `limit`. */
+/* Passes when `measured` is at most (`is_most`) or at least `limit`. */
 void ss_claim_limit(ss_paper *paper, const char *figure, ss_claim_source source, bool is_most,
                     double limit, double measured, const char *claim, ...)
     __attribute__((format(printf, 7, 8)));

@@ -16,15 +16,15 @@
 #include "rt/vec.h"
 
 #define SLACK "alpha=0.02"
-static const double depth_m = 5.0, pace = 0.25; /* h, h/C */
-static const double step_s = 0.25; /* C: half the largest stable one, and a whole number to 5 h */
-static const double settled_s = 20000.0; /* C: what is left then is below 1e-3 */
-static const double close_by = 1e-3;     /* of two codes for one equation, one of them single */
-static const double threshold_m = 2.01;  /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
+static const double depth_h = 5.0, pace = 0.25; /* h, h/C */
+static const double step_c = 0.25; /* C: half the largest stable one, and a whole number to 5 h */
+static const double settled_c = 20000.0;   /* C: what is left then is below 1e-3 */
+static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
+static const double threshold_h = 2.01;    /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
 
 static ss_zhang_setup network_setup(ss_zhang *zhang)
 {
-    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "cnn-chainmail", depth_m, step_s);
+    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "cnn-chainmail", depth_h, step_c);
     const char *const param[] = {SLACK, "link_stiffness_n_per_m=1", "capacitance_s=1"};
     memcpy(setup.param, param, sizeof param);
     return setup;
@@ -53,24 +53,24 @@ static double bend(const ss_zhang *zhang, const plane_field u)
     double most = 0.0;
     for (int32_t k = 0; k < SS_PLANE_SIDE; ++k) {
         const double x = zhang->plane.mesh->position[first + k][0];
-        const double chord = -depth_m * (1.0 - fabs(x) / (0.5 * (SS_PLANE_SIDE - 1)));
+        const double chord = -depth_h * (1.0 - fabs(x) / (0.5 * (SS_PLANE_SIDE - 1)));
         most = fmax(most, fabs(u[first + k][2] - chord));
     }
-    return most / depth_m;
+    return most / depth_h;
 }
 
 static softsim_status run_chainmail(ss_zhang *zhang, const char *band, plane_field out_u,
                                     char out_reason[256], softsim_error *error)
 {
     ss_zhang_run run;
-    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "chainmail", depth_m, step_s);
+    ss_zhang_setup setup = ss_zhang_plane_setup(&zhang->plane, "chainmail", depth_h, step_c);
     const char *const param[] = {SLACK, band, "beta=0.5"};
     memcpy(setup.param, param, sizeof param);
     setup.step_s = 1.0;
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     snprintf(out_reason, 256, "%s", run.reason);
     if (run.model != NULL && status == SOFTSIM_OK) {
-        status = ss_zhang_go(&run, depth_m, pace, error);
+        status = ss_zhang_go(&run, depth_h, pace, error);
         ss_zhang_read(&run, out_u);
     }
     ss_zhang_end(&run);
@@ -93,7 +93,7 @@ static softsim_status run_network(ss_zhang *zhang, int which, plane_field out_u,
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     snprintf(out_reason, 256, "%s", run.reason);
     if (run.model != NULL && status == SOFTSIM_OK) {
-        status = ss_zhang_go(&run, depth_m, at->pace, error);
+        status = ss_zhang_go(&run, depth_h, at->pace, error);
         if (status == SOFTSIM_OK) {
             status = ss_zhang_hold(&run, at->hold_s, error);
         }
@@ -104,8 +104,8 @@ static softsim_status run_network(ss_zhang *zhang, int which, plane_field out_u,
         status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
     }
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth_m, at->pace, step_s);
-        ss_zhang_own_hold(&own, at->hold_s, step_s);
+        ss_zhang_own_go(&own, depth_h, at->pace, step_c);
+        ss_zhang_own_hold(&own, at->hold_s, step_c);
         for (int32_t i = 0; i < SS_PLANE_NODES; ++i) {
             ss_sub3(out_own[i], own.at[i], own.rest[i]);
         }
@@ -181,7 +181,7 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_fiel
     ss_paper *paper = zhang->paper;
     for (int s = NETWORK; s <= SETTLED && is_there[s]; ++s) {
         ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, bend(zhang, own[s]), bend(zhang, u[s]),
-                      close_by,
+                      code_tolerance,
                       "%s: the profile's largest distance from the straight line between the rim "
                       "and the contact, over the depth",
                       shapes[s].title);
@@ -196,7 +196,7 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_fiel
     if (is_there[RADIAL]) {
         double row[SS_PLANE_SIDE / 2 + 1][2], most = 0.0;
         const int32_t first = SS_PLANE_MIDDLE;
-        ss_zhang_own_row(SS_PLANE_SIDE / 2 + 1, 0.02, depth_m, (int32_t)(depth_m / pace), row);
+        ss_zhang_own_row(SS_PLANE_SIDE / 2 + 1, 0.02, depth_h, (int32_t)(depth_h / pace), row);
         for (int32_t k = 0; k <= SS_PLANE_SIDE / 2; ++k) {
             most = fmax(most, fabs(-row[k][1] - u[RADIAL][first + k][2]));
         }
@@ -225,7 +225,7 @@ softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
                  "protocols, since what the network looks like depends on them: at a finite speed "
                  "the links' drag bends it; at rest only what exceeds the threshold of %.3g h "
                  "does.",
-                 threshold_m);
+                 threshold_h);
     for (int s = 0; s < SHAPE_COUNT && status == SOFTSIM_OK; ++s) {
         char reason[256];
         status = s <= SETTLED ? run_network(zhang, s, u[s], own[s], reason, error)
@@ -262,7 +262,7 @@ static double exponent(const force_curve *c)
 {
     double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
     for (int32_t k = 0; k < c->count; ++k) {
-        if (c->depth[k] >= 0.25 * depth_m && c->force[k] > 0.0) {
+        if (c->depth[k] >= 0.25 * depth_h && c->force[k] > 0.0) {
             const double x = log(c->depth[k]), y = log(c->force[k]);
             n += 1.0;
             sx += x;
@@ -282,9 +282,9 @@ static softsim_status press(ss_zhang *zhang, double speed, force_curve *out, for
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     out->count = 0;
     const int32_t steps =
-        run.model != NULL ? (int32_t)ceil(depth_m / (speed * run.step_s) - 1e-9) : 0;
+        run.model != NULL ? (int32_t)ceil(depth_h / (speed * run.step_s) - 1e-9) : 0;
     for (int32_t k = 1; k <= steps && status == SOFTSIM_OK && out->count < MAX_ROWS; ++k) {
-        ss_zhang_step(&run, fmin(k * speed * run.step_s, depth_m));
+        ss_zhang_step(&run, fmin(k * speed * run.step_s, depth_h));
         out->depth[out->count] = run.depth;
         out->force[out->count++] = ss_zhang_force(&run);
     }
@@ -296,7 +296,7 @@ static softsim_status press(ss_zhang *zhang, double speed, force_curve *out, for
     if (status == SOFTSIM_OK) {
         out_own->count = out->count;
         for (int32_t k = 0; k < out->count; ++k) {
-            ss_zhang_own_step(&own, out->depth[k], step_s);
+            ss_zhang_own_step(&own, out->depth[k], step_c);
             out_own->depth[k] = out->depth[k];
             out_own->force[k] = own.force;
         }
@@ -313,7 +313,7 @@ static softsim_status settle_own(ss_zhang *zhang, double depth, double *out_forc
     const softsim_status status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
     *out_force = (double)NAN;
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth, pace, step_s);
+        ss_zhang_own_go(&own, depth, pace, step_c);
         *out_force = ss_zhang_own_settle(&own, 1e-9) ? own.force : (double)NAN;
         ss_zhang_own_fini(&own);
     }
@@ -327,8 +327,8 @@ static softsim_status press_slowly_own(ss_zhang *zhang, double out_force[STATIC_
     ss_zhang_own own;
     const softsim_status status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
     for (int k = 0; k < STATIC_COUNT && status == SOFTSIM_OK; ++k) {
-        ss_zhang_own_go(&own, static_depth[k], pace, step_s);
-        ss_zhang_own_hold(&own, settled_s, step_s);
+        ss_zhang_own_go(&own, static_depth[k], pace, step_c);
+        ss_zhang_own_hold(&own, settled_c, step_c);
         out_force[k] = own.force;
     }
     if (status == SOFTSIM_OK) {
@@ -346,7 +346,7 @@ static softsim_status press_slowly(ss_zhang *zhang, force_curve *out, softsim_er
     for (int k = 0; k < STATIC_COUNT && run.model != NULL && status == SOFTSIM_OK; ++k) {
         status = ss_zhang_go(&run, static_depth[k], pace, error);
         if (status == SOFTSIM_OK) {
-            status = ss_zhang_hold(&run, settled_s, error);
+            status = ss_zhang_hold(&run, settled_c, error);
         }
         out->depth[out->count] = run.depth;
         out->force[out->count++] = ss_zhang_force(&run);
@@ -412,7 +412,7 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
     }
     for (int c = 0; c < SPEED_COUNT; ++c) {
         ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, exponent(&own[c]), exponent(&curve[c]),
-                      close_by, "force grows as displacement to the power, pushed at %g h/C",
+                      code_tolerance, "force grows as displacement to the power, pushed at %g h/C",
                       speeds[c]);
         ss_claim_at_least(paper, "Fig. 5a", SS_FROM_PAPER, 1.1, exponent(&curve[c]),
                           "a nonlinear relationship: the same power, at %g h/C", speeds[c]);
@@ -421,13 +421,13 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
         paper, "Fig. 5a", SS_FROM_FORM, 1e-3, still->force[1],
         "settled for %g C: no force up to R sqrt((1 + alpha)^2 - 1) = %.3g h: force at "
         "1.9 h, N",
-        settled_s, threshold_m);
+        settled_c, threshold_h);
     double own_still[STATIC_COUNT];
     status = press_slowly_own(zhang, own_still, error);
     for (int k = 4; k < STATIC_COUNT && status == SOFTSIM_OK; ++k) {
         double rest;
-        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, own_still[k], still->force[k], close_by,
-                      "settled for %g C: force at %g h, N", settled_s, static_depth[k]);
+        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, own_still[k], still->force[k], code_tolerance,
+                      "settled for %g C: force at %g h, N", settled_c, static_depth[k]);
         status = settle_own(zhang, static_depth[k], &rest, error);
         ss_page_text(&paper->page, "The equilibrium at %g h by the own network: %.4g N.",
                      static_depth[k], rest);
@@ -458,12 +458,12 @@ static softsim_status relax(ss_zhang *zhang, relaxation *out, softsim_error *err
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     *out = (relaxation){.count = 0};
     if (status == SOFTSIM_OK && run.model != NULL) {
-        status = ss_zhang_go(&run, depth_m, 1.0, error);
+        status = ss_zhang_go(&run, depth_h, 1.0, error);
         out->peak = ss_zhang_force(&run);
     }
     double last = out->peak, time = 0.0, next = 0.0;
     for (int m = 0; status == SOFTSIM_OK && run.model != NULL && m < MARK_COUNT;) {
-        ss_zhang_step(&run, depth_m);
+        ss_zhang_step(&run, depth_h);
         time += run.step_s;
         const double force = ss_zhang_force(&run);
         out->largest_rise = fmax(out->largest_rise, force - last);
@@ -482,7 +482,7 @@ static softsim_status relax(ss_zhang *zhang, relaxation *out, softsim_error *err
         status = ss_zhang_begin(&setup, &run, error);
     }
     if (status == SOFTSIM_OK && run.model != NULL) {
-        status = ss_zhang_go(&run, depth_m, pace, error);
+        status = ss_zhang_go(&run, depth_h, pace, error);
         out->slow_peak = ss_zhang_force(&run);
     }
     ss_zhang_end(&run);
@@ -496,16 +496,16 @@ static softsim_status relax_own(ss_zhang *zhang, relaxation *out, softsim_error 
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_zhang_own_go(&own, depth_m, 1.0, step_s);
+    ss_zhang_own_go(&own, depth_h, 1.0, step_c);
     out->own_peak = own.force;
     for (int m = 0; m < MARK_COUNT; ++m) {
-        ss_zhang_own_hold(&own, mark_s[m] - (m > 0 ? mark_s[m - 1] : 0.0), step_s);
+        ss_zhang_own_hold(&own, mark_s[m] - (m > 0 ? mark_s[m - 1] : 0.0), step_c);
         out->own_mark[m] = own.force;
     }
     ss_zhang_own_fini(&own);
     status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth_m, pace, step_s);
+        ss_zhang_own_go(&own, depth_h, pace, step_c);
         out->own_slow_peak = own.force;
         ss_zhang_own_fini(&own);
     }
@@ -554,17 +554,17 @@ softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error)
     }
     double rest = (double)NAN;
     if (status == SOFTSIM_OK) {
-        status = settle_own(zhang, depth_m, &rest, error);
+        status = settle_own(zhang, depth_h, &rest, error);
     }
     if (status != SOFTSIM_OK || r.count == 0) {
         return status;
     }
-    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_peak, r.peak, close_by,
+    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_peak, r.peak, code_tolerance,
                   "force as 5 h is reached at 1 h/C, N");
-    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_slow_peak, r.slow_peak, close_by,
+    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_slow_peak, r.slow_peak, code_tolerance,
                   "force as 5 h is reached at 0.25 h/C, N");
     for (int m = 0; m < MARK_COUNT; ++m) {
-        ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_mark[m], r.mark[m], close_by,
+        ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_mark[m], r.mark[m], code_tolerance,
                       "force after %g C, N", mark_s[m]);
     }
     ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, rest, r.mark[MARK_COUNT - 1], 5e-3,

@@ -12,7 +12,7 @@
 #include "bench/papers/zhong2006/motion.h"
 #include "bench/papers/zhong2006/zhong2006.h"
 
-static const double tolerance = 1e-3; /* of two codes for one equation, one of them single */
+static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
 
 enum { MAX_CURVES = 8 };
 
@@ -226,10 +226,11 @@ static softsim_status creep_claims(ss_zhong *zhong, const ss_tube *tube, const t
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         const int32_t c = k == 0 ? 1 : t->curves;
-        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, last[k], *cell(t, t->rows - 1, c), tolerance,
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, last[k], *cell(t, t->rows - 1, c),
+                      code_tolerance,
                       "%s: displacement after 400 s under a constant 0.25 N, damping %g, m",
                       tube->name, creep_gamma[c - 1]);
-        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, t90_s[k], time_of_90(t, c), tolerance,
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, t90_s[k], time_of_90(t, c), code_tolerance,
                       "%s: time to 90 %% of it, damping %g, s", tube->name, creep_gamma[c - 1]);
     }
     return status;
@@ -347,11 +348,11 @@ static softsim_status loop_claims(ss_zhong *zhong, const ss_tube *tube, const ta
                           "%s: two distinct paths, damping %g: unloading above loading at 0.25 N "
                           "by, fraction",
                           tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[0], loop_area(t, 1 + which), tolerance,
-                      "%s: area of the loop, damping %g, J", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[1], up, tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[0], loop_area(t, 1 + which),
+                      code_tolerance, "%s: area of the loop, damping %g, J", tube->name, gamma);
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[1], up, code_tolerance,
                       "%s: displacement at 0.25 N while loading, damping %g, m", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[2], down, tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[2], down, code_tolerance,
                       "%s: the same while unloading, damping %g, m", tube->name, gamma);
     }
     return SOFTSIM_OK;
@@ -507,7 +508,7 @@ static softsim_status ramp_claims(ss_zhong *zhong, const ss_tube *tube, const ta
     for (int32_t c = 1; status == SOFTSIM_OK && c <= MAX_CURVES; ++c) {
         status = record_own(tube, ramp_gamma[c - 1], ramp_force, &own, 1, 1, ramp_step_s, error);
         ss_claim_near(paper, "Fig. 6", SS_FROM_CODE, *cell(&own, RAMP_ROWS - 1, 1),
-                      *cell(t, RAMP_ROWS - 1, c), tolerance,
+                      *cell(t, RAMP_ROWS - 1, c), code_tolerance,
                       "%s: displacement at 1 N after a ramp of 10 s, damping %g, m", tube->name,
                       ramp_gamma[c - 1]);
         least_bend = fmin(least_bend, bend(t, c));
@@ -540,7 +541,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
         const double own =
             net != NULL ? ss_tube_net_static(net, static_force[k], NULL, NULL) : (double)NAN;
         fprintf(csv.file, "%g,%.8g,%.8g\n", static_force[k], depth, own);
-        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, own, depth, tolerance,
+        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, own, depth, code_tolerance,
                       "%s: static displacement at %g N, m", tube->name, static_force[k]);
         stiffness[k] = static_force[k] / depth;
         own_stiffness[k] = static_force[k] / own;
@@ -550,7 +551,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
     if (status == SOFTSIM_OK) {
         ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE,
                       own_stiffness[STATIC_COUNT - 1] / own_stiffness[0],
-                      stiffness[STATIC_COUNT - 1] / stiffness[0], tolerance,
+                      stiffness[STATIC_COUNT - 1] / stiffness[0], code_tolerance,
                       "%s: the body hardens: static force over displacement at %g N, over that at "
                       "%g N",
                       tube->name, static_force[STATIC_COUNT - 1], static_force[0]);

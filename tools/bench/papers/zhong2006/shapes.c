@@ -12,7 +12,7 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/vec.h"
 
-static const double tolerance = 1e-3; /* of two codes for one equation, one of them single */
+static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
 static const uint32_t red = 0xd0605a, green = 0x6fae62, plain = 0xd8b9a0;
 enum { NINE = 9 };
 
@@ -288,7 +288,7 @@ static softsim_status nine_claims(ss_zhong *zhong, const ss_tube *tube, const ss
         return SOFTSIM_ERROR_MEMORY;
     }
     ss_zhong_net_destroy(&net);
-    ss_claim_near(paper, "Fig. 11", SS_FROM_CODE, -u[SS_TUBE_CONTACT][1], r->depth, tolerance,
+    ss_claim_near(paper, "Fig. 11", SS_FROM_CODE, -u[SS_TUBE_CONTACT][1], r->depth, code_tolerance,
                   "%s: nine sources share %.3g N: depth of the contact, m", tube->name,
                   setup->load[0].force);
     ss_claim_at_least(paper, "Fig. 11", SS_FROM_PAPER,
@@ -315,9 +315,9 @@ static softsim_status own_claims(ss_zhong *zhong, const ss_tube *tube, const str
     }
     const double depth = ss_tube_net_static(net, 1.0, NULL, &width);
     ss_zhong_net_destroy(&net);
-    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, depth, r->depth, tolerance,
+    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, depth, r->depth, code_tolerance,
                   "%s: %s: depth of the contact at 1 N, m", tube->name, at->title);
-    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, width, r->width, tolerance,
+    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, width, r->width, code_tolerance,
                   "%s: %s: width of its ring, m", tube->name, at->title);
     return SOFTSIM_OK;
 }
@@ -370,7 +370,7 @@ static softsim_status one_way_claim(ss_zhong *zhong, softsim_error *error)
         ss_zhong_net *net = ss_tube_net(&tube, NULL, 0.0);
         const double own = net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
         ss_zhong_net_destroy(&net);
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, code_tolerance,
                       "triangles with all diagonals one way: static depth at 0.25 N, m (how a mesh "
                       "is cut matters by 6 %%)");
     }
@@ -401,7 +401,7 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     const softsim_status status = ss_tube_static(zhong->paper, tube, &setup, "densities by area",
                                                  &depth, &width, NULL, error);
     if (status == SOFTSIM_OK && !isnan(depth)) {
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, code_tolerance,
                       "%s: mass, damping and rest stiffness by area: static depth at 0.25 N, m",
                       tube->name);
     }

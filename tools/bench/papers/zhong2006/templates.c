@@ -15,7 +15,7 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/vec.h"
 
-static const double close_by = 1e-3; /* of two codes for one equation, one of them single */
+static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
 
 /* ---- the cylinder ---- */
 
@@ -56,9 +56,9 @@ static softsim_status compare(ss_zhong *zhong, const ss_tube *tube, const templa
     fprintf(csv, "%s,\"%s\",%.9g,%.9g,%.9g,%.9g\n", tube->name, at->what, depth, own, width,
             own_width);
     const char *figure = at->figure[tube->is_grid ? 0 : 1];
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own, depth, close_by,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own, depth, code_tolerance,
                   "%s, %s: depth at 1 N as from the printed conductances, m", tube->name, at->what);
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own_width, width, close_by,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own_width, width, code_tolerance,
                   "%s, %s: ring width, m", tube->name, at->what);
     return status;
 }
@@ -83,7 +83,7 @@ static softsim_status compare_more(ss_zhong *zhong, softsim_error *error)
         own[k] = ss_tube_net_static(net, 0.25, NULL, NULL);
         ss_zhong_net_destroy(&net);
         status = ss_tube_static(zhong->paper, tube, &setup, "rho 50", &depth, &width, NULL, error);
-        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, own[k], depth, close_by,
+        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, own[k], depth, code_tolerance,
                       "%s: a thousandfold rho everywhere changes nothing while no cell saturates: "
                       "depth at 0.25 N, m (expected: with rho 0.05)",
                       tube->name);
