@@ -173,8 +173,8 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
         ss_madd3(device, device, -bridge->config.damping_n_s_per_m, bridge->velocity);
     }
     const double size = ss_norm3(device);
-    if (size > bridge->device.max_force_n) {
-        ss_scale3(device, device, bridge->device.max_force_n / size);
+    if (size > bridge->device.max_exerted_n) {
+        ss_scale3(device, device, bridge->device.max_exerted_n / size);
     }
     ss_copy3(bridge->device_force, device);
     ss_frame_force_to_world(&bridge->frame, device, bridge->applied_world);

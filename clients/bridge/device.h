@@ -25,7 +25,7 @@ typedef struct ss_device_sample {
 typedef struct ss_device {
     void *state;
     double period_s;
-    double max_force_n; /* what the device can exert */
+    double max_exerted_n; /* what the device can exert */
     /* Reads the present sample; false when the device has nothing more to give. */
     bool (*read)(void *state, ss_device_sample *out_sample);
     /* Exerts `force_n` for one period. */

@@ -51,7 +51,7 @@ static softsim_status create(const ss_device_setup *setup, ss_device *out_device
     c->radius_m = 1e-3 * chosen_radius_mm;
     *out_device = (ss_device){.state = c,
                               .period_s = setup->period_s,
-                              .max_force_n = 3.0,
+                              .max_exerted_n = 3.0,
                               .read = read_circle,
                               .exert = exert,
                               .destroy = free};

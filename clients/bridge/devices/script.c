@@ -69,7 +69,7 @@ softsim_status ss_script_create(const char *csv_path, double period_s, ss_device
     softsim_path_range(s->path, s->probe, &s->begin_s, &s->end_s);
     *out_device = (ss_device){.state = s,
                               .period_s = period_s,
-                              .max_force_n = HUGE_VAL, /* it feels nothing */
+                              .max_exerted_n = HUGE_VAL, /* it feels nothing */
                               .read = script_read,
                               .exert = script_exert,
                               .destroy = script_destroy};

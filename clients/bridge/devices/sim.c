@@ -33,7 +33,7 @@ enum { STEPS = 20, TREMORS = 3 };
 static const double count_m = 30e-6;  /* one count of the position sensor */
 static const double tremor_m = 50e-6; /* A */
 static const double two_pi = 6.283185307179586;
-static const double max_force_n = 20.0; /* of the simulated motors */
+static const double max_exerted_n = 20.0; /* of the simulated motors */
 
 /* Mass kg, damping N s/m, Coulomb friction N. */
 static const double bodies[][3] = {{0.05, 0.05, 0.0}, {0.1, 0.3, 0.03}, {0.3, 2.0, 0.1}};
@@ -168,7 +168,7 @@ softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
     hand_target(s, 0.0, s->position);
     *out_device = (ss_device){.state = s,
                               .period_s = config->period_s,
-                              .max_force_n = max_force_n,
+                              .max_exerted_n = max_exerted_n,
                               .read = sim_read,
                               .exert = sim_exert,
                               .destroy = free};
