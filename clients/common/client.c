@@ -15,7 +15,7 @@
 
 #include "net/codec.h"
 #include "net/receiver.h"
-#include "net/status.h"
+#include "net/status_wire.h"
 #include "net/wire.h"
 #include "origin.h"
 #include "rt/clock.h"

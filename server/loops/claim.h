@@ -10,7 +10,7 @@
  *                  3 s, and starts whatever the other does
  *   while running  where both started unheard (at once, or one was stopped), the younger gives way
  *                  (other_server.c) in its first ten seconds; with --takeover it asks for a
- * shutdown instead, once a second
+ *                  shutdown instead, once a second
  *
  * Beyond ten seconds a server only warns: clients let go while they hear two (clients/common), and
  * a forged status must not end a server that refuses commands.

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "loops/state.h"
 /*
- * What the server says of itself, four times a second and when asked: the report on the wire, and
+ * What the server says of itself, four times a second and when asked: the status on the wire, and
  * the judgement that the main thread tells on stderr.
  */
 #include <stdio.h>
@@ -50,45 +50,45 @@ static const char *probe_reason(const ss_loops *loops)
 }
 
 /* The model's verdict, or what else is wrong when the model is well. */
-static void judge(ss_loops *loops, softsim_server_status *report)
+static void judge(ss_loops *loops, softsim_server_status *status)
 {
     const ss_model_info *info = &loops->simulation_stats.info;
-    report->verdict = (int32_t)info->verdict;
-    report->reason = info->reason ? info->reason : "";
-    report->fault_bits = (int32_t)info->fault_bits;
+    status->verdict = (int32_t)info->verdict;
+    status->reason = info->reason ? info->reason : "";
+    status->fault_bits = (int32_t)info->fault_bits;
     const ss_hand_verdict *hand = &loops->haptic_stats.hand;
-    if ((int32_t)hand->verdict > report->verdict) {
-        report->verdict = (int32_t)hand->verdict;
-        report->reason = hand->reason;
+    if ((int32_t)hand->verdict > status->verdict) {
+        status->verdict = (int32_t)hand->verdict;
+        status->reason = hand->reason;
     }
     if (loops->publisher && ss_publisher_is_clamping(loops->publisher)) {
-        report->fault_bits |= FAULT_WIRE_CLAMPED;
-        report->reason =
-            *report->reason ? report->reason : "displacements beyond the wire's range are clamped";
+        status->fault_bits |= FAULT_WIRE_CLAMPED;
+        status->reason =
+            *status->reason ? status->reason : "displacements beyond the wire's range are clamped";
     }
     if (loops->publisher && ss_publisher_is_capped(loops->publisher)) {
-        report->fault_bits |= FAULT_WIRE_CAPPED;
-        report->reason =
-            *report->reason ? report->reason : "publish.max_bytes_per_s delays the mesh";
+        status->fault_bits |= FAULT_WIRE_CAPPED;
+        status->reason =
+            *status->reason ? status->reason : "publish.max_bytes_per_s delays the mesh";
     }
     const double pace = 1.0 - loops->simulation_stats.lag;
     if (pace < SS_PACE_LEAST) {
-        report->fault_bits |= FAULT_SLOW;
-        if (report->verdict < SOFTSIM_VERDICT_DEGRADED) {
-            report->verdict = SOFTSIM_VERDICT_DEGRADED;
+        status->fault_bits |= FAULT_SLOW;
+        if (status->verdict < SOFTSIM_VERDICT_DEGRADED) {
+            status->verdict = SOFTSIM_VERDICT_DEGRADED;
             snprintf(loops->slow_reason, sizeof loops->slow_reason,
                      "simulated %.0f %% of real time: lower simulation.rate_hz, choose a coarser "
                      "mesh, or leave the machine less to do",
                      100.0 * pace);
-            report->reason = loops->slow_reason;
+            status->reason = loops->slow_reason;
         }
     }
-    if (loops->simulation_stats.is_paused && !*report->reason) {
-        report->reason = "paused: forces are zero until the command resume";
+    if (loops->simulation_stats.is_paused && !*status->reason) {
+        status->reason = "paused: forces are zero until the command resume";
     }
     const char *reason = probe_reason(loops);
-    if (reason && !*report->reason) {
-        report->reason = reason;
+    if (reason && !*status->reason) {
+        status->reason = reason;
     }
 }
 
@@ -107,7 +107,7 @@ void ss_loops_send_status(ss_loops *loops)
     ss_gate_counts counts;
     ss_gate_read(world->gate, &counts);
     const int64_t utime_us = ss_clock_now_ns() / 1000;
-    softsim_server_status report = {
+    softsim_server_status status = {
         .utime = utime_us,
         .threads = world->threads,
         .nodes = scene->mesh->node_count,
@@ -135,24 +135,24 @@ void ss_loops_send_status(ss_loops *loops)
         .model = world->model_class->name};
     if (loops->options->lockstep) {
         /* Of one state: the step computed last, whose result may still be held back. */
-        report.step = world->steps;
-        report.state_hash = (int64_t)ss_world_hash(world);
+        status.step = world->steps;
+        status.state_hash = (int64_t)ss_world_hash(world);
     }
-    memcpy(report.poses_refused, counts.refused, sizeof report.poses_refused);
-    memcpy(report.probe_periods, loops->periods, sizeof report.probe_periods);
-    memcpy(report.probe_forces, loops->forces, sizeof report.probe_forces);
-    memcpy(report.probe_missed, loops->missed, sizeof report.probe_missed);
-    memcpy(report.step_us, simulation->step_us, sizeof report.step_us);
-    memcpy(report.lateness_us, haptic->lateness_us, sizeof report.lateness_us);
-    memcpy(report.worst_contact_j, haptic->worst_contact_j, sizeof report.worst_contact_j);
-    memcpy(report.loop_delay_ms, haptic->loop_delay_ms, sizeof report.loop_delay_ms);
-    memcpy(report.stiffness_limit_n_per_m, haptic->stiffness_limit,
-           sizeof report.stiffness_limit_n_per_m);
-    judge(loops, &report);
-    ss_net_send_status(loops->net, &report);
+    memcpy(status.poses_refused, counts.refused, sizeof status.poses_refused);
+    memcpy(status.probe_periods, loops->periods, sizeof status.probe_periods);
+    memcpy(status.probe_forces, loops->forces, sizeof status.probe_forces);
+    memcpy(status.probe_missed, loops->missed, sizeof status.probe_missed);
+    memcpy(status.step_us, simulation->step_us, sizeof status.step_us);
+    memcpy(status.lateness_us, haptic->lateness_us, sizeof status.lateness_us);
+    memcpy(status.worst_contact_j, haptic->worst_contact_j, sizeof status.worst_contact_j);
+    memcpy(status.loop_delay_ms, haptic->loop_delay_ms, sizeof status.loop_delay_ms);
+    memcpy(status.stiffness_limit_n_per_m, haptic->stiffness_limit,
+           sizeof status.stiffness_limit_n_per_m);
+    judge(loops, &status);
+    ss_net_send_status(loops->net, &status);
     ss_judgement *judgement = ss_mailbox_draft(loops->judgement);
-    judgement->verdict = (softsim_verdict)report.verdict;
-    snprintf(judgement->reason, sizeof judgement->reason, "%s", report.reason);
+    judgement->verdict = (softsim_verdict)status.verdict;
+    snprintf(judgement->reason, sizeof judgement->reason, "%s", status.reason);
     const ss_other_server *other = ss_net_other_server(loops->net);
     const bool has_other_server = ss_other_server_is_alive(other, ss_clock_now_ns());
     snprintf(judgement->other, sizeof judgement->other, "%.200s",

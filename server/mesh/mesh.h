@@ -7,9 +7,9 @@
  * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
  * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, TetGen's
  * .node and .ele, VTK legacy and XML by our own bounded readers, in double, numbering kept) and the
- * unit of its lengths. Out: SI coordinates, 0-based
- * numbers in file order (never the file's tags). The surface of a volume mesh is extracted and
- * wound counter-clockwise seen from outside. Memory belongs to the mesh.
+ * unit of its lengths. Out: SI coordinates, 0-based numbers in file order (never the file's tags).
+ * The surface of a volume mesh is extracted and wound counter-clockwise seen from outside. Memory
+ * belongs to the mesh.
  * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
  */
 #include <stdbool.h>

@@ -6,8 +6,8 @@
  *
  * In: a plan (mesh, fixed nodes, parameters, tools, loads) and, each step, where the tools go.
  * Out: node displacements, a contact set per tool with its stiffness, energies, verdict.
- * All memory is allocated by ss_model_create; stepping is RT-safe and deterministic: equal input
- * gives equal bits, whatever the number of threads.
+ * All memory is allocated by the class's `create`; stepping is RT-safe and deterministic: equal
+ * input gives equal bits, whatever the number of threads.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -96,7 +96,7 @@ typedef struct ss_model_info {
     const char *reason; /* static text; "" when good */
     double stable_step; /* s, computed for the present state */
     double travelled;   /* share of the way of tools and prescribed nodes in the last step: 1, and
-                           less   in a step that was slower than time */
+                           less in a step that was slower than time */
     double kinetic, elastic, dissipated, work; /* J; work: done by tools and loads since start */
     double load_work; /* J: the part of it that loads, gravity and supports did */
 } ss_model_info;
@@ -105,8 +105,8 @@ struct ss_layer;
 
 /* What a model that has a layer of particles (layer.h) tells of it. */
 typedef struct ss_model_layer {
-    double
-        full; /* share of layer.max_active that may wake; the rest is for those that fall asleep */
+    /* Share of layer.max_active that may wake; the rest is for those that fall asleep. */
+    double full;
     const struct ss_layer *(*at_rest)(const ss_model *model);
     bool (*is_awake)(const ss_model *model, int32_t particle);
     /* How much of the way of skin node `skin` is that of particles: 0 tied to the core, 1 all. */

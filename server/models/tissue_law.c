@@ -14,8 +14,8 @@
  *                      g = J^(-2/3); below J1 the parabola with g's value and slopes at J1
  * stable-neo-hookean   P = m (1 - 1/(I1 + 1)) F + l (J - alpha) C
  *                      m = 4/3 mu, l = lambda + 5/6 mu, alpha = 1 + 3/4 m/l
- * linear               W = lambda/2 (tr e)^2 + mu e:e, e = (H + H^T)/2   P = lambda tr(e) I + 2 mu
- * e
+ * linear               W = lambda/2 (tr e)^2 + mu e:e        P = lambda tr(e) I + 2 mu e
+ *                      e = (H + H^T)/2
  *
  * stvk is eqs. (1), (2) and (6) of the hybrid model's paper taken together: its strain lacks the
  * 1/2 and its force has one, which cancel; mending one alone doubles or halves the stiffness. The

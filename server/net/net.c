@@ -19,7 +19,7 @@
 #include "net/net.h"
 #include "net/receiver.h"
 #include "net/senders.h"
-#include "net/status.h"
+#include "net/status_wire.h"
 #include "net/wire.h"
 #include "rt/budget.h"
 #include "rt/clock.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "net/status.h"
+#include "net/status_wire.h"
 
 #include <string.h>
 

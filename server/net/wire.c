@@ -25,7 +25,7 @@
 
 #include "net/codec.h"
 #include "net/gate.h"
-#include "net/status.h"
+#include "net/status_wire.h"
 #include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/plain.h"

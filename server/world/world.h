@@ -199,8 +199,8 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS]);
 
-/* One haptic tick of every used probe. `due_ns` and `lateness_us` describe the period in real
- * time (0 in lockstep). Thread: haptic; RT-safe. */
+/* One haptic tick of every used probe. `due_ns` (0 in lockstep) and `now_ns`: when the period was
+ * due and when it began. Thread: haptic; RT-safe. */
 void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t now_ns);
 
 /* The model's own account, and what the world adds: a tool that has sunk far into the tissue is a

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "net/status.h"
+#include "net/status_wire.h"
 
 typedef struct declared {
     const char *type, *name;

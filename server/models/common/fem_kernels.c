@@ -13,7 +13,7 @@
  * so that rigid translation is free of rounding and forces add up to 0. Moduli carry the volume.
  * The laws stand in tissue_law.c; `stress` has them in the same order. A modulus lambda may be
  * split: the element's own part is in the blocks, the rest comes as a pressure of the nodes
- * (fem_pressure.c), of which an element takes the mean of its four.
+ * (fem_average.c), of which an element takes the mean of its four.
  *
  * Where the time goes: about 145 operations of eight lanes an element block and as many loads,
  * shuffles and stores to bring 32 nodes in and 32 forces out. Forces are added node by node, since

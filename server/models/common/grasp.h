@@ -8,7 +8,7 @@
  * Grasp (of one potential with the contact): at the button's press the touched nodes store
  * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
  * potential gains share/2 sum k_i |P_i - X - R o_i|^2. On release the share falls to 0 in 20 ms,
- * which can only lose energy.
+ * which can only lose energy. (`chainmail` drops it at once.)
  * Thread: ss_grasp_init set-up only; the rest RT-safe.
  */
 #include "models/model.h"

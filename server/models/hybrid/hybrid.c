@@ -6,11 +6,10 @@
  *
  * After "a new hybrid deformable model for haptic interactions": a coarse mesh moves the bulk
  * cheaply and a mesh-free layer gives the touched place detail. What the paper leaves open is
- * closed in layer.c (rows that are exact for affine maps), layer_kernels.c (forces), volume.c
- * (one volume shared by both: collar and sleeping skin), skin.c (the surface that is
- * touched), wake.c (activation), bound.c (the stable step); near.c gathers
- * what the kernels walk through. Law, viscosity and materials are those of `fem`; time, loads,
- * tools and the energy balance the body's.
+ * closed in layer.c (rows that are exact for affine maps), layer_kernels.c (forces), volume.c (one
+ * volume shared by both: collar and sleeping skin), skin.c (the surface that is touched), wake.c
+ * (activation), bound.c (the stable step); near.c gathers what the kernels walk through. Law,
+ * viscosity and materials are those of `fem`; time, loads, tools and the energy balance the body's.
  *
  * Where the nonlinearity comes from: Green strain, as in `fem`, of tetrahedra and particles alike,
  * and the pair forces of the share that is cohesion. Left out: cutting and tearing. Neighbours are
@@ -25,8 +24,9 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-/* The same of the contact's part. The reserve of the law's is for what stretches between two looks;
- * the contact's is a bound, taken anew every sub-step, and 1.3 to 1.8 times its omega^2 (HM1). */
+/* Fraction of the contact's stable step, as SS_HYBRID_STEP_SHARE (hybrid.h) is of the law's. The
+ * law's reserve is for what stretches between two looks; the contact's is a bound, computed again
+ * every sub-step, and 1.3 to 1.8 times its omega^2 (HM1). */
 #define CONTACT_STEP_SHARE 0.9
 /* Defaults of the reaches, in spacings. */
 #define ACTIVATE_SPACINGS 4.0

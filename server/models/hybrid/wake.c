@@ -70,7 +70,7 @@ static void give_mass(ss_hybrid *hybrid, int32_t i, double mass, const double v[
 
 static void get_up(ss_hybrid *hybrid, int32_t p)
 {
-    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
     const int32_t node = hybrid->idle[--hybrid->idle_count];
     const int32_t *host = hybrid->mesh->tetrahedron[hybrid->layer->host[p]];
     const double mass = particle_mass(hybrid, p);
@@ -98,7 +98,7 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
 
 static void lie_down(ss_hybrid *hybrid, int32_t p)
 {
-    const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
+    ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
     const int32_t node = hybrid->node_of[p];
     const int32_t *host = hybrid->mesh->tetrahedron[hybrid->layer->host[p]];
     const double mass = particle_mass(hybrid, p);

@@ -12,10 +12,13 @@
  *   net energy   least over contacts of sum -F_j . (x_{j+1} - x_j): negative, the hand was driven
  *   chatter      amplitude of x above 15 Hz while held still: windows of 0.5 s in contact in which
  *                x smoothed at 3 Hz stays within 0.5 mm, x along the window's mean force (a tool
- * may slide at a steady depth); the worst window buzz         force above 30 Hz over the mean
- * force, same windows continuity   99th percentile of |dF - running median of 11| over the 99.5th
- * of |F|, five rows inside contacts bounces      most contacts ended within any second Thread: any.
- * Memory: scratch of about 120 bytes a row during the call.
+ *                may slide at a steady depth); the worst window
+ *   buzz         force above 30 Hz over the mean force, same windows
+ *   continuity   99th percentile of |dF - running median of 11| over the 99.5th of |F|, five rows
+ *                inside contacts
+ *   bounces      most contacts ended within any second
+ *
+ * Thread: any. Memory: scratch of about 120 bytes a row during the call.
  */
 #include <stdbool.h>
 #include <stdint.h>
