@@ -9,6 +9,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* What a number may be: up to `max`, from `min` or above it. */
+typedef struct ss_range {
+    double min, max;
+    bool exclusive_min;
+} ss_range;
+
+/* A NaN is in no range. */
+static inline bool ss_in_range(const ss_range *range, double value)
+{
+    return value <= range->max && (range->exclusive_min ? value > range->min : value >= range->min);
+}
+
 typedef enum ss_param_kind {
     SS_PARAM_NUMBER,  /* one double */
     SS_PARAM_INTEGER, /* one integer, kept as a double */
@@ -25,8 +37,7 @@ typedef enum ss_param_kind {
 typedef struct ss_param_row {
     const char *name; /* with its unit, as the user writes it */
     ss_param_kind kind;
-    double min, max; /* inclusive unless exclusive_min */
-    bool exclusive_min;
+    ss_range range;
     bool is_required;
     bool is_live;        /* the command `set` reaches it */
     bool takes_elements; /* a FIELD whose file may give a value per element instead */

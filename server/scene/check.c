@@ -150,7 +150,7 @@ static void check_nodes(ss_scene_check *check, const ss_scene_row *row, ss_scene
         return;
     }
     const ss_scene_row each = {
-        .name = row->name, .kind = SS_SCENE_INTEGER, .min = 0, .max = INT32_MAX};
+        .name = row->name, .kind = SS_SCENE_INTEGER, .range = {.max = INT32_MAX}};
     for (ss_scene_node *item = node->first; item != NULL; item = item->next) {
         double value = 0;
         check_number(check, &each, item, &value);
@@ -343,17 +343,14 @@ ss_scene_row ss_scene_row_of_param(const ss_param_row *param)
     if (param->kind == SS_PARAM_DIRECTION) {
         return (ss_scene_row){.name = param->name,
                               .kind = SS_SCENE_DIRECTION,
-                              .min = -INFINITY,
-                              .max = INFINITY,
+                              .range = {.min = -INFINITY, .max = INFINITY},
                               .is_required = param->is_required,
                               .fallback = NAN,
                               .help = param->help};
     }
     return (ss_scene_row){.name = param->name,
                           .kind = kind[param->kind],
-                          .min = param->min,
-                          .max = param->max,
-                          .exclusive_min = param->exclusive_min,
+                          .range = param->range,
                           .is_required = param->is_required,
                           .takes_elements = param->takes_elements,
                           .fallback = param->fallback,

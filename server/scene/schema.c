@@ -33,14 +33,12 @@ static const ss_scene_row plane_row[] = {
     {.name = "point_m",
      .kind = SS_SCENE_VECTOR,
      .unit = "m",
-     .min = -FAR,
-     .max = FAR,
+     .range = {.min = -FAR, .max = FAR},
      .is_required = true,
      .help = "a point of the plane"},
     {.name = "normal",
      .kind = SS_SCENE_VECTOR,
-     .min = -FAR,
-     .max = FAR,
+     .range = {.min = -FAR, .max = FAR},
      .is_required = true,
      .help = "its normal, any length; nodes behind the plane are taken"},
 };
@@ -48,15 +46,13 @@ static const ss_scene_row sphere_region_row[] = {
     {.name = "center_m",
      .kind = SS_SCENE_VECTOR,
      .unit = "m",
-     .min = -FAR,
-     .max = FAR,
+     .range = {.min = -FAR, .max = FAR},
      .is_required = true,
      .help = "its centre"},
     {.name = "radius_m",
      .kind = SS_SCENE_NUMBER,
      .unit = "m",
-     .max = FAR,
-     .exclusive_min = true,
+     .range = {.max = FAR, .exclusive_min = true},
      .is_required = true,
      .help = "nodes within are taken"},
 };
@@ -66,8 +62,7 @@ static const ss_scene_row sphere_region_row[] = {
     {.name = "box_m",                                                                              \
      .kind = SS_SCENE_BOX,                                                                         \
      .unit = "m",                                                                                  \
-     .min = -FAR,                                                                                  \
-     .max = FAR,                                                                                   \
+     .range = {.min = -FAR, .max = FAR},                                                           \
      .one_of = (letter),                                                                           \
      .help = "nodes in a box given by its lower and upper corner"},                                \
         {.name = "sphere",                                                                         \
@@ -115,33 +110,30 @@ static const ss_scene_row fixed_row[] = {REGION_ROWS('R'), AXES_ROW};
 static const ss_scene_row transform_row[] = {
     {.name = "scale",
      .kind = SS_SCENE_NUMBER,
-     .max = 1e6,
-     .exclusive_min = true,
+     .range = {.max = 1e6, .exclusive_min = true},
      .fallback = 1,
      .help = "times this, first"},
     {.name = "rotate_deg",
      .kind = SS_SCENE_VECTOR,
      .unit = "degrees",
-     .min = -3600,
-     .max = 3600,
+     .range = {.min = -3600, .max = 3600},
      .help = "about the world's x, then y, then z"},
     {.name = "translate_m",
      .kind = SS_SCENE_VECTOR,
      .unit = "m",
-     .min = -FAR,
-     .max = FAR,
+     .range = {.min = -FAR, .max = FAR},
      .help = "moved by this, last"},
 };
 /* Grids: mesh.h says how their nodes and elements are numbered. */
 #define COUNT_ROW(key, least, text)                                                                \
     {                                                                                              \
-        .name = (key), .kind = SS_SCENE_INTEGER, .min = (least), .max = SS_MESH_MAX_GRID,          \
-        .is_required = true, .help = (text)                                                        \
+        .name = (key), .kind = SS_SCENE_INTEGER,                                                   \
+        .range = {.min = (least), .max = SS_MESH_MAX_GRID}, .is_required = true, .help = (text)    \
     }
 #define SIZE_ROW(key, text)                                                                        \
     {                                                                                              \
-        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "m", .max = FAR, .exclusive_min = true,    \
-        .is_required = true, .help = (text)                                                        \
+        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "m",                                       \
+        .range = {.max = FAR, .exclusive_min = true}, .is_required = true, .help = (text)          \
     }
 static const ss_scene_row cylinder_grid_row[] = {
     COUNT_ROW("rows", 2, "rings of nodes, from z = -length/2 to length/2; the direction u"),
@@ -164,15 +156,13 @@ static const ss_scene_row grid_row[] = {
      .help = "CSV with the header x,y,z: rows times columns nodes in object.units, row by row"},
     {.name = "rows",
      .kind = SS_SCENE_INTEGER,
-     .min = 2,
-     .max = SS_MESH_MAX_GRID,
+     .range = {.min = 2, .max = SS_MESH_MAX_GRID},
      .is_required = true,
      .needs = "file",
      .help = "of the file's nodes; the direction u runs from row to row"},
     {.name = "columns",
      .kind = SS_SCENE_INTEGER,
-     .min = 2,
-     .max = SS_MESH_MAX_GRID,
+     .range = {.min = 2, .max = SS_MESH_MAX_GRID},
      .is_required = true,
      .needs = "file",
      .help = "nodes of a row; the direction w"},
@@ -214,13 +204,13 @@ static const ss_scene_row object_row[] = {
 
 #define RADIUS_ROW                                                                                 \
     {                                                                                              \
-        .name = "radius_mm", .kind = SS_SCENE_NUMBER, .unit = "mm", .max = 1e4,                    \
-        .exclusive_min = true, .is_required = true, .help = "its radius"                           \
+        .name = "radius_mm", .kind = SS_SCENE_NUMBER, .unit = "mm",                                \
+        .range = {.max = 1e4, .exclusive_min = true}, .is_required = true, .help = "its radius"    \
     }
 #define LENGTH_ROW(text)                                                                           \
     {                                                                                              \
-        .name = "length_mm", .kind = SS_SCENE_NUMBER, .unit = "mm", .max = 1e4,                    \
-        .exclusive_min = true, .is_required = true, .help = (text)                                 \
+        .name = "length_mm", .kind = SS_SCENE_NUMBER, .unit = "mm",                                \
+        .range = {.max = 1e4, .exclusive_min = true}, .is_required = true, .help = (text)          \
     }
 static const ss_scene_row sphere_row[] = {RADIUS_ROW};
 static const ss_scene_row capsule_row[] = {RADIUS_ROW, LENGTH_ROW("of its axis, without the caps")};
@@ -230,8 +220,7 @@ static const ss_scene_row box_row[] = {
     {.name = "size_mm",
      .kind = SS_SCENE_VECTOR,
      .unit = "mm",
-     .max = 1e4,
-     .exclusive_min = true,
+     .range = {.max = 1e4, .exclusive_min = true},
      .is_required = true,
      .help = "its whole edges"},
 };
@@ -253,7 +242,7 @@ static const ss_scene_row shape_row[] = {
 static const ss_scene_row tool_row[] = {
     {.name = "probe",
      .kind = SS_SCENE_INTEGER,
-     .max = SOFTSIM_MAX_PROBES - 1,
+     .range = {.max = SOFTSIM_MAX_PROBES - 1},
      .is_required = true,
      .help = "which probe moves it"},
     {.name = "shape", .kind = SS_SCENE_KEYS, .is_required = true, .child = TABLE(shape_row)},
@@ -266,8 +255,7 @@ static const ss_scene_row contact_row[] = {
     {.name = "working_force_n",
      .kind = SS_SCENE_NUMBER,
      .unit = "N",
-     .max = 1e3,
-     .exclusive_min = true,
+     .range = {.max = 1e3, .exclusive_min = true},
      .fallback = 2,
      .one_of = 'c',
      .help = "contact stiffness is chosen from it",
@@ -275,8 +263,7 @@ static const ss_scene_row contact_row[] = {
     {.name = "stiffness_n_per_m3",
      .kind = SS_SCENE_NUMBER,
      .unit = "N/m^3",
-     .max = 1e15,
-     .exclusive_min = true,
+     .range = {.max = 1e15, .exclusive_min = true},
      .one_of = 'c',
      .help = "contact stiffness, instead of choosing it",
      FIELD(contact_stiffness_n_per_m3)},
@@ -288,14 +275,12 @@ static const ss_scene_row simulation_row[] = {
     {.name = "rate_hz",
      .kind = SS_SCENE_RATE,
      .unit = "Hz",
-     .min = 1,
-     .max = 1e4,
+     .range = {.min = 1, .max = 1e4},
      .help = "steps a second; auto: from counted work",
      FIELD(simulation_rate_hz)},
     {.name = "max_substeps",
      .kind = SS_SCENE_INTEGER,
-     .min = 1,
-     .max = 1e5,
+     .range = {.min = 1, .max = 1e5},
      .fallback = 64,
      .help = "in real time; more would be needed: slower than real time, and flagged",
      FIELD(max_substeps)},
@@ -304,8 +289,7 @@ static const ss_scene_row coupling_row[] = {
     {.name = "stiffness_n_per_m",
      .kind = SS_SCENE_NUMBER,
      .unit = "N/m",
-     .min = 1,
-     .max = 1e5,
+     .range = {.min = 1, .max = 1e5},
      .fallback = 800,
      .help = "the stiffest the hand may feel",
      FIELD(coupling_stiffness_n_per_m),
@@ -313,7 +297,7 @@ static const ss_scene_row coupling_row[] = {
     {.name = "damping_n_s_per_m",
      .kind = SS_SCENE_NUMBER,
      .unit = "N s/m",
-     .max = 1e3,
+     .range = {.max = 1e3},
      .fallback = 2,
      .help = "of the coupling",
      FIELD(coupling_damping_n_s_per_m),
@@ -330,16 +314,14 @@ static const ss_scene_row haptic_row[] = {
     {.name = "rate_hz",
      .kind = SS_SCENE_NUMBER,
      .unit = "Hz",
-     .min = 10,
-     .max = 1e4,
+     .range = {.min = 10, .max = 1e4},
      .fallback = 1000,
      .help = "forces a second",
      FIELD(haptic_rate_hz)},
     {.name = "max_force_n",
      .kind = SS_SCENE_NUMBER,
      .unit = "N",
-     .min = 0.01,
-     .max = 100,
+     .range = {.min = 0.01, .max = 100},
      .fallback = 8,
      .help = "never more than this on the hand",
      FIELD(max_force_n),
@@ -347,8 +329,7 @@ static const ss_scene_row haptic_row[] = {
     {.name = "max_slew_n_per_s",
      .kind = SS_SCENE_NUMBER,
      .unit = "N/s",
-     .min = 10,
-     .max = 1e6,
+     .range = {.min = 10, .max = 1e6},
      .fallback = 2000,
      .help = "largest rate of change of the force, rising or falling",
      FIELD(max_slew_n_per_s),
@@ -356,8 +337,7 @@ static const ss_scene_row haptic_row[] = {
     {.name = "max_jump_m",
      .kind = SS_SCENE_NUMBER,
      .unit = "m",
-     .max = 10,
-     .exclusive_min = true,
+     .range = {.max = 10, .exclusive_min = true},
      .fallback = 0.05,
      .help = "a pose further than this from the last is refused",
      FIELD(max_jump_m),
@@ -368,7 +348,7 @@ static const ss_scene_row publish_row[] = {
     {.name = "mesh_rate_hz",
      .kind = SS_SCENE_NUMBER,
      .unit = "Hz",
-     .max = 1e3,
+     .range = {.max = 1e3},
      .fallback = 60,
      .help = "mesh messages a second; 0: none, and no publisher",
      FIELD(mesh_rate_hz),
@@ -376,8 +356,7 @@ static const ss_scene_row publish_row[] = {
     {.name = "max_bytes_per_s",
      .kind = SS_SCENE_NUMBER,
      .unit = "B/s",
-     .min = 1e4,
-     .max = 1e10,
+     .range = {.min = 1e4, .max = 1e10},
      .fallback = 8e6,
      .help = "of mesh messages, topology included",
      FIELD(max_bytes_per_s),
@@ -388,22 +367,21 @@ static const ss_scene_row publish_row[] = {
 
 #define TIME_ROW(key, text)                                                                        \
     {                                                                                              \
-        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "s", .max = FOREVER, .help = (text)        \
+        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "s", .range = {.max = FOREVER},            \
+        .help = (text)                                                                             \
     }
 static const ss_scene_row load_row[] = {
     REGION_ROWS('R'),
     {.name = "force_n",
      .kind = SS_SCENE_VECTOR,
      .unit = "N",
-     .min = -1e6,
-     .max = 1e6,
+     .range = {.min = -1e6, .max = 1e6},
      .one_of = 'L',
      .help = "total force, shared equally by the nodes"},
     {.name = "pressure_pa",
      .kind = SS_SCENE_NUMBER,
      .unit = "Pa",
-     .min = -1e9,
-     .max = 1e9,
+     .range = {.min = -1e9, .max = 1e9},
      .one_of = 'L',
      .help = "on the triangles whose nodes are all in the region; it follows them"},
     TIME_ROW("from_s", "begins"),
@@ -415,8 +393,7 @@ static const ss_scene_row prescribed_row[] = {
     {.name = "displacement_m",
      .kind = SS_SCENE_VECTOR,
      .unit = "m",
-     .min = -FAR,
-     .max = FAR,
+     .range = {.min = -FAR, .max = FAR},
      .one_of = 'D',
      .help = "from rest, the same for every node"},
     {.name = "displacement_file",
@@ -433,8 +410,7 @@ static const ss_scene_row prescribed_row[] = {
 static const ss_scene_row root_row[] = {
     {.name = "softsim",
      .kind = SS_SCENE_INTEGER,
-     .min = 1,
-     .max = 1,
+     .range = {.min = 1, .max = 1},
      .is_required = true,
      .fallback = 1,
      .help = "version of the scene format"},
@@ -445,8 +421,7 @@ static const ss_scene_row root_row[] = {
     {.name = "gravity_m_s2",
      .kind = SS_SCENE_VECTOR,
      .unit = "m/s^2",
-     .min = -1e3,
-     .max = 1e3,
+     .range = {.min = -1e3, .max = 1e3},
      .help = "acceleration on everything",
      FIELD(gravity)},
     {.name = "haptic", .kind = SS_SCENE_KEYS, .child = TABLE(haptic_row)},

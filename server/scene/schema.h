@@ -39,8 +39,7 @@ struct ss_scene_row {
     const char *name;
     ss_scene_kind kind;
     const char *unit; /* for messages; NULL none */
-    double min, max;  /* of each number */
-    bool exclusive_min;
+    ss_range range;   /* of each number */
     bool is_required;
     bool takes_elements;  /* FIELD: a file may have the header element,value */
     char one_of;          /* keys of a table with the same letter: A..Z exactly one of them must be
@@ -97,7 +96,6 @@ int32_t ss_scene_choice(const char *choices, const char *text);
 void ss_scene_choice_name(const char *choices, int32_t index, char *out, size_t size);
 /* "a number above 0 and at most 100 (N)": what a row takes. */
 void ss_scene_describe(const ss_scene_row *row, char *out, size_t size);
-bool ss_scene_in_range(const ss_scene_row *row, double value);
 /* A scalar of a row from its text; false with the reason (static or in `why`) when it is not one.
  */
 bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quoted,

@@ -107,22 +107,23 @@ void ss_scene_join(const char *(*name_at)(const void *list, int32_t i), const vo
 
 static void describe_range(const ss_scene_row *row, char *out, size_t size)
 {
+    const ss_range *range = &row->range;
     char low[48] = "";
     char high[48] = "";
-    if (isfinite(row->min)) {
-        const char *word = row->exclusive_min   ? "above"
-                           : isfinite(row->max) ? "from"
-                                                : "of at least";
-        snprintf(low, sizeof low, " %s %.10g", word, row->min);
+    if (isfinite(range->min)) {
+        const char *word = range->exclusive_min   ? "above"
+                           : isfinite(range->max) ? "from"
+                                                  : "of at least";
+        snprintf(low, sizeof low, " %s %.10g", word, range->min);
     }
-    if (isfinite(row->max)) {
-        const char *word = low[0] == '\0'       ? "of at most"
-                           : row->exclusive_min ? "and at most"
-                                                : "to";
-        snprintf(high, sizeof high, " %s %.10g", word, row->max);
+    if (isfinite(range->max)) {
+        const char *word = low[0] == '\0'         ? "of at most"
+                           : range->exclusive_min ? "and at most"
+                                                  : "to";
+        snprintf(high, sizeof high, " %s %.10g", word, range->max);
     }
-    if (row->min == row->max && !row->exclusive_min) {
-        snprintf(low, sizeof low, " %.10g", row->min);
+    if (range->min == range->max && !range->exclusive_min) {
+        snprintf(low, sizeof low, " %.10g", range->min);
         high[0] = '\0';
     }
     snprintf(out, size, "%s%s%s%s%s", low, high, row->unit != NULL ? " (" : "",
@@ -198,11 +199,6 @@ void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
 
 /* ---- scalars ---- */
 
-bool ss_scene_in_range(const ss_scene_row *row, double value)
-{
-    return value <= row->max && (row->exclusive_min ? value > row->min : value >= row->min);
-}
-
 bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quoted,
                           double *out_value, char *why, size_t why_size)
 {
@@ -236,7 +232,7 @@ bool ss_scene_read_scalar(const ss_scene_row *row, const char *text, bool is_quo
         snprintf(why, why_size, "is %.40s, which is not a whole number", text);
         return false;
     }
-    if (!ss_scene_in_range(row, value)) {
+    if (!ss_in_range(&row->range, value)) {
         snprintf(why, why_size, "is %.40s, out of range", text);
         return false;
     }

@@ -17,17 +17,14 @@ enum { STIFFNESS, AREA_DENSITY, ROW_COUNT };
 static const ss_param_row rows[ROW_COUNT] = {
     [STIFFNESS] = {.name = "stiffness_n_per_m3",
                    .kind = SS_PARAM_NUMBER,
-                   .max = 1e12,
-                   .exclusive_min = true,
+                   .range = {.max = 1e12, .exclusive_min = true},
                    .fallback = 1e6,
                    .help = "pressure by indentation, k"},
     [AREA_DENSITY] = {.name = "area_density_kg_m2",
                       .kind = SS_PARAM_NUMBER,
-                      .max = 1e6,
-                      .exclusive_min = true,
+                      .range = {.max = 1e6, .exclusive_min = true},
                       .fallback = 10.0,
-                      .help = "mass by area, sigma"},
-};
+                      .help = "mass by area, sigma"}};
 
 struct ss_model {
     ss_body *body; /* first: ss_body_model_* read it */
@@ -132,16 +129,21 @@ static const ss_model_hints hints = {
     .fitted = {{"stiffness_n_per_m3", false, 0.0}}};
 
 extern const ss_model_class ss_model_elastic_foundation;
-const ss_model_class ss_model_elastic_foundation = {.name = "elastic-foundation",
-                                                    .help = "a spring under every node",
-                                                    .hints = &hints,
-                                                    .row = rows,
-                                                    .row_count = ROW_COUNT,
-                                                    .step_cost_us = step_cost_us,
-                                                    .create = create,
-                                                    .destroy = destroy,
-                                                    .step = ss_body_model_step,
-                                                    SS_BODY_MODEL_CLASS,
-                                                    .info = ss_body_model_info,
-                                                    SS_BODY_MODEL_MOTION,
-                                                    .explain = explain};
+const ss_model_class ss_model_elastic_foundation = {
+    .name = "elastic-foundation",
+    .help = "a spring under every node: the pressure under a tool, no dent around it",
+    .hints = &hints,
+    .row = rows,
+    .row_count = ROW_COUNT,
+    .step_cost_us = step_cost_us,
+    .create = create,
+    .destroy = destroy,
+    .step = ss_body_model_step,
+    .contacts = ss_body_model_contacts,
+    .reset = ss_body_model_reset,
+    .info = ss_body_model_info,
+    .displacement = ss_body_model_displacement,
+    .velocity = ss_body_model_velocity,
+    .reaction = ss_body_model_reaction,
+    .hash = ss_body_model_hash,
+    .explain = explain};

@@ -84,10 +84,11 @@ static void every_row_has_a_default_within_its_bounds_and_a_help(void **state)
             assert_non_null(row->name);
             assert_true(row->help && strlen(row->help) > 10);
             /* A choice may be of one word. */
-            assert_true(row->kind == SS_PARAM_CHOICE ? row->min <= row->max : row->min < row->max);
+            assert_true(row->kind == SS_PARAM_CHOICE ? row->range.min <= row->range.max
+                                                     : row->range.min < row->range.max);
             if (!isnan(row->fallback)) {
-                assert_true(row->fallback >= row->min && row->fallback <= row->max);
-                assert_true(!row->exclusive_min || row->fallback > row->min);
+                assert_true(row->fallback >= row->range.min && row->fallback <= row->range.max);
+                assert_true(!row->range.exclusive_min || row->fallback > row->range.min);
             }
             for (int32_t other = 0; other < k; ++other) {
                 assert_string_not_equal(row->name, table[m]->row[other].name);

@@ -28,8 +28,7 @@
 static const ss_param_row block_row[] = {
     {.name = "density_kg_m3",
      .kind = SS_PARAM_NUMBER,
-     .max = 1e5,
-     .exclusive_min = true,
+     .range = {.max = 1e5, .exclusive_min = true},
      .fallback = 1000,
      .help = "mass"},
 };

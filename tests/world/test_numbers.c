@@ -307,11 +307,15 @@ static void write_files(const char *name, const ss_mesh *mesh)
 }
 
 static const ss_param_row jelly_row[] = {
-    {.name = "rho", .kind = SS_PARAM_FIELD, .max = 10, .fallback = 1, .help = "conductance"},
+    {.name = "rho",
+     .kind = SS_PARAM_FIELD,
+     .range = {.max = 10},
+     .fallback = 1,
+     .help = "conductance"},
     {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
     {.name = "stiff",
      .kind = SS_PARAM_FIELD,
-     .max = 10,
+     .range = {.max = 10},
      .takes_elements = true,
      .fallback = 1,
      .help = "stiffness"},

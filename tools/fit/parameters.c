@@ -58,8 +58,8 @@ static void add(chooser *c, const char *path, const ss_param_row *row, double st
     ss_fit_parameter *to = &c->out[c->count++];
     snprintf(to->path, sizeof to->path, "%s", path);
     to->start = start;
-    to->min = fmax(row->min, start / REACH);
-    to->max = fmin(row->max, start * REACH);
+    to->min = fmax(row->range.min, start / REACH);
+    to->max = fmin(row->range.max, start * REACH);
 }
 
 /* What the model has, as one line. */

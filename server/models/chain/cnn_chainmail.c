@@ -312,7 +312,6 @@ const ss_model_class ss_model_cnn_chainmail = {
     .hints = &hints,
     .row = ss_chain_rows,
     .row_count = SS_CHAIN_ROW_COUNT,
-    .needs_volume = false,
     .step_cost_us = ss_chain_step_cost_us,
     .create = create,
     .destroy = destroy,

@@ -474,12 +474,10 @@ static void set(ss_model *model, int32_t index, double value)
 extern const ss_model_class ss_model_cnn_energy;
 const ss_model_class ss_model_cnn_energy = {
     .name = "cnn-energy",
-    .help =
-        "a surface or volume deforms as a cellular neural network spreads the energy of a contact",
+    .help = "a surface or volume in which a cellular neural network spreads the energy of contact",
     .hints = &ss_cnn_hints,
     .row = ss_cnn_rows_table,
     .row_count = SS_CNN_ROW_COUNT,
-    .needs_volume = false,
     .step_cost_us = ss_cnn_step_cost_us,
     .create = create,
     .destroy = destroy,

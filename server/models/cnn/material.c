@@ -24,22 +24,20 @@
 const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
     [SS_CNN_DOMAIN] = {.name = "domain",
                        .kind = SS_PARAM_CHOICE,
-                       .max = 1.0,
+                       .range = {.max = 1.0},
                        .choices = "surface|volume",
                        .help = "where energy propagates: along the surface, or through the "
                                "tetrahedra of a volume mesh"},
     [SS_CNN_MODULUS_J] = {.name = "modulus_j",
                           .kind = SS_PARAM_NUMBER,
-                          .max = 1e9,
-                          .exclusive_min = true,
+                          .range = {.max = 1e9, .exclusive_min = true},
                           .is_live = true,
                           .fallback = ABSENT,
                           .help = "stiffness of the network (J), the same on every mesh; this or "
                                   "modulus_n_per_m or modulus_pa"},
     [SS_CNN_MODULUS_N_PER_M] = {.name = "modulus_n_per_m",
                                 .kind = SS_PARAM_NUMBER,
-                                .max = 1e12,
-                                .exclusive_min = true,
+                                .range = {.max = 1e12, .exclusive_min = true},
                                 .is_live = true,
                                 .fallback = ABSENT,
                                 .help = "membrane modulus E; tools then take E times the median "
@@ -47,8 +45,7 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
     [SS_CNN_MODULUS_PA] =
         {.name = "modulus_pa",
          .kind = SS_PARAM_NUMBER,
-         .max = 1e15,
-         .exclusive_min = true,
+         .range = {.max = 1e15, .exclusive_min = true},
          .is_live = true,
          .fallback = ABSENT,
          .help = "the network's modulus with domain: volume, not Young's modulus (fit "
@@ -56,127 +53,119 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
                  "median Qhat of this mesh"},
     [SS_CNN_PRETENSION_J] = {.name = "pretension_j",
                              .kind = SS_PARAM_NUMBER,
-                             .max = 1e9,
+                             .range = {.max = 1e9},
                              .is_live = true,
                              .help = "tension of the surface at rest (J), balanced by what it "
                                      "encloses; recommended for closed bodies that are fixed"},
     [SS_CNN_ENCLOSED_BULK_PA] =
         {.name = "enclosed_bulk_pa",
          .kind = SS_PARAM_NUMBER,
-         .max = 1e12,
+         .range = {.max = 1e12},
          .help = "resistance of the enclosed volume of each body to change; closed "
                  "bodies that are fixed"},
     [SS_CNN_RHO] = {.name = "rho",
                     .kind = SS_PARAM_FIELD,
-                    .max = 1e12,
-                    .exclusive_min = true,
+                    .range = {.max = 1e12, .exclusive_min = true},
                     .fallback = 1.0,
                     .help = "constitutive coefficient of the network; only its ratios matter "
                             "unless it saturates"},
     [SS_CNN_RHO_DIRECTION] = {.name = "rho_direction",
                               .kind = SS_PARAM_FIELD,
-                              .max = 1e12,
-                              .exclusive_min = true,
+                              .range = {.max = 1e12, .exclusive_min = true},
                               .fallback = ABSENT,
                               .help = "anisotropic, in place of rho: along the material direction "
                                       "(on a grid without one: along u)"},
     [SS_CNN_RHO_ACROSS] = {.name = "rho_across",
                            .kind = SS_PARAM_FIELD,
-                           .max = 1e12,
-                           .exclusive_min = true,
+                           .range = {.max = 1e12, .exclusive_min = true},
                            .fallback = ABSENT,
                            .help = "anisotropic: across the material direction"},
     [SS_CNN_MATERIAL_DIRECTION] = {.name = "material_direction",
                                    .kind = SS_PARAM_DIRECTION,
-                                   .max = 1.0,
+                                   .range = {.max = 1.0},
                                    .fallback = ABSENT,
                                    .help = "direction of rho_direction; on surfaces its projection "
                                            "counts, on a grid the nearer pair of sides"},
     [SS_CNN_PER_AREA] = {.name = "per_area",
                          .kind = SS_PARAM_BOOL,
-                         .max = 1.0,
+                         .range = {.max = 1.0},
                          .fallback = 1.0,
                          .help = "mass, damping and rest stiffness per area, times the node's "
                                  "area (with domain: volume per volume); false: per node as "
                                  "given"},
     [SS_CNN_AREA_DENSITY] = {.name = "area_density_kg_m2",
                              .kind = SS_PARAM_FIELD,
-                             .max = 1e9,
-                             .exclusive_min = true,
+                             .range = {.max = 1e9, .exclusive_min = true},
                              .fallback = ABSENT,
                              .help = "mass per area"},
     [SS_CNN_AREA_DAMPING] = {.name = "damping_n_s_per_m3",
                              .kind = SS_PARAM_FIELD,
-                             .max = 1e12,
+                             .range = {.max = 1e12},
                              .fallback = ABSENT,
                              .help = "damping per area (gamma)"},
     [SS_CNN_AREA_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m3",
                                     .kind = SS_PARAM_FIELD,
-                                    .max = 1e15,
+                                    .range = {.max = 1e15},
                                     .fallback = ABSENT,
                                     .help = "stiffness per area with which a node returns to its "
                                             "place at rest (ks)"},
     [SS_CNN_VOLUME_DENSITY] = {.name = "density_kg_m3",
                                .kind = SS_PARAM_FIELD,
-                               .max = 1e9,
-                               .exclusive_min = true,
+                               .range = {.max = 1e9, .exclusive_min = true},
                                .fallback = ABSENT,
                                .help = "mass per volume, with domain: volume"},
     [SS_CNN_VOLUME_DAMPING] = {.name = "damping_n_s_per_m4",
                                .kind = SS_PARAM_FIELD,
-                               .max = 1e15,
+                               .range = {.max = 1e15},
                                .fallback = ABSENT,
                                .help = "damping per volume (gamma), with domain: volume"},
     [SS_CNN_VOLUME_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m4",
                                       .kind = SS_PARAM_FIELD,
-                                      .max = 1e18,
+                                      .range = {.max = 1e18},
                                       .fallback = ABSENT,
                                       .help = "stiffness per volume with which a node returns to "
                                               "its place at rest (ks), with domain: volume"},
     [SS_CNN_MASS] = {.name = "mass_kg",
                      .kind = SS_PARAM_FIELD,
-                     .max = 1e9,
-                     .exclusive_min = true,
+                     .range = {.max = 1e9, .exclusive_min = true},
                      .fallback = ABSENT,
                      .help = "mass of a node, with per_area: false"},
     [SS_CNN_DAMPING] = {.name = "damping_n_s_per_m",
                         .kind = SS_PARAM_FIELD,
-                        .max = 1e12,
+                        .range = {.max = 1e12},
                         .fallback = ABSENT,
                         .help = "damping of a node, with per_area: false"},
     [SS_CNN_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m",
                                .kind = SS_PARAM_FIELD,
-                               .max = 1e15,
+                               .range = {.max = 1e15},
                                .fallback = ABSENT,
                                .help = "rest stiffness of a node, with per_area: false"},
     [SS_CNN_SATURATION] = {.name = "saturation",
                            .kind = SS_PARAM_NUMBER,
-                           .max = 1e30,
-                           .exclusive_min = true,
+                           .range = {.max = 1e30, .exclusive_min = true},
                            .fallback = ABSENT,
                            .help = "largest output K of a cell, in the potential's unit; absent: "
                                    "none"},
     [SS_CNN_SOURCE] = {.name = "source",
                        .kind = SS_PARAM_CHOICE,
-                       .max = 1.0,
+                       .range = {.max = 1.0},
                        .choices = "footprint|contact",
                        .help = "where energy enters: on every cell under a tool or of a load, or "
                                "on the one contact cell"},
     [SS_CNN_SOLVER] = {.name = "solver",
                        .kind = SS_PARAM_CHOICE,
-                       .max = 1.0,
+                       .range = {.max = 1.0},
                        .choices = "equilibrium|relaxation",
                        .help = "the network settled, or in its own time from the first touch on"},
     [SS_CNN_RELAXATION_STEPS] = {.name = "relaxation_steps",
                                  .kind = SS_PARAM_INTEGER,
-                                 .min = 1.0,
-                                 .max = 10000.0,
+                                 .range = {.min = 1.0, .max = 10000.0},
                                  .fallback = 10.0,
                                  .help = "steps of the network's own time a sub-step, with solver: "
                                          "relaxation"},
     [SS_CNN_WINDOW_TOLERANCE] = {.name = "window_tolerance",
                                  .kind = SS_PARAM_NUMBER,
-                                 .max = 0.01,
+                                 .range = {.max = 0.01},
                                  .fallback = 8e-5,
                                  .help = "nodes of a large body that follow the far field within "
                                          "this share of the largest displacement take no step of "
@@ -199,8 +188,7 @@ static void fill_field(const ss_model_plan *plan, int row, const double *size, b
     ss_number_list bad = {0};
     for (int32_t i = 0; i < plan->mesh->node_count; ++i) {
         const double value = value_at(&plan->param[row], i);
-        const bool is_good = isfinite(value) && value <= spec->max &&
-                             (spec->exclusive_min ? value > spec->min : value >= spec->min);
+        const bool is_good = isfinite(value) && ss_in_range(&spec->range, value);
         const bool is_used = size[i] >= 0.0;
         if (is_used && !is_good) {
             ss_number_list_add(&bad, ss_mesh_file_node(plan->mesh, i));
@@ -211,8 +199,8 @@ static void fill_field(const ss_model_plan *plan, int row, const double *size, b
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: %s must be %s 0 and at most %g at every node; %d nodes are "
                           "not (first %s)",
-                          spec->name, spec->exclusive_min ? "greater than" : "at least", spec->max,
-                          bad.count, bad.text);
+                          spec->name, spec->range.exclusive_min ? "greater than" : "at least",
+                          spec->range.max, bad.count, bad.text);
     }
 }
 
@@ -299,10 +287,10 @@ static void read_modulus(const ss_model_plan *plan, ss_cnn_material *material, s
     material->is_modulus_energy = has_energy;
     material->modulus = param[chosen].number;
     if (param[chosen].is_given &&
-        !(material->modulus > 0.0 && material->modulus <= ss_cnn_rows_table[chosen].max)) {
+        !(material->modulus > 0.0 && material->modulus <= ss_cnn_rows_table[chosen].range.max)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                           "cnn-energy: %s must be greater than 0 and at most %g",
-                          ss_cnn_rows_table[chosen].name, ss_cnn_rows_table[chosen].max);
+                          ss_cnn_rows_table[chosen].name, ss_cnn_rows_table[chosen].range.max);
     }
 }
 
@@ -327,10 +315,11 @@ static void read_numbers(const ss_model_plan *plan, ss_cnn_material *material, s
             "cnn-energy: relaxation_steps goes with solver: relaxation; the solver is "
             "equilibrium");
     }
-    if (!(param[SS_CNN_RELAXATION_STEPS].number >= steps->min &&
-          param[SS_CNN_RELAXATION_STEPS].number <= steps->max)) {
+    if (!(param[SS_CNN_RELAXATION_STEPS].number >= steps->range.min &&
+          param[SS_CNN_RELAXATION_STEPS].number <= steps->range.max)) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: relaxation_steps must be %g to %g", steps->min, steps->max);
+                          "cnn-energy: relaxation_steps must be %g to %g", steps->range.min,
+                          steps->range.max);
     }
     const double k = param[SS_CNN_SATURATION].number;
     material->window_tolerance = param[SS_CNN_WINDOW_TOLERANCE].number;

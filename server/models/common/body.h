@@ -161,13 +161,6 @@ const ss_real *ss_body_model_displacement(const ss_model *model);
 const ss_real *ss_body_model_velocity(const ss_model *model);
 void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
-/* What every model of a body leaves to it. */
-#define SS_BODY_MODEL_CLASS                                                                        \
-    .contacts = ss_body_model_contacts, .reset = ss_body_model_reset,                              \
-    .reaction = ss_body_model_reaction, .hash = ss_body_model_hash
-/* And what those leave to it that have no motion of their own beside its nodes'. */
-#define SS_BODY_MODEL_MOTION                                                                       \
-    .displacement = ss_body_model_displacement, .velocity = ss_body_model_velocity
 
 /* ---- the same of the body, for models that add to it ---- */
 

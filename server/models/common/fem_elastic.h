@@ -39,45 +39,39 @@ enum {
 #define SS_FEM_SOLID_ROWS(laws, last, usual)                                                       \
     [SS_FEM_MATERIAL] = {.name = "material",                                                       \
                          .kind = SS_PARAM_CHOICE,                                                  \
-                         .max = (last),                                                            \
+                         .range = {.max = (last)},                                                 \
                          .choices = (laws),                                                        \
                          .fallback = (usual),                                                      \
                          .help = "law of the tissue: all agree at small strain"},                  \
     [SS_FEM_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",                                        \
                                .kind = SS_PARAM_FIELD,                                             \
                                .takes_elements = true,                                             \
-                               .max = 1e15,                                                        \
-                               .exclusive_min = true,                                              \
+                               .range = {.max = 1e15, .exclusive_min = true},                      \
                                .fallback = (double)NAN,                                            \
                                .help = "E; with poisson_ratio, or give lame_lambda_pa and "        \
                                        "lame_mu_pa; an element takes the mean of its nodes"},      \
     [SS_FEM_POISSON_RATIO] = {.name = "poisson_ratio",                                             \
                               .kind = SS_PARAM_FIELD,                                              \
                               .takes_elements = true,                                              \
-                              .min = -1.0,                                                         \
-                              .max = 0.49999,                                                      \
-                              .exclusive_min = true,                                               \
+                              .range = {.min = -1.0, .max = 0.49999, .exclusive_min = true},       \
                               .fallback = (double)NAN,                                             \
                               .help = "nu; soft tissue is near 0.5"},                              \
     [SS_FEM_LAMBDA] = {.name = "lame_lambda_pa",                                                   \
                        .kind = SS_PARAM_FIELD,                                                     \
                        .takes_elements = true,                                                     \
-                       .min = -1e15,                                                               \
-                       .max = 1e15,                                                                \
+                       .range = {.min = -1e15, .max = 1e15},                                       \
                        .fallback = (double)NAN,                                                    \
                        .help = "Lame's first constant, in place of E and nu"},                     \
     [SS_FEM_MU] = {.name = "lame_mu_pa",                                                           \
                    .kind = SS_PARAM_FIELD,                                                         \
                    .takes_elements = true,                                                         \
-                   .max = 1e15,                                                                    \
-                   .exclusive_min = true,                                                          \
+                   .range = {.max = 1e15, .exclusive_min = true},                                  \
                    .fallback = (double)NAN,                                                        \
                    .help = "shear modulus, in place of E and nu"},                                 \
     [SS_FEM_DENSITY] = {.name = "density_kg_m3",                                                   \
                         .kind = SS_PARAM_FIELD,                                                    \
                         .takes_elements = true,                                                    \
-                        .max = 1e9,                                                                \
-                        .exclusive_min = true,                                                     \
+                        .range = {.max = 1e9, .exclusive_min = true},                              \
                         .fallback = 1000.0,                                                        \
                         .help = "mass per volume"}
 
@@ -86,30 +80,30 @@ enum {
     [SS_FEM_PHI] = {.name = "viscosity_phi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
                     .takes_elements = true,                                                        \
-                    .max = 1e12,                                                                   \
+                    .range = {.max = 1e12},                                                        \
                     .help = "viscosity of dilatation"},                                            \
     [SS_FEM_PSI] = {.name = "viscosity_psi_pa_s",                                                  \
                     .kind = SS_PARAM_FIELD,                                                        \
                     .takes_elements = true,                                                        \
-                    .max = 1e12,                                                                   \
+                    .range = {.max = 1e12},                                                        \
                     .help = "viscosity of shear"},                                                 \
     [SS_FEM_STIFFNESS_DAMPING] = {.name = "stiffness_damping_s",                                   \
                                   .kind = SS_PARAM_NUMBER,                                         \
-                                  .max = 1e6,                                                      \
+                                  .range = {.max = 1e6},                                           \
                                   .help = "adds this time times lambda and mu to the "             \
                                           "viscosities: it damps stiff modes most"},               \
     [SS_FEM_MASS_DAMPING] = {.name = "mass_damping_per_s",                                         \
                              .kind = SS_PARAM_NUMBER,                                              \
-                             .max = 1e9,                                                           \
+                             .range = {.max = 1e9},                                                \
                              .help = "damping per mass: it damps all modes, and free flight"},     \
     [SS_FEM_INTEGRATOR] = {.name = "integrator",                                                   \
                            .kind = SS_PARAM_CHOICE,                                                \
-                           .max = 1.0,                                                             \
+                           .range = {.max = 1.0},                                                  \
                            .choices = "symplectic-euler|rk4",                                      \
                            .help = "rk4 costs four times as much and loses energy"},               \
     [SS_FEM_LOCKING_CURE] = {.name = "locking_cure",                                               \
                              .kind = SS_PARAM_CHOICE,                                              \
-                             .max = 2.0,                                                           \
+                             .range = {.max = 2.0},                                                \
                              .choices = "auto|none|nodal-pressure",                                \
                              .help = "shares the resistance to dilatation among the elements of "  \
                                      "a node; auto: where Poisson's ratio is above 0.45"}

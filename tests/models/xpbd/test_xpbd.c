@@ -546,7 +546,7 @@ static void every_law_that_is_offered_is_taken(void **state)
     const ss_param_row *row = &ss_model_find("xpbd")->row[0];
     assert_string_equal(row->name, "material");
     assert_string_equal(row->choices, "neo-hookean|stable-neo-hookean");
-    for (int k = 0; k <= (int)row->max; ++k) {
+    for (int k = 0; k <= (int)row->range.max; ++k) {
         setup s;
         setup_soft(&s, 1, kinds[k], 0.3);
         assert_int_equal(setup_create(&s), SOFTSIM_OK);
