@@ -134,12 +134,12 @@ static bool assign_guests(builder *b)
     }
     for (int32_t p = 0; p < layer->count; ++p) {
         double square;
-        const double share = ss_hybrid_full_share(hybrid, p);
+        const double blend = ss_hybrid_full_blend(hybrid, p);
         ss_point_grid_nearest(&grid, layer->rest[p], 1, (double)INFINITY, &hybrid->cell_of[p],
                               &square);
-        hybrid->cell_volume[hybrid->cell_of[p]] += share * layer->volume[p];
+        hybrid->cell_volume[hybrid->cell_of[p]] += blend * layer->volume[p];
         if (p >= layer->own_count) {
-            hybrid->volume[layer->host[p]] -= share * layer->volume[p];
+            hybrid->volume[layer->host[p]] -= blend * layer->volume[p];
         }
     }
     return true;

@@ -35,13 +35,13 @@ enum {
 #define SS_HYBRID_FULL 0.85
 
 typedef struct ss_hybrid_particle {
-    int32_t point;    /* its place among the points; -1: its stiffness is all the core's */
-    int32_t near;     /* its place among the near particles, -1 */
-    int32_t wanted;   /* its place among the wanted ones, -1 */
-    int32_t need;     /* points that it is or is a neighbour of */
-    int32_t patience; /* changes until it sleeps wherever it is, once let go */
-    ss_real share;    /* of its stiffness that is the layer's, 0..1 */
-    ss_real target;   /* what share goes to */
+    int32_t point;           /* its place among the points; -1: its stiffness is all the core's */
+    int32_t near;            /* its place among the near particles, -1 */
+    int32_t wanted;          /* its place among the wanted ones, -1 */
+    int32_t need;            /* points that it is or is a neighbour of */
+    int32_t release_updates; /* changes until it sleeps wherever it is, once released */
+    ss_real blend;           /* of its stiffness that is the layer's, 0..1 */
+    ss_real target;          /* what blend goes to */
 } ss_hybrid_particle;
 
 /* A skin node that is not only tied to the core: theta of it follows the particles. */
@@ -106,8 +106,8 @@ typedef struct ss_hybrid {
     int32_t *place_of;                 /* by particle: its place among them, while it is near */
     ss_real *state, *particle_force;   /* as ss_layer_pass has them */
     int32_t awake_count;
-    bool is_fading, is_skin_fading; /* a share, a theta is not at its target */
-    uint32_t beat;                  /* outer steps since all slept */
+    bool is_fading, is_skin_fading; /* a blend, a theta is not at its target */
+    uint32_t step_counter;          /* outer steps since all slept */
 
     /* skin */
     int32_t *rider_first, *rider; /* by particle: places in the layer's skin rows that name it */
@@ -142,7 +142,7 @@ typedef struct ss_hybrid {
     ss_point_grid grid;              /* of own particles */
     double *distance;                /* by own particle: to the tools at the last scan, m */
     int32_t *found, found_count;     /* particles in reach at the last scan */
-    double let_reach;                /* m: nearer ones were not let go at the last look */
+    double current_sleep_reach;      /* m: nearer ones were not released at the last look */
     double least_spacing, skin_edge; /* m; the edge is the mean one of the surface */
 
     /* step bound */
@@ -163,13 +163,13 @@ void ss_hybrid_diagonal(void *owner, double *diagonal);
 /* After a change of cell_volume, of volume. */
 void ss_hybrid_write_cell(ss_hybrid *hybrid, int32_t c);
 void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e);
-/* The share that p would have with the whole layer awake: the layer's own 1, ghosts less. */
-double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p);
+/* The blend that p would have with the whole layer awake: the layer's own 1, ghosts less. */
+double ss_hybrid_full_blend(const ss_hybrid *hybrid, int32_t p);
 /* The same with a neighbour of that weight awake, but none nearer. */
-double ss_hybrid_share_beside(double weight);
-/* The share of particle p's stiffness that is the layer's; the rest is its cell's. */
-void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share);
-/* Particle p becomes a point with share 0, or stops being one; its neighbours are near then. */
+double ss_hybrid_blend_beside(double weight);
+/* The fraction of particle p's stiffness that is the layer's; the rest is its cell's. */
+void ss_hybrid_set_blend(ss_hybrid *hybrid, int32_t p, double blend);
+/* Particle p becomes a point with blend 0, or stops being one; its neighbours are near then. */
 void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p);
 void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p);
 /* Displacement (or velocity) of a tied particle. */

@@ -4,10 +4,10 @@
 /*
  * One volume, shared by tetrahedra and particles.
  *
- * Every particle p stands for a volume V_p, of which the share a_p is integrated by the particle.
- * At most that is all of it in the layer, and the collar's share c_p of a ghost, which falls from 1
- * beside the layer to 0 a face's diagonal further in. What particles do not integrate now, cells
- * do, coarse points each with the mean gradient of some tetrahedra (cells.c):
+ * Every particle p stands for a volume V_p, of which the fraction a_p, its blend, is integrated by
+ * itself. At most that is all of it in the layer, and the collar's share c_p of a ghost, which
+ * falls from 1 beside the layer to 0 a face's diagonal further in. What particles do not integrate
+ * now, cells do, coarse points each with the mean gradient of some tetrahedra (cells.c):
  *
  *   E = sum_e V_e W(F_e) + sum_c V_c W(F_c) + sum_p a_p V_p [W(F_p) + residual + cohesion]
  *   V_e = |e| - sum over its ghosts c_p V_p      V_c = sum over its guests (c_p - a_p) V_p
@@ -19,10 +19,10 @@
  * sleeps, because its energy goes on being counted. A sleeping particle's mass is on the four nodes
  * of the tetrahedron that reaches out to it best.
  *
- * Neighbours of an awake particle share in falling measure, from 1 beside it to 0 at the distance
- * of a face's diagonal: what lies next to the awake region is integrated on both sides, as inside a
- * whole layer. Out to a cell's diagonal there are a quarter more points to integrate, and forces
- * are no nearer to those of a whole layer. Shares move in small steps: forces have no jumps.
+ * Neighbours of an awake particle blend in to a falling degree, from 1 beside it to 0 at the
+ * distance of a face's diagonal: what lies next to the awake region is integrated on both sides, as
+ * inside a whole layer. Out to a cell's diagonal there are a quarter more points to integrate, and
+ * forces are no nearer to those of a whole layer. Blends move in small steps: forces have no jumps.
  *
  * The law is the tetrahedra's own: a point is an element on three unit edges whose corners move by
  * the columns of H = F - I (layer_kernels.h).
@@ -91,7 +91,7 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
 {
     const ss_layer *layer = hybrid->layer;
     const int32_t p = hybrid->point[k];
-    const double volume = (double)hybrid->particle[p].share * layer->volume[p];
+    const double volume = (double)hybrid->particle[p].blend * layer->volume[p];
     const double mu = volume * hybrid->material.mu[layer->host[p]];
     const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
     const lane_values value = stuff(&hybrid->material, layer->host[p], volume, hybrid->cohesion);
@@ -101,19 +101,19 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
     hybrid->coefficient[2 * k + 1] = (ss_real)(10.0 * hybrid->cohesion * mu / pairs);
 }
 
-/* Roots of the weights at distances of a spacing and of root 2 spacings; least share worth a point.
+/* Roots of the weights at distances of a spacing and of root 2 spacings; least blend worth a point.
  */
 #define ROOT_AT_EDGE 0.6326
 #define ROOT_AT_FACE 0.3264
-#define SHARE_FLOOR  0.02
+#define BLEND_FLOOR  0.02
 
-double ss_hybrid_share_beside(double weight)
+double ss_hybrid_blend_beside(double weight)
 {
-    const double share = (sqrt(weight) - ROOT_AT_FACE) / (ROOT_AT_EDGE - ROOT_AT_FACE);
-    return share > SHARE_FLOOR ? fmin(share, 1.0) : 0.0;
+    const double blend = (sqrt(weight) - ROOT_AT_FACE) / (ROOT_AT_EDGE - ROOT_AT_FACE);
+    return blend > BLEND_FLOOR ? fmin(blend, 1.0) : 0.0;
 }
 
-double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p)
+double ss_hybrid_full_blend(const ss_hybrid *hybrid, int32_t p)
 {
     const ss_layer *layer = hybrid->layer;
     if (p < layer->own_count) {
@@ -122,20 +122,20 @@ double ss_hybrid_full_share(const ss_hybrid *hybrid, int32_t p)
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1]; ++t) {
         if (layer->neighbour[t] < layer->own_count) { /* nearest first */
             const bool has_gradient = layer->moment[8 * (ptrdiff_t)p + 6] > 0;
-            return has_gradient ? ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3])
+            return has_gradient ? ss_hybrid_blend_beside((double)layer->pair[4 * (ptrdiff_t)t + 3])
                                 : 0.0;
         }
     }
     return 0.0;
 }
 
-void ss_hybrid_set_share(ss_hybrid *hybrid, int32_t p, double share)
+void ss_hybrid_set_blend(ss_hybrid *hybrid, int32_t p, double blend)
 {
     ss_hybrid_particle *particle = &hybrid->particle[p];
-    const double taken = (share - (double)particle->share) * hybrid->layer->volume[p];
+    const double taken = (blend - (double)particle->blend) * hybrid->layer->volume[p];
     hybrid->cell_volume[hybrid->cell_of[p]] -= taken;
     ss_hybrid_write_cell(hybrid, hybrid->cell_of[p]);
-    particle->share = (ss_real)share;
+    particle->blend = (ss_real)blend;
     write_point(hybrid, particle->point);
 }
 
@@ -168,7 +168,7 @@ void ss_hybrid_add_point(ss_hybrid *hybrid, int32_t p)
     hybrid->is_near_old = true;
     hybrid->point[k] = p;
     hybrid->particle[p].point = k;
-    hybrid->particle[p].share = 0;
+    hybrid->particle[p].blend = 0;
     hybrid->points.count = (hybrid->point_count + SS_FEM_LANES - 1) / SS_FEM_LANES;
     write_point(hybrid, k);
     need(hybrid, p);
@@ -184,7 +184,7 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
     const int32_t k = hybrid->particle[p].point;
     const int32_t last = --hybrid->point_count;
     hybrid->is_near_old = true;
-    ss_hybrid_set_share(hybrid, p, 0.0);
+    ss_hybrid_set_blend(hybrid, p, 0.0);
     hybrid->particle[p].point = -1;
     if (k != last) {
         hybrid->point[k] = hybrid->point[last];
@@ -415,7 +415,7 @@ void ss_hybrid_diagonal(void *owner, double *diagonal)
         const int32_t p = hybrid->point[k];
         const int32_t e = hybrid->layer->host[p];
         const double d = hybrid->layer->spacing[p];
-        const double stiffness = (double)hybrid->particle[p].share * hybrid->layer->volume[p] *
+        const double stiffness = (double)hybrid->particle[p].blend * hybrid->layer->volume[p] *
                                  (hybrid->material.lambda[e] + 4.0 * hybrid->material.mu[e]) /
                                  (d * d);
         if (hybrid->node_of[p] >= 0) {

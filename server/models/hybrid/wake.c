@@ -6,44 +6,44 @@
  *
  * Where. The layer's search grid lies over rest positions, so the tool is pulled back to rest: by
  * the mean displacement of the skin around it. A particle is wanted when it is nearer to the
- * pulled-back tool's surface than wake_reach, and let go beyond sleep_reach; where that would be
+ * pulled-back tool's surface than wake_reach, and released beyond sleep_reach; where that would be
  * more than max_awake, both reaches shrink in proportion (a histogram of distances finds the
  * largest that fits), so that the nearest wake and the awake region keeps up with the tool. Only a
  * tool that has moved by a quarter of a spacing since is looked at again.
  *
  * How. Every fourth outer step, since a change costs an evaluation of all forces, as much as a
- * sub-step. Wanted: it and its neighbours become points, whose shares rise by STEP each time. Half
- * way up a wanted particle gets a node: u = T u, and mass and momentum of it from the four nodes of
- * its host. Let go: the node is given back when the particle is within a tenth of a spacing of
- * its tie, or PATIENCE times later at the latest, and its share falls from then on; what is
- * left of the way is kept as an offset that drifts to nothing. Places do not jump nor, since
- * stiffness and skin rows only fade, do forces.
+ * sub-step. Wanted: it and its neighbours become points, whose blends rise by BLEND_STEP each time.
+ * Half way up a wanted particle gets a node: u = T u, and mass and momentum of it from the four
+ * nodes of its host. Released: the node is given back when the particle is within a tenth of a
+ * spacing of its tie, or MAX_RELEASE_UPDATES updates later at the latest, and its blend falls from
+ * then on; what is left of the way is kept as an offset that decays to nothing. Places do not jump
+ * nor, since stiffness and skin rows only fade, do forces.
  *
  * Mass and momentum. Waking takes m/4 and its momentum from each node of the host, falling asleep
  * gives both back: exact, but for axes that are held, whose support takes the difference. Kinetic
  * energy is lost both ways, since one velocity is the mean of several. Stored energy is not kept
  * either: the layer bends where its host cannot. The forces and energies are therefore evaluated
- * anew after a change, and the body books the difference as work, so that its energy balance still
+ * again after a change, and the body books the difference as work, so that its energy balance still
  * tells true gains. Rejected: freezing the particle where it is (springs of the frozen lattice
- * would hold the dent); waking with the tie's velocity T v, which the nodes of the host must make
- * up for: that gains kinetic energy every time, and a tool that passed over an undamped body
- * without touching it made its energy three times as much in 20 s.
+ * would hold the dent); giving the new node the interpolated velocity T v and taking the difference
+ * from its host. Each waking then gains kinetic energy: a tool passing over an undamped body
+ * without touching it tripled the body's energy in 20 s.
  */
 #include <math.h>
 #include <string.h>
 
 #include "rt/vec.h"
 
-#define STEP       0.5  /* of a share, a change */
+#define BLEND_STEP 0.5  /* of a blend, a change */
 #define DRIFT      0.41 /* of an offset is left after a change */
 #define NEAR_TIE   0.1  /* spacings */
 #define LOOK_MOVE  0.25 /* spacings */
 #define SCAN_RATIO 1.1  /* of the reach of the last look: how far the next one looks */
-/* Outer steps from change to change: forces are evaluated anew after each. Half as much every other
- * step was as smooth, and needed twice as many evaluations: in a slide over HM1's wall the force
- * jumps by 0.9 % at most from step to step, and by 1 % over half a spacing, with both. */
-enum { EVERY = 4 };
-enum { BINS = 64, PATIENCE = 16 };
+/* Outer steps from change to change: forces are evaluated again after each. Half as much every
+ * other step was as smooth, and needed twice as many evaluations: in a slide over HM1's wall the
+ * force jumps by 0.9 % at most from step to step, and by 1 % over half a spacing, with both. */
+enum { UPDATE_INTERVAL = 4 };
+enum { BINS = 64, MAX_RELEASE_UPDATES = 16 };
 
 /* ---- mass and momentum ---- */
 
@@ -68,7 +68,7 @@ static void give_mass(ss_hybrid *hybrid, int32_t i, double mass, const double v[
     ss_body_set_mass(hybrid->body, i, after);
 }
 
-static void get_up(ss_hybrid *hybrid, int32_t p)
+static void wake_particle(ss_hybrid *hybrid, int32_t p)
 {
     ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
     const int32_t node = hybrid->idle[--hybrid->idle_count];
@@ -96,7 +96,7 @@ static void get_up(ss_hybrid *hybrid, int32_t p)
     ss_hybrid_tell_skin(hybrid, p, 0);
 }
 
-static void lie_down(ss_hybrid *hybrid, int32_t p)
+static void tie_particle(ss_hybrid *hybrid, int32_t p)
 {
     ss_body_nodes *nodes = ss_body_get_nodes(hybrid->body);
     const int32_t node = hybrid->node_of[p];
@@ -127,7 +127,7 @@ static void lie_down(ss_hybrid *hybrid, int32_t p)
 }
 
 /* How far an awake particle is from its tie, m. */
-static double straying(const ss_hybrid *hybrid, int32_t p)
+static double tie_distance(const ss_hybrid *hybrid, int32_t p)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     double u[3];
@@ -138,7 +138,7 @@ static double straying(const ss_hybrid *hybrid, int32_t p)
     return ss_norm3(u);
 }
 
-static void drift(ss_hybrid *hybrid)
+static void decay_offsets(ss_hybrid *hybrid)
 {
     for (int32_t k = hybrid->drifting_count - 1; k >= 0; --k) {
         const int32_t p = hybrid->drifting[k];
@@ -164,7 +164,7 @@ static bool is_up(const ss_hybrid *hybrid, int32_t p)
     return hybrid->particle[p].wanted >= 0 || hybrid->node_of[p] >= 0;
 }
 
-/* What p's share goes to: all of it while it is wanted or awake, else by its nearest neighbour that
+/* What p's blend goes to: all of it while it is wanted or awake, else by its nearest neighbour that
  * is. */
 static void set_target(ss_hybrid *hybrid, int32_t p)
 {
@@ -172,7 +172,7 @@ static void set_target(ss_hybrid *hybrid, int32_t p)
     double target = is_up(hybrid, p) ? 1.0 : 0.0;
     for (int32_t t = layer->pair_first[p]; t < layer->pair_first[p + 1] && target == 0.0; ++t) {
         if (is_up(hybrid, layer->neighbour[t])) { /* nearest first */
-            target = ss_hybrid_share_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
+            target = ss_hybrid_blend_beside((double)layer->pair[4 * (ptrdiff_t)t + 3]);
             break;
         }
     }
@@ -193,7 +193,7 @@ static void set_targets_around(ss_hybrid *hybrid, int32_t p)
 }
 
 /* Those who become points where there is room for them. */
-static void want(ss_hybrid *hybrid, int32_t p)
+static void mark_wanted(ss_hybrid *hybrid, int32_t p)
 {
     const ss_layer *layer = hybrid->layer;
     ss_hybrid_particle *particle = &hybrid->particle[p];
@@ -219,51 +219,51 @@ static void want(ss_hybrid *hybrid, int32_t p)
     ss_hybrid_tell_skin(hybrid, p, 1);
 }
 
-static void let_go(ss_hybrid *hybrid, int32_t p)
+static void unmark_wanted(ss_hybrid *hybrid, int32_t p)
 {
     ss_hybrid_particle *particle = &hybrid->particle[p];
     const int32_t last = hybrid->wanted[--hybrid->wanted_count];
     hybrid->wanted[particle->wanted] = last;
     hybrid->particle[last].wanted = particle->wanted;
     particle->wanted = -1;
-    particle->patience = PATIENCE;
+    particle->release_updates = MAX_RELEASE_UPDATES;
     set_targets_around(hybrid, p);
     ss_hybrid_tell_skin(hybrid, p, -1);
 }
 
-/* ---- shares ---- */
+/* ---- blends ---- */
 
-/* Moves p's share by at most `step`; true when it was not there yet. */
-static bool move_share(ss_hybrid *hybrid, int32_t p, double step)
+/* Moves p's blend by at most `step`; true when it was not there yet. */
+static bool move_blend(ss_hybrid *hybrid, int32_t p, double step)
 {
     const ss_hybrid_particle *particle = &hybrid->particle[p];
-    const double from = (double)particle->share;
+    const double from = (double)particle->blend;
     const double to = fmin(fmax((double)particle->target, from - step), from + step);
     if (to != from) {
-        ss_hybrid_set_share(hybrid, p, to);
+        ss_hybrid_set_blend(hybrid, p, to);
     }
     return to != from;
 }
 
-/* Gets up half way to its share, lies down when it is let go and near its tie; true when it did. */
+/* Wakes half way to its blend, is tied when it is released and near its tie; true when it did. */
 static bool move_node(ss_hybrid *hybrid, int32_t p)
 {
     ss_hybrid_particle *particle = &hybrid->particle[p];
     const bool was_up = hybrid->node_of[p] >= 0;
     if (particle->wanted >= 0) {
-        if (hybrid->node_of[p] < 0 && particle->share >= (ss_real)0.5 && hybrid->idle_count > 0) {
-            get_up(hybrid, p);
+        if (hybrid->node_of[p] < 0 && particle->blend >= (ss_real)0.5 && hybrid->idle_count > 0) {
+            wake_particle(hybrid, p);
         }
     } else if (hybrid->node_of[p] >= 0 &&
-               (--particle->patience <= 0 ||
-                straying(hybrid, p) < NEAR_TIE * hybrid->layer->spacing[p])) {
-        lie_down(hybrid, p);
+               (--particle->release_updates <= 0 ||
+                tie_distance(hybrid, p) < NEAR_TIE * hybrid->layer->spacing[p])) {
+        tie_particle(hybrid, p);
         set_targets_around(hybrid, p);
     }
     return was_up != (hybrid->node_of[p] >= 0);
 }
 
-/* Everything one step further: shares, nodes, points that are used no more. False when all of them
+/* Everything one step further: blends, nodes, points that are used no more. False when all of them
  * are waiting for their tie: forces are as they were. */
 static bool fade(ss_hybrid *hybrid, double step)
 {
@@ -272,12 +272,12 @@ static bool fade(ss_hybrid *hybrid, double step)
     for (int32_t k = hybrid->point_count - 1; k >= 0; --k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
-        const bool has_moved = move_share(hybrid, p, step);
+        const bool has_moved = move_blend(hybrid, p, step);
         has_changed = move_node(hybrid, p) || has_moved || has_changed;
-        const bool is_moving = particle->share != particle->target ||
+        const bool is_moving = particle->blend != particle->target ||
                                (particle->wanted >= 0) != (hybrid->node_of[p] >= 0);
         hybrid->is_fading = hybrid->is_fading || is_moving;
-        if (!is_moving && !(particle->share > 0)) {
+        if (!is_moving && !(particle->blend > 0)) {
             ss_hybrid_remove_point(hybrid, p);
         }
     }
@@ -417,14 +417,15 @@ static void forget_found(ss_hybrid *hybrid)
 }
 
 /* Finds the particles that wake (nearer than the reach that is returned) and those that may stay
- * awake (nearer than let_reach). Where max_active bounds both, a scan a little beyond the last
- * look's says the same as one to sleep_reach, which holds tens of times as many: counts below a
- * reach do not depend on what is further. (Only who of those in reach of two tools wakes first may
- * be another: each is listed by the first tool whose scan it is in.) */
+ * awake (nearer than current_sleep_reach). Where max_active bounds both, a scan a little beyond the
+ * last look's says the same as one to sleep_reach, which holds tens of times as many: counts below
+ * a reach do not depend on what is further. When two tools reach the same particle, the first one
+ * scanned lists it, so the order of waking may differ. */
 static double find_near(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3],
                         const bool *is_near)
 {
-    double most = fmin(SCAN_RATIO * hybrid->let_reach + hybrid->least_spacing, hybrid->sleep_reach);
+    double most =
+        fmin(SCAN_RATIO * hybrid->current_sleep_reach + hybrid->least_spacing, hybrid->sleep_reach);
     for (;;) {
         for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
             if (is_near[k]) {
@@ -433,8 +434,8 @@ static double find_near(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3],
         }
         const double reach = fit_reach(hybrid);
         const double band = (hybrid->sleep_reach / hybrid->wake_reach - 1.0) * fmax(reach, 0.0);
-        hybrid->let_reach = reach + fmax(band, 0.5 * hybrid->least_spacing);
-        if (most == hybrid->sleep_reach || hybrid->let_reach <= most) {
+        hybrid->current_sleep_reach = reach + fmax(band, 0.5 * hybrid->least_spacing);
+        if (most == hybrid->sleep_reach || hybrid->current_sleep_reach <= most) {
             return reach;
         }
         forget_found(hybrid);
@@ -442,7 +443,7 @@ static double find_near(ss_hybrid *hybrid, double middle[SOFTSIM_MAX_PROBES][3],
     }
 }
 
-static void look(ss_hybrid *hybrid)
+static void update_wanted(ss_hybrid *hybrid)
 {
     double middle[SOFTSIM_MAX_PROBES][3];
     bool is_near[SOFTSIM_MAX_PROBES];
@@ -457,14 +458,14 @@ static void look(ss_hybrid *hybrid)
     }
     const double reach = find_near(hybrid, middle, is_near);
     for (int32_t k = hybrid->wanted_count - 1; k >= 0; --k) {
-        if (!(hybrid->distance[hybrid->wanted[k]] < hybrid->let_reach)) {
-            let_go(hybrid, hybrid->wanted[k]);
+        if (!(hybrid->distance[hybrid->wanted[k]] < hybrid->current_sleep_reach)) {
+            unmark_wanted(hybrid, hybrid->wanted[k]);
         }
     }
     for (int32_t k = 0; k < hybrid->found_count; ++k) {
         const int32_t p = hybrid->found[k];
         if (hybrid->distance[p] < reach && hybrid->particle[p].wanted < 0) {
-            want(hybrid, p);
+            mark_wanted(hybrid, p);
         }
     }
     forget_found(hybrid);
@@ -472,19 +473,19 @@ static void look(ss_hybrid *hybrid)
 
 bool ss_hybrid_wake(ss_hybrid *hybrid)
 {
-    if (hybrid->is_all_awake || hybrid->beat++ % EVERY != 0) {
+    if (hybrid->is_all_awake || hybrid->step_counter++ % UPDATE_INTERVAL != 0) {
         return false;
     }
-    look(hybrid);
+    update_wanted(hybrid);
     bool has_changed = hybrid->drifting_count > 0;
     if (hybrid->is_fading) {
-        has_changed = fade(hybrid, STEP) || has_changed;
+        has_changed = fade(hybrid, BLEND_STEP) || has_changed;
     }
     if (hybrid->drifting_count > 0) {
-        drift(hybrid);
+        decay_offsets(hybrid);
     }
     if (hybrid->is_skin_fading) {
-        has_changed = ss_hybrid_fade_skin(hybrid, (ss_real)STEP) || has_changed;
+        has_changed = ss_hybrid_fade_skin(hybrid, (ss_real)BLEND_STEP) || has_changed;
     }
     ss_body_set_active_nodes(hybrid->body, hybrid->awake_count);
     return has_changed;
@@ -492,9 +493,9 @@ bool ss_hybrid_wake(ss_hybrid *hybrid)
 
 /* ---- all at once ---- */
 
-static void settle_now(ss_hybrid *hybrid)
+static void finish_fades(ss_hybrid *hybrid)
 {
-    for (int32_t k = 0; k < 2 * PATIENCE && hybrid->is_fading; ++k) {
+    for (int32_t k = 0; k < 2 * MAX_RELEASE_UPDATES && hybrid->is_fading; ++k) {
         (void)fade(hybrid, 1.0);
     }
     (void)ss_hybrid_fade_skin(hybrid, 1);
@@ -529,14 +530,14 @@ static void begin_asleep(ss_hybrid *hybrid)
 void ss_hybrid_settle(ss_hybrid *hybrid)
 {
     while (hybrid->wanted_count > 0 && !hybrid->is_all_awake) {
-        let_go(hybrid, hybrid->wanted[hybrid->wanted_count - 1]);
+        unmark_wanted(hybrid, hybrid->wanted[hybrid->wanted_count - 1]);
     }
     for (int32_t p = 0; hybrid->is_all_awake && p < hybrid->layer->own_count; ++p) {
         if (hybrid->particle[p].wanted < 0) {
-            want(hybrid, p);
+            mark_wanted(hybrid, p);
         }
     }
-    settle_now(hybrid);
+    finish_fades(hybrid);
     while (hybrid->drifting_count > 0) {
         const int32_t p = hybrid->drifting[--hybrid->drifting_count];
         memset(hybrid->offset + 4 * (ptrdiff_t)p, 0, 4 * sizeof *hybrid->offset);
@@ -548,8 +549,8 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
     hybrid->turn = 0;
-    hybrid->beat = 0;
-    hybrid->let_reach = hybrid->sleep_reach;
+    hybrid->step_counter = 0;
+    hybrid->current_sleep_reach = hybrid->sleep_reach;
     hybrid->is_skin_old = true;
     hybrid->close_count = hybrid->around_count = 0;
     memset(hybrid->was_listed, 0, sizeof hybrid->was_listed);
@@ -561,10 +562,10 @@ void ss_hybrid_wake_around(ss_hybrid *hybrid, int32_t s)
     const int32_t count = ss_point_grid_nearest(&hybrid->grid, x, hybrid->max_awake,
                                                 (double)INFINITY, hybrid->found, hybrid->distance);
     for (int32_t k = 0; k < count; ++k) {
-        want(hybrid, hybrid->found[k]);
+        mark_wanted(hybrid, hybrid->found[k]);
     }
     for (int32_t k = 0; k < hybrid->layer->own_count; ++k) {
         hybrid->distance[k] = (double)INFINITY;
     }
-    settle_now(hybrid);
+    finish_fades(hybrid);
 }

@@ -192,7 +192,7 @@ static void sum_up(const ss_hybrid *hybrid, double *out_mass, double out_momentu
     }
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
-        *out_volume += (double)hybrid->particle[p].share * hybrid->layer->volume[p];
+        *out_volume += (double)hybrid->particle[p].blend * hybrid->layer->volume[p];
     }
 }
 

@@ -248,7 +248,7 @@ static bool is_lowest(int i, int j, int k)
     return k < 1;
 }
 
-/* All awake are all awake, also where each ghost of a thin core has a share. */
+/* All awake are all awake, also where each ghost of a thin core is blended in. */
 static void all_of_a_layer_wake(void **state)
 {
     setup s;

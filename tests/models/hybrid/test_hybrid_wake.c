@@ -79,9 +79,10 @@ static void short_look_is_enough(void **state)
             start_tool(tool, 0.35);
             move(&s, tool, 0.35, 0.1, 60);
             for (int k = 0; k < STEPS; ++k) {
-                hybrid->let_reach = is_whole ? hybrid->sleep_reach : hybrid->let_reach;
+                hybrid->current_sleep_reach =
+                    is_whole ? hybrid->sleep_reach : hybrid->current_sleep_reach;
                 lead(&s, tool, way, k);
-                shorter += hybrid->let_reach < 0.5 * hybrid->sleep_reach;
+                shorter += hybrid->current_sleep_reach < 0.5 * hybrid->sleep_reach;
                 most = hybrid->awake_count > most ? hybrid->awake_count : most;
                 assert_forces_are_gathered(hybrid);
                 hash[is_whole][k] =
@@ -107,13 +108,13 @@ static void waiting_changes_nothing(void **state)
     move(&s, tool, 0.5, 0.15, 60);
     assert_true(hybrid->awake_count > 50);
     hybrid->wake_reach = 1e-3;
-    hybrid->let_reach = hybrid->sleep_reach = 2e-3;
+    hybrid->current_sleep_reach = hybrid->sleep_reach = 2e-3;
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     const int32_t most = hybrid->awake_count;
     for (int k = 0; k < 40; ++k) {
         const uint64_t before = s.class->hash(s.model, 1);
         const int32_t awake = hybrid->awake_count;
-        hybrid->beat = 0; /* its turn */
+        hybrid->step_counter = 0; /* its turn */
         if (!ss_hybrid_wake(hybrid)) {
             assert_true(s.class->hash(s.model, 1) == before);
             assert_int_equal(hybrid->awake_count, awake);
@@ -125,7 +126,7 @@ static void waiting_changes_nothing(void **state)
     setup_fini(&s);
 }
 
-/* A share, a theta or an offset alone that moves asks for forces anew; then there is rest. */
+/* A blend, a theta or an offset alone that moves asks for forces anew; then there is rest. */
 static void each_change_is_told(void **state)
 {
     setup s;
@@ -134,7 +135,7 @@ static void each_change_is_told(void **state)
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
     const int32_t p = hybrid->wanted[0];
     for (int k = 0; k < 3; ++k) {
-        hybrid->beat = 0; /* its turn */
+        hybrid->step_counter = 0; /* its turn */
         assert_false(ss_hybrid_wake(hybrid));
         if (k == 0) {
             hybrid->particle[p].target = (ss_real)0.5;
@@ -145,7 +146,7 @@ static void each_change_is_told(void **state)
         } else {
             hybrid->drifting[hybrid->drifting_count++] = hybrid->layer->own_count - 1;
         }
-        hybrid->beat = 0;
+        hybrid->step_counter = 0;
         assert_true(ss_hybrid_wake(hybrid));
     }
     setup_fini(&s);
