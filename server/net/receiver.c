@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * LCM's own receive path does not stand an open network. Its reader starts at once, on a bound
+ * LCM's own receive path is not safe on an open network. Its reader starts at once, on a bound
  * socket of which nobody else gets hold; it puts fragments together with
  *   if (fragment_offset + fragment_size > message_size) refuse
  * in 32 bits, so that one datagram with an offset near 2^32 makes it write 4 GB behind its buffer;
@@ -30,9 +30,9 @@
  *
  * Alternatives rejected: a socket for each sender, which nobody knows before it has spoken; reading
  * all there is and dropping it here, which a flood of one core pays with another; LCM with `bind`
- * interposed to attach the filter, which cures fragments but neither the reader's appetite nor the
- * missing address, and works only where liblcm is linked dynamically; a filter attached after
- * lcm_subscribe, which leaves the milliseconds of LCM's self test open: at 20,000 fragments a
+ * interposed to attach the filter, which cures fragments but neither the unbounded reading nor the
+ * missing sender address, and works only where liblcm is linked dynamically; a filter attached
+ * after lcm_subscribe, which leaves the milliseconds of LCM's self test open: at 20,000 fragments a
  * second 18 of 30 servers died in them.
  *
  * memq:// (one process, for tests) still comes through LCM, and has no budget.
@@ -65,7 +65,7 @@ enum {
     STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
     READ_COST = 4,
     BYTES_COST = 1024,
-    AFTER_MUTE = 4, /* messages at once, of who is heard again */
+    UNMUTE_BURST = 4, /* messages at once, of who is heard again */
     TEST_TRIES = 100
 };
 static const int64_t NS_PER_MS = 1000000;
@@ -136,8 +136,9 @@ static int32_t find_name(const ss_lane *lane, const char *prefix, const char *ch
     return -1;
 }
 
-/* Has the message what its lane asks for? As the filter has it, for who comes around the kernel. */
-static bool is_meant(const ss_lane *lane, const ss_packet *packet)
+/* Has the message what its lane asks for? As the filter has it, for messages that bypass the kernel
+ * filter. */
+static bool matches_filter(const ss_lane *lane, const ss_packet *packet)
 {
     const ss_filter_part *part = &lane->part;
     const bool has_part =
@@ -162,7 +163,7 @@ bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *d
                               .data = datagram + HEADER_SIZE + length + 1,
                               .size = size - HEADER_SIZE - (int32_t)length - 1};
     out_packet->name = find_name(lane, prefix, channel, &out_packet->digit);
-    return out_packet->name >= 0 && is_meant(lane, out_packet);
+    return out_packet->name >= 0 && matches_filter(lane, out_packet);
 }
 
 /* ---- reading ---- */
@@ -208,7 +209,7 @@ static bool mute(lane_state *lane, uint64_t source, int64_t now_ns)
 }
 
 /* May this sender say more in this lane? */
-static bool may_say(lane_state *lane, uint64_t source, int64_t now_ns)
+static bool is_within_rate(lane_state *lane, uint64_t source, int64_t now_ns)
 {
     const ss_lane *limits = &lane->lane;
     if (limits->sender_per_s == 0 || (limits->followed != NULL && *limits->followed == source)) {
@@ -217,7 +218,7 @@ static bool may_say(lane_state *lane, uint64_t source, int64_t now_ns)
     ss_budget *budget = ss_senders_find(&lane->senders, source, now_ns);
     if (ss_budget_left(budget, now_ns) < 1) {
         if (mute(lane, source, now_ns) && budget != &lane->senders.shared) {
-            const int64_t nearly_ns = now_ns + MUTE_NS - AFTER_MUTE * budget->interval_ns;
+            const int64_t nearly_ns = now_ns + MUTE_NS - UNMUTE_BURST * budget->interval_ns;
             budget->spent_ns = nearly_ns > budget->spent_ns ? nearly_ns : budget->spent_ns;
         }
         return false;
@@ -247,7 +248,7 @@ static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
         if (ss_receiver_parse(&lane->lane, receiver->prefix, receiver->vector[i].iov_base, size,
                               &packet)) {
             packet.source = number_source(&receiver->source[i]);
-            if (may_say(lane, packet.source, now_ns)) {
+            if (is_within_rate(lane, packet.source, now_ns)) {
                 lane->lane.receive(receiver->context, &packet);
             }
         }
@@ -267,15 +268,15 @@ static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void
     ss_packet packet = {
         .channel = channel, .data = buffer->data, .size = (int32_t)buffer->data_size};
     packet.name = find_name(&lane->lane, lane->receiver->prefix, channel, &packet.digit);
-    if (packet.name >= 0 && is_meant(&lane->lane, &packet)) {
+    if (packet.name >= 0 && matches_filter(&lane->lane, &packet)) {
         lane->lane.receive(lane->receiver->context, &packet);
     }
 }
 
 /* What to wait for, and until when: a lane that has spent its budget waits for that of a whole
  * batch; who is muted is let in again in time. */
-static int64_t choose(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
-                      struct pollfd waiting[])
+static int64_t next_wakeup(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
+                           struct pollfd waiting[])
 {
     for (int32_t i = 0; i < receiver->lane_count; ++i) {
         lane_state *lane = &receiver->lane[i];
@@ -342,7 +343,7 @@ int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns
     while (handled < MAX_HANDLED && !is_signalled) {
         const int64_t now_ns = ss_clock_now_ns();
         const int64_t limit_ns = handled > 0 ? now_ns : deadline_ns;
-        const int64_t until_ns = choose(receiver, now_ns, limit_ns, waiting);
+        const int64_t until_ns = next_wakeup(receiver, now_ns, limit_ns, waiting);
         waiting[lanes] = (struct pollfd){.fd = wake_fd, .events = POLLIN};
         const int ready = wait_until(waiting, lanes + 1, until_ns);
         if (ready < 0 || (ready == 0 && (until_ns >= limit_ns || handled > 0))) {

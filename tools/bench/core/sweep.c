@@ -158,7 +158,7 @@ static int read_head(const sweeper *s, FILE *file)
 }
 
 /* Takes over a result; the first one of a run counts. */
-static bool keep(sweeper *s, int32_t index, bool is_lost, const char *text)
+static bool store_result(sweeper *s, int32_t index, bool is_lost, const char *text)
 {
     ss_sweep_run *run = &s->result->run[index];
     if (run->text != NULL) {
@@ -206,7 +206,7 @@ static bool read_record(sweeper *s, part *from, FILE *file, char *text, softsim_
     if (!read_run(s, line, file, &index, &is_lost, text)) {
         return false;
     }
-    *out_status = keep(s, index, is_lost, text) ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    *out_status = store_result(s, index, is_lost, text) ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     return *out_status == SOFTSIM_OK;
 }
 
@@ -341,7 +341,7 @@ static softsim_status put_record(sweeper *s, int32_t index, bool is_lost, const 
         snprintf(line, sizeof line, "run %" PRId32 " %c %zu %016" PRIx64 "\n", index,
                  is_lost ? 'l' : 'g', length, ss_hash_bytes(SS_HASH_START, text, length));
     char *record = malloc((size_t)head + length + 1);
-    if (record == NULL || !keep(s, index, is_lost, text)) {
+    if (record == NULL || !store_result(s, index, is_lost, text)) {
         free(record);
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
@@ -427,7 +427,8 @@ static int reap(slot *of, bool is_killed)
     return status;
 }
 
-static softsim_status lose(sweeper *s, slot *of, const char *reason, softsim_error *error)
+static softsim_status record_lost_run(sweeper *s, slot *of, const char *reason,
+                                      softsim_error *error)
 {
     return put_record(s, of->index, true, reason, error);
 }
@@ -440,21 +441,21 @@ static softsim_status end_run(sweeper *s, slot *of, softsim_error *error)
     of->text[of->used] = '\0';
     if (WIFSIGNALED(status)) {
         snprintf(reason, sizeof reason, "crashed: %s", strsignal(WTERMSIG(status)));
-        return lose(s, of, reason, error);
+        return record_lost_run(s, of, reason, error);
     }
     const char kind = of->text[0];
     if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS || (kind != 'g' && kind != 'l') ||
         strlen(of->text) != of->used) {
         snprintf(reason, sizeof reason, "crashed: ended with status %d and no result",
                  WIFEXITED(status) ? WEXITSTATUS(status) : status);
-        return lose(s, of, reason, error);
+        return record_lost_run(s, of, reason, error);
     }
     return put_record(s, of->index, kind == 'l', of->text + 1, error);
 }
 
 /* Reads what has come; at the end, too much, or too late, the run is over. */
-static softsim_status attend(sweeper *s, slot *to, bool is_ready, int64_t now_ns,
-                             softsim_error *error)
+static softsim_status read_run_output(sweeper *s, slot *to, bool is_ready, int64_t now_ns,
+                                      softsim_error *error)
 {
     if (is_ready) {
         const ssize_t got = read(to->fd, to->text + to->used, SS_SWEEP_MAX_TEXT - to->used);
@@ -464,20 +465,20 @@ static softsim_status attend(sweeper *s, slot *to, bool is_ready, int64_t now_ns
         to->used += got > 0 ? (size_t)got : 0;
         if (to->used == SS_SWEEP_MAX_TEXT) {
             reap(to, true);
-            return lose(s, to, "crashed: it left more text than a run may", error);
+            return record_lost_run(s, to, "crashed: it left more text than a run may", error);
         }
     }
     if (1e-9 * (double)(now_ns - to->start_ns) > s->sweep->timeout_s) {
         char reason[64];
         reap(to, true);
         snprintf(reason, sizeof reason, "timed out after %g s", s->sweep->timeout_s);
-        return lose(s, to, reason, error);
+        return record_lost_run(s, to, reason, error);
     }
     return SOFTSIM_OK;
 }
 
 /* The next run of ours that is not done; -1: none. */
-static int32_t take(sweeper *s)
+static int32_t next_own_run(sweeper *s)
 {
     while (s->next < s->sweep->count &&
            (s->next % s->ranks != s->rank || s->result->run[s->next].text != NULL)) {
@@ -495,7 +496,7 @@ static int32_t count_left(const sweeper *s, bool is_all)
     return left;
 }
 
-static void show(sweeper *s, int64_t now_ns, const char *what)
+static void print_progress(sweeper *s, int64_t now_ns, const char *what)
 {
     if (!s->is_shown || now_ns - s->shown_ns < (s->is_terminal ? show_ns : plain_ns)) {
         return;
@@ -529,7 +530,7 @@ static softsim_status do_round(sweeper *s, int32_t *out_busy, softsim_error *err
     softsim_status status = SOFTSIM_OK;
     *out_busy = 0;
     for (int32_t k = 0; status == SOFTSIM_OK && k < jobs; ++k) {
-        const int32_t index = s->slots[k].pid == 0 ? take(s) : -1;
+        const int32_t index = s->slots[k].pid == 0 ? next_own_run(s) : -1;
         if (index >= 0) {
             status = start_run(s, &s->slots[k], index, error);
         }
@@ -543,11 +544,11 @@ static softsim_status do_round(sweeper *s, int32_t *out_busy, softsim_error *err
     const int64_t now_ns = ss_clock_now_ns();
     for (int32_t k = 0; status == SOFTSIM_OK && k < jobs; ++k) {
         if (s->slots[k].pid != 0) {
-            status = attend(s, &s->slots[k], wait[k].revents != 0, now_ns, error);
+            status = read_run_output(s, &s->slots[k], wait[k].revents != 0, now_ns, error);
         }
     }
     sync_part(s, now_ns);
-    show(s, now_ns, NULL);
+    print_progress(s, now_ns, NULL);
     return status;
 }
 
@@ -601,7 +602,7 @@ static softsim_status wait_for_others(sweeper *s, softsim_error *error)
                               count_left(s, true), count_missing(s), s->sweep->folder);
             return SOFTSIM_ERROR_SYSTEM;
         }
-        show(s, now_ns, ", waiting for other ranks");
+        print_progress(s, now_ns, ", waiting for other ranks");
         if (left > 0) {
             ss_clock_sleep_until(now_ns + look_ns);
         }
