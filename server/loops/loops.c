@@ -125,7 +125,7 @@ static void wait_for_end(ss_loops *loops)
         }
         const ss_judgement *judgement = ss_mailbox_take(loops->judgement, NULL);
         if (loops->options->log_level >= SS_LOG_WARNING) {
-            ss_tell(&loops->teller, judgement, now);
+            ss_stderr_report_update(&loops->stderr_report, judgement, now);
         }
         const int64_t wait = left < 50000000 ? left : 50000000;
         const struct timespec timeout = {.tv_nsec = (long)wait};
@@ -171,7 +171,7 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
     loops->judgement = ss_mailbox_create(sizeof(ss_judgement));
-    loops->teller = (ss_teller){.prefix = options->prefix, .gate = world->gate};
+    loops->stderr_report = (ss_stderr_report){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
 

@@ -204,7 +204,8 @@ static void take_turns(ss_loops *loops)
             break;
         }
         if (loops->net_status == SOFTSIM_OK &&
-            !ss_claim_hold(&loops->claim, loops->net, loops->options, &loops->net_error)) {
+            !ss_prefix_owner_hold(&loops->prefix_owner, loops->net, loops->options,
+                                  &loops->net_error)) {
             loops->net_status = SOFTSIM_ERROR_NETWORK;
             ss_loops_end(loops);
         }
@@ -230,10 +231,10 @@ void *ss_loops_net(void *argument)
                           softsim_status_text(loops->open_status));
     }
     if (loops->open_status == SOFTSIM_OK) {
-        loops->open_status = ss_claim_prefix(loops->net, loops->options, &loops->net_error);
+        loops->open_status = ss_prefix_owner_claim(loops->net, loops->options, &loops->net_error);
     }
     loops->is_open = loops->open_status == SOFTSIM_OK;
-    loops->claim.start_us = ss_clock_now_ns() / 1000;
+    loops->prefix_owner.start_us = ss_clock_now_ns() / 1000;
     atomic_store_explicit(&loops->is_listening, true, memory_order_release);
     ss_wake_signal(loops->event_fd);
     if (!loops->is_open) {

@@ -123,7 +123,7 @@ void ss_loops_send_status(ss_loops *loops)
         .poses_superseded = haptic->superseded + loops->queue_refused,
         .mesh_bytes_sent = loops->publisher ? ss_publisher_bytes(loops->publisher) : 0,
         .wire_dropped = ss_net_dropped(loops->net),
-        .uptime_s = 1e-6 * (double)(utime_us - loops->claim.start_us),
+        .uptime_s = 1e-6 * (double)(utime_us - loops->prefix_owner.start_us),
         .simulation_rate_hz = atomic_load_explicit(&loops->rate_hz, memory_order_relaxed),
         .stable_step_s = info->stable_step,
         .kinetic_j = info->kinetic,

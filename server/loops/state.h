@@ -17,10 +17,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "loops/claim.h"
 #include "loops/loops.h"
 #include "loops/pace.h"
-#include "loops/tell.h"
+#include "loops/prefix_owner.h"
+#include "loops/stderr_report.h"
 #include "rt/mailbox.h"
 
 enum { SS_RATE_MARKS = 5 }; /* a quarter of a second apart */
@@ -55,7 +55,7 @@ typedef struct ss_loops {
     softsim_status net_status;  /* main reads it after the thread's end */
     softsim_error net_error;
     bool is_open; /* the prefix is ours: poses and commands are taken */
-    ss_claim claim;
+    ss_prefix_owner prefix_owner;
     int64_t last_tick[SOFTSIM_MAX_PROBES];
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
@@ -69,7 +69,7 @@ typedef struct ss_loops {
     ss_simulation_stats simulation_stats;
 
     /* main thread */
-    ss_teller teller;
+    ss_stderr_report stderr_report;
 
     /* publish thread; read by net */
     ss_publisher *publisher;

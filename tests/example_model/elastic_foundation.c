@@ -8,7 +8,7 @@
  *
  * with A_i a third of the triangles around it. How a model is added: server/models/README.md.
  */
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/memory.h"
 

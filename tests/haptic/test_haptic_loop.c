@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/latency/felt.h"
+#include "bench/latency/session_metrics.h"
 #include "common/effort.h"
 #include "haptic/haptic.h"
 #include "rt/each.h"

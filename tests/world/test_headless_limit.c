@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "bench/latency/felt.h"
+#include "bench/latency/session_metrics.h"
 #include "common/effort.h"
 #include "devices/sim.h"
 #include "oracles/limit_judge.h"

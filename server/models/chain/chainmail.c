@@ -27,7 +27,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"

@@ -53,7 +53,7 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"

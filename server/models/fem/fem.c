@@ -16,7 +16,7 @@
 #include <math.h>
 
 #include "mesh/tetrahedron.h"
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "models/common/turned.h"
 #include "rt/memory.h"
 

@@ -19,7 +19,7 @@
 #include <string.h>
 
 #include "mesh/tetrahedron.h"
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -451,7 +451,7 @@ static uint64_t hash_layer(const void *owner, uint64_t seed)
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
-        const ss_real value[5] = {(ss_real)p, particle->share, hybrid->offset[4 * (ptrdiff_t)p],
+        const ss_real value[5] = {(ss_real)p, particle->blend, hybrid->offset[4 * (ptrdiff_t)p],
                                   hybrid->offset[4 * (ptrdiff_t)p + 1],
                                   hybrid->offset[4 * (ptrdiff_t)p + 2]};
         seed = ss_hash_bytes(seed, value, sizeof value);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/fem_elastic.h"
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 #include "models/common/turned.h"
 #include "models/xpbd/kernels.h"
 /*

@@ -4,9 +4,9 @@
 /*
  * How a session felt, from a client's log: reads the CSV that softsim-bridge --csv writes, or any
  * with the columns x,y,z,fx,fy,fz and time_s or tick (and flags, model_age_us where they are
- * known), and prints every figure of felt.h with its verdict. Thread: main.
+ * known), and prints every figure of session_metrics.h with its verdict. Thread: main.
  */
-#include "bench/latency/felt.h"
+#include "bench/latency/session_metrics.h"
 #include "softsim/types.h"
 
 typedef struct ss_judge_log {

@@ -59,7 +59,8 @@ void ss_stress_case_plan_tool(const ss_stress_case_plan *plan, double time_s, in
 /* The scene, with its mesh body.msh beside it. */
 void ss_stress_case_plan_write(const ss_stress_case_plan *plan, FILE *file);
 
-/* way.c: the tool's centre goes on to (x, 0, z), in so many seconds; and where it is on its way. */
+/* tool_path.c: the tool's centre goes on to (x, 0, z), in so many seconds; and where it is on its
+ * way. */
 void ss_stress_case_plan_go(ss_stress_case_plan *plan, double seconds, double x, double z);
 void ss_stress_case_plan_at(const ss_stress_case_plan *plan, double time_s, double out_position[3]);
 

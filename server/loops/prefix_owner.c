@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "loops/claim.h"
+#include "loops/prefix_owner.h"
 
 #include "rt/clock.h"
 
@@ -74,7 +74,7 @@ static bool take_over(ss_net *net)
     }
 }
 
-softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_error *error)
+softsim_status ss_prefix_owner_claim(ss_net *net, const ss_options *options, softsim_error *error)
 {
     bool is_taken = false;
     bool is_good = find_other_server(net, &is_taken);
@@ -96,18 +96,19 @@ softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_e
     return SOFTSIM_OK;
 }
 
-bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, softsim_error *error)
+bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
+                          softsim_error *error)
 {
     const ss_other_server *other = ss_net_other_server(net);
     const int64_t now_ns = ss_clock_now_ns();
-    const double uptime_s = 1e-6 * (double)(now_ns / 1000 - claim->start_us);
+    const double uptime_s = 1e-6 * (double)(now_ns / 1000 - owner->start_us);
     if (uptime_s > YOUNG_S || !ss_other_server_is_alive(other, now_ns) ||
-        !ss_other_server_is_senior(other, uptime_s, claim->start_us)) {
+        !ss_other_server_is_senior(other, uptime_s, owner->start_us)) {
         return true;
     }
     if (options->takeover) {
-        if (now_ns >= claim->next_shutdown_ns) {
-            claim->next_shutdown_ns = now_ns + TELL_NS;
+        if (now_ns >= owner->next_shutdown_ns) {
+            owner->next_shutdown_ns = now_ns + TELL_NS;
             ss_net_send_command(net, "shutdown");
         }
         return true;

@@ -9,7 +9,7 @@
  * phase, counts); the 3 Hz smoothing, y += (1 - e^(-2 pi f dt)) (x - y), runs forward and backward
  * so that it does not lag behind the motion that it is to judge.
  */
-#include "bench/latency/felt.h"
+#include "bench/latency/session_metrics.h"
 
 #include <math.h>
 #include <stdlib.h>

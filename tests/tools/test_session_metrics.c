@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/latency/felt.h"
+#include "bench/latency/session_metrics.h"
 
 #define T  1e-3
 #define PI 3.14159265358979323846

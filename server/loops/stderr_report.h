@@ -15,7 +15,7 @@ typedef struct ss_judgement {
     char other[256]; /* scene of another server on this prefix; empty: none */
 } ss_judgement;
 
-typedef struct ss_teller {
+typedef struct ss_stderr_report {
     /* parameters */
     const char *prefix;
     const ss_gate *gate;
@@ -24,7 +24,8 @@ typedef struct ss_teller {
     int64_t next_verdict_log_ns;
     softsim_verdict logged_verdict; /* good again once it is better than degraded */
     bool is_other_server_logged;
-} ss_teller;
+} ss_stderr_report;
 
 /* Warns of what is new, as soon as there is room; `judgement` is NULL before the first status. */
-void ss_tell(ss_teller *teller, const ss_judgement *judgement, int64_t now_ns);
+void ss_stderr_report_update(ss_stderr_report *report, const ss_judgement *judgement,
+                             int64_t now_ns);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "models/common/life.h"
+#include "models/common/model_create.h"
 
 #include "rt/memory.h"
 

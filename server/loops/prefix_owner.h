@@ -24,12 +24,13 @@
 
 /* Before the first pose and command are taken. SOFTSIM_OK, or SOFTSIM_ERROR_ARGUMENT with a line
  * that names the other server, or SOFTSIM_ERROR_NETWORK. */
-softsim_status ss_claim_prefix(ss_net *net, const ss_options *options, softsim_error *error);
+softsim_status ss_prefix_owner_claim(ss_net *net, const ss_options *options, softsim_error *error);
 
-/* A claim held by a server that is ready since `start_us` of its clock. */
-typedef struct ss_claim {
+/* The prefix as held by a server that is ready since `start_us` of its clock. */
+typedef struct ss_prefix_owner {
     int64_t start_us;
     int64_t next_shutdown_ns; /* --takeover: when the other may be told again */
-} ss_claim;
+} ss_prefix_owner;
 /* False when this server must give way, with a line in `error`. */
-bool ss_claim_hold(ss_claim *claim, ss_net *net, const ss_options *options, softsim_error *error);
+bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
+                          softsim_error *error);
