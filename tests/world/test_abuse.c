@@ -189,6 +189,36 @@ static void energy_that_no_hand_has_stops_the_tissue(void **state)
     destroy(world);
 }
 
+/* A tracker that jitters, at three depths: what is shaken is told, and is at rest again when the
+ * tool is gone. No reset is needed. */
+static void a_jittering_tracker_stops_nothing(void **state)
+{
+    (void)state;
+    static const double lower[] = {0.0, 0.003, 0.005};
+    const int32_t count = FULL_IN_RELEASE(3, 1);
+    for (int32_t run = 0; run < count; ++run) {
+        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        const double a = 0.0025;
+        softsim_state now;
+        int32_t k = 1;
+        for (; k <= 700; ++k) {
+            const double z = height(k) - lower[run];
+            tick(world, k, 0.005 + a * noise(), 0.003 + a * noise(), z + a * noise());
+        }
+        for (; k <= 1900; ++k) { /* for a second is told what was */
+            tick(world, k, 0.005, 0.003, free_z + 0.02);
+        }
+        softsim_read((softsim_world *)world, &now);
+        assert_int_equal(now.worst_verdict, SOFTSIM_VERDICT_DEGRADED);
+        assert_int_equal(now.verdict, SOFTSIM_VERDICT_GOOD);
+        const ss_real *u = world->model_class->displacement(world->model);
+        for (int32_t i = 0; i < 4 * now.node_count; ++i) {
+            assert_true(fabs((double)u[i]) < 1e-4);
+        }
+        destroy(world);
+    }
+}
+
 /* ---- every model ---- */
 
 static ss_stress_case_result abuse(int32_t subject, ss_stress_case_kind kind, double value,
@@ -309,6 +339,7 @@ int main(void)
         cmocka_unit_test(a_step_slower_than_time_does_not_fling_the_tool),
         cmocka_unit_test(the_haptic_loop_is_told_where_a_slow_step_left_the_tool),
         cmocka_unit_test(a_paused_tool_stays_where_it_is),
+        cmocka_unit_test(a_jittering_tracker_stops_nothing),
         cmocka_unit_test(energy_that_no_hand_has_stops_the_tissue),
         cmocka_unit_test(what_hands_out_energy_is_not_called_good),
         cmocka_unit_test(what_a_part_of_a_contact_makes_is_not_called_good),

@@ -85,6 +85,7 @@ typedef struct ss_cnn_source {
     ss_real *b_turned;           /* free bodies: R b */
     double amplitude;            /* a */
     double reference;            /* psi_0, J: what was there before the tool touched; loads: 0 */
+    double given;                /* J: what the fall of psi_0 gave and is not settled yet */
     double modulus;              /* E^, J */
     double eps_limit;            /* eps_s; INFINITY without saturation */
     double qhat, qhat_over_own, inverse_own; /* of loads: means by weight */
@@ -125,6 +126,7 @@ typedef struct ss_cnn_tool {
     double *mu, *eps, *eta, *share;
     ss_cnn_contact_cell cell, cell_before;   /* one-cell sources; before: at the sub-step's start */
     double reference_before, penalty_before; /* at the sub-step's start, likewise */
+    double given_before;                     /* likewise */
     double weight_sum, amplitude_slope;
     bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
     double *fading_mu;     /* da/dW psi of every touched cell */
@@ -249,6 +251,8 @@ struct ss_model {
     int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
     int32_t substeps;
     double pool;      /* J: gains of the last tenth of a second or so, losses taken off */
+    double owed;      /* J: what falls of psi_0 gave and is not yet out of the motion */
+    double damped;    /* J: what was taken out for them in the last step */
     double travelled; /* share of the tools' way in the last step */
     uint32_t fault_bits;
     softsim_verdict verdict;
@@ -319,6 +323,11 @@ double ss_cnn_source_energy(const ss_model *model, const ss_cnn_source *source);
 /* Source `index` of source_count + SOFTSIM_MAX_PROBES (loads and patches first, then tools), or
  * NULL where it is not on. */
 ss_cnn_source *ss_cnn_source_on(ss_model *model, int32_t index);
+
+/* ---- spring.c: strained tissue that springs back under a tool ---- */
+
+/* After a sub-step of `h` s: what falls of psi_0 gave, booked as work, goes out of the motion. */
+void ss_cnn_spring_settle(ss_model *model, double h);
 
 /* ---- saturate.c: several sources at the output K ---- */
 

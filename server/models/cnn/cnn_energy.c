@@ -258,6 +258,7 @@ static void reset(ss_model *model)
         tool->count = 0;
         ss_cnn_source_let_go(tool);
         tool->source.is_on = false;
+        tool->source.given = 0.0;
         if (tool->base->is_used) {
             memset(tool->shape_y, 0, bytes);
         }
@@ -269,7 +270,7 @@ static void reset(ss_model *model)
     model->step = 0;
     model->substeps = 0;
     model->work = model->load_work = model->dissipated = model->kinetic = model->elastic = 0.0;
-    model->pool = 0.0;
+    model->pool = model->owed = model->damped = 0.0;
     for (int32_t k = 0; k < model->enclosed_count; ++k) {
         model->enclosed[k].pressure = 0.0;
     }
@@ -417,6 +418,9 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
     uint64_t hash = ss_turned_hash(&model->turned, ss_hash_bytes(seed, model->u_low, quads));
+    if (model->owed > 0.0) {
+        hash = ss_hash_bytes(hash, &model->owed, sizeof model->owed);
+    }
     if (model->set) {
         const ss_cnn_active_set *set = model->set;
         hash = ss_hash_bytes(hash, set->rank, (size_t)set->block_count);

@@ -24,7 +24,8 @@
  * tissue costs: the tissue retreats before the tool, a stays near 0, psi grows the more, and the
  * tool presses through the forces of its weights alone: a second equilibrium, at a fifth of the
  * force and a tenth of the stable step. psi_0 never exceeds psi, so that a tool never sticks. What
- * a change of psi_0 takes from the energy is booked as dissipated, what it gives as work.
+ * a change of psi_0 takes from the energy is booked as dissipated, what it gives as work, which
+ * goes out of the motion again (spring.c).
  *
  * Weights, kap, mu and f_s are taken once per sub-step, at its end (= the next one's start). While
  * a tool nears or leaves (W < W1, 0 < a < 1) the term of da/dW is stiff: frozen over a sub-step, it
@@ -318,6 +319,7 @@ static void set_reference(ss_model *model, ss_cnn_source *source, double psi)
     const double taken = source->amplitude * (source->reference - before);
     model->dissipated += fmax(taken, 0.0);
     model->work += fmax(-taken, 0.0);
+    source->given += fmax(-taken, 0.0);
 }
 
 /* mu_i, the change of a psi with the weight of cell i. */
@@ -407,6 +409,7 @@ void ss_cnn_source_keep(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell_before = model->tool[k].cell;
         model->tool[k].reference_before = model->tool[k].source.reference;
+        model->tool[k].given_before = model->tool[k].source.given;
         model->tool[k].penalty_before = model->tools.tool[k].penalty;
     }
 }
@@ -416,6 +419,7 @@ void ss_cnn_source_restore(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         model->tool[k].cell = model->tool[k].cell_before;
         model->tool[k].source.reference = model->tool[k].reference_before;
+        model->tool[k].source.given = model->tool[k].given_before;
         model->tools.tool[k].penalty = model->tool[k].penalty_before;
     }
 }

@@ -26,8 +26,9 @@
  * Weights, kap and the forces through the weights are taken at the end of a sub-step, where they
  * also give the energies at that moment, and hold through the next one. Work and dissipation are
  * summed with the stages' weights, so that kinetic + elastic - work + dissipated is the energy
- * balance. A network in its own time takes its steps after each accepted sub-step; the energy that
- * its new flux densities bring or take is its work, and stands in the energy balance as such.
+ * balance. What tissue gains that springs back under a source is taken out again (spring.c). A
+ * network in its own time takes its steps after each accepted sub-step; the energy that its new
+ * flux densities bring or take is its work, and stands in the energy balance as such.
  */
 #include <float.h>
 #include <math.h>
@@ -674,6 +675,7 @@ static bool try_substep(ss_model *model, progress *p)
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;
+    ss_cnn_spring_settle(model, h);
     tell_loss(model, balance - energy_balance(model));
     if (model->relax) {
         relax_network(model, next);
@@ -709,6 +711,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     }
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
+    model->damped = 0.0;
     model->worst = -1;
     take_tools(model, tool);
     take_loads(model, time + 0.5 * dt);
@@ -743,6 +746,11 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     if (model->verdict == SOFTSIM_VERDICT_GOOD && p.is_telling) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
         model->reason = "a sub-step was taken back and halved";
+    }
+    if (model->verdict == SOFTSIM_VERDICT_GOOD && model->damped > most_silent(model)) {
+        model->verdict = SOFTSIM_VERDICT_GUARDED;
+        model->reason =
+            "a tool met tissue that was strained already: its springing back was damped";
     }
     if (p.steps.left > 1e-6 * dt) {
         model->fault_bits |= SS_MODEL_FAULT_BUDGET;

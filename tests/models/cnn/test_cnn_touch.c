@@ -375,6 +375,51 @@ static void strained_tissue_holds_no_tool_off(void **state)
     setup_fini(&s);
 }
 
+/* What the tools did in the last step, by the mean of their forces at its ends. */
+static double tools_work(const setup *s, int count, double (*last)[3])
+{
+    double work = 0.0;
+    for (int k = 0; k < count; ++k) {
+        const ss_tool *tool = &s->model->tools.tool[k];
+        double way[3], mean[3];
+        ss_sub3(way, tool->to.position, tool->from.position);
+        ss_add3(mean, tool->force, last[k]);
+        work -= 0.5 * ss_dot3(mean, way);
+        ss_copy3(last[k], tool->force);
+    }
+    return work;
+}
+
+/* Two tools take turns with one spot, and one always comes to what the other has strained: tissue
+ * never has more, nor has lost more, than they put in. */
+static void strained_tissue_gains_nothing_from_a_touch(void **state)
+{
+    (void)state;
+    const double radius = 2.0 * PLATE_EDGE, dt = 2e-4;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 2, radius, 1.0);
+    s.plan.step = dt;
+    create(&s);
+    double last[2][3] = {{0.0}}, work = 0.0, most = 0.0, over = 0.0;
+    for (int n = 0; n < 4000; ++n) {
+        for (int k = 0; k < 2; ++k) {
+            const double deepest = 0.01 * fmin(1.0, n / 500.0);
+            const double depth = -0.002 + deepest * sin(0.5 * PI * n / 500.0 + 0.5 * PI * k);
+            go(&tool[k], k == 0 ? -0.006 : 0.006, 0.0, radius - fmax(depth, -0.002));
+        }
+        step_tools(&s, dt, tool);
+        work += tools_work(&s, 2, last);
+        const ss_model_info info = info_of(&s);
+        most = fmax(most, info.kinetic + info.elastic);
+        over = fmax(over, info.kinetic + info.elastic + info.dissipated - work);
+    }
+    if (!(over < 0.05 * most)) {
+        fail_msg("%g J more than the tools gave, of at most %g J that were stored", over, most);
+    }
+    setup_fini(&s);
+}
+
 #define GRIP_RADIUS 0.008
 
 /* A sphere pressed in by 4 mm, ready to grasp. */
@@ -464,6 +509,7 @@ int main(void)
         cmocka_unit_test(two_starts_lead_to_one_answer),
         cmocka_unit_test(second_tools_add_their_own_potential),
         cmocka_unit_test(strained_tissue_holds_no_tool_off),
+        cmocka_unit_test(strained_tissue_gains_nothing_from_a_touch),
         cmocka_unit_test(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain),
         cmocka_unit_test(a_grasp_that_is_taken_again_loses_nothing_unsaid),
     };
