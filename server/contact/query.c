@@ -9,11 +9,11 @@
  *            c(d) = d + 9 (d - 0.3 r)+, r the tool's inradius
  *   tool     force -sum f, torque -sum r x f, r from the tool's origin
  *
- * Why c: tissue that lies flat over a sphere of radius R, d deep, pushes it with pi kc (R - d) d^2:
- * no more than 0.47 kc R^3, at d = 2/3 R, and stretched tissue, with fewer samples, with less. A
- * larger force drives the tool through the surface; the samples then push it onward. With c it
- * is 1.9 kc R^3, and the tool is held where it was lost (blocks of 11 mm edges under R = 8 mm:
- * hybrid at 2.5 N, mass-spring at a speed of 3 m/s); contact that is less deep is as it was.
+ * Why c: flat tissue penetrated to depth d by a sphere of radius R exerts pi kc (R - d) d^2, at
+ * most 0.47 kc R^3 (at d = 2/3 R); stretched tissue, having fewer samples, exerts less. A larger
+ * force drives the tool through the surface; the samples then push it onward. With c the most is
+ * 1.9 kc R^3, and the tool is held where it was lost (blocks of 11 mm edges under R = 8 mm: hybrid
+ * at 2.5 N, mass-spring at a speed of 3 m/s); contact that is less deep is as it was.
  * Rejected: to remember each sample's side, which is no potential, and gives energy where it turns
  * a sample back.
  *

@@ -477,7 +477,7 @@ static bool read_keyword(reader *r, ss_text_span word, ss_text_span line)
         return skip_metadata(r);
     }
     ss_text_fault(r->text,
-                  "'%.*s' is no keyword of a legacy VTK file: the count before it does not fit, "
+                  "'%.*s' is not a keyword of a legacy VTK file: the count before it does not fit, "
                   "or the file is damaged",
                   (int)(word.end - word.begin < 40 ? word.end - word.begin : 40), word.begin);
     return false;

@@ -83,7 +83,7 @@ enum {
     SS_MODEL_FAULT_NOT_FINITE = 1, /* the last good state was restored; no step until reset */
     SS_MODEL_FAULT_BUDGET = 2,     /* more sub-steps were needed than allowed: slower than time */
     SS_MODEL_FAULT_CLAMPED = 4,    /* a displacement beyond any meaning was cut off */
-    SS_MODEL_FAULT_ENERGY = 8      /* energy from nowhere, or more than any work explains */
+    SS_MODEL_FAULT_ENERGY = 8      /* spurious energy, or more than any work explains */
 };
 
 typedef struct ss_model_info {

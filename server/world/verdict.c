@@ -43,12 +43,12 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         } else if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason =
-                "a tool is about through the tissue's surface: refine the mesh there, take "
+                "a tool has almost broken through the tissue's surface: refine the mesh there, use "
                 "a larger tool, or press less";
         } else if (depth > SINK_SHARE * size && info->verdict == SOFTSIM_VERDICT_GOOD) {
             info->verdict = SOFTSIM_VERDICT_GUARDED;
             info->reason =
-                "a tool sinks into the tissue: refine the mesh there, take a larger tool, "
+                "a tool sinks into the tissue: refine the mesh there, use a larger tool, "
                 "raise contact.working_force_n, or lower the model's stiffness";
         }
     }

@@ -312,7 +312,7 @@ static const file_case cases[] = {
           "!cell 0: the number of its nodes, at most 3 here"),
     PLAIN("words.vtk", GRID3 POINTS "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\nten\n",
           "!cell 0: its type"),
-    PLAIN("extra.vtk", GRID3 POINTS "7\n", "!extra.vtk:9: '7' is no keyword"),
+    PLAIN("extra.vtk", GRID3 POINTS "7\n", "!extra.vtk:9: '7' is not a keyword"),
     PLAIN("offsets.vtk",
           GRID5 POINTS
           "CELLS 3 8\nOFFSETS vtktypeint64\n0 4 3\nCONNECTIVITY vtktypeint64\n0 1 2 3 0 2 "

@@ -15,7 +15,7 @@
 #define SS_MAX_DISPLACEMENT 100.0
 #define SS_CLAMPED_REASON   "displacement beyond a hundred times the body was cut off"
 #define SS_SLOW_REASON      "needs more sub-steps than max_substeps: slower than real time"
-#define SS_GAIN_REASON      "energy from nowhere was taken out of the motion"
+#define SS_GAIN_REASON      "spurious energy was removed from the motion"
 #define SS_KEPT_REASON      "not finite: last good state restored, waiting for reset"
 
 /* Where an outer step stands. */

@@ -414,7 +414,7 @@ static void a_step_that_loses_energy_says_so(void **state)
         assert_true(kind == 0 ? fabs(lost) < 2e-7 : lost > 0.004);
         assert_int_equal(info_of(&s).verdict,
                          kind == 0 ? SOFTSIM_VERDICT_GOOD : SOFTSIM_VERDICT_GUARDED);
-        assert_true(kind == 0 || strstr(info_of(&s).reason, "lost energy"));
+        assert_true(kind == 0 || strstr(info_of(&s).reason, "lose energy"));
         setup_fini(&s);
     }
 }

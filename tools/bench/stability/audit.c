@@ -127,7 +127,7 @@ void ss_audit_text(uint32_t found, char *out, int32_t size)
 {
     static const char *const name[SS_AUDIT_KINDS] = {"not finite",
                                                      "too far",
-                                                     "energy from nowhere",
+                                                     "spurious energy",
                                                      "energy lost",
                                                      "work",
                                                      "grows after release",

@@ -26,7 +26,7 @@
 enum {
     SS_AUDIT_NOT_FINITE = 1,
     SS_AUDIT_FAR = 2,       /* beyond `reach` */
-    SS_AUDIT_GAIN = 4,      /* stored + dissipated - work has grown: energy from nowhere */
+    SS_AUDIT_GAIN = 4,      /* stored + dissipated - work has grown: spurious energy */
     SS_AUDIT_LOSS = 8,      /* it has shrunk */
     SS_AUDIT_WORK = 16,     /* the published work is not F.du */
     SS_AUDIT_GROWS = 32,    /* stored energy grew after release */
