@@ -13,10 +13,10 @@
  * tension is k w ex, so energy is 2 k W and a force f is a current f/(2 k).
  */
 #include "models/chain/kernels.h"
+#include "models/common/inverted.h"
 #include "models/common/loads.h"
 #include "models/common/plan.h"
 #include "models/common/tools.h"
-#include "models/common/turned.h"
 #include "models/model.h"
 
 /* Rows of the model's table. */
@@ -131,7 +131,7 @@ struct ss_model {
     /* report */
     double network;  /* W of the last sub-step, m^2 */
     int32_t guarded; /* tetrahedra that the guard put back in the last step */
-    ss_turned turned;
+    ss_inverted inverted;
     double first_network;               /* W of the outer step's first, cells moved */
     double elastic, dissipated, booked; /* J, at one moment: booked is the work until then */
     double gained;                      /* J, from nowhere, until then */

@@ -305,11 +305,11 @@ static void step(ss_model *model, double time, double dt,
             return;
         }
     }
-    const int32_t t = ss_turned_look(&model->turned, model->u);
+    const int32_t t = ss_inverted_look(&model->inverted, model->u);
     if (t >= 0) {
         model->worst = model->plan.mesh->tetrahedron[t][0];
         model->verdict = SOFTSIM_VERDICT_DEGRADED;
-        model->reason = SS_TURNED_REASON;
+        model->reason = SS_INVERTED_REASON;
     }
     ++model->step;
 }
@@ -416,7 +416,7 @@ static void reset(ss_model *model)
     model->step = 0;
     model->fitted_step = -1;
     model->moved_count = 0;
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
     model->worst = -1;
     model->verdict = SOFTSIM_VERDICT_GOOD;
     model->reason = "";
@@ -426,7 +426,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     model->plan = *plan;
     model->node_count = plan->mesh->node_count;
-    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     model->beta = plan->param[SS_MAIL_BETA].number;
     model->is_radial = plan->param[SS_MAIL_BAND].number != 0.0;
     model->is_by_violation = plan->param[SS_MAIL_ORDER].number != 0.0;
@@ -493,7 +493,7 @@ static void reaction(const ss_model *model, int32_t set, double out_force[3])
 
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
-    uint64_t hash = ss_turned_hash(&model->turned, seed);
+    uint64_t hash = ss_inverted_hash(&model->inverted, seed);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &model->tools.tool[k];
         const ss_grasp *grasp = &tool->grasp;

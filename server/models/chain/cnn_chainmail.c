@@ -146,7 +146,7 @@ static void reset(ss_model *model)
     model->step = 0;
     model->substeps = model->active_nodes = 0;
     model->worst_element = -1;
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
     model->work = model->load_work = model->booked = model->gained = model->elastic =
         model->dissipated = model->network = 0.0;
     model->fault_bits = 0;
@@ -194,7 +194,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     model->plan = *plan;
     model->node_count = plan->mesh->node_count;
-    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     model->padded = (model->node_count + 2) / 2 * 2;
     model->kernels = ss_chain_kernels_get();
     model->diagonal = ss_mesh_diagonal(plan->mesh);
@@ -260,7 +260,7 @@ static uint64_t hash_drive(uint64_t hash, const ss_chain_drive *drive)
 
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
-    uint64_t hash = ss_turned_hash(&model->turned, seed);
+    uint64_t hash = ss_inverted_hash(&model->inverted, seed);
     hash = ss_hash_bytes(hash, &model->ratio, sizeof model->ratio);
     hash = ss_hash_bytes(hash, &model->has_touched, sizeof model->has_touched);
     for (int32_t s = 0; s < model->plan.prescribed_count; ++s) {

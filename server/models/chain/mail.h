@@ -6,8 +6,8 @@
  * chainmail.c has the law and the class, mail_tools.c the tools, mail.c what both do to a node.
  */
 #include "models/chain/net.h"
+#include "models/common/inverted.h"
 #include "models/common/tools.h"
-#include "models/common/turned.h"
 
 /* Rows of the model's table. */
 enum {
@@ -59,7 +59,7 @@ struct ss_model {
     int64_t step;
     int64_t fitted_step; /* that the surface was last refitted before; -1 never */
     int32_t moved_count;
-    ss_turned turned;
+    ss_inverted inverted;
     int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
     softsim_verdict verdict;
     const char *reason;

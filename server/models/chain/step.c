@@ -231,7 +231,7 @@ static void balance(ss_model *model)
         model->gained -= lost;
         model->fault_bits |= SS_MODEL_FAULT_ENERGY;
         ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED,
-                      "energy from nowhere: work is less than what is stored and dissipated");
+                      "spurious energy: work is less than what is stored and dissipated");
     }
     model->elastic = elastic;
     model->booked = model->work;
@@ -399,18 +399,18 @@ static void keep_volumes(ss_model *model)
 }
 
 /* Where the guard had nothing to put back, no tetrahedron is inside out. */
-static void judge_turned(ss_model *model)
+static void judge_inverted(ss_model *model)
 {
     if (model->guard && model->guarded == 0) {
-        ss_turned_pass(&model->turned);
+        ss_inverted_pass(&model->inverted);
         return;
     }
-    const int32_t t = ss_turned_look(&model->turned, model->u);
+    const int32_t t = ss_inverted_look(&model->inverted, model->u);
     if (t >= 0) {
         model->worst_element = model->plan.mesh->tetrahedron[t][0];
     }
     if (model->worst_element >= 0) {
-        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED, SS_TURNED_REASON);
+        ss_chain_tell(model, SOFTSIM_VERDICT_DEGRADED, SS_INVERTED_REASON);
     }
 }
 
@@ -473,7 +473,7 @@ void ss_chain_step(ss_model *model, double time, double dt,
     if (model->guard) {
         keep_volumes(model);
     }
-    judge_turned(model);
+    judge_inverted(model);
     ss_chain_tools_sample(model);
     model->substeps = count;
     model->travelled = share;

@@ -14,10 +14,10 @@
 #include "models/cnn/kernels.h"
 #include "models/cnn/network.h"
 #include "models/cnn/relax.h"
+#include "models/common/inverted.h"
 #include "models/common/loads.h"
 #include "models/common/plan.h"
 #include "models/common/tools.h"
-#include "models/common/turned.h"
 #include "models/model.h"
 
 /* Rows of the parameter table, in its order. */
@@ -247,7 +247,7 @@ struct ss_model {
     double *stiff;                                                  /* rows of the step bound */
     const ss_real **column;
     /* report */
-    ss_turned turned;
+    ss_inverted inverted;
     int32_t worst; /* a corner of a tetrahedron inside out, -1 none */
     int32_t substeps;
     double pool;      /* J: gains of the last tenth of a second or so, losses taken off */

@@ -279,7 +279,7 @@ static void reset(ss_model *model)
     model->first = NULL;
     model->d = model->u;
     ss_cnn_active_set_reset(model);
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
     model->worst = -1;
     model->fault_bits = 0;
     model->verdict = SOFTSIM_VERDICT_GOOD;
@@ -352,7 +352,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     model->plan = *plan;
     model->node_count = plan->mesh->node_count;
-    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     model->kernels = ss_cnn_kernels_get();
     model->has_gravity = ss_norm3(plan->gravity) > 0.0;
     model->is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
@@ -417,7 +417,7 @@ static const ss_real *velocity(const ss_model *model)
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
     const size_t quads = (size_t)model->node_count * 4 * sizeof(ss_real);
-    uint64_t hash = ss_turned_hash(&model->turned, ss_hash_bytes(seed, model->u_low, quads));
+    uint64_t hash = ss_inverted_hash(&model->inverted, ss_hash_bytes(seed, model->u_low, quads));
     if (model->owed > 0.0) {
         hash = ss_hash_bytes(hash, &model->owed, sizeof model->owed);
     }

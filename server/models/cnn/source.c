@@ -12,7 +12,7 @@
  *
  * so that one sparse product gives force and energy without cancellation. Under a tool the
  * weights follow the tissue and the tool; their change is a force too, or else a closed path over
- * soft and stiff ground gains a third of the stored energy from nowhere:
+ * soft and stiff ground gains a third of the stored spurious energy:
  *
  *   mu_i = a [E^ eps+ (eps_i - eps) + T0 (eta_i - eta)] / W + (da/dW) (psi - psi_0)
  *   saturated: E^ eps_s for E^ eps+, and + a E^ (eps - eps_s)(eps_s,i - eps_s) / W

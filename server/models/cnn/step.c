@@ -483,7 +483,7 @@ static void tell_loss(ss_model *model, double loss)
 {
     if (loss > most_silent(model) && model->verdict == SOFTSIM_VERDICT_GOOD) {
         model->verdict = SOFTSIM_VERDICT_GUARDED;
-        model->reason = "a sub-step lost energy to its length";
+        model->reason = "a sub-step was long enough to lose energy";
     }
 }
 
@@ -690,16 +690,16 @@ static bool try_substep(ss_model *model, progress *p)
 
 /* The network does not compute element volumes. Inactive nodes keep their last positions: far from
  * the active set, where no element inverts. */
-static void judge_turned(ss_model *model)
+static void judge_inverted(ss_model *model)
 {
     const bool is_volume = model->material.element == SS_CNN_TETRAHEDRON;
-    const int32_t t = is_volume ? ss_turned_look(&model->turned, model->u) : -1;
+    const int32_t t = is_volume ? ss_inverted_look(&model->inverted, model->u) : -1;
     if (t >= 0) {
         model->worst = model->plan.mesh->tetrahedron[t][0];
     }
     if (t >= 0 && model->verdict < SOFTSIM_VERDICT_DEGRADED) {
         model->verdict = SOFTSIM_VERDICT_DEGRADED;
-        model->reason = SS_TURNED_REASON;
+        model->reason = SS_INVERTED_REASON;
     }
 }
 
@@ -757,7 +757,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
         model->verdict = SOFTSIM_VERDICT_DEGRADED;
         model->reason = SS_SLOW_REASON;
     }
-    judge_turned(model);
+    judge_inverted(model);
     model->substeps = p.accepted;
     model->travelled = p.steps.path;
     ++model->step;

@@ -308,11 +308,11 @@ void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, 
     }
 }
 
-void ss_body_judge_turned(ss_body *body, ss_turned *turned, bool names_node)
+void ss_body_judge_inverted(ss_body *body, ss_inverted *inverted, bool names_node)
 {
-    const int32_t t = ss_turned_look(turned, body->nodes.u);
+    const int32_t t = ss_inverted_look(inverted, body->nodes.u);
     if (t >= 0) {
-        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0, SS_INVERTED_REASON);
         body->worst_element = names_node ? body->plan.mesh->tetrahedron[t][0] : t;
     }
 }

@@ -22,7 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "models/common/turned.h"
+#include "models/common/inverted.h"
 #include "models/model.h"
 
 typedef struct ss_body ss_body;
@@ -184,7 +184,7 @@ void ss_body_set_worst_element(ss_body *body, int32_t element);
 void ss_body_set_active_nodes(ss_body *body, int32_t count);
 /* Looks at a share of the tetrahedra, and says so while one is turned inside out: by its number, or
  * by a node of it. */
-void ss_body_judge_turned(ss_body *body, ss_turned *turned, bool names_node);
+void ss_body_judge_inverted(ss_body *body, ss_inverted *inverted, bool names_node);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */
 void ss_body_renew(ss_body *body);
 

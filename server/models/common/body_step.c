@@ -13,7 +13,7 @@
  * which stays centred when h changes and stable for any alpha. Its own energy, the stored one plus
  * half m v.v+ = half m (w^2 - b^2 (dv/dt)^2), is exact in a linear body: forces outside the law
  * change it by the mean of their value at both ends times the way. The energy balance uses just
- * these: what is left over is energy from nowhere, down to rounding in a linear body, of third
+ * these: what is left over is spurious energy, down to rounding in a linear body, of third
  * order in h otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by
  * themselves have no lag.
  *
@@ -251,7 +251,8 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
     gain += fmax(0.0, unstable);
     body->pool = ss_plan_pool_gain(body->pool, gain, most, dt);
     if (body->is_explicit && body->pool < -0.999 * most) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, "sub-steps lost energy to their length");
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "sub-steps were long enough to lose energy");
     }
     if (!(body->pool > most)) {
         return;
@@ -274,7 +275,7 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
 }
 
 /* What the limit of speeds took is booked as it would have moved on, which is too much where forces
- * would have turned it: up to that much a gain is none. More is energy from nowhere, added up as
+ * would have turned it: up to that much a gain is none. More is spurious energy, added up as
  * everywhere. */
 static void judge_slowed(ss_body *body, double gain, double dt)
 {

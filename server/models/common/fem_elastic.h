@@ -7,7 +7,7 @@
  *
  * In: the scene's plan and the rows of SS_FEM_ROWS at the start of the model's table. Out: the
  * functions that ss_body_elastic asks for. fem_material.c reads parameters, fem_average.c cures
- * locking, fem_force.c has forces, fem_step.c derives the stable step, fem_elastic.c puts all
+ * locking, fem_force.c has forces, fem_stability.c derives the stable step, fem_elastic.c puts all
  * together, fem_kernels.h has the hot loops.
  * Memory: by ss_fem_create. Thread: create, destroy and explain set-up only; the rest by the
  * simulation thread, RT-safe and deterministic.
@@ -130,7 +130,7 @@ typedef struct ss_fem_material {
 softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error);
 
-/* Fraction of the stable step that sub-steps take; fem_step.c counts on it. */
+/* Fraction of the stable step that sub-steps take; fem_stability.c counts on it. */
 #define SS_FEM_STEP_SHARE 0.5
 
 /* ---- the elastic body ---- */
@@ -141,7 +141,7 @@ typedef struct ss_fem_average {
     ss_real *pressure, *change; /* quads, the first lane counts: Pa */
 } ss_fem_average;
 
-/* The stable step: fem_step.c. */
+/* The stable step: fem_stability.c. */
 typedef struct ss_fem_stability {
     ss_real *bound;          /* [block][8]: omega^2 of the element with its share of mass, 1/s^2 */
     double rest_bound;       /* the largest of them */
@@ -149,13 +149,13 @@ typedef struct ss_fem_stability {
     ss_real *mobility;       /* quads, 1/kg */
     ss_real *mode, *product; /* quads: the stiffest motion, and K times it */
     ss_real *rest_mode;
-    ss_real *growth, *ratio;  /* [block][8]: scratch; J */
-    double rate2;             /* of the state at the last look, from above */
-    double seen_strain;       /* then */
-    double strain;            /* largest |2E| since stable_step was called last */
-    int32_t age;              /* calls since the last look */
-    int32_t squeezed, turned; /* elements below the law's floor of J, and inside out */
-    int32_t worst;            /* the element that limits the step, or the one most squeezed; -1 */
+    ss_real *growth, *ratio;     /* [block][8]: scratch; J */
+    double rate2;                /* of the state at the last look, from above */
+    double strain_at_power_step; /* then */
+    double strain;               /* largest |2E| since stable_step was called last */
+    int32_t age;                 /* calls since the last power step */
+    int32_t squeezed, inverted;  /* elements below the law's floor of J, and inside out */
+    int32_t worst; /* the element that limits the step, or the one most squeezed; -1 */
 } ss_fem_stability;
 
 typedef struct ss_fem {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/grasp.h"
-/* Grasps, turns and what contacts share. */
+/* Grasps, rotations and what contacts share. */
 #include <math.h>
 #include <string.h>
 
@@ -98,7 +98,7 @@ uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)
 
 /* ---- tools ---- */
 
-void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_turn[3])
+void ss_tool_rotation(const ss_tool_pose *from, const ss_tool_pose *to, double out_rotation[3])
 {
     const double *a = from->orientation, *b = to->orientation;
     /* Rotation vector of b a*, the short way. */
@@ -108,7 +108,7 @@ void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_t
                          a[0] * b[3] - b[0] * a[3] - b[1] * a[2] + b[2] * a[1]};
     const double sine = ss_norm3(x);
     const double angle = 2.0 * atan2(sine, fabs(w)) * (w < 0.0 ? -1.0 : 1.0);
-    ss_scale3(out_turn, x, sine > 0.0 ? angle / sine : 0.0);
+    ss_scale3(out_rotation, x, sine > 0.0 ? angle / sine : 0.0);
 }
 
 void ss_contact_set_direction(const ss_contact_set *set, const double force[3], double out[3])

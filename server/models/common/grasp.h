@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What tools do alike to every model: the springs of a grasp, a tool's turn over a step, and how a
- * set of contacts shares what the hand is told.
+ * What tools do to every model in the same way: the springs of a grasp, a tool's rotation over a
+ * step, and how a set of contacts shares what the hand is told.
  *
  * Grasp (of one potential with the contact): at the button's press the touched nodes store
  * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
@@ -47,7 +47,7 @@ double ss_grasp_settle(ss_grasp *grasp, bool is_accepted);
 uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed);
 
 /* Rotation vector of the short way from `from` to `to`. */
-void ss_tool_turn(const ss_tool_pose *from, const ss_tool_pose *to, double out_turn[3]);
+void ss_tool_rotation(const ss_tool_pose *from, const ss_tool_pose *to, double out_rotation[3]);
 
 /* The direction in which the tissue pushes the tool with `force`: the first contact's normal where
  * there is only one. `set` has a contact. */

@@ -107,7 +107,7 @@ ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
     }
     tool->from = input->from;
     tool->to = input->to;
-    ss_tool_turn(&tool->from, &tool->to, tool->turn);
+    ss_tool_rotation(&tool->from, &tool->to, tool->rotation);
     if (was_present && memcmp(&tool->from, &tool->pose, sizeof tool->pose) == 0) {
         return SS_TOOL_KEPT;
     }
@@ -158,7 +158,7 @@ double ss_tools_work(const ss_tools *tools)
         if (tool->is_present) {
             double way[3];
             ss_sub3(way, tool->to.position, tool->from.position);
-            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->turn);
+            work -= ss_dot3(tool->force, way) + ss_dot3(tool->torque, tool->rotation);
         }
     }
     return work;

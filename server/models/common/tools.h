@@ -29,7 +29,7 @@ typedef struct ss_tool {
     bool is_present, was_touching;
     ss_tool_pose pose;     /* where the forces below were evaluated */
     ss_tool_pose from, to; /* of the outer step */
-    double turn[3];        /* rotation vector from `from` to `to` */
+    double rotation[3];    /* rotation vector from `from` to `to` */
     ss_grasp grasp;
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */

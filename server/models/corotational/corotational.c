@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/corotational/corotational.h"
-#include "models/common/turned.h"
+#include "models/common/inverted.h"
 /*
  * The model corotational: tetrahedra of linear elasticity that turn with the body (Mueller and
  * Gross, "Interactive virtual materials", 2004), stepped by implicit Euler: stable at any step and
@@ -219,7 +219,7 @@ static void step(ss_model *model, double time, double dt,
 {
     ss_body_step(model->body, time, dt, tool);
     if (model->inverted_count > 0) {
-        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_TURNED_REASON);
+        ss_body_judge(model->body, SOFTSIM_VERDICT_DEGRADED, 0, SS_INVERTED_REASON);
         ss_body_set_worst_element(model->body, model->first_inverted);
     }
 }

@@ -16,8 +16,8 @@
 #include <math.h>
 
 #include "mesh/tetrahedron.h"
+#include "models/common/inverted.h"
 #include "models/common/model_create.h"
-#include "models/common/turned.h"
 #include "rt/memory.h"
 
 struct ss_model {
@@ -25,7 +25,7 @@ struct ss_model {
     ss_arena arena;
     ss_fem *fem;
     ss_fem_material material;
-    ss_turned turned; /* for the linear law, which does not know */
+    ss_inverted inverted; /* for the linear law, which does not know */
 };
 
 static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
@@ -96,7 +96,7 @@ static softsim_status build_on(ss_model *model, const ss_model_plan *plan, doubl
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     ss_body_volume_masses(plan->mesh, model->material.density, true, mass);
     const ss_fem_setup setup = {.mesh = plan->mesh,
                                 .material = &model->material,
@@ -153,19 +153,19 @@ static void step(ss_model *model, double time, double dt,
     ss_body_step(model->body, time, dt, tool);
     ss_fem_judge(model->fem, model->body);
     if (model->material.kind == SS_TISSUE_LINEAR) {
-        ss_body_judge_turned(model->body, &model->turned, false);
+        ss_body_judge_inverted(model->body, &model->inverted, false);
     }
 }
 
 static void reset(ss_model *model)
 {
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
     ss_body_model_reset(model);
 }
 
 static uint64_t hash_state(const ss_model *model, uint64_t seed)
 {
-    return ss_turned_hash(&model->turned, ss_body_model_hash(model, seed));
+    return ss_inverted_hash(&model->inverted, ss_body_model_hash(model, seed));
 }
 
 static void explain(const ss_model *model, const ss_notes *out)

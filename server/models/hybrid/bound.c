@@ -8,17 +8,17 @@
  * all asleep, and with as many awake as may be around a few places of the skin, since the layer's
  * small particles, tied neighbours and the lighter nodes under an awake region each may have the
  * stiffest motion. The quotient x.Kx/x.Mx is below the eigenvalue; its residual is added. While
- * running, every LOOK steps, or when the largest strain |2E| has changed by what the growth rule of
- * common/fem_step.c, 1 + 1.87 |2E|, makes a tenth of omega^2, one more turn at the present state.
- * Half of the step that results is taken. (The paper's eq. (14) is no bound: it is 1.3 to 2.1 times
- * the stable step on three of four meshes.)
+ * running, every POWER_STEP_INTERVAL steps, or when the largest strain |2E| has changed by what the
+ * growth rule of common/fem_stability.c, 1 + 1.87 |2E|, makes a tenth of omega^2, one more step of
+ * it at the present state. Half of the step that results is taken. (The paper's eq. (14) is no
+ * bound: it is 1.3 to 2.1 times the stable step on three of four meshes.)
  */
 #include <math.h>
 #include <string.h>
 
 #include "rt/vec.h"
 
-enum { LOOK = 32, MAX_TURNS = 100, PLACES = 4 };
+enum { POWER_STEP_INTERVAL = 32, MAX_POWER_STEPS = 100, PLACES = 4 };
 #define RESIDUAL      0.02
 #define STRAIN_CHANGE 0.05
 #define STRAIN_GROWTH 1.8661
@@ -43,7 +43,7 @@ static void stir(ss_hybrid *hybrid)
 }
 
 /* mode := M^-1 K mode, normed; returns omega^2 with its residual, 0 when nothing moves. */
-static double turn(ss_hybrid *hybrid, double *out_residual)
+static double power_step(ss_hybrid *hybrid, double *out_residual)
 {
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     const ptrdiff_t count = 4 * (ptrdiff_t)nodes->count;
@@ -76,13 +76,13 @@ static double turn(ss_hybrid *hybrid, double *out_residual)
     return fmax(quotient, 0.0) * (1.0 + *out_residual);
 }
 
-double ss_hybrid_settle_rate(ss_hybrid *hybrid)
+double ss_hybrid_converge_rate(ss_hybrid *hybrid)
 {
     double residual = 1.0;
     double rate2 = 0.0;
     stir(hybrid);
-    for (int k = 0; k < MAX_TURNS && residual > RESIDUAL; ++k) {
-        rate2 = turn(hybrid, &residual);
+    for (int k = 0; k < MAX_POWER_STEPS && residual > RESIDUAL; ++k) {
+        rate2 = power_step(hybrid, &residual);
     }
     return rate2;
 }
@@ -114,11 +114,11 @@ void ss_hybrid_measure(ss_hybrid *hybrid)
     int32_t tried[PLACES];
     hybrid->u = ss_body_read_nodes(hybrid->body)->u;
     ss_hybrid_settle(hybrid);
-    hybrid->rest_rate2 = ss_hybrid_settle_rate(hybrid);
+    hybrid->rest_rate2 = ss_hybrid_converge_rate(hybrid);
     for (int32_t k = 0; k < PLACES && !hybrid->is_all_awake && hybrid->layer->skin_count > 0; ++k) {
         tried[k] = furthest(hybrid, tried, k);
         ss_hybrid_wake_around(hybrid, tried[k]);
-        hybrid->rest_rate2 = fmax(hybrid->rest_rate2, ss_hybrid_settle_rate(hybrid));
+        hybrid->rest_rate2 = fmax(hybrid->rest_rate2, ss_hybrid_converge_rate(hybrid));
         ss_hybrid_settle(hybrid);
     }
     ss_hybrid_forget(hybrid);
@@ -127,7 +127,7 @@ void ss_hybrid_measure(ss_hybrid *hybrid)
 void ss_hybrid_forget(ss_hybrid *hybrid)
 {
     hybrid->rate2 = hybrid->rest_rate2;
-    hybrid->strain = hybrid->seen_strain = 0.0;
+    hybrid->strain = hybrid->strain_at_power_step = 0.0;
     hybrid->age = 0;
     stir(hybrid);
 }
@@ -139,14 +139,15 @@ double ss_hybrid_stable_step(void *owner, const ss_body *body)
     (void)body;
     hybrid->strain = 0.0;
     ++hybrid->age;
-    const double worth = STRAIN_CHANGE * (1.0 + STRAIN_GROWTH * hybrid->seen_strain);
-    if (hybrid->age >= LOOK || fabs(strain - hybrid->seen_strain) > worth) {
+    const double change = STRAIN_CHANGE * (1.0 + STRAIN_GROWTH * hybrid->strain_at_power_step);
+    if (hybrid->age >= POWER_STEP_INTERVAL ||
+        fabs(strain - hybrid->strain_at_power_step) > change) {
         double residual;
-        const double rate2 = turn(hybrid, &residual);
-        const double share = fmax(0.0, 1.0 - residual); /* what is known of a mode still turning */
-        hybrid->rate2 = fmax(share * rate2, hybrid->rest_rate2);
+        const double rate2 = power_step(hybrid, &residual);
+        const double certainty = fmax(0.0, 1.0 - residual); /* of a mode that still changes */
+        hybrid->rate2 = fmax(certainty * rate2, hybrid->rest_rate2);
         hybrid->age = 0;
-        hybrid->seen_strain = strain;
+        hybrid->strain_at_power_step = strain;
     }
     return ss_body_step_limit(hybrid->material.integrator, hybrid->rate2,
                               hybrid->material.viscous_time, hybrid->material.mass_damping);

@@ -441,13 +441,13 @@ static void settle(void *owner)
     ss_hybrid *hybrid = owner;
     ss_hybrid_settle(hybrid);
     ss_hybrid_forget(hybrid);
-    ss_turned_reset(&hybrid->turned);
+    ss_inverted_reset(&hybrid->inverted);
 }
 
 static uint64_t hash_layer(const void *owner, uint64_t seed)
 {
     const ss_hybrid *hybrid = owner;
-    seed = ss_turned_hash(&hybrid->turned, seed);
+    seed = ss_inverted_hash(&hybrid->inverted, seed);
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
@@ -578,7 +578,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     ss_hybrid *hybrid = (ss_hybrid *)model;
     hybrid->mesh = plan->mesh;
-    ss_turned_init(&hybrid->turned, plan->mesh, plan->step);
+    ss_inverted_init(&hybrid->inverted, plan->mesh, plan->step);
     hybrid->law = ss_fem_kernels_get();
     hybrid->kernels = ss_layer_kernels_get();
     const softsim_status status = build_on(hybrid, plan, error);
@@ -616,7 +616,7 @@ static void step(ss_model *model, double time, double dt,
         }
     }
     ss_body_step(hybrid->body, time, dt, tool);
-    ss_body_judge_turned(hybrid->body, &hybrid->turned, false);
+    ss_body_judge_inverted(hybrid->body, &hybrid->inverted, false);
 }
 
 static const ss_real *displacement(const ss_model *model)

@@ -14,7 +14,7 @@
  */
 #include "models/common/body.h"
 #include "models/common/fem_elastic.h"
-#include "models/common/turned.h"
+#include "models/common/inverted.h"
 #include "models/hybrid/layer_kernels.h"
 #include "models/hybrid/point_grid.h"
 #include "models/layer.h"
@@ -85,7 +85,7 @@ typedef struct ss_hybrid {
     double *mass_asleep;       /* kg, by node of the body: while all sleeps */
     double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
 
-    ss_turned turned; /* of the core */
+    ss_inverted inverted; /* of the core */
 
     /* particles */
     ss_hybrid_particle *particle;
@@ -124,8 +124,8 @@ typedef struct ss_hybrid {
     bool was_listed[SOFTSIM_MAX_PROBES];
     int32_t list_age;               /* outer steps */
     int32_t *core_node, core_count; /* mesh nodes that are no skin */
-    int32_t turn;                   /* which sleeping skin nodes are laid next */
-    bool is_turn_due;               /* they were not in this outer step */
+    int32_t lay_batch;              /* which sleeping skin nodes are laid next */
+    bool is_batch_due;              /* they were not in this outer step */
     bool is_skin_old;               /* the body's copy is not `laid` but for what is laid next */
     ss_real *laid;                  /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;       /* quads of mesh nodes: what displacement() returns */
@@ -147,9 +147,10 @@ typedef struct ss_hybrid {
 
     /* step bound */
     ss_real *mode, *product;
-    double rest_rate2;          /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
-    double rate2;               /* omega^2 of the stiffest motion, from above, 1/s^2 */
-    double strain, seen_strain; /* largest |2E| since the last bound, and at the last look */
+    double rest_rate2; /* omega^2 of the stiffest motion at rest, from above, 1/s^2 */
+    double rate2;      /* omega^2 of the stiffest motion, from above, 1/s^2 */
+    double strain,
+        strain_at_power_step; /* largest |2E| since the last bound, and at the last power step */
     int32_t age;
 } ss_hybrid;
 
@@ -226,7 +227,7 @@ bool ss_hybrid_fade_skin(ss_hybrid *hybrid, ss_real step);
 /* ---- bound.c ---- */
 
 /* omega^2 of the stiffest motion at the present state, from above, 1/s^2. */
-double ss_hybrid_settle_rate(ss_hybrid *hybrid);
+double ss_hybrid_converge_rate(ss_hybrid *hybrid);
 /* As before the first step. */
 void ss_hybrid_forget(ss_hybrid *hybrid);
 /* Fills rate2 from the stiffest motions asleep and awake. */

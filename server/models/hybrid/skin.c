@@ -21,7 +21,7 @@
 #include "models/common/wide.h"
 #include "rt/vec.h"
 
-enum { TURNS = 8 };
+enum { LAY_BATCHES = 8 };
 
 /* ---- rows ---- */
 
@@ -87,8 +87,8 @@ static bool is_list_good(const ss_hybrid *hybrid)
 void ss_hybrid_list_skin(ss_hybrid *hybrid)
 {
     const ss_layer *layer = hybrid->layer;
-    hybrid->is_turn_due = true;
-    if (++hybrid->list_age < TURNS && is_list_good(hybrid)) {
+    hybrid->is_batch_due = true;
+    if (++hybrid->list_age < LAY_BATCHES && is_list_good(hybrid)) {
         return;
     }
     hybrid->list_age = hybrid->close_count = hybrid->around_count = 0;
@@ -160,10 +160,10 @@ void ss_hybrid_lay(void *owner, const ss_real *u, ss_real *skin_u)
             lay_node(hybrid, hybrid->close[k], u, skin_u, laid);
         }
     }
-    if (!is_motion && hybrid->is_turn_due) {
-        hybrid->is_turn_due = false;
-        hybrid->turn = (hybrid->turn + 1) % TURNS;
-        for (int32_t s = hybrid->turn; s < hybrid->layer->skin_count; s += TURNS) {
+    if (!is_motion && hybrid->is_batch_due) {
+        hybrid->is_batch_due = false;
+        hybrid->lay_batch = (hybrid->lay_batch + 1) % LAY_BATCHES;
+        for (int32_t s = hybrid->lay_batch; s < hybrid->layer->skin_count; s += LAY_BATCHES) {
             lay_node(hybrid, s, u, skin_u, laid);
         }
     }

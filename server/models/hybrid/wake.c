@@ -548,7 +548,7 @@ void ss_hybrid_settle(ss_hybrid *hybrid)
     }
     memset(hybrid->was_scanned, 0, sizeof hybrid->was_scanned);
     ss_hybrid_show(hybrid, ss_body_read_nodes(hybrid->body)->u, hybrid->laid);
-    hybrid->turn = 0;
+    hybrid->lay_batch = 0;
     hybrid->step_counter = 0;
     hybrid->current_sleep_reach = hybrid->sleep_reach;
     hybrid->is_skin_old = true;

@@ -125,7 +125,7 @@ struct ss_model {
     double *block;    /* A_i: xx yy zz xy yz zx, a node */
     int32_t age;      /* calls of stable_step since the last look */
     double seen_step; /* s, then */
-    ss_turned turned;
+    ss_inverted inverted;
     double stiffness_min, stiffness_max;
 };
 
@@ -288,15 +288,15 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->age = 0;
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
 }
 
 static uint64_t hash_state(const void *owner, uint64_t seed)
 {
     const ss_model *model = owner;
     const uint64_t hash = ss_hash_bytes(seed, &model->age, sizeof model->age);
-    return ss_turned_hash(&model->turned,
-                          ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step));
+    return ss_inverted_hash(&model->inverted,
+                            ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step));
 }
 
 /* ---- set-up ---- */
@@ -494,7 +494,7 @@ static void destroy(ss_model *model)
 static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
     model->is_volume = plan->mesh->tetrahedron_count > 0;
-    ss_turned_init(&model->turned, plan->mesh, plan->step);
+    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     model->damping = plan->param[ROW_MASS_DAMPING].number;
     model->integrator =
         plan->param[ROW_INTEGRATOR].number != 0.0 ? SS_BODY_RK4 : SS_BODY_SYMPLECTIC_EULER;
@@ -528,7 +528,7 @@ static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     ss_body_step(model->body, time, dt, tool);
-    ss_body_judge_turned(model->body, &model->turned, true); /* a model of nodes */
+    ss_body_judge_inverted(model->body, &model->inverted, true); /* a model of nodes */
 }
 
 static void explain(const ss_model *model, const ss_notes *out)

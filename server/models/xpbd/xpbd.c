@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/fem_elastic.h"
+#include "models/common/inverted.h"
 #include "models/common/model_create.h"
-#include "models/common/turned.h"
 #include "models/xpbd/kernels.h"
 /*
  * xpbd: extended position-based dynamics of neo-Hookean tetrahedra in small steps.
@@ -84,7 +84,7 @@ struct ss_model {
     double substep; /* s, as planned */
     double least;   /* J of the most squeezed element in the step */
     double longest; /* s, of the sub-steps in the step */
-    ss_turned turned;
+    ss_inverted inverted;
 };
 
 /* ---- steps ---- */
@@ -140,13 +140,13 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->least = 1.0;
-    ss_turned_reset(&model->turned);
+    ss_inverted_reset(&model->inverted);
     ss_fem_reset(model->fem);
 }
 
 static uint64_t hash_state(const void *owner, uint64_t seed)
 {
-    return ss_turned_hash(&((const ss_model *)owner)->turned, seed);
+    return ss_inverted_hash(&((const ss_model *)owner)->inverted, seed);
 }
 
 static void step(ss_model *model, double time, double dt,
@@ -159,7 +159,7 @@ static void step(ss_model *model, double time, double dt,
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "an element was inside out and is being turned back");
     }
-    ss_body_judge_turned(model->body, &model->turned, false);
+    ss_body_judge_inverted(model->body, &model->inverted, false);
     if (model->longest > ss_fem_rest_step(model->fem)) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "softer than its law: shorter sub-steps would be nearer");
@@ -233,7 +233,7 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return status;
     }
     model->kernels = ss_xpbd_kernels_get();
-    ss_turned_init(&model->turned, mesh, plan->step);
+    ss_inverted_init(&model->inverted, mesh, plan->step);
     /* Stable at any length: the budget makes them longer, not the body slower. */
     model->substep = fmax(plan->param[ROW_SUBSTEP].number, plan->step / plan->max_substeps);
     status = create_body(model, plan, error);

@@ -259,7 +259,7 @@ static void pressure_pushes_along_the_surface(void **state)
 }
 
 /* A load that rises step by step moves the told velocity, which is ahead of the stored one, at
- * once: that is its work, and no energy from nowhere. */
+ * once: that is its work, and no spurious energy. */
 static void a_rising_load_gains_nothing(void **state)
 {
     for (int m = 0; m < 2; ++m) {

@@ -97,7 +97,7 @@ static double growth(double share, int steps, double size, int32_t awake, double
     const ss_body_nodes *nodes = ss_body_read_nodes(hybrid->body);
     /* dt* of this very state: asleep, or with these awake. */
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
-    const double rate2 = ss_hybrid_settle_rate(hybrid);
+    const double rate2 = ss_hybrid_converge_rate(hybrid);
     const double h = share * 2.0 / sqrt(rate2);
     uint64_t seed = 11;
     double drift[3] = {0};

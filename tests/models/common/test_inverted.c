@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "common/chain_fixture.h"
-#include "models/common/turned.h"
+#include "models/common/inverted.h"
 #include "models/tissue_law.h"
 
 static bool has_corner(const ss_mesh *mesh, int32_t t, int32_t node)
@@ -32,27 +32,27 @@ static void a_tetrahedron_is_found_within_its_round(void **state)
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
     for (int p = 0; p < 3; ++p) {
-        ss_turned turned;
-        ss_turned_init(&turned, mesh, period[p]);
+        ss_inverted inverted;
+        ss_inverted_init(&inverted, mesh, period[p]);
         const int most = (int)fmax(1.0, 0.1 / period[p]);
         for (int32_t node = 0; node < mesh->node_count; node += 73) {
             for (int k = 0; k < 7; ++k) { /* from anywhere in its round */
-                assert_int_equal(ss_turned_look(&turned, u), -1);
+                assert_int_equal(ss_inverted_look(&inverted, u), -1);
             }
-            const uint64_t before = ss_turned_hash(&turned, 1);
+            const uint64_t before = ss_inverted_hash(&inverted, 1);
             take_through(mesh, node, 0.1, u);
             int looks = 1;
-            while (ss_turned_look(&turned, u) < 0 && looks <= most) {
+            while (ss_inverted_look(&inverted, u) < 0 && looks <= most) {
                 ++looks;
             }
             assert_true(looks <= most);
-            assert_true(has_corner(mesh, turned.found, node));
-            assert_true(ss_turned_hash(&turned, 1) != before);
+            assert_true(has_corner(mesh, inverted.found, node));
+            assert_true(ss_inverted_hash(&inverted, 1) != before);
             for (int k = 0; k < 3 * most; ++k) { /* without a gap */
-                assert_true(has_corner(mesh, ss_turned_look(&turned, u), node));
+                assert_true(has_corner(mesh, ss_inverted_look(&inverted, u), node));
             }
             take_through(mesh, node, 0.0, u);
-            for (looks = 1; ss_turned_look(&turned, u) >= 0 && looks <= most; ++looks) {
+            for (looks = 1; ss_inverted_look(&inverted, u) >= 0 && looks <= most; ++looks) {
             }
             assert_true(looks <= most);
         }
@@ -60,9 +60,9 @@ static void a_tetrahedron_is_found_within_its_round(void **state)
     ss_memory_free(u);
     ss_mesh_destroy(&mesh);
     mesh = make_plane(4);
-    ss_turned none;
-    ss_turned_init(&none, mesh, 1e-3);
-    assert_int_equal(ss_turned_look(&none, NULL), -1);
+    ss_inverted none;
+    ss_inverted_init(&none, mesh, 1e-3);
+    assert_int_equal(ss_inverted_look(&none, NULL), -1);
     ss_mesh_destroy(&mesh);
 }
 
@@ -72,18 +72,18 @@ static void one_after_the_other_is_said_without_a_gap(void **state)
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
     const int32_t last = mesh->node_count - 1;
-    ss_turned turned;
-    ss_turned_init(&turned, mesh, 1e-3);
+    ss_inverted inverted;
+    ss_inverted_init(&inverted, mesh, 1e-3);
     take_through(mesh, 0, 0.1, u);
     take_through(mesh, last, 0.1, u);
-    while (ss_turned_look(&turned, u) < 0) {
+    while (ss_inverted_look(&inverted, u) < 0) {
     }
-    const int32_t gone = has_corner(mesh, turned.found, 0) ? 0 : last;
+    const int32_t gone = has_corner(mesh, inverted.found, 0) ? 0 : last;
     take_through(mesh, gone, 0.0, u);
     for (int k = 0; k < 400; ++k) {
-        assert_true(ss_turned_look(&turned, u) >= 0);
+        assert_true(ss_inverted_look(&inverted, u) >= 0);
     }
-    assert_true(has_corner(mesh, turned.found, gone == 0 ? last : 0));
+    assert_true(has_corner(mesh, inverted.found, gone == 0 ? last : 0));
     ss_memory_free(u);
     ss_mesh_destroy(&mesh);
 }
@@ -93,16 +93,16 @@ static void steps_alone_say_which_is_next(void **state)
 {
     ss_mesh *mesh = make_box(4, 4, 4, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
-    ss_turned looked, passed;
-    ss_turned_init(&looked, mesh, 1e-3);
-    ss_turned_init(&passed, mesh, 1e-3);
+    ss_inverted looked, passed;
+    ss_inverted_init(&looked, mesh, 1e-3);
+    ss_inverted_init(&passed, mesh, 1e-3);
     for (int k = 0; k < 50; ++k) {
         take_through(mesh, 0, k % 10 == 9 ? 0.1 : 0.0, u);
-        (void)ss_turned_look(&looked, u);
+        (void)ss_inverted_look(&looked, u);
         if (k % 10 == 9) {
-            (void)ss_turned_look(&passed, u);
+            (void)ss_inverted_look(&passed, u);
         } else {
-            ss_turned_pass(&passed);
+            ss_inverted_pass(&passed);
             assert_int_equal(passed.found, -1);
         }
         assert_int_equal(passed.at, looked.at);

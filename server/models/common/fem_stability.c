@@ -9,24 +9,25 @@
  * behind, h < (2/omega)(sqrt(1 + zeta^2) - zeta), zeta = tau omega/2. RK4 has |z| < 2.828 on the
  * imaginary axis and at least 2.615 anywhere left of it.
  *
- * Two looks at omega, one from each side:
+ * omega is bounded in two ways:
  *
  *   power iteration   x := M^-1 K x at the present state. The quotient x.Kx / x.Mx is below
  *                     omega^2; within its residual lies an eigenvalue, the largest or one so near
  *                     that a hundredth more covers it. Their sum is what is reported.
- *   assembled bound   omega^2 <= max_e omega_e^2 when the mass of each node is dealt out to its
+ *   assembled bound   omega^2 <= max_e omega_e^2 when the mass of each node is distributed over its
  *                     elements, here in proportion to V (lambda + 2 mu) |grad N|^2 (Fried 1972).
  *                     omega_e^2 is the largest eigenvalue of the 6 x 6 matrix V C^1/2 B M_e^-1 B^T
  *                     C^1/2, taken from above as tr(A^64)^(1/64). At rest 0.57 to 0.77 of dt*.
  *
- * Steps are half of what is reported: within the bound, too. As the body stretches the bound grows
- * at most as fem_kernels.c (growth) says, which costs nothing to follow for the body as a whole
- * (force sweeps report the largest strain) and one sweep element by element, done only where the
- * first would cost steps; every LOOK steps, or where strains have changed, the power iteration
- * takes one more turn from where it was. With the cure for locking the bound is that of the
- * elements' own part plus that of the nodes' (fem_average.c), exact at rest; where the elements of
- * a node are stretched unlike one another the power iteration alone sees it. The laws of J have no
- * such rule of growth: there, too, it is the power iteration, which looks more often.
+ * Sub-steps take half the reported step, which therefore also satisfies the assembled bound. As the
+ * body stretches the bound grows at most as fem_kernels.c (growth) says, which costs nothing to
+ * follow for the body as a whole (force sweeps report the largest strain) and one sweep element by
+ * element, done only where the first would cost steps; every POWER_STEP_INTERVAL steps, or where
+ * strains have changed, the power iteration takes one more step from where it was. With the cure
+ * for locking the bound is that of the elements' own part plus that of the nodes' (fem_average.c),
+ * exact at rest; where the elements of a node are stretched unlike one another the power iteration
+ * alone sees it. The laws of J have no such rule of growth: there, too, it is the power iteration,
+ * which steps more often.
  *
  * The paper's eq. (14) is no bound: as printed it is 1.02 times dt* on HM2 (softsim-bench paper
  * hybrid has it on four bodies, by four readings).
@@ -38,22 +39,23 @@
 #include "mesh/tetrahedron.h"
 #include "rt/hash.h"
 
-/* Steps between looks at an unchanged body, and at one whose law has no rule of growth. */
-enum { LOOK = 32, LOOK_UNBOUNDED = 4 };
+/* Outer steps between power steps for an unchanged body, and for one whose law has no rule of
+ * growth. */
+enum { POWER_STEP_INTERVAL = 32, POWER_STEP_INTERVAL_NO_RULE = 4 };
 /* Power iterations at rest, and the residual that ends them. */
-enum { MAX_TURNS = 400 };
+enum { MAX_POWER_STEPS = 400 };
 #define RESIDUAL 0.003
 /* What is added for the part that the residual does not know, of omega^2. */
 #define MARGIN 0.01
-/* A change of the largest strain that is worth a look. */
+/* A change of the largest strain that is worth a power step. */
 #define STRAIN_CHANGE 0.05
-/* A bound that costs more than this of omega^2 is looked at element by element. */
-#define WORTH_LOOKING 1.1
+/* A bound that costs more than this of omega^2 is computed again element by element. */
+#define ELEMENT_PASS_RATIO 1.1
 /* Below this |2E| no element is squeezed to the guard's ratio of volumes: (1 - s/sqrt 3)^3 = J0^2.
  */
 #define UNGUARDED_STRAIN 0.43
-/* From here on elements may be turning over: a side of length 0 has |2E| = 1. */
-#define TURNING_STRAIN 0.9
+/* From here on elements may be inverted: a side of length 0 has |2E| = 1. */
+#define INVERSION_STRAIN 0.9
 
 /* ---- the assembled bound ---- */
 
@@ -132,8 +134,9 @@ static double element_geometry(const ss_fem_setup *setup, int32_t e, double grad
     return volume * (setup->volume_share ? setup->volume_share[e] : 1.0);
 }
 
-/* The stiffness that decides an element's share of a node's mass. */
-static double claim(const ss_fem_setup *setup, int32_t e, double volume, const double gradient[3])
+/* The stiffness that decides an element's fraction of a node's mass. */
+static double mass_weight(const ss_fem_setup *setup, int32_t e, double volume,
+                          const double gradient[3])
 {
     const ss_fem_material *material = setup->material;
     return volume * (material->lambda[e] + 2.0 * material->mu[e]) * ss_dot3(gradient, gradient);
@@ -144,11 +147,12 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
 {
     ss_fem_stability *stability = &fem->stability;
     const ss_fem_material *material = setup->material;
-    double most[2] = {0.0, 0.0};
+    double max_rate2[2] = {0.0, 0.0};
     ss_arena scratch = {0};
-    double *claims = ss_arena_get(&scratch, (size_t)setup->node_count, sizeof *claims);
+    double *mass_weight_sum =
+        ss_arena_get(&scratch, (size_t)setup->node_count, sizeof *mass_weight_sum);
     double *shared = ss_arena_get(&scratch, (size_t)setup->node_count, sizeof *shared);
-    if (!claims || !shared ||
+    if (!mass_weight_sum || !shared ||
         (fem->average.modulus && !ss_fem_average_bound(&fem->average, setup, shared))) {
         ss_arena_free(&scratch);
         return false;
@@ -158,7 +162,7 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
         double gradient[4][3];
         const double volume = element_geometry(setup, e, gradient);
         for (int a = 0; a < 4; ++a) {
-            claims[c[a]] += claim(setup, e, volume, gradient[a]);
+            mass_weight_sum[c[a]] += mass_weight(setup, e, volume, gradient[a]);
             fem->diagonal[c[a]] += volume * ss_dot3(gradient[a], gradient[a]) *
                                    (material->lambda[e] + 4.0 * material->mu[e]) / 3.0;
         }
@@ -172,7 +176,8 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
         double gradient[4][3], mass[4], averaged = 0.0;
         const double volume = element_geometry(setup, e, gradient);
         for (int a = 0; a < 4; ++a) {
-            mass[a] = setup->mass[c[a]] * claim(setup, e, volume, gradient[a]) / claims[c[a]];
+            mass[a] = setup->mass[c[a]] * mass_weight(setup, e, volume, gradient[a]) /
+                      mass_weight_sum[c[a]];
             averaged = fmax(averaged, shared[c[a]] / setup->mass[c[a]]);
         }
         const double whole = element_rate2(material->lambda[e], material->mu[e], volume,
@@ -181,13 +186,13 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
                                          (const double(*)[3])gradient, mass);
         stability->bound[k] = (ss_real)whole;
         stability->growth[k] = (ss_real)(own + averaged);
-        most[0] = fmax(most[0], whole);
-        most[1] = fmax(most[1], own + averaged);
+        max_rate2[0] = fmax(max_rate2[0], whole);
+        max_rate2[1] = fmax(max_rate2[1], own + averaged);
     }
-    /* One of the two for all elements: they are two ways of dealing out the same energy. */
-    stability->rest_bound = most[0];
-    if (fem->average.modulus && most[1] < most[0]) {
-        stability->rest_bound = most[1];
+    /* One of the two for all elements: they are two ways of distributing the same energy. */
+    stability->rest_bound = max_rate2[0];
+    if (fem->average.modulus && max_rate2[1] < max_rate2[0]) {
+        stability->rest_bound = max_rate2[1];
         memcpy(stability->bound, stability->growth,
                (size_t)fem->blocks.count * SS_FEM_LANES * sizeof(ss_real));
     }
@@ -206,10 +211,10 @@ static double dot(const ss_fem *fem, const ss_real *x, const ss_real *y)
     return sum;
 }
 
-/* One turn at fem->u: mode := M^-1 K mode, normed; returns omega^2 from above, and the residual
+/* One step at fem->u: mode := M^-1 K mode, normed; returns omega^2 from above, and the residual
  * over it. `mode` has x.Mx = 1 before and after, in units in which nothing over- or underflows:
  * with b the bound at rest, y = (M^-1 K / b) mode. */
-static double turn(ss_fem *fem, double *out_residual)
+static double power_step(ss_fem *fem, double *out_residual)
 {
     ss_fem_stability *s = &fem->stability;
     const ptrdiff_t count = (ptrdiff_t)fem->blocks.node_count * 4;
@@ -238,7 +243,7 @@ static double turn(ss_fem *fem, double *out_residual)
 }
 
 /* Power iteration at rest, from a random start vector. */
-static void settle(ss_fem *fem)
+static void iterate_at_rest(ss_fem *fem)
 {
     ss_fem_stability *s = &fem->stability;
     uint64_t seed = 1;
@@ -258,8 +263,8 @@ static void settle(ss_fem *fem)
         s->mode[k] = (ss_real)((double)s->mode[k] / sqrt(square));
     }
     double rate2 = s->rest_bound;
-    for (int k = 0; k < MAX_TURNS && residual > RESIDUAL; ++k) {
-        rate2 = turn(fem, &residual);
+    for (int k = 0; k < MAX_POWER_STEPS && residual > RESIDUAL; ++k) {
+        rate2 = power_step(fem, &residual);
     }
     s->rest_rate2 = fmin(rate2, s->rest_bound);
     memcpy(s->rest_mode, s->mode, (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
@@ -289,7 +294,7 @@ bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t pad
             s->mobility[4 * (ptrdiff_t)i + k] = is_free ? (ss_real)(1.0 / setup->mass[i]) : 0;
         }
     }
-    settle(fem);
+    iterate_at_rest(fem);
     s->rate2 = s->rest_rate2;
     return true;
 }
@@ -306,8 +311,8 @@ double ss_fem_rest_step(const ss_fem *fem)
 
 /* ---- while running ---- */
 
-/* Every element: the bound, and which are squeezed or turned over. */
-static double look_at_elements(ss_fem *fem)
+/* Every element: the bound, and which are squeezed or inverted. */
+static double bound_by_element(ss_fem *fem)
 {
     ss_fem_stability *s = &fem->stability;
     const ss_fem_pass pass = {.blocks = &fem->blocks,
@@ -319,11 +324,11 @@ static double look_at_elements(ss_fem *fem)
         (ss_real)(fem->kind == SS_TISSUE_NEO_HOOKEAN ? SS_TISSUE_FLOOR : SS_TISSUE_GUARD);
     double largest = 0.0;
     ss_real least = 1;
-    s->squeezed = s->turned = 0;
+    s->squeezed = s->inverted = 0;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)fem->blocks.count * SS_FEM_LANES; ++k) {
         const double bound = (double)s->bound[k] * (double)s->growth[k];
         s->squeezed += s->ratio[k] < floor_ratio && fem->blocks.element[k] >= 0;
-        s->turned += s->ratio[k] <= 0 && fem->blocks.element[k] >= 0;
+        s->inverted += s->ratio[k] <= 0 && fem->blocks.element[k] >= 0;
         if (s->ratio[k] < least && s->ratio[k] < floor_ratio) {
             least = s->ratio[k];
             s->worst = fem->blocks.element[k];
@@ -347,22 +352,22 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
     }
     const bool has_rule = fem->kind == SS_TISSUE_STVK || fem->kind == SS_TISSUE_STVK_GUARDED;
     ++s->age;
-    if (s->age >= (has_rule ? LOOK : LOOK_UNBOUNDED) ||
-        fabs(strain - s->seen_strain) > STRAIN_CHANGE) {
+    if (s->age >= (has_rule ? POWER_STEP_INTERVAL : POWER_STEP_INTERVAL_NO_RULE) ||
+        fabs(strain - s->strain_at_power_step) > STRAIN_CHANGE) {
         double residual;
-        s->rate2 = fmax(turn(fem, &residual), s->rest_rate2);
+        s->rate2 = fmax(power_step(fem, &residual), s->rest_rate2);
         s->age = 0;
-        s->seen_strain = strain;
+        s->strain_at_power_step = strain;
     }
     /* Sub-steps are that share of what is reported: share^2 of the bound is enough. */
     const double share2 = SS_FEM_STEP_SHARE * SS_FEM_STEP_SHARE;
     /* |F|^2 <= 1 + |D|, tr D <= sqrt 3 |D|, so s/(lambda + 2 mu) <= sqrt 3 / 2 |D| */
     double bound = s->rest_bound * (1.0 + 1.8661 * strain);
-    const bool may_turn = strain > TURNING_STRAIN || s->turned > 0;
-    if (may_turn ||
-        (has_rule && (bound > WORTH_LOOKING / share2 * s->rate2 || strain > UNGUARDED_STRAIN))) {
-        const double looked = look_at_elements(fem);
-        bound = has_rule ? looked : bound;
+    const bool may_invert = strain > INVERSION_STRAIN || s->inverted > 0;
+    if (may_invert || (has_rule && (bound > ELEMENT_PASS_RATIO / share2 * s->rate2 ||
+                                    strain > UNGUARDED_STRAIN))) {
+        const double by_element = bound_by_element(fem);
+        bound = has_rule ? by_element : bound;
     } else {
         s->squeezed = 0;
     }
@@ -373,7 +378,7 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
 void ss_fem_judge(const ss_fem *fem, ss_body *body)
 {
     const ss_fem_stability *s = &fem->stability;
-    if (s->turned > 0) {
+    if (s->inverted > 0) {
         const bool is_stuck = fem->kind == SS_TISSUE_STVK;
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
                       is_stuck ? "elements are turned inside out, and stvk may keep them so: "
@@ -396,9 +401,9 @@ void ss_fem_reset(void *owner)
     ss_fem_stability *s = &fem->stability;
     memcpy(s->mode, s->rest_mode, (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
     s->rate2 = s->rest_rate2;
-    s->seen_strain = s->strain = 0.0;
+    s->strain_at_power_step = s->strain = 0.0;
     s->age = 0;
-    s->squeezed = s->turned = 0;
+    s->squeezed = s->inverted = 0;
 }
 
 uint64_t ss_fem_hash(const void *owner, uint64_t seed)

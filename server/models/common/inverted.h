@@ -17,25 +17,25 @@
 #include "mesh/mesh.h"
 #include "rt/real.h"
 
-#define SS_TURNED_REASON "tetrahedra are turned inside out"
+#define SS_INVERTED_REASON "tetrahedra are turned inside out"
 
-typedef struct ss_turned {
+typedef struct ss_inverted {
     const ss_mesh *mesh; /* borrowed; volumes at rest are above 0 */
     int32_t share;       /* tetrahedra a step */
     /* state */
     int32_t at;    /* the next to look at */
     int32_t found; /* the last that was inside out, -1 none in a whole round */
     int32_t clean; /* looked at since one was */
-} ss_turned;
+} ss_inverted;
 
 /* For outer steps of `step` s; a mesh without tetrahedra has none inside out. Thread: set-up
  * only. */
-void ss_turned_init(ss_turned *turned, const ss_mesh *mesh, double step);
-void ss_turned_reset(ss_turned *turned);
+void ss_inverted_init(ss_inverted *inverted, const ss_mesh *mesh, double step);
+void ss_inverted_reset(ss_inverted *inverted);
 /* One step's share at displacements `u` (4 a node of the mesh); a tetrahedron to name, or -1.
  * RT-safe. */
-int32_t ss_turned_look(ss_turned *turned, const ss_real *u);
+int32_t ss_inverted_look(ss_inverted *inverted, const ss_real *u);
 /* Instead of a look, in a step of which something else tells that none is inside out. RT-safe. */
-void ss_turned_pass(ss_turned *turned);
+void ss_inverted_pass(ss_inverted *inverted);
 /* Of what the steps so far do not tell by their number. */
-uint64_t ss_turned_hash(const ss_turned *turned, uint64_t seed);
+uint64_t ss_inverted_hash(const ss_inverted *inverted, uint64_t seed);
