@@ -53,10 +53,31 @@ static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
     assert_false(say(&senders, 1, now_ns));
-    for (int i = 0; i < BURST; ++i) {
+    for (int i = 0; i < BURST + SS_ENTRY; ++i) {
         assert_true(say(&senders, NEWCOMER, now_ns));
     }
     assert_false(say(&senders, NEWCOMER, now_ns));
+}
+
+static void a_newcomer_is_heard_beside_more_busy_senders_than_places(void **state)
+{
+    static const int counts[] = {SS_SENDERS + 1, SS_SENDERS + 4, 3 * SS_SENDERS,
+                                 SS_SENDERS + SS_PAST_SENDERS};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
+        ss_senders senders = ss_senders_make(PER_S, BURST);
+        int64_t now_ns = keep_busy(&senders, counts[k]);
+        for (int i = 0; i < SS_ENTRY; ++i) {
+            assert_true(say(&senders, NEWCOMER, now_ns));
+        }
+        /* And then as often as anybody. */
+        for (int i = 0; i < 20; ++i) {
+            now_ns += 1000 * MS / PER_S;
+            for (uint64_t s = 1; s <= (uint64_t)counts[k]; ++s) {
+                say(&senders, s, now_ns);
+            }
+            assert_true(say(&senders, NEWCOMER, now_ns));
+        }
+    }
 }
 
 static void all_without_a_place_share_one_budget(void **state)
@@ -67,7 +88,22 @@ static void all_without_a_place_share_one_budget(void **state)
     for (uint64_t s = NEWCOMER; s < NEWCOMER + 1000; ++s) {
         heard += say(&senders, s, now_ns);
     }
-    assert_int_equal(heard, BURST);
+    /* And one each in the places of those who are over theirs. */
+    assert_int_equal(heard, BURST + SS_SENDERS);
+}
+
+/* Who says all he may and goes on under another number gets no more than the places allow. */
+static void senders_of_many_numbers_are_bounded_together(void **state)
+{
+    ss_senders senders = ss_senders_make(PER_S, BURST);
+    const int64_t start_ns = keep_busy(&senders, SS_SENDERS);
+    const int seconds = 3;
+    int64_t heard = 0;
+    for (int i = 0; i < seconds * 100 * PER_S; ++i) {
+        heard += say(&senders, NEWCOMER + (uint64_t)i / (SS_ENTRY + 1),
+                     start_ns + i * 1000 * MS / (100 * PER_S));
+    }
+    assert_true(heard <= (int64_t)(SS_SENDERS + 1 + SS_ENTRY) * (BURST + seconds * PER_S));
 }
 
 static void a_place_is_taken_only_when_its_budget_is_full(void **state)
@@ -88,7 +124,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_has_a_budget_of_its_own),
         cmocka_unit_test(a_newcomer_is_heard_where_all_places_are_busy),
+        cmocka_unit_test(a_newcomer_is_heard_beside_more_busy_senders_than_places),
         cmocka_unit_test(all_without_a_place_share_one_budget),
+        cmocka_unit_test(senders_of_many_numbers_are_bounded_together),
         cmocka_unit_test(a_place_is_taken_only_when_its_budget_is_full),
     };
     return cmocka_run_group_tests_name("senders", tests, NULL, NULL);
