@@ -14,6 +14,7 @@
 #include "rt/clock.h"
 #include "rt/files.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 
 #include <errno.h>
@@ -31,7 +32,7 @@
 
 extern char **environ;
 
-enum { MAX_WALL_S = 60, MAX_TEXT = 1024 };
+enum { MAX_WALL_S = 60, MAX_TEXT = PATH_MAX + 1024 };
 
 typedef struct buffer {
     char *data;
@@ -102,6 +103,12 @@ static int find_program(const char *given, char out[PATH_MAX])
     return ENOENT;
 }
 
+/* A path that begins with '-' must not look like an option. */
+static const char *dash_guard(const char *path)
+{
+    return path[0] == '-' ? "./" : "";
+}
+
 /* Starts it with /dev/null as stdin and pipes for the rest; our ends close on exec. Returns 0 or
  * an errno value. */
 static int start_program(const char *program, const char *path, pid_t *out_pid, int out_fd[2])
@@ -134,9 +141,8 @@ static int start_program(const char *program, const char *path, pid_t *out_pid, 
     (void)posix_spawnattr_setsigdefault(&attributes, &defaults);
     (void)posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
 
-    /* A path that begins with '-' must not look like an option. */
     char safe_path[PATH_MAX + 2];
-    (void)snprintf(safe_path, sizeof safe_path, "%s%s", path[0] == '-' ? "./" : "", path);
+    (void)snprintf(safe_path, sizeof safe_path, "%s%s", dash_guard(path), path);
     char program_name[] = "softsim-import";
     char *const arguments[] = {program_name, safe_path, NULL};
     const int reason = posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
@@ -259,11 +265,18 @@ static softsim_status refuse(import *im, const char *what)
     return SOFTSIM_ERROR_FORMAT;
 }
 
-/* The first line of what it said. */
+/* The first line of what it said, from the ':' behind its name and the file's. */
 static const char *first_line(import *im)
 {
+    char place[MAX_TEXT];
     im->text[im->text_size] = '\0';
     im->text[strcspn(im->text, "\r\n")] = '\0';
+    (void)snprintf(place, sizeof place, SS_IMPORT_NAME "%s%s", dash_guard(im->path), im->path);
+    ss_plain_clean(place);
+    const size_t length = strlen(place);
+    if (strncmp(im->text, place, length) == 0) {
+        return im->text + length;
+    }
     return im->text[0] != '\0' ? im->text : "the importer gave no reason";
 }
 
@@ -283,7 +296,6 @@ static softsim_status judge(import *im, bool is_complete, int status)
         return refuse(im, "the importer crashed on it, it is damaged");
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-        /* A line that starts with ':' has a line number first. */
         const char *line = first_line(im);
         softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT, "%s%s%s", im->path,
                           line[0] == ':' ? "" : ": ", line);

@@ -6,11 +6,13 @@
  * file's unit), then the faces as node numbers from 0 (int32), three for each of triangle_count or
  * four for each of quad_count, in the machine's own byte order, and nothing else. Quads when all
  * the file's faces are quads, else triangles, of which cut_face_count faces of more corners were
- * made. On failure: nothing there, one line on stderr, exit status 2.
+ * made. On failure: nothing there, one line on stderr ("softsim-import: FILE: what is wrong", with
+ * the line number behind FILE where there is one), exit status 2.
  */
 #include <stdint.h>
 
 #define SS_IMPORT_MAGIC "softsim3"
+#define SS_IMPORT_NAME  "softsim-import: "
 
 typedef struct ss_import_header {
     char magic[8];

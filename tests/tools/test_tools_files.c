@@ -112,6 +112,37 @@ static void a_pipe_is_refused_as_any_input(void **state)
 
 /* Opening one waits for a reader; a device may do something. What a shell has opened is another
  * matter. */
+/* By hand too; the other programs put their own name before it. */
+static void the_importer_says_its_name_and_the_file(void **state)
+{
+    static const struct {
+        const char *name, *text, *says;
+    } bad[] = {
+        {"none.obj", NULL, "softsim-import: none.obj: cannot read it"},
+        {"short.obj", "v 0 0 0\nv 0 0\n", "softsim-import: short.obj:2: "},
+        {"garbage.ply", "ply\n", "softsim-import: garbage.ply: "},
+    };
+    char out[4096], command[256];
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        if (bad[i].text != NULL) {
+            write_text(bad[i].name, bad[i].text);
+        }
+        (void)snprintf(command, sizeof command, "(" BIN_DIR "/softsim-import %s >answer)",
+                       bad[i].name);
+        assert_int_equal(run(command, out, sizeof out), 2);
+        if (strstr(out, bad[i].says) != out) {
+            fail_msg("%s: %s", bad[i].name, out);
+        }
+        if (!has_program("softsim-mesh")) {
+            continue;
+        }
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-mesh info %s", bad[i].name);
+        assert_int_equal(run(command, out, sizeof out), 2);
+        assert_null(strstr(out, "softsim-import"));
+        assert_non_null(strstr(out, bad[i].name));
+    }
+}
+
 static void a_pipe_is_refused_as_any_output(void **state)
 {
     static const struct {
@@ -322,6 +353,7 @@ int main(void)
         cmocka_unit_test(standard_output_may_be_a_file),
         cmocka_unit_test(devices_may_be_written_twice),
         cmocka_unit_test(a_pipe_is_refused_as_any_input),
+        cmocka_unit_test(the_importer_says_its_name_and_the_file),
         cmocka_unit_test(a_pipe_is_refused_as_any_output),
         cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
         cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),

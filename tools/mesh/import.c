@@ -264,9 +264,10 @@ static bool write_surface(const surface *s, FILE *out)
            fwrite(s->node, sizeof *s->node, corner_count, out) == corner_count && fflush(out) == 0;
 }
 
-static int fail(const char *what)
+/* `what` begins with ':' where it has a line number first. */
+static int fail(const char *path, const char *what)
 {
-    ss_plain_print(stderr, "%s\n", what);
+    ss_plain_print(stderr, SS_IMPORT_NAME "%s%s%s\n", path, what[0] == ':' ? "" : ": ", what);
     return 2;
 }
 
@@ -328,7 +329,7 @@ static const char *read_surface(const char *path, surface *s)
 static int convert(const char *path)
 {
     if (isatty(STDOUT_FILENO)) {
-        return fail("softsim-import writes binary data: use softsim-mesh info FILE");
+        return fail(path, "the answer is binary data: use softsim-mesh info FILE");
     }
     set_limits();
 
@@ -340,7 +341,7 @@ static int convert(const char *path)
     if (problem == NULL && !write_surface(&s, out)) {
         problem = "cannot write to stdout";
     }
-    return problem != NULL ? fail(problem) : 0;
+    return problem != NULL ? fail(path, problem) : 0;
 }
 
 int main(int argc, char **argv)
