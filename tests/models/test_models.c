@@ -249,7 +249,7 @@ static void what_cannot_be_is_refused_and_named(void **state)
                {load_outside, "100000"},
                {pressure_without_triangles, "no triangle"},
                {soft_contact, "rho at node"},
-               {prescribed_and_fixed, "fixed or driven already"},
+               {prescribed_and_fixed, "fixed or prescribed already"},
                {volume_on_a_surface, "needs a mesh of tetrahedra"},
                {volume_rows_on_a_surface, "density_kg_m3 does not go with domain: surface; give "
                                           "area_density_kg_m2"},

@@ -239,7 +239,7 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
     if (clash.count > 0) {
         softsim_error_add(check->error, SOFTSIM_ERROR_SCENE,
                           "%s: prescribed set %d drives %d nodes (first %s) along axes that are "
-                          "fixed or driven already",
+                          "fixed or prescribed already",
                           check->name, which, clash.count, clash.text);
     }
     if (!isfinite(set->from) || !(set->ramp >= 0.0)) {

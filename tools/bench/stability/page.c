@@ -365,8 +365,9 @@ static void put_words(const ss_stability *list, ss_page *page)
               "(0), probe (1), prescribed top (2).");
     ss_page_text(page,
                  "Contradictions: 0 everything fixed and pushed; 1 fixed nodes put elsewhere; 2 "
-                 "two places for one node; 3 a load on fixed nodes; 4 a load on driven nodes; 5 "
-                 "every node driven; 6 two sets for different axes (no contradiction); 7 two sets "
+                 "two places for one node; 3 a load on fixed nodes; 4 a load on prescribed "
+                 "nodes; 5 every node prescribed; 6 two sets for different axes (no "
+                 "contradiction); 7 two sets "
                  "for one axis; 8 a tool inside the body from the start; 9 a tool pushed through "
                  "the fixed bottom; 10 a body held by one node.");
     ss_page_text(page,

@@ -285,7 +285,7 @@ static void command(runner *r, double time_s)
     for (int32_t n = ss_stress_case_commands(&r->plan, time_s, r->period_s); n > 0; --n) {
         ss_command_record record;
         char text[128];
-        ss_world_command((ss_world *)r->world, r->commands++ % 2 == 0 ? "pause" : "resume", "",
+        ss_world_command(ss_world_of(r->world), r->commands++ % 2 == 0 ? "pause" : "resume", "",
                          &record, text, (int32_t)sizeof text);
     }
 }

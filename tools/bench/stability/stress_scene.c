@@ -164,11 +164,11 @@ static void contradict(ss_stress_case_plan *plan)
     case 3: /* a load on fixed nodes alone */
         add_load(plan, 0, SS_SPECIMEN_LAYER, force);
         break;
-    case 4: /* a load on nodes that are driven */
+    case 4: /* a load on prescribed nodes */
         drive_top(plan, 0.0, -0.005);
         add_load(plan, SS_SPECIMEN_TOP, SS_SPECIMEN_LAYER, force);
         break;
-    case 5: /* every node is driven, as a rigid body */
+    case 5: /* every node is prescribed, as a rigid body */
         add_text(plan, "prescribed:\n");
         add_places(plan, SS_SPECIMEN_LAYER, SS_SPECIMEN_NODES - SS_SPECIMEN_LAYER, up, "xyz");
         plan->drive = SS_STRESS_CASE_PLACES;
