@@ -15,6 +15,11 @@ softsim_config softsim_default_config(void)
     return (softsim_config){.cookie = CONFIG_COOKIE, .threads = 1};
 }
 
+ss_world *ss_world_of(softsim_world *world)
+{
+    return (ss_world *)world;
+}
+
 softsim_world *softsim_create(const char *scene_path, const softsim_config *config,
                               softsim_error *error)
 {
@@ -40,7 +45,7 @@ softsim_world *softsim_create(const char *scene_path, const softsim_config *conf
 
 void softsim_destroy(softsim_world **world)
 {
-    ss_world *inner = (ss_world *)*world;
+    ss_world *inner = ss_world_of(*world);
     if (!inner) {
         return;
     }
@@ -61,7 +66,7 @@ softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, con
         ss_gate_normalize(&normal[i]);
     }
     const softsim_refusal refusal =
-        ss_world_lockstep((ss_world *)world, normal, channel, count, out_force);
+        ss_world_lockstep(ss_world_of(world), normal, channel, count, out_force);
     ss_thread_restore_denormals(denormals);
     return refusal;
 }
@@ -69,7 +74,7 @@ softsim_refusal softsim_tick(softsim_world *world, const softsim_pose *pose, con
 void softsim_read(softsim_world *public_world, softsim_state *out_state)
 {
     const uint64_t denormals = ss_thread_flush_denormals();
-    ss_world *world = (ss_world *)public_world;
+    ss_world *world = ss_world_of(public_world);
     ss_world_settle(world);
     ss_model_info info;
     ss_gate_counts counts;
@@ -114,7 +119,7 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
 void softsim_read_nodes(softsim_world *public_world, double (*out_position)[3],
                         double (*out_displacement)[3], double (*out_velocity)[3])
 {
-    ss_world *world = (ss_world *)public_world;
+    ss_world *world = ss_world_of(public_world);
     ss_world_settle(world);
     const ss_mesh *mesh = world->scene->mesh;
     const ss_real *u = world->model_class->displacement(world->model);
@@ -185,7 +190,7 @@ static void read_reaction(ss_world *world, int32_t entry, double out_force[3])
 
 void softsim_read_reaction(softsim_world *public_world, int32_t entry, double out_force[3])
 {
-    ss_world *world = (ss_world *)public_world;
+    ss_world *world = ss_world_of(public_world);
     const uint64_t denormals = ss_thread_flush_denormals();
     ss_world_settle(world);
     read_reaction(world, entry, out_force);
@@ -195,7 +200,7 @@ void softsim_read_reaction(softsim_world *public_world, int32_t entry, double ou
 uint64_t softsim_hash(softsim_world *world)
 {
     const uint64_t denormals = ss_thread_flush_denormals();
-    const uint64_t hash = ss_world_hash((ss_world *)world);
+    const uint64_t hash = ss_world_hash(ss_world_of(world));
     ss_thread_restore_denormals(denormals);
     return hash;
 }

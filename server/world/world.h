@@ -184,6 +184,8 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
                                softsim_error *error);
 void ss_world_destroy(ss_world **world);
 
+/* The world behind the public handle, for programs of this tree that look deeper. Thread: any. */
+ss_world *ss_world_of(softsim_world *world);
 /* What the model is planned from, all but its step. Thread: set-up only. */
 ss_model_plan ss_world_plan(const ss_world *world);
 /* The plan, a note per fact: what the scene uses, what is left out, what the model doubts, bytes,

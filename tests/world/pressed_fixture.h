@@ -26,7 +26,7 @@ static inline ss_world *make_scene(const char *scene, const char *const *set, in
     if (world == NULL) {
         fail_msg("%s", error.text);
     }
-    return (ss_world *)world;
+    return ss_world_of(world);
 }
 
 static inline void destroy(ss_world *world)

@@ -66,7 +66,7 @@ enum { HELD = 1000, MOVED = 1200, RESUMED = 1300 };
 static visited come_inside(const visit *v)
 {
     softsim_world *world = make_world(v->b, LIMIT);
-    const ss_world_probe *probe = &((ss_world *)world)->probe[0];
+    const ss_world_probe *probe = &ss_world_of(world)->probe[0];
     visited out = {.rise = 0.0};
     softsim_state state;
     double last = 0.0;
@@ -84,11 +84,11 @@ static visited come_inside(const visit *v)
         softsim_force force;
         if (v->way == LOCKSTEP) {
             if (name) {
-                command((ss_world *)world, name);
+                command(ss_world_of(world), name);
             }
             force = feel(world, &pose);
         } else {
-            force = turn((ss_world *)world, v->way, &pose, name, &late);
+            force = turn(ss_world_of(world), v->way, &pose, name, &late);
         }
         const double size = ss_norm3(force.force);
         if (n > RESUMED) {
@@ -241,7 +241,7 @@ static escape pull_out(const char *scene, int stay)
     }
     double touch[3], in[3];
     escape out = {.most = 0.0};
-    find_touch((const ss_world *)world, touch, in);
+    find_touch(ss_world_of(world), touch, in);
     for (int n = 0; n < stay + 100; ++n) {
         const double depth = 0.006 - 0.002 * (n > stay ? n - stay : 0);
         double x[3];
@@ -356,7 +356,7 @@ static void a_tool_without_a_place_is_told(void **state)
 static void a_place_is_looked_for_ever_less_often(void **state)
 {
     softsim_world *world = make_hollow(26.0);
-    const ss_world_probe *probe = &((ss_world *)world)->probe[0];
+    const ss_world_probe *probe = &ss_world_of(world)->probe[0];
     int looks = 0, n = 0, came = 0;
     int64_t last = 0;
     for (; n < 2500; ++n) {
@@ -416,7 +416,7 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
     }
     assert_true((most > 0.0) == has_touched);
     if (is_reset) {
-        command((ss_world *)world, "reset");
+        command(ss_world_of(world), "reset");
     }
     for (int n = 0; n < (is_reset ? 600 : 1000); ++n) {
         softsim_tick(world, NULL, NULL, 0, force);

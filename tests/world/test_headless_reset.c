@@ -100,11 +100,11 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
         softsim_force force;
         if (way == LOCKSTEP) {
             if (is_due) {
-                command((ss_world *)world, name[k % 2]);
+                command(ss_world_of(world), name[k % 2]);
             }
             force = feel(world, &pose);
         } else {
-            force = turn((ss_world *)world, way, &pose, is_due ? name[k % 2] : NULL, &late);
+            force = turn(ss_world_of(world), way, &pose, is_due ? name[k % 2] : NULL, &late);
         }
         judge_tick(&j, &force, n < HELD_TICK);
     }

@@ -197,7 +197,7 @@ static softsim_status open_poses(run *r, softsim_error *error)
 
 static const ss_scene *scene_of(const run *r)
 {
-    return ((const ss_world *)r->world)->scene; /* it is one: world/softsim.c */
+    return ss_world_of(r->world)->scene;
 }
 
 static void write_row(run *r, const softsim_force force[SOFTSIM_MAX_PROBES])

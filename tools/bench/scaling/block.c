@@ -181,8 +181,7 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
         softsim_read(world, &state);
         out->nodes = state.node_count;
         out->memory_mb = 1e-6 * (double)ss_memory_in_use();
-        ss_world_explain((const ss_world *)world,
-                         &(const ss_notes){take_solver, out}); /* it is one: world/softsim.c */
+        ss_world_explain(ss_world_of(world), &(const ss_notes){take_solver, out});
         play(world, out, &tick_us);
         softsim_destroy(&world);
     }
