@@ -30,7 +30,8 @@
 
 enum { MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000 };
 static const double quick_cpu_s = 3.0, full_cpu_s = 180.0;
-static const char standard_folder[] = "tests/reference";
+/* Here, or in a folder above the program: of the source tree it was built in. */
+static const char *const standard[] = {"tests/reference", NULL};
 
 /* ---- options ---- */
 
@@ -148,12 +149,13 @@ static int by_name(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-/* Every folder of `parent` with a case.yaml. */
-static void find_cases(ss_accuracy *r, const char *parent)
+/* Every folder of `parent` with a case.yaml; true when there was one. */
+static bool find_cases(void *context, const char *parent)
 {
+    ss_accuracy *r = context;
     DIR *folder = opendir(parent);
     if (folder == NULL) {
-        return;
+        return false;
     }
     for (const struct dirent *at = readdir(folder); at != NULL; at = readdir(folder)) {
         char path[SS_CASE_PATH + 300];
@@ -165,22 +167,7 @@ static void find_cases(ss_accuracy *r, const char *parent)
     }
     closedir(folder);
     qsort(r->found, (size_t)r->found_count, sizeof r->found[0], by_name);
-}
-
-/* tests/reference here, or in a folder above the program: of the source tree it was built in. */
-static void find_standard_cases(ss_accuracy *r)
-{
-    char own[SS_CASE_PATH], path[SS_CASE_PATH + 32];
-    find_cases(r, standard_folder);
-    if (r->found_count > 0 || !ss_child_own_folder(own, sizeof own)) {
-        return;
-    }
-    for (char *slash = own + strlen(own); slash != NULL && r->found_count == 0;
-         slash = strrchr(own, '/')) {
-        *slash = '\0';
-        snprintf(path, sizeof path, "%s/%s", own, standard_folder);
-        find_cases(r, path);
-    }
+    return r->found_count > 0;
 }
 
 /* The scene as a case of the report's own. */
@@ -255,13 +242,13 @@ static softsim_status load_cases(ss_accuracy *r, softsim_error *error)
             return status;
         }
     } else if (r->o.cases.count == 0) {
-        find_standard_cases(r);
+        ss_child_look_above(standard, find_cases, r);
     }
     const int32_t count = r->o.cases.count > 0 ? r->o.cases.count : r->found_count;
     if (count == 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "no %s with reference problems is near; name them with --case DIR",
-                          standard_folder);
+                          standard[0]);
         return SOFTSIM_ERROR_ARGUMENT;
     }
     r->plan.c = calloc((size_t)count, sizeof *r->plan.c);

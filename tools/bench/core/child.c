@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -203,4 +204,22 @@ bool ss_child_own_folder(char *out, int size)
     }
     *slash = '\0';
     return true;
+}
+
+void ss_child_look_above(const char *const place[], bool (*take)(void *context, const char *folder),
+                         void *context)
+{
+    char own[PATH_MAX], folder[PATH_MAX + 64];
+    if (take(context, place[0]) || !ss_child_own_folder(own, sizeof own)) {
+        return;
+    }
+    for (char *slash = own + strlen(own); slash != NULL; slash = strrchr(own, '/')) {
+        *slash = '\0';
+        for (int32_t i = 0; place[i] != NULL; ++i) {
+            snprintf(folder, sizeof folder, "%s/%s", own, place[i]);
+            if (take(context, folder)) {
+                return;
+            }
+        }
+    }
 }

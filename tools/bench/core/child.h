@@ -40,3 +40,7 @@ int ss_child_stop(ss_child *child, double grace_s);
 int ss_child_run(const ss_child_plan *plan, double timeout_s);
 /* The folder that this program's executable is in, with no slash at the end. */
 bool ss_child_own_folder(char *out, int size);
+/* Looks for a folder of the source tree, or of what was installed: hands `take` place[0], then
+ * every one of place[] (up to NULL) below each folder above this program, until it returns true. */
+void ss_child_look_above(const char *const place[], bool (*take)(void *context, const char *folder),
+                         void *context);

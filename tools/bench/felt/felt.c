@@ -467,8 +467,9 @@ static void add_scene(report *r, const char *path)
 }
 
 /* Every scene of a folder; true when there was one. */
-static bool add_folder(report *r, const char *folder)
+static bool add_folder(void *context, const char *folder)
 {
+    report *r = context;
     char pattern[PATH_SIZE];
     glob_t found;
     snprintf(pattern, sizeof pattern, "%s/*.yaml", folder);
@@ -483,24 +484,7 @@ static bool add_folder(report *r, const char *folder)
 }
 
 /* The bundled ones: of the source tree here or above the program, or as installed beside it. */
-static void add_bundled(report *r)
-{
-    char own[PATH_SIZE - 64], folder[PATH_SIZE];
-    if (add_folder(r, "server/scenes") || !ss_child_own_folder(own, sizeof own)) {
-        return;
-    }
-    for (char *slash = own + strlen(own); slash != NULL; slash = strrchr(own, '/')) {
-        *slash = '\0';
-        snprintf(folder, sizeof folder, "%s/server/scenes", own);
-        if (add_folder(r, folder)) {
-            return;
-        }
-        snprintf(folder, sizeof folder, "%s/share/softsim/scenes", own);
-        if (add_folder(r, folder)) {
-            return;
-        }
-    }
-}
+static const char *const bundled[] = {"server/scenes", "share/softsim/scenes", NULL};
 
 /* Numbers with commas between them; -1 when one is none, or out of range. */
 static int32_t parse_numbers(const char *text, double low, double high, int32_t most, double *out)
@@ -592,7 +576,7 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     }
     if (r->scene_count == 0) {
         r->is_bundled = true;
-        add_bundled(r);
+        ss_child_look_above(bundled, add_folder, r);
     }
     if (r->scene_count == 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
