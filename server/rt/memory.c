@@ -13,7 +13,8 @@
 
 enum { ALIGNMENT = 64 };
 
-/* A statistic: nothing is ordered by it, hence relaxed everywhere. */
+/* Of the process, as its memory is: who frees a block need not know who asked for it. A statistic:
+ * nothing is ordered by it, hence relaxed everywhere. */
 static atomic_int_least64_t bytes_in_use;
 
 void *ss_memory_get(size_t count, size_t size)

@@ -20,16 +20,17 @@
 
 static const int64_t terminal_ns = 1000000000, plain_ns = 10000000000, redraw_ns = 100000000;
 
-/* All of it under `lock`. */
+/* Of the process, as its stderr is: a library that reads a file says what it is at without knowing
+ * who asked. All of it under `lock`. */
 static struct {
+    pthread_mutex_t lock;
+    pthread_cond_t changed; /* on the monotonic clock */
     bool has_begun, has_stage, is_ending, is_terminal;
     char program[32], stage[160];
     int descriptor;
     int64_t begun_ns, shown_ns;
     pthread_t thread;
-} progress;
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static pthread_cond_t changed; /* on the monotonic clock */
+} progress = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 /* stderr, opened once more where that is a pipe or a terminal, so that writing to it does not wait
  * and those who share it go on as they were. */
@@ -67,18 +68,18 @@ static void show(void)
 
 static void *watch(void *unused)
 {
-    pthread_mutex_lock(&lock);
+    pthread_mutex_lock(&progress.lock);
     while (!progress.is_ending) {
         const int64_t period_ns = progress.is_terminal ? terminal_ns : plain_ns;
         const int64_t due_ns = progress.shown_ns + period_ns;
         const struct timespec due = {.tv_sec = (time_t)(due_ns / 1000000000),
                                      .tv_nsec = (long)(due_ns % 1000000000)};
-        pthread_cond_timedwait(&changed, &lock, &due);
+        pthread_cond_timedwait(&progress.changed, &progress.lock, &due);
         if (!progress.is_ending && ss_clock_now_ns() - progress.shown_ns >= period_ns) {
             show();
         }
     }
-    pthread_mutex_unlock(&lock);
+    pthread_mutex_unlock(&progress.lock);
     return unused;
 }
 
@@ -101,7 +102,7 @@ void ss_progress_begin(const char *program, const char *format, ...)
     pthread_condattr_t clock;
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
-    pthread_cond_init(&changed, &clock);
+    pthread_cond_init(&progress.changed, &clock);
     pthread_condattr_destroy(&clock);
     sigset_t all, before; /* signals are the main thread's */
     sigfillset(&all);
@@ -118,14 +119,14 @@ static void name_stage(bool is_part, const char *format, va_list arguments)
     if (!progress.has_begun || (is_part && progress.has_stage)) {
         return;
     }
-    pthread_mutex_lock(&lock);
+    pthread_mutex_lock(&progress.lock);
     progress.has_stage = !is_part;
     vsnprintf(progress.stage, sizeof progress.stage, format, arguments);
     ss_plain_clean(progress.stage);
     if (progress.is_terminal && ss_clock_now_ns() - progress.shown_ns >= redraw_ns) {
         show();
     }
-    pthread_mutex_unlock(&lock);
+    pthread_mutex_unlock(&progress.lock);
 }
 
 void ss_progress_stage(const char *format, ...)
@@ -149,12 +150,12 @@ void ss_progress_end(void)
     if (!progress.has_begun) {
         return;
     }
-    pthread_mutex_lock(&lock);
+    pthread_mutex_lock(&progress.lock);
     progress.is_ending = true;
-    pthread_cond_signal(&changed);
-    pthread_mutex_unlock(&lock);
+    pthread_cond_signal(&progress.changed);
+    pthread_mutex_unlock(&progress.lock);
     pthread_join(progress.thread, NULL);
-    pthread_cond_destroy(&changed);
+    pthread_cond_destroy(&progress.changed);
     if (progress.is_terminal) {
         put("\r\033[K");
     }
