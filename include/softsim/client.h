@@ -10,7 +10,11 @@
  * only when they answer this client's own sender number and come from one server. Messages are
  * handled by callbacks from softsim_client_wait, every one that is there, up to a hundred a
  * millisecond.
- * Thread: a client belongs to one thread, and has none of its own.
+ * Units are those of softsim/types.h: SI and the world frame; times ending in _ns are nanoseconds
+ * of the monotonic clock, in _us microseconds. Errors: a status, and in `error`, which is never
+ * NULL, what to do about it; nothing is printed. Thread: a client belongs to one thread at a time,
+ * and has none of its own; callbacks run in softsim_client_wait, on the caller's thread, and may
+ * send. softsim_client_now_ns and _us: any.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -49,18 +53,22 @@ typedef struct softsim_client_counts {
 
 typedef struct softsim_client softsim_client;
 
-/* Joins the group and subscribes; draws the sender number. The error says what to do where the
- * machine has no multicast route. */
+/* Joins the group and subscribes; draws the sender number; may take seconds where a firewall drops
+ * what it sends to itself. SOFTSIM_ERROR_ARGUMENT for a URL or prefix that is none, _NETWORK for a
+ * machine without a multicast route or a port that another holds, _SYSTEM where LCM cannot be
+ * opened, _MEMORY; *out_client is NULL then. */
 softsim_status softsim_client_open(const softsim_client_config *config, softsim_client **out_client,
                                    softsim_error *error);
-/* Accepts NULL; nulls. */
+/* Leaves the group and frees; accepts NULL; nulls. Not from a callback. */
 void softsim_client_close(softsim_client **client);
 /* This client's random number, never 0. */
 int64_t softsim_client_sender(const softsim_client *client);
-/* Channel names, "SOFTSIM_PROBE_0" and "SOFTSIM_FORCE_0". */
+/* Channel names, "SOFTSIM_PROBE_0" and "SOFTSIM_FORCE_0", of probe 0 to SOFTSIM_MAX_PROBES - 1;
+ * valid until the client is closed. */
 const char *softsim_client_probe_channel(const softsim_client *client, int32_t probe);
 const char *softsim_client_force_channel(const softsim_client *client, int32_t probe);
-/* Publishes the pose as it is on the channel of `channel_probe`. False (counted) on failure. */
+/* Publishes the pose as it is on the channel of `channel_probe`, 0 to SOFTSIM_MAX_PROBES - 1. False
+ * when LCM could not send it, which counts as unsent. */
 bool softsim_client_send_pose(softsim_client *client, const softsim_pose *pose,
                               int32_t channel_probe);
 /* Publishes a command ("set", "haptic.max_force_n=5"; the argument may be ""). Returns its number,
@@ -74,6 +82,7 @@ int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns);
 /* Do two servers answer on the prefix, or did they a moment ago? Only the first one's messages are
  * handed on, and no force should be exerted: the hand would feel now one body, now the other. */
 bool softsim_client_hears_two(const softsim_client *client);
+/* Since the client was opened. */
 softsim_client_counts softsim_client_read_counts(const softsim_client *client);
 /* The monotonic clock, and the microseconds of it that go into `utime`. */
 int64_t softsim_client_now_ns(void);

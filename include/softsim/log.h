@@ -12,8 +12,14 @@
  * LCM's own lcm_eventlog_read_next_event is not used: it takes lengths from the file as they are
  * (a length of 0x7fffffff crashes it, 0x7ffffffe loses the rest of the log), and tells neither
  * damage nor a cut tail from the end.
- * `error` is never NULL here; faults are added to it.
- * Thread: an object belongs to one thread at a time; files are read as they are asked for.
+ * Units: SI and the world frame as in softsim/types.h; times ending in _us are microseconds, in _s
+ * seconds.
+ * Errors: `error` is never NULL here; faults are added to it, with the file and the line or byte.
+ * What opens or creates gives SOFTSIM_ERROR_FILE for what cannot be read or written, _FORMAT for a
+ * CSV that is none, or _MEMORY, and a NULL object.
+ * Thread: an object belongs to one thread at a time; files are read as they are asked for, so no
+ * call here is for a loop in real time but softsim_log_probe, _log_decode_*, _path_sample and
+ * _poses_restamp, which neither allocate nor wait.
  */
 #include <stdbool.h>
 #include <stddef.h>
@@ -54,10 +60,13 @@ typedef struct softsim_log_event {
 
 typedef struct softsim_log softsim_log;
 
+/* Of any file: what is no log has damage from its first byte. */
 softsim_status softsim_log_open(const char *path, softsim_log **out_log, softsim_error *error);
 /* Accepts NULL; nulls. */
 void softsim_log_close(softsim_log **log);
+/* Back to the first record. */
 void softsim_log_rewind(softsim_log *log);
+/* The next record, or what is in its place. */
 softsim_log_result softsim_log_next(softsim_log *log, softsim_log_event *out_event);
 
 /* The probe number n of a channel `<any prefix>_PROBE_<n>`, -1 of any other. */
@@ -103,6 +112,7 @@ typedef struct softsim_path softsim_path;
 
 /* Reads a pose CSV whole; every fault is named with its line. */
 softsim_status softsim_path_load(const char *path, softsim_path **out_path, softsim_error *error);
+/* Accepts NULL; nulls. */
 void softsim_path_free(softsim_path **path);
 /* Bit n: probe n has rows. */
 uint8_t softsim_path_probes(const softsim_path *path);
@@ -136,7 +146,9 @@ typedef struct softsim_poses softsim_poses;
  * k / rate_hz that it covers, probes in order at each. */
 softsim_status softsim_poses_open(const char *path, double rate_hz, softsim_poses **out_poses,
                                   softsim_error *error);
+/* Accepts NULL; nulls. */
 void softsim_poses_close(softsim_poses **poses);
+/* Back to the first pose. */
 void softsim_poses_rewind(softsim_poses *poses);
 /* `note` is filled for SOFTSIM_POSES_NOTE, one line without \n. */
 softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event *out_event,
