@@ -87,7 +87,7 @@ static void claims_are_written_with_tolerance_and_source(void **state)
     ss_claim_near(&paper, "Fig. 4", SS_FROM_CODE, 0.5, 0.501, 0.02, "depth, \"U\", %d N", 3);
     ss_claim_add(&paper, "eq. 4", SS_FROM_PAPER, SS_CLAIM_DIFFERS, "back", "stays: F cancels",
                  "returns");
-    ss_claim_at_most(&paper, "eq. 27", SS_FROM_FORM, 1.0, 2.0, "small");
+    ss_claim_at_most(&paper, "eq. 27", SS_FROM_CLOSED_FORM, 1.0, 2.0, "small");
     assert_int_equal(ss_paper_write_claims(&paper, &error), SOFTSIM_OK);
     read_text("claims.csv", text, sizeof text);
     assert_string_equal(
@@ -101,13 +101,13 @@ static void claims_are_written_with_tolerance_and_source(void **state)
 static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
 {
     start();
-    ss_claim_near(&paper, "Fig. 4", SS_FROM_FORM, 0.0, 0.0, 0.02, "still");
+    ss_claim_near(&paper, "Fig. 4", SS_FROM_CLOSED_FORM, 0.0, 0.0, 0.02, "still");
     assert_string_equal(paper.claim[0].measured, "0");
     assert_int_equal(paper.claim[0].result, SS_CLAIM_PASS);
     ss_claim_at_least(&paper, "Fig. 12", SS_FROM_PAPER, 9000.0, 92370.4, "rate");
     assert_string_equal(paper.claim[1].expected, "at least 9000");
     assert_string_equal(paper.claim[1].measured, "92370");
-    ss_claim_at_most(&paper, "Fig. 4", SS_FROM_FORM, 1e-6, 5.551e-16, "error");
+    ss_claim_at_most(&paper, "Fig. 4", SS_FROM_CLOSED_FORM, 1e-6, 5.551e-16, "error");
     assert_string_equal(paper.claim[2].expected, "at most 1e-06");
     assert_string_equal(paper.claim[2].measured, "5.551e-16");
 }
@@ -213,7 +213,7 @@ static void sections_run_in_order_up_to_the_first_that_fails(void **state)
     assert_null(strstr(text, "Four"));
 }
 
-/* ---- the report's own network ---- */
+/* ---- the report's reference network ---- */
 
 static const double edge = 0.3;
 
@@ -448,7 +448,7 @@ static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
     SKIP_WHERE_REPEATED();
     static ss_tube tube;
     static double u[SS_TUBE_POINTS][3];
-    double depth, width, own_width;
+    double depth, width, reference_width;
     start();
     assert_int_equal(ss_tube_init(&paper, false, false, &tube, &error), SOFTSIM_OK);
     assert_true(tube.is_there);
@@ -458,8 +458,8 @@ static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
                      SOFTSIM_OK);
     ss_zhong_net *net = ss_tube_net(&tube, NULL, 0.0);
     assert_non_null(net);
-    assert_near(ss_tube_net_static(net, 1.0, NULL, &own_width), depth, 1e-5);
-    assert_near(own_width, width, 1e-5);
+    assert_near(ss_tube_net_static(net, 1.0, NULL, &reference_width), depth, 1e-5);
+    assert_near(reference_width, width, 1e-5);
     assert_true(-u[SS_TUBE_CONTACT][1] == depth);
     ss_zhong_net_destroy(&net);
     ss_tube_fini(&tube);

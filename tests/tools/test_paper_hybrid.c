@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * tools/bench, the report on the hybrid model: its own finite elements give the stresses that can
- * be worked out by hand, forces that are the slope of their energy, none for a rigid motion, a
+ * tools/bench, the report on the hybrid model: its reference finite elements give the stresses that
+ * can be worked out by hand, forces that are the slope of their energy, none for a rigid motion, a
  * stable step that is one, and a ball that is pushed as much as the tissue; of the section on the
  * pair curve no claim fails or differs.
  */
@@ -17,14 +17,14 @@
 #include <string.h>
 
 #include "bench/papers/hybrid/hybrid.h"
-#include "bench/papers/hybrid/own.h"
+#include "bench/papers/hybrid/reference.h"
 #include "common/folder_fixture.h"
 #include "common/number_fixture.h"
 #include "rt/vec.h"
 
 static const double lambda = 5.5, mu = 2.5;
 static ss_mesh *mesh;
-static ss_heart_own own;
+static ss_heart_reference reference;
 
 /* A cube of 1 in five tetrahedra about its middle one, with its surface. */
 static int make_cube(void **state)
@@ -50,13 +50,13 @@ static int free_cube(void **state)
 
 static void start(void)
 {
-    assert_true(ss_heart_own_init(&own, mesh, lambda, mu, "none"));
+    assert_true(ss_heart_reference_init(&reference, mesh, lambda, mu, "none"));
     double whole = 0.0, surface = 0.0;
     for (int32_t e = 0; e < 5; ++e) {
-        whole += own.volume[e];
+        whole += reference.volume[e];
     }
     for (int32_t t = 0; t < 12; ++t) {
-        surface += own.area[t];
+        surface += reference.area[t];
     }
     assert_near(whole, 1.0, 1e-15);
     assert_near(surface, 6.0, 1e-14);
@@ -65,10 +65,10 @@ static void start(void)
 /* Force of the elements as they are, nodes held. */
 static double elastic_now(void)
 {
-    memset(own.is_held, 1, 8);
-    ss_heart_own_run(&own, 1, 1e-3);
-    memset(own.is_held, 0, 8);
-    return own.elastic;
+    memset(reference.is_held, 1, 8);
+    ss_heart_reference_run(&reference, 1, 1e-3);
+    memset(reference.is_held, 0, 8);
+    return reference.elastic;
 }
 
 /* P of a confined stretch by s, by hand: (lambda + 2 mu)/2 s (s^2 - 1). */
@@ -78,34 +78,34 @@ static void a_confined_stretch_is_as_by_hand(void **state)
     for (int k = 0; k < 3; ++k) {
         start();
         for (int32_t i = 0; i < 8; ++i) {
-            own.u[i][0] = (stretch[k] - 1.0) * mesh->position[i][0];
+            reference.u[i][0] = (stretch[k] - 1.0) * mesh->position[i][0];
         }
         (void)elastic_now();
         double pull = 0.0;
         for (int32_t i = 0; i < 8; ++i) {
-            pull -= mesh->position[i][0] > 0.5 ? own.force[i][0] : 0.0;
+            pull -= mesh->position[i][0] > 0.5 ? reference.force[i][0] : 0.0;
         }
         assert_near(pull, wanted[k], 1e-12);
-        ss_heart_own_fini(&own);
+        ss_heart_reference_fini(&reference);
     }
 }
 
 static void a_rigid_motion_costs_nothing(void **state)
 {
     start();
-    own.phi = own.psi = 1.0;
+    reference.phi = reference.psi = 1.0;
     for (int32_t i = 0; i < 8; ++i) {
         const double *x = mesh->position[i];
         const double turned[3] = {0.6 * x[0] - 0.8 * x[1] + 3.0, 0.8 * x[0] + 0.6 * x[1],
                                   x[2] - 1.0};
-        ss_sub3(own.u[i], turned, x);
-        ss_set3(own.v[i], -2.0 * turned[1], 2.0 * turned[0], 0.5);
+        ss_sub3(reference.u[i], turned, x);
+        ss_set3(reference.v[i], -2.0 * turned[1], 2.0 * turned[0], 0.5);
     }
     assert_near(elastic_now(), 0.0, 1e-12);
     for (int32_t i = 0; i < 8; ++i) {
-        assert_near(ss_norm3(own.force[i]), 0.0, 1e-12);
+        assert_near(ss_norm3(reference.force[i]), 0.0, 1e-12);
     }
-    ss_heart_own_fini(&own);
+    ss_heart_reference_fini(&reference);
 }
 
 /* Also where the guard of squeezed elements acts. */
@@ -113,24 +113,24 @@ static void forces_are_the_slope_of_the_energy(void **state)
 {
     for (int guarded = 0; guarded < 2; ++guarded) {
         start();
-        own.is_guarded = guarded == 1;
+        reference.is_guarded = guarded == 1;
         for (int32_t k = 0; k < 24; ++k) {
-            own.u[k / 3][k % 3] = 0.15 * random_unit() -
-                                  (k % 3 == 0 && guarded ? 0.6 : 0.0) * mesh->position[k / 3][0];
+            reference.u[k / 3][k % 3] = 0.15 * random_unit() - (k % 3 == 0 && guarded ? 0.6 : 0.0) *
+                                                                   mesh->position[k / 3][0];
         }
         (void)elastic_now();
         double force[8][3];
-        memcpy(force, own.force, sizeof force);
+        memcpy(force, reference.force, sizeof force);
         for (int32_t k = 0; k < 24; ++k) {
-            const double at = own.u[k / 3][k % 3], step = 1e-6;
-            own.u[k / 3][k % 3] = at + step;
+            const double at = reference.u[k / 3][k % 3], step = 1e-6;
+            reference.u[k / 3][k % 3] = at + step;
             const double above = elastic_now();
-            own.u[k / 3][k % 3] = at - step;
+            reference.u[k / 3][k % 3] = at - step;
             const double below = elastic_now();
-            own.u[k / 3][k % 3] = at;
+            reference.u[k / 3][k % 3] = at;
             assert_near(force[k / 3][k % 3], -(above - below) / (2.0 * step), 1e-6);
         }
-        ss_heart_own_fini(&own);
+        ss_heart_reference_fini(&reference);
     }
 }
 
@@ -140,39 +140,39 @@ static void the_stable_step_is_one(void **state)
     for (int k = 0; k < 2; ++k) {
         double step;
         start();
-        assert_true(ss_heart_own_stable_step(&own, &step));
+        assert_true(ss_heart_reference_stable_step(&reference, &step));
         for (int32_t i = 0; i < 24; ++i) {
-            own.u[i / 3][i % 3] = 1e-9 * random_unit();
+            reference.u[i / 3][i % 3] = 1e-9 * random_unit();
         }
-        ss_heart_own_run(&own, 2000, (k == 0 ? 0.99 : 1.02) * step);
+        ss_heart_reference_run(&reference, 2000, (k == 0 ? 0.99 : 1.02) * step);
         double most = 0.0;
         for (int32_t i = 0; i < 8; ++i) {
-            const double size = ss_norm3(own.u[i]);
+            const double size = ss_norm3(reference.u[i]);
             most = isfinite(size) ? fmax(most, size) : (double)INFINITY;
         }
         assert_true(k == 0 ? most < 1e-6 : most > 1e-6);
-        ss_heart_own_fini(&own);
+        ss_heart_reference_fini(&reference);
     }
 }
 
 static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
 {
     start();
-    own.radius = 0.5;
-    own.stiffness = 100.0;
-    ss_set3(own.ball, 0.4, 0.45, 1.4); /* 0.1 into the top */
+    reference.radius = 0.5;
+    reference.stiffness = 100.0;
+    ss_set3(reference.ball, 0.4, 0.45, 1.4); /* 0.1 into the top */
     (void)elastic_now();
     double sum[3] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < 8; ++i) {
-        ss_add3(sum, sum, own.force[i]);
+        ss_add3(sum, sum, reference.force[i]);
     }
-    assert_true(own.ball_force[2] > 0.0);
+    assert_true(reference.ball_force[2] > 0.0);
     for (int a = 0; a < 3; ++a) {
-        assert_near(sum[a] + own.ball_force[a], 0.0, 1e-14);
+        assert_near(sum[a] + reference.ball_force[a], 0.0, 1e-14);
     }
     /* The pressure over a cap is k pi R p^2 at first; 32 samples on the face tell it roughly. */
-    assert_near(own.ball_force[2], 100.0 * 3.14159265 * 0.5 * 0.01, 0.5);
-    ss_heart_own_fini(&own);
+    assert_near(reference.ball_force[2], 100.0 * 3.14159265 * 0.5 * 0.01, 0.5);
+    ss_heart_reference_fini(&reference);
 }
 
 /* ---- a section of the report ---- */

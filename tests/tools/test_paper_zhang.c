@@ -2,9 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * tools/bench, the report on Zhang et al. (2018): its measures of shapes give what can be worked
- * out by hand; its own network gives what can be solved by hand and the same equilibrium by two
- * algorithms; its runs hold what they are told to hold, go back as they went, and name what the
- * program refuses; the model's forces on the plane, of one tissue and of two, are the own
+ * out by hand; its reference network gives what can be solved by hand and the same equilibrium by
+ * two algorithms; its runs hold what they are told to hold, go back as they went, and name what the
+ * program refuses; the model's forces on the plane, of one tissue and of two, are the reference
  * network's.
  */
 #include <setjmp.h>
@@ -146,24 +146,24 @@ static void the_patch_goes_in_and_comes_back(void **state)
     ss_zhang_end(&run);
 }
 
-/* ---- the own network ---- */
+/* ---- the reference network ---- */
 
 /* Two nodes of an element whose other two lie on them: one link of length 1, k 3, C 2. */
-static void start_link(ss_zhang_own *own, bool is_one_fixed)
+static void start_link(ss_zhang_reference *reference, bool is_one_fixed)
 {
     static const double rest[2][3] = {{0, 0, 0}, {1, 0, 0}};
     static const int32_t element[1][4] = {{0, 1, 1, 0}};
     const uint8_t fixed[2] = {is_one_fixed, 0};
-    const ss_zhang_own_plan plan = {.node_count = 2,
-                                    .element_count = 1,
-                                    .corners = 4,
-                                    .rest = rest,
-                                    .element = element,
-                                    .fixed = fixed,
-                                    .alpha = 0.1,
-                                    .stiffness = 3.0,
-                                    .capacitance = 2.0};
-    assert_true(ss_zhang_own_init(own, &plan));
+    const ss_zhang_reference_plan plan = {.node_count = 2,
+                                          .element_count = 1,
+                                          .corners = 4,
+                                          .rest = rest,
+                                          .element = element,
+                                          .fixed = fixed,
+                                          .alpha = 0.1,
+                                          .stiffness = 3.0,
+                                          .capacitance = 2.0};
+    assert_true(ss_zhang_reference_init(reference, &plan));
 }
 
 /* ex_n = ex_0 (1 - h/C)^n of two free nodes, (1 - h/2C)^n where one is fixed, stretched or
@@ -172,51 +172,53 @@ static void a_link_relaxes_as_worked_out_by_hand(void **state)
 {
     static const double length[3] = {1.6, 0.4, 1.05}, end[3] = {1.1, 0.9, 1.05};
     for (int k = 0; k < 6; ++k) {
-        ss_zhang_own own;
+        ss_zhang_reference reference;
         const double h = 0.5, rate = k % 2 == 0 ? 1.0 - h / 2.0 : 1.0 - h / 4.0;
-        start_link(&own, k % 2 == 1);
+        start_link(&reference, k % 2 == 1);
         /* Three doubled sides of the degenerate element are one link; its ends are no links. */
         double most = 0.0;
-        for (int32_t l = 0; l < own.link_count; ++l) {
-            most = fmax(most, own.length[l]);
+        for (int32_t l = 0; l < reference.link_count; ++l) {
+            most = fmax(most, reference.length[l]);
         }
         assert_near(most, 1.0, 0.0);
-        own.at[1][0] = length[k / 2];
+        reference.at[1][0] = length[k / 2];
         for (int n = 1; n <= 5; ++n) {
-            ss_zhang_own_step(&own, 0.0, h);
+            ss_zhang_reference_step(&reference, 0.0, h);
             const double wanted = end[k / 2] + (length[k / 2] - end[k / 2]) * pow(rate, n);
-            assert_near(own.at[1][0] - own.at[0][0], wanted, 1e-12);
+            assert_near(reference.at[1][0] - reference.at[0][0], wanted, 1e-12);
         }
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_fini(&reference);
     }
 }
 
 static void the_own_network_settles_to_one_force_by_two_algorithms(void **state)
 {
     SKIP_WHERE_REPEATED();
-    ss_zhang_own slow, quick;
-    assert_int_equal(ss_zhang_plane_own(&plane, SS_OWN_KEEP, NULL, &slow, &error), SOFTSIM_OK);
-    assert_int_equal(ss_zhang_plane_own(&plane, SS_OWN_KEEP, NULL, &quick, &error), SOFTSIM_OK);
-    ss_zhang_own_go(&slow, 5.0, 0.25, 0.25);
-    ss_zhang_own_go(&quick, 5.0, 0.25, 0.25);
-    ss_zhang_own_hold(&slow, 20000.0, 0.25);
-    assert_true(ss_zhang_own_settle(&quick, 1e-9));
+    ss_zhang_reference slow, quick;
+    assert_int_equal(ss_zhang_plane_reference(&plane, SS_REFERENCE_KEEP, NULL, &slow, &error),
+                     SOFTSIM_OK);
+    assert_int_equal(ss_zhang_plane_reference(&plane, SS_REFERENCE_KEEP, NULL, &quick, &error),
+                     SOFTSIM_OK);
+    ss_zhang_reference_go(&slow, 5.0, 0.25, 0.25);
+    ss_zhang_reference_go(&quick, 5.0, 0.25, 0.25);
+    ss_zhang_reference_hold(&slow, 20000.0, 0.25);
+    assert_true(ss_zhang_reference_settle(&quick, 1e-9));
     assert_near(slow.force, quick.force, 1e-3 * quick.force);
     assert_true(slow.force > 0.1);
-    ss_zhang_own_fini(&slow);
-    ss_zhang_own_fini(&quick);
-    ss_zhang_own_fini(&quick); /* twice does no harm */
+    ss_zhang_reference_fini(&slow);
+    ss_zhang_reference_fini(&quick);
+    ss_zhang_reference_fini(&quick); /* twice does no harm */
 }
 
 /* The first link of a pushed row is brought to (1 + alpha) along itself, the others after it. */
 static void a_row_of_chainmail_follows_link_by_link(void **state)
 {
     double at[4][2];
-    ss_zhang_own_row(4, 0.1, 0.4, 1, at);
+    ss_zhang_reference_row(4, 0.1, 0.4, 1, at);
     assert_near(at[0][1], 0.4, 1e-15);
     assert_near(at[1][0], 1.0, 1e-15); /* hypot(1, 0.4) = 1.077: slack */
     assert_near(at[1][1], 0.0, 1e-15);
-    ss_zhang_own_row(4, 0.1, 1.0, 1, at);
+    ss_zhang_reference_row(4, 0.1, 1.0, 1, at);
     assert_near(at[1][0], 1.1 / sqrt(2.0), 1e-15);
     assert_near(at[1][1], 1.0 - 1.1 / sqrt(2.0), 1e-15);
     assert_near(hypot(at[2][0] - at[1][0], at[2][1] - at[1][1]), 1.1, 1e-15);
@@ -229,23 +231,24 @@ static void compare(const ss_zhang_setup *setup, const double *stiffness_of)
 {
     static double u[SS_PLANE_NODES][3];
     ss_zhang_run run;
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     assert_int_equal(ss_zhang_begin(setup, &run, &error), SOFTSIM_OK);
     assert_non_null(run.model);
-    assert_int_equal(ss_zhang_plane_own(&plane, SS_OWN_KEEP, stiffness_of, &own, &error),
-                     SOFTSIM_OK);
+    assert_int_equal(
+        ss_zhang_plane_reference(&plane, SS_REFERENCE_KEEP, stiffness_of, &reference, &error),
+        SOFTSIM_OK);
     assert_int_equal(ss_zhang_go(&run, 5.0, 1.0, &error), SOFTSIM_OK);
-    ss_zhang_own_go(&own, 5.0, 1.0, setup->step_s);
-    assert_near(ss_zhang_force(&run), own.force, 1e-3 * own.force);
+    ss_zhang_reference_go(&reference, 5.0, 1.0, setup->step_s);
+    assert_near(ss_zhang_force(&run), reference.force, 1e-3 * reference.force);
     assert_int_equal(ss_zhang_hold(&run, 990.0, &error), SOFTSIM_OK);
-    ss_zhang_own_hold(&own, 990.0, setup->step_s);
-    assert_near(ss_zhang_force(&run), own.force, 2e-3 * own.force);
+    ss_zhang_reference_hold(&reference, 990.0, setup->step_s);
+    assert_near(ss_zhang_force(&run), reference.force, 2e-3 * reference.force);
     ss_zhang_read(&run, u);
     for (int32_t i = 0; i < SS_PLANE_NODES; ++i) {
-        assert_near(u[i][2], own.at[i][2] - own.rest[i][2], 2e-3);
+        assert_near(u[i][2], reference.at[i][2] - reference.rest[i][2], 2e-3);
     }
     assert_true(run.peak_energy_rise < 1e-5);
-    ss_zhang_own_fini(&own);
+    ss_zhang_reference_fini(&reference);
     ss_zhang_end(&run);
 }
 

@@ -8,11 +8,11 @@
  * A claim has an expected value with its source and tolerance, a measured value and a result: pass,
  * fail, or differs where the paper's own words hold in no well-posed reading. The source is the
  * paper (a figure or a sentence of it), a closed form, or an independent program
- * (papers/zhong2006/net.h, papers/zhong2006/motion.h, papers/zhang2018/own.h, papers/hybrid/own.h,
- * core/static_fem.h: double precision, no code shared with the models); never what the models or a
- * prototype of them once printed. A claim that fails or differs carries the search that was made,
- * and the page's closing note lists both. What the built program refuses to do is missing, not
- * failed: the page says so. Thread: main.
+ * (papers/zhong2006/net.h, papers/zhong2006/motion.h, papers/zhang2018/reference.h,
+ * papers/hybrid/reference.h, core/static_fem.h: double precision, no code shared with the models);
+ * never what the models or a prototype of them once printed. A claim that fails or differs carries
+ * the search that was made, and the page's closing note lists both. What the built program refuses
+ * to do is missing, not failed: the page says so. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,7 +27,7 @@
 
 typedef enum ss_claim_result { SS_CLAIM_PASS, SS_CLAIM_FAIL, SS_CLAIM_DIFFERS } ss_claim_result;
 
-typedef enum ss_claim_source { SS_FROM_PAPER, SS_FROM_FORM, SS_FROM_CODE } ss_claim_source;
+typedef enum ss_claim_source { SS_FROM_PAPER, SS_FROM_CLOSED_FORM, SS_FROM_CODE } ss_claim_source;
 
 typedef struct ss_claim {
     char figure[16]; /* as the paper calls it */

@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Force and shape under a ball: the hybrid and the program's finite elements beside the report's
- * own (own.h), a thin wall with more and fewer particles awake, and a slide over particles
- * that wake and sleep.
+ * reference elements (reference.h), a thin wall with more and fewer particles awake, and a slide
+ * over particles that wake and sleep.
  */
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "bench/papers/hybrid/hybrid.h"
-#include "bench/papers/hybrid/own.h"
+#include "bench/papers/hybrid/reference.h"
 #include "models/layer.h"
 #include "rt/vec.h"
 
@@ -75,36 +75,36 @@ static void read_model(const ss_heart_body *body, press *out)
     free(u);
 }
 
-/* The report's own elements pressed to a depth of 0.1 alone; force[2] and the dent. */
-static softsim_status press_own(const ss_paper *paper, int32_t nodes, press *out,
-                                softsim_error *error)
+/* The report's reference elements pressed to a depth of 0.1 alone; force[2] and the dent. */
+static softsim_status press_reference(const ss_paper *paper, int32_t nodes, press *out,
+                                      softsim_error *error)
 {
     enum { RAMP = 300, HOLD = 857 };
     const double dt = 0.0035, start[3] = {1.21, 0.0, 0.0}, to[3] = {1.1, 0.0, 0.0};
     const ss_heart_row *row = &ss_heart_table[SS_HEART_ED0];
-    ss_heart_own own;
+    ss_heart_reference reference;
     ss_mesh *mesh = ss_heart_ellipsoids(paper, nodes, error);
     if (mesh == NULL) {
         return error->status;
     }
     *out = (press){.nodes = mesh->node_count, .tetrahedra = mesh->tetrahedron_count};
-    snprintf(out->name, sizeof out->name, "own elements, %.1fk tetrahedra",
+    snprintf(out->name, sizeof out->name, "reference elements, %.1fk tetrahedra",
              1e-3 * mesh->tetrahedron_count);
-    if (!ss_heart_own_init(&own, mesh, row->lambda, row->mu, "inner")) {
+    if (!ss_heart_reference_init(&reference, mesh, row->lambda, row->mu, "inner")) {
         ss_mesh_destroy(&mesh);
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
-    own.damping = 6.0;
-    own.is_guarded = true;
-    own.radius = 0.2;
-    own.stiffness = CONTACT;
-    ss_copy3(own.ball, start);
-    ss_heart_own_move(&own, to, RAMP, dt);
-    ss_heart_own_run(&own, HOLD, dt);
-    out->force[2] = own.ball_force[0];
-    read_profile(mesh, (const double(*)[3])own.u, out);
-    ss_heart_own_fini(&own);
+    reference.damping = 6.0;
+    reference.is_guarded = true;
+    reference.radius = 0.2;
+    reference.stiffness = CONTACT;
+    ss_copy3(reference.ball, start);
+    ss_heart_reference_move(&reference, to, RAMP, dt);
+    ss_heart_reference_run(&reference, HOLD, dt);
+    out->force[2] = reference.ball_force[0];
+    read_profile(mesh, (const double(*)[3])reference.u, out);
+    ss_heart_reference_fini(&reference);
     ss_mesh_destroy(&mesh);
     return SOFTSIM_OK;
 }
@@ -213,7 +213,7 @@ static double limit_of(const press *coarse, const press *fine)
     return fine->force[2] + (fine->force[2] - coarse->force[2]) / (ratio - 1.0);
 }
 
-static void judge_indentation(ss_paper *paper, const press *all, const press *own,
+static void judge_indentation(ss_paper *paper, const press *all, const press *reference,
                               const char *search)
 {
     const press *fem = &all[FEM_FINE], *hybrid = &all[HYBRID], *graded = &all[GRADED];
@@ -222,31 +222,34 @@ static void judge_indentation(ss_paper *paper, const press *all, const press *ow
         is_monotone = is_monotone && hybrid->force[k] > hybrid->force[k - 1] &&
                       fem->force[k] > fem->force[k - 1];
     }
-    ss_claim_add(paper, "Section 6", SS_FROM_FORM, is_monotone ? SS_CLAIM_PASS : SS_CLAIM_FAIL,
-                 "strictly monotone", is_monotone ? "so at every depth" : "not so",
-                 "force against depth, %s and %s", fem->name, hybrid->name);
-    ss_claim_near(paper, "Section 6", SS_FROM_CODE, own[1].force[2], fem->force[2], 0.05,
+    ss_claim_add(paper, "Section 6", SS_FROM_CLOSED_FORM,
+                 is_monotone ? SS_CLAIM_PASS : SS_CLAIM_FAIL, "strictly monotone",
+                 is_monotone ? "so at every depth" : "not so", "force against depth, %s and %s",
+                 fem->name, hybrid->name);
+    ss_claim_near(paper, "Section 6", SS_FROM_CODE, reference[1].force[2], fem->force[2], 0.05,
                   "force at depth 0.1, %s beside %s, each with its own contact", fem->name,
-                  own[1].name);
-    ss_claim_search(paper,
-                    "contact acts on the smooth surface in fem and on facets in the own elements. "
-                    "Where meshes lead, the next row; without contact, Fig. 3; finer meshes were "
-                    "not tried");
-    ss_claim_near(paper, "Section 6", SS_FROM_CODE, limit_of(&own[0], &own[1]),
-                  limit_of(&all[FEM_COARSE], fem), 0.1,
-                  "force at depth 0.1, fem beside own elements, each extrapolated from its two "
-                  "meshes (contact acts on the smooth surface in fem, on facets in the own)");
-    ss_claim_near(paper, "Section 6", SS_FROM_CODE, own[1].force[2], hybrid->force[2], 0.1,
-                  "force at depth 0.1, %s beside %s", hybrid->name, own[1].name);
+                  reference[1].name);
+    ss_claim_search(
+        paper, "contact acts on the smooth surface in fem and on facets in the reference elements. "
+               "Where meshes lead, the next row; without contact, Fig. 3; finer meshes were "
+               "not tried");
+    ss_claim_near(
+        paper, "Section 6", SS_FROM_CODE, limit_of(&reference[0], &reference[1]),
+        limit_of(&all[FEM_COARSE], fem), 0.1,
+        "force at depth 0.1, fem beside reference elements, each extrapolated from its two "
+        "meshes (contact acts on the smooth surface in fem, on facets in the reference)");
+    ss_claim_near(paper, "Section 6", SS_FROM_CODE, reference[1].force[2], hybrid->force[2], 0.1,
+                  "force at depth 0.1, %s beside %s", hybrid->name, reference[1].name);
     ss_claim_search(paper, "beside %s, whose contact is the same: %+.1f %%; %s", fem->name,
                     100.0 * (hybrid->force[2] / fem->force[2] - 1.0), search);
-    ss_claim_at_most(paper, "Section 6", SS_FROM_CODE, dent_difference(&own[1], &own[0]),
-                     dent_difference(&own[1], hybrid),
+    ss_claim_at_most(paper, "Section 6", SS_FROM_CODE,
+                     dent_difference(&reference[1], &reference[0]),
+                     dent_difference(&reference[1], hybrid),
                      "shape of the dent at depth 0.1: difference of %s from %s over its size, at "
                      "most that of %s",
-                     hybrid->name, own[1].name, own[0].name);
+                     hybrid->name, reference[1].name, reference[0].name);
     ss_claim_search(paper, "%s", search);
-    ss_claim_near(paper, "Conclusion", SS_FROM_CODE, own[1].force[2], graded->force[2], 0.1,
+    ss_claim_near(paper, "Conclusion", SS_FROM_CODE, reference[1].force[2], graded->force[2], 0.1,
                   "different sizes in the particle zone: force at depth 0.1, %s", graded->name);
     ss_claim_search(paper, "%s", search);
     ss_claim_at_most(paper, "Conclusion", SS_FROM_PAPER, 0.5,
@@ -256,7 +259,7 @@ static void judge_indentation(ss_paper *paper, const press *all, const press *ow
 
 /* What the hybrid's force and dent are at other parameters of the layer, which the paper does not
  * give. */
-static softsim_status search_layer(ss_paper *paper, const press *own, char out[512],
+static softsim_status search_layer(ss_paper *paper, const press *reference, char out[512],
                                    softsim_error *error)
 {
     static const struct {
@@ -284,14 +287,14 @@ static softsim_status search_layer(ss_paper *paper, const press *own, char out[5
         ss_heart_end(&body);
         snprintf(part, sizeof part, "%s%g, %g, %g: %.3g N, %.3g", k > 0 ? "; " : "",
                  tries[k].spacing, tries[k].cohesion, tries[k].stabilisation, tried.force[2],
-                 dent_difference(own, &tried));
+                 dent_difference(reference, &tried));
         strncat(out, part, 512 - strlen(out) - 1);
     }
     return status;
 }
 
 static softsim_status plot_indentation(ss_paper *paper, int count, const press *all,
-                                       const press own[2], softsim_error *error)
+                                       const press reference[2], softsim_error *error)
 {
     ss_output csv;
     ss_output script;
@@ -314,19 +317,21 @@ static softsim_status plot_indentation(ss_paper *paper, int count, const press *
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(script.file,
-            "$own << EOD\n0.1,%.6g,%.6g\nEOD\nset datafile separator ','\nset key bottom right\n"
-            "set xlabel 'depth, m'\nset ylabel 'force, N'\nset xrange [0:0.16]\nset yrange [0:*]\n"
-            "plot ",
-            own[0].force[2], own[1].force[2]);
+    fprintf(
+        script.file,
+        "$reference << EOD\n0.1,%.6g,%.6g\nEOD\nset datafile separator ','\nset key bottom right\n"
+        "set xlabel 'depth, m'\nset ylabel 'force, N'\nset xrange [0:0.16]\nset yrange [0:*]\n"
+        "plot ",
+        reference[0].force[2], reference[1].force[2]);
     for (int i = 0; i < count; ++i) {
         fprintf(script.file,
                 "%s'indentation.csv' skip 1 using 1:%d with linespoints lw 2 dt %d title '%s'",
                 i > 0 ? ", " : "", i + 2, i < 2 ? 2 : 1, all[i].name);
     }
     for (int k = 0; k < 2; ++k) {
-        fprintf(script.file, ", $own using 1:%d with points pt %d ps 1.5 lc rgb 'black' title '%s'",
-                k + 2, 6 + k, own[k].name);
+        fprintf(script.file,
+                ", $reference using 1:%d with points pt %d ps 1.5 lc rgb 'black' title '%s'", k + 2,
+                6 + k, reference[k].name);
     }
     fputc('\n', script.file);
     return ss_page_plot(&paper->page, &script, "indentation",
@@ -340,7 +345,7 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
     static const char *const head[] = {"model",     "nodes",     "tetrahedra", "particles",
                                        "awake",     "F at 0.02", "F at 0.05",  "F at 0.10",
                                        "F at 0.15", "us a step"};
-    static press all[CASES], own[2];
+    static press all[CASES], reference[2];
     const int count = paper->is_quick ? HYBRID_COARSE : CASES;
     softsim_status status = SOFTSIM_OK;
     for (int k = 0; k < count && status == SOFTSIM_OK; ++k) {
@@ -348,7 +353,7 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
         ss_paper_progress(paper, (k + 1.0) / count);
     }
     for (int k = 0; k < 2 && status == SOFTSIM_OK; ++k) {
-        status = press_own(paper, k == 0 ? 900 : 6600, &own[k], error);
+        status = press_reference(paper, k == 0 ? 900 : 6600, &reference[k], error);
     }
     if (status != SOFTSIM_OK) {
         return status;
@@ -357,7 +362,8 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
                  "Where the nonlinearity comes from: Green strain, quadratic in the displacement, "
                  "with a linear law; and contact, which spreads as the ball sinks in. The %s, "
                  "which share no code with the program, press %.4g N at depth 0.1; the %s %.4g N.",
-                 own[1].name, own[1].force[2], own[0].name, own[0].force[2]);
+                 reference[1].name, reference[1].force[2], reference[0].name,
+                 reference[0].force[2]);
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int k = 0; k < count; ++k) {
         ss_row row = {0};
@@ -375,13 +381,13 @@ softsim_status ss_heart_indentation(ss_paper *paper, softsim_error *error)
     ss_page_table_end(&paper->page);
     char search[512] = "none in a quick report";
     if (!paper->is_quick) {
-        status = search_layer(paper, &own[1], search, error);
+        status = search_layer(paper, &reference[1], search, error);
     }
     if (status != SOFTSIM_OK) {
         return status;
     }
-    judge_indentation(paper, all, own, search);
-    return plot_indentation(paper, count, all, own, error);
+    judge_indentation(paper, all, reference, search);
+    return plot_indentation(paper, count, all, reference, error);
 }
 
 /* ---- a thin wall ---- */
@@ -413,7 +419,7 @@ static softsim_status press_wall(const ss_paper *paper, double spacing, int32_t 
     return status;
 }
 
-/* HM1's wall filled with tetrahedra, by the report's own elements: the force at depth 0.1. */
+/* HM1's wall filled with tetrahedra, by the report's reference elements: the force at depth 0.1. */
 static softsim_status press_filled_wall(const ss_paper *paper, double *out_force,
                                         softsim_error *error)
 {
@@ -423,22 +429,22 @@ static softsim_status press_filled_wall(const ss_paper *paper, double *out_force
                                 "--points",   "7000",         NULL};
     const double dt = 0.0035, to[3] = {WALL_X + 0.1, 0.0, -0.2};
     const ss_heart_row *row = &ss_heart_table[SS_HEART_HM1];
-    ss_heart_own own;
+    ss_heart_reference reference;
     ss_mesh *mesh = ss_heart_generate(paper, argv, error);
     if (mesh == NULL) {
         return error->status;
     }
-    const bool is_good = ss_heart_own_init(&own, mesh, row->lambda, row->mu, "base");
+    const bool is_good = ss_heart_reference_init(&reference, mesh, row->lambda, row->mu, "base");
     if (is_good) {
-        own.damping = 6.0;
-        own.is_guarded = true;
-        own.radius = 0.2;
-        own.stiffness = CONTACT;
-        ss_set3(own.ball, WALL_X + 0.21, 0.0, -0.2);
-        ss_heart_own_move(&own, to, RAMP, dt);
-        ss_heart_own_run(&own, HOLD, dt);
-        *out_force = own.ball_force[0];
-        ss_heart_own_fini(&own);
+        reference.damping = 6.0;
+        reference.is_guarded = true;
+        reference.radius = 0.2;
+        reference.stiffness = CONTACT;
+        ss_set3(reference.ball, WALL_X + 0.21, 0.0, -0.2);
+        ss_heart_reference_move(&reference, to, RAMP, dt);
+        ss_heart_reference_run(&reference, HOLD, dt);
+        *out_force = reference.ball_force[0];
+        ss_heart_reference_fini(&reference);
     } else {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
     }
@@ -450,11 +456,11 @@ static softsim_status write_wall(ss_paper *paper, softsim_error *error)
 {
     static const int32_t active[] = {50, 200, 450, 700, 0};
     static const char *const head[] = {"awake", "force, N", "beside all awake",
-                                       "beside own elements"};
+                                       "beside reference elements"};
     enum { COUNT = sizeof active / sizeof *active };
-    double force[COUNT], own = (double)NAN;
+    double force[COUNT], reference = (double)NAN;
     int32_t awake[COUNT];
-    const softsim_status pressed = press_filled_wall(paper, &own, error);
+    const softsim_status pressed = press_filled_wall(paper, &reference, error);
     if (pressed != SOFTSIM_OK) {
         return pressed;
     }
@@ -473,25 +479,26 @@ static softsim_status write_wall(ss_paper *paper, softsim_error *error)
         }
         ss_paper_progress(paper, 0.7 * (k + 1.0) / COUNT);
     }
-    ss_page_text(&paper->page,
-                 "HM1's wall, 0.23 m thick of which 0.1 are the layer, under a ball of 0.2 m "
-                 "pressed in by 0.1. Particles that sleep move with the coarse cells they lie in. "
-                 "The wall filled with tetrahedra, by the report's own elements, presses %.4g N.",
-                 own);
+    ss_page_text(
+        &paper->page,
+        "HM1's wall, 0.23 m thick of which 0.1 are the layer, under a ball of 0.2 m "
+        "pressed in by 0.1. Particles that sleep move with the coarse cells they lie in. "
+        "The wall filled with tetrahedra, by the report's reference elements, presses %.4g N.",
+        reference);
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int k = 0; k < COUNT; ++k) {
         ss_row row = {0};
         ss_row_add(&row, "%d%s", awake[k], active[k] == 0 ? ", all" : "");
         ss_row_add_number(&row, force[k]);
         ss_row_add(&row, "%+.1f %%", 100.0 * (force[k] / force[COUNT - 1] - 1.0));
-        ss_row_add(&row, "%+.1f %%", 100.0 * (force[k] / own - 1.0));
+        ss_row_add(&row, "%+.1f %%", 100.0 * (force[k] / reference - 1.0));
         ss_page_table_row(&paper->page, row.count, row.cell);
     }
     ss_page_table_end(&paper->page);
     for (int k = 0; k < COUNT; ++k) {
-        ss_claim_near(paper, "Section 6", SS_FROM_CODE, own, force[k], 0.1,
-                      "force on a thin wall, %d particles awake%s, beside own elements", awake[k],
-                      k + 1 == COUNT ? " (all)" : "");
+        ss_claim_near(paper, "Section 6", SS_FROM_CODE, reference, force[k], 0.1,
+                      "force on a thin wall, %d particles awake%s, beside reference elements",
+                      awake[k], k + 1 == COUNT ? " (all)" : "");
     }
     return SOFTSIM_OK;
 }
@@ -534,10 +541,10 @@ static softsim_status write_slide(ss_paper *paper, softsim_error *error)
         const double change = force[0][k] - force[0][k - 1];
         const double plain = paper->is_quick ? 0.5 * (force[0][k + 1] - force[0][k - 1])
                                              : force[1][k] - force[1][k - 1];
-        const double own = fabs(change - plain) / force[0][k];
-        jump = isfinite(own) ? fmax(jump, own) : (double)INFINITY; /* no contact is no pass */
+        const double jumped = fabs(change - plain) / force[0][k];
+        jump = isfinite(jumped) ? fmax(jump, jumped) : (double)INFINITY; /* no contact is no pass */
     }
-    ss_claim_at_most(paper, "Section 6", SS_FROM_FORM, 0.02, jump,
+    ss_claim_at_most(paper, "Section 6", SS_FROM_CLOSED_FORM, 0.02, jump,
                      "a slide around HM1's wall over four spacings: largest change of the force "
                      "between two stops that %s, over the force",
                      paper->is_quick ? "its neighbours' mean does not have"

@@ -26,16 +26,17 @@ static void write_head(ss_page *page)
                  "particles that wake near the tool. Its equations leave out the Kronecker delta "
                  "of (2), the rest volume of (6) and any normalisation of (7), and add up both "
                  "interpolations where they overlap (11).");
-    ss_page_text(page, "This page runs the paper's three models with this program's own fem and "
-                       "hybrid, in the paper's units, and judges what the paper says. What is "
-                       "expected comes from the paper's own words and figures, from a closed form, "
-                       "or from an independent program: the same finite elements once more in "
-                       "double precision, sharing no code with the models (own elements). Pass: as "
-                       "claimed. Fail: not so. Differs: the paper's words hold in no reading that "
-                       "was searched; the search stands in the closing note. Times are thread-CPU "
-                       "medians of this machine as loaded as it was; what one core could do in the "
-                       "same run is at the end. The paper gives no units: its numbers are taken as "
-                       "metres, pascals and seconds, density 1.");
+    ss_page_text(page,
+                 "This page runs the paper's three models with this program's own fem and "
+                 "hybrid, in the paper's units, and judges what the paper says. What is "
+                 "expected comes from the paper's own words and figures, from a closed form, "
+                 "or from an independent program: the same finite elements once more in "
+                 "double precision, sharing no code with the models (reference elements). Pass: as "
+                 "claimed. Fail: not so. Differs: the paper's words hold in no reading that "
+                 "was searched; the search stands in the closing note. Times are thread-CPU "
+                 "medians of this machine as loaded as it was; what one core could do in the "
+                 "same run is at the end. The paper gives no units: its numbers are taken as "
+                 "metres, pascals and seconds, density 1.");
     ss_page_text(page, "Where the nonlinearity comes from: Green strain, which is quadratic in the "
                        "displacement, under a linear law, and contact; below 0.65 of its volume "
                        "this program's guard stiffens an element. Left out: cutting and tearing; "

@@ -49,17 +49,17 @@ static void claim_pair_curve(ss_paper *paper)
     }
     (void)ss_layer_pair_potential(1.0 - step, &before);
     (void)ss_layer_pair_potential(1.0 + step, &after);
-    ss_claim_at_most(paper, "Fig. 2", SS_FROM_FORM, 1e-6, apart,
+    ss_claim_at_most(paper, "Fig. 2", SS_FROM_CLOSED_FORM, 1e-6, apart,
                      "the layer's pair potential is (8) with r in units of root 3 and the well's "
                      "depth as the unit of energy: largest difference from 0.7 to root 2");
     ss_claim_near(paper, "Fig. 2", SS_FROM_PAPER, -1.0, least, 1e-6,
                   "epsilon is the energy that overcomes the cohesion: the well's depth over it "
                   "(with r and epsilon as printed it is -0.385)");
-    ss_claim_near(paper, "Fig. 2", SS_FROM_FORM, 1.0, where, 1e-3,
+    ss_claim_near(paper, "Fig. 2", SS_FROM_CLOSED_FORM, 1.0, where, 1e-3,
                   "the well lies at the rest distance");
-    ss_claim_near(paper, "Fig. 2", SS_FROM_FORM, sqrt(2.0), pulled_at, 1e-3,
+    ss_claim_near(paper, "Fig. 2", SS_FROM_CLOSED_FORM, sqrt(2.0), pulled_at, 1e-3,
                   "cohesion is strongest at root 2 of it");
-    ss_claim_near(paper, "Fig. 2", SS_FROM_FORM, 3.0, (after - before) / (2.0 * step), 1e-3,
+    ss_claim_near(paper, "Fig. 2", SS_FROM_CLOSED_FORM, 3.0, (after - before) / (2.0 * step), 1e-3,
                   "stiffness at rest, in epsilon over the rest distance squared");
 }
 
@@ -347,14 +347,14 @@ static softsim_status claim_rows(ss_paper *paper, softsim_error *error)
     const softsim_status status = ss_layer_create(&plan, &layer, error);
     if (status == SOFTSIM_OK) {
         row_errors(layer, mesh, &tie, &skin);
-        ss_claim_at_most(paper, "eq. 7", SS_FROM_FORM, 1e-4, skin,
+        ss_claim_at_most(paper, "eq. 7", SS_FROM_CLOSED_FORM, 1e-4, skin,
                          "a linear field is interpolated from %d particles exactly, at every node "
                          "of the surface (error in spacings)",
                          layer->count);
-        ss_claim_at_most(paper, "eq. 11", SS_FROM_FORM, 1e-4, tie,
+        ss_claim_at_most(paper, "eq. 11", SS_FROM_CLOSED_FORM, 1e-4, tie,
                          "where both interpolations are, shares that add up to 1 give x: largest "
                          "error of a particle's place from the tetrahedra, in spacings");
-        ss_claim_at_most(paper, "eq. 13", SS_FROM_FORM, 1e-3, gradient_of_layer(layer),
+        ss_claim_at_most(paper, "eq. 13", SS_FROM_CLOSED_FORM, 1e-3, gradient_of_layer(layer),
                          "the gradient of W gives a linear field's own gradient at each of the "
                          "layer's %d particles, at the surface too (error over it)",
                          layer->own_count);

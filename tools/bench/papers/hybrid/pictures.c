@@ -10,7 +10,7 @@
 
 #include "bench/papers/hybrid/draw.h"
 #include "bench/papers/hybrid/hybrid.h"
-#include "bench/papers/hybrid/own.h"
+#include "bench/papers/hybrid/reference.h"
 #include "models/layer.h"
 #include "rt/each.h"
 #include "rt/vec.h"
@@ -91,73 +91,73 @@ static double deepest(const ss_heart_body *body)
     return most;
 }
 
-/* ---- HM2 led, beside the report's own elements ---- */
+/* ---- HM2 led, beside the report's reference elements ---- */
 
 enum { LEAD_STEPS = 400, HOLD_STEPS = 800 };
 static const double lead_m = 0.06, lead_reach = 0.2;
 
 /* What fem does in a step of Table 1. */
-static void own_lead(ss_heart_own *own, const ss_heart_row *row, int32_t count,
-                     const int32_t *patch)
+static void reference_lead(ss_heart_reference *reference, const ss_heart_row *row, int32_t count,
+                           const int32_t *patch)
 {
-    own->phi = own->psi = row->viscosity;
-    own->damping = 2.0;
+    reference->phi = reference->psi = row->viscosity;
+    reference->damping = 2.0;
     for (int32_t k = 0; k < count; ++k) {
-        own->is_held[patch[k]] = 1;
+        reference->is_held[patch[k]] = 1;
     }
     for (int32_t s = 1; s <= LEAD_STEPS + HOLD_STEPS; ++s) {
         for (int32_t k = 0; k < count; ++k) {
-            const double before = own->u[patch[k]][0];
-            own->u[patch[k]][0] = -lead_m * fmin(1.0, (double)s / LEAD_STEPS);
-            own->v[patch[k]][0] = (own->u[patch[k]][0] - before) / row->step;
+            const double before = reference->u[patch[k]][0];
+            reference->u[patch[k]][0] = -lead_m * fmin(1.0, (double)s / LEAD_STEPS);
+            reference->v[patch[k]][0] = (reference->u[patch[k]][0] - before) / row->step;
         }
-        ss_heart_own_run(own, 1, row->step);
+        ss_heart_reference_run(reference, 1, row->step);
     }
 }
 
-static void claim_lead(ss_paper *paper, const ss_heart_body *body, const ss_heart_own *own,
-                       int32_t count, const int32_t *patch)
+static void claim_lead(ss_paper *paper, const ss_heart_body *body,
+                       const ss_heart_reference *reference, int32_t count, const int32_t *patch)
 {
     const ss_real *u = body->model_class->displacement(body->model);
-    double apart = 0.0, whole = 0.0, own_force = 0.0, force[3];
+    double apart = 0.0, whole = 0.0, reference_force = 0.0, force[3];
     for (int32_t k = 0; k < count; ++k) {
-        own_force -= own->force[patch[k]][0];
+        reference_force -= reference->force[patch[k]][0];
     }
     for (int32_t i = 0; i < body->mesh->node_count; ++i) {
         for (int a = 0; a < 3; ++a) {
-            const double d = (double)u[4 * (ptrdiff_t)i + a] - own->u[i][a];
-            apart += own->mass[i] * d * d;
-            whole += own->mass[i] * own->u[i][a] * own->u[i][a];
+            const double d = (double)u[4 * (ptrdiff_t)i + a] - reference->u[i][a];
+            apart += reference->mass[i] * d * d;
+            whole += reference->mass[i] * reference->u[i][a] * reference->u[i][a];
         }
     }
     body->model_class->reaction(body->model, 0, force);
-    ss_claim_near(paper, "Fig. 3", SS_FROM_CODE, own_force, force[0], 0.02,
+    ss_claim_near(paper, "Fig. 3", SS_FROM_CODE, reference_force, force[0], 0.02,
                   "HM2: a patch of %d nodes led in by %g: force on it after %d steps, N", count,
                   lead_m, LEAD_STEPS + HOLD_STEPS);
     ss_claim_at_most(paper, "Fig. 3", SS_FROM_CODE, 0.02, sqrt(apart / whole),
-                     "HM2: distance of the shape from the own elements', over its size");
+                     "HM2: distance of the shape from the reference elements', over its size");
 }
 
 /* The patch of HM2's outer wall at the ball's place, led inwards in a ramp and held, by fem and by
- * the report's own elements on the same mesh with the same steps. */
+ * the report's reference elements on the same mesh with the same steps. */
 static softsim_status lead_patch(ss_paper *paper, softsim_error *error)
 {
     const ss_heart_row *row = &ss_heart_table[SS_HEART_HM2];
     const double x = 0.65 * sqrt(1.0 - 0.04 / 1.44), at[3] = {x, 0.0, -0.2};
     const double ramp_s = LEAD_STEPS * row->step;
     ss_heart_body body;
-    ss_heart_own own = {.mesh = NULL};
+    ss_heart_reference reference = {.mesh = NULL};
     ss_mesh *mesh = ss_heart_ventricle(paper, error);
     if (mesh == NULL) {
         return error->status;
     }
     ss_heart_init(&body, mesh, "fem", row, "base");
-    ss_heart_set(&body, "locking_cure", 1.0); /* as the own elements */
+    ss_heart_set(&body, "locking_cure", 1.0); /* as the reference elements */
     int32_t *patch = calloc((size_t)mesh->node_count, sizeof *patch), count = 0;
     double(*way)[3] = calloc((size_t)mesh->node_count, sizeof *way);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (patch != NULL && way != NULL &&
-        ss_heart_own_init(&own, body.mesh, row->lambda, row->mu, "base")) {
+        ss_heart_reference_init(&reference, body.mesh, row->lambda, row->mu, "base")) {
         for (int32_t i = 0; i < body.mesh->node_count; ++i) {
             const double *rest = body.mesh->position[i];
             double d[3];
@@ -165,7 +165,7 @@ static softsim_status lead_patch(ss_paper *paper, softsim_error *error)
             /* On the outer wall: x^2 + y^2 over 0.65^2 plus z^2 over 1.2^2 is 1. */
             const double level =
                 (rest[0] * rest[0] + rest[1] * rest[1]) / 0.4225 + rest[2] * rest[2] / 1.44;
-            if (level > 0.98 && !own.is_held[i] && ss_norm3(d) < lead_reach) {
+            if (level > 0.98 && !reference.is_held[i] && ss_norm3(d) < lead_reach) {
                 ss_set3(way[count], -lead_m, 0.0, 0.0);
                 patch[count++] = i;
             }
@@ -180,13 +180,13 @@ static softsim_status lead_patch(ss_paper *paper, softsim_error *error)
         status = ss_heart_start(&body, error);
         if (status == SOFTSIM_OK) {
             ss_heart_idle(&body, LEAD_STEPS + HOLD_STEPS);
-            own_lead(&own, row, count, patch);
-            claim_lead(paper, &body, &own, count, patch);
+            reference_lead(&reference, row, count, patch);
+            claim_lead(paper, &body, &reference, count, patch);
         }
     } else {
         softsim_error_add(error, status, "out of memory");
     }
-    ss_heart_own_fini(&own);
+    ss_heart_reference_fini(&reference);
     ss_heart_end(&body);
     free(patch);
     free(way);

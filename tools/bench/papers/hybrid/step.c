@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "bench/papers/hybrid/hybrid.h"
-#include "bench/papers/hybrid/own.h"
+#include "bench/papers/hybrid/reference.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -99,17 +99,17 @@ static void disturb(ss_mesh *mesh)
 }
 
 /* One body: all readings beside the largest stable step, by the program and, where the body is
- * tetrahedra alone, by the report's own finite elements. */
+ * tetrahedra alone, by the report's reference finite elements. */
 typedef struct bounds {
     const char *name;
     int32_t nodes, tetrahedra;
-    double reading[READINGS], stable, own_stable;
+    double reading[READINGS], stable, reference_stable;
 } bounds;
 
 static softsim_status compare_bound(ss_paper *paper, int which, bounds *out, softsim_error *error)
 {
     ss_heart_body body;
-    ss_heart_own own;
+    ss_heart_reference reference;
     const bool is_disturbed = which == SS_HEART_ROWS;
     const int of = is_disturbed ? SS_HEART_ED0 : which;
     const ss_heart_row *row = &ss_heart_table[of];
@@ -123,7 +123,7 @@ static softsim_status compare_bound(ss_paper *paper, int which, bounds *out, sof
     *out = (bounds){.name = is_disturbed ? "ED0, nodes disturbed" : row->name,
                     .nodes = mesh->node_count,
                     .tetrahedra = mesh->tetrahedron_count,
-                    .own_stable = (double)NAN};
+                    .reference_stable = (double)NAN};
     for (int r = 0; r < READINGS; ++r) {
         const bool is_layered = bound_readings[r].has_particles && of == SS_HEART_HM1;
         const double h = fmin(shortest_edge(mesh), is_layered ? bound_spacing : (double)INFINITY);
@@ -142,23 +142,23 @@ static softsim_status compare_bound(ss_paper *paper, int which, bounds *out, sof
         body.model_class->info(body.model, &info);
         out->stable = info.stable_step;
         if (of != SS_HEART_HM1 &&
-            (!ss_heart_own_init(&own, body.mesh, row->lambda, row->mu, group_of(of)) ||
-             !ss_heart_own_stable_step(&own, &out->own_stable))) {
+            (!ss_heart_reference_init(&reference, body.mesh, row->lambda, row->mu, group_of(of)) ||
+             !ss_heart_reference_stable_step(&reference, &out->reference_stable))) {
             status = SOFTSIM_ERROR_MEMORY;
             softsim_error_add(error, status, "out of memory");
         }
         if (of != SS_HEART_HM1) {
-            ss_heart_own_fini(&own);
+            ss_heart_reference_fini(&reference);
         }
     }
     ss_heart_end(&body);
     return status;
 }
 
-/* dt* by the own elements; of HM1, whose layer they do not have, by the program. */
+/* dt* by the reference elements; of HM1, whose layer they do not have, by the program. */
 static double largest_step(const bounds *of)
 {
-    return isfinite(of->own_stable) ? of->own_stable : of->stable;
+    return isfinite(of->reference_stable) ? of->reference_stable : of->stable;
 }
 
 static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_error *error)
@@ -166,17 +166,17 @@ static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_er
     static const char *const head[] = {"body",
                                        "nodes / tetrahedra",
                                        "called stable, s",
-                                       "dt* of own elements, s",
+                                       "dt* of reference elements, s",
                                        "2 lambda + mu, h of tetrahedra",
                                        "lambda + 2 mu",
                                        "2 lambda + mu, h with particles",
                                        "lambda + 2 mu"};
     ss_output csv;
-    const softsim_status status =
-        ss_paper_csv_open(paper, &csv, "bounds",
-                          "body,nodes,tetrahedra,stable_s,own_stable_s,printed_s,right_modulus_s,"
-                          "printed_particles_s,right_modulus_particles_s",
-                          error);
+    const softsim_status status = ss_paper_csv_open(
+        paper, &csv, "bounds",
+        "body,nodes,tetrahedra,stable_s,reference_stable_s,printed_s,right_modulus_s,"
+        "printed_particles_s,right_modulus_particles_s",
+        error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -186,9 +186,9 @@ static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_er
         ss_row_add(&row, "%s", all[b].name);
         ss_row_add(&row, "%d / %d", all[b].nodes, all[b].tetrahedra);
         ss_row_add_number(&row, all[b].stable);
-        ss_row_add_number(&row, all[b].own_stable);
+        ss_row_add_number(&row, all[b].reference_stable);
         fprintf(csv.file, "\"%s\",%d,%d,%.5g,%.5g", all[b].name, all[b].nodes, all[b].tetrahedra,
-                all[b].stable, all[b].own_stable);
+                all[b].stable, all[b].reference_stable);
         for (int r = 0; r < READINGS; ++r) {
             ss_row_add(&row, "%.4g%s", all[b].reading[r],
                        all[b].reading[r] > largest_step(&all[b]) ? ", unsafe" : "");
@@ -225,13 +225,14 @@ static softsim_status write_bounds(ss_paper *paper, softsim_error *error)
         return status;
     }
     for (int b = 0; b <= SS_HEART_ROWS; ++b) {
-        if (isfinite(all[b].own_stable)) {
-            ss_claim_at_most(paper, "eq. 14", SS_FROM_CODE, all[b].own_stable, all[b].stable,
-                             "%s: the step that the program calls stable, at most dt* by the own "
-                             "elements, s",
-                             all[b].name);
-            ss_claim_near(paper, "eq. 14", SS_FROM_CODE, all[b].own_stable, all[b].stable, 0.02,
-                          "%s: the same within 2 %%, s", all[b].name);
+        if (isfinite(all[b].reference_stable)) {
+            ss_claim_at_most(
+                paper, "eq. 14", SS_FROM_CODE, all[b].reference_stable, all[b].stable,
+                "%s: the step that the program calls stable, at most dt* by the reference "
+                "elements, s",
+                all[b].name);
+            ss_claim_near(paper, "eq. 14", SS_FROM_CODE, all[b].reference_stable, all[b].stable,
+                          0.02, "%s: the same within 2 %%, s", all[b].name);
             ss_claim_search(paper, "the program's power iteration agrees with dt* but for its "
                                    "margin of 0.5 %%; where twice its guaranteed bound is less, "
                                    "that is what it calls stable: a choice for safety");
@@ -322,27 +323,27 @@ static softsim_status run_row(ss_paper *paper, int which, bool is_rk4, softsim_e
     return status;
 }
 
-/* The same by the report's own elements; NaN when out of memory. */
-static double own_damping(const ss_mesh *mesh, const ss_heart_row *row, int32_t pole,
-                          const ss_load *pull, double left_s)
+/* The same by the report's reference elements; NaN when out of memory. */
+static double reference_damping(const ss_mesh *mesh, const ss_heart_row *row, int32_t pole,
+                                const ss_load *pull, double left_s)
 {
-    ss_heart_own own;
-    if (!ss_heart_own_init(&own, mesh, row->lambda, row->mu, "inner")) {
+    ss_heart_reference reference;
+    if (!ss_heart_reference_init(&reference, mesh, row->lambda, row->mu, "inner")) {
         return (double)NAN;
     }
-    own.phi = own.psi = row->viscosity;
+    reference.phi = reference.psi = row->viscosity;
     const int32_t pulled = (int32_t)(2.1 / row->step);
     for (int32_t k = 0; k < pulled; ++k) {
         const double time = k * row->step;
-        own.pushed = time < pull->to ? pole : -1;
-        ss_scale3(own.push, pull->force, fmin(1.0, time / pull->ramp));
-        ss_heart_own_run(&own, 1, row->step);
+        reference.pushed = time < pull->to ? pole : -1;
+        ss_scale3(reference.push, pull->force, fmin(1.0, time / pull->ramp));
+        ss_heart_reference_run(&reference, 1, row->step);
     }
-    own.pushed = -1;
-    const double first = own.elastic + own.kinetic;
-    ss_heart_own_run(&own, (int32_t)(left_s / row->step), row->step);
-    const double last = own.elastic + own.kinetic;
-    ss_heart_own_fini(&own);
+    reference.pushed = -1;
+    const double first = reference.elastic + reference.kinetic;
+    ss_heart_reference_run(&reference, (int32_t)(left_s / row->step), row->step);
+    const double last = reference.elastic + reference.kinetic;
+    ss_heart_reference_fini(&reference);
     return last / first;
 }
 
@@ -359,7 +360,7 @@ static softsim_status run_damping(ss_paper *paper, softsim_error *error)
     }
     ss_heart_init(&body, mesh, "fem", row, "inner");
     ss_heart_set(&body, "mass_damping_per_s", 0.0);
-    ss_heart_set(&body, "locking_cure", 1.0); /* as the own elements */
+    ss_heart_set(&body, "locking_cure", 1.0); /* as the reference elements */
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         pole = mesh->position[i][0] > mesh->position[pole][0] ? i : pole;
     }
@@ -376,8 +377,8 @@ static softsim_status run_damping(ss_paper *paper, softsim_error *error)
         ss_heart_idle(&body, (int32_t)(left_s / row->step));
         body.model_class->info(body.model, &last);
         const double share = (last.kinetic + last.elastic) / (first.kinetic + first.elastic);
-        const double own = own_damping(body.mesh, row, pole, &pull, left_s);
-        ss_claim_near(paper, "Table 1", SS_FROM_CODE, own, share, 0.1,
+        const double reference = reference_damping(body.mesh, row, pole, &pull, left_s);
+        ss_claim_near(paper, "Table 1", SS_FROM_CODE, reference, share, 0.1,
                       "ED0 pulled at its pole and let go, the paper's viscosities alone: share of "
                       "the energy left after %g time units",
                       left_s);

@@ -55,25 +55,25 @@ ss_zhang_setup ss_zhang_plane_setup(ss_zhang_plane *plane, const char *model, do
                             .step_s = step_s};
 }
 
-softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rule,
-                                  const double *stiffness_of, ss_zhang_own *out,
-                                  softsim_error *error)
+softsim_status ss_zhang_plane_reference(const ss_zhang_plane *plane, ss_zhang_rule rule,
+                                        const double *stiffness_of, ss_zhang_reference *out,
+                                        softsim_error *error)
 {
-    const ss_zhang_own_plan plan = {.node_count = plane->mesh->node_count,
-                                    .element_count = plane->mesh->quad_count,
-                                    .corners = 4,
-                                    .rest = (const double(*)[3])plane->mesh->position,
-                                    .element = (const int32_t(*)[4])plane->mesh->quad,
-                                    .fixed = plane->fixed,
-                                    .pushed = plane->pushed,
-                                    .pushed_count = 1,
-                                    .direction = {0.0, 0.0, -1.0},
-                                    .alpha = 0.02,
-                                    .stiffness = 1.0,
-                                    .capacitance = 1.0,
-                                    .stiffness_of = stiffness_of,
-                                    .rule = rule};
-    return ss_zhang_own_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
+    const ss_zhang_reference_plan plan = {.node_count = plane->mesh->node_count,
+                                          .element_count = plane->mesh->quad_count,
+                                          .corners = 4,
+                                          .rest = (const double(*)[3])plane->mesh->position,
+                                          .element = (const int32_t(*)[4])plane->mesh->quad,
+                                          .fixed = plane->fixed,
+                                          .pushed = plane->pushed,
+                                          .pushed_count = 1,
+                                          .direction = {0.0, 0.0, -1.0},
+                                          .alpha = 0.02,
+                                          .stiffness = 1.0,
+                                          .capacitance = 1.0,
+                                          .stiffness_of = stiffness_of,
+                                          .rule = rule};
+    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
 }
 
 /* ---- solids ---- */
@@ -232,23 +232,24 @@ softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out, s
     return status;
 }
 
-softsim_status ss_zhang_solid_own(const ss_zhang_solid *solid, double alpha, ss_zhang_rule rule,
-                                  ss_zhang_own *out, softsim_error *error)
+softsim_status ss_zhang_solid_reference(const ss_zhang_solid *solid, double alpha,
+                                        ss_zhang_rule rule, ss_zhang_reference *out,
+                                        softsim_error *error)
 {
-    ss_zhang_own_plan plan = {.node_count = solid->mesh->node_count,
-                              .element_count = solid->mesh->tetrahedron_count,
-                              .corners = -4,
-                              .rest = (const double(*)[3])solid->mesh->position,
-                              .element = (const int32_t(*)[4])solid->mesh->tetrahedron,
-                              .fixed = solid->fixed,
-                              .pushed = solid->pushed,
-                              .pushed_count = solid->pushed_count,
-                              .alpha = alpha,
-                              .stiffness = 100.0,
-                              .capacitance = 1.0,
-                              .rule = rule};
+    ss_zhang_reference_plan plan = {.node_count = solid->mesh->node_count,
+                                    .element_count = solid->mesh->tetrahedron_count,
+                                    .corners = -4,
+                                    .rest = (const double(*)[3])solid->mesh->position,
+                                    .element = (const int32_t(*)[4])solid->mesh->tetrahedron,
+                                    .fixed = solid->fixed,
+                                    .pushed = solid->pushed,
+                                    .pushed_count = solid->pushed_count,
+                                    .alpha = alpha,
+                                    .stiffness = 100.0,
+                                    .capacitance = 1.0,
+                                    .rule = rule};
     ss_copy3(plan.direction, solid->direction);
-    return ss_zhang_own_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
+    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
 }
 
 ss_zhang_setup ss_zhang_solid_setup(const ss_zhang_solid *solid, const char *model, double depth)

@@ -4,7 +4,7 @@
  * The first of the paper's two wishes for the future: many chain elements in one neural cell.
  * The liver with 1, 4, 16 and 64 elements a cell, each beside the network of one element a cell at
  * the same time after the same poke, which
- * the report's own program computes.
+ * the report's reference program computes.
  */
 #include <math.h>
 #include <stdio.h>
@@ -65,11 +65,12 @@ static softsim_status run_cells(ss_zhang *zhang, const ss_zhang_solid *liver, in
     return SOFTSIM_OK;
 }
 
-/* The network of one element a cell by the report's own program, and the finite elements' shape. */
-static softsim_status reference(const ss_zhang_solid *liver, double step_s, int32_t steps,
-                                double (*out_u)[3], double *out_error, softsim_error *error)
+/* The network of one element a cell by the report's reference program, and the finite elements'
+ * shape. */
+static softsim_status run_reference(const ss_zhang_solid *liver, double step_s, int32_t steps,
+                                    double (*out_u)[3], double *out_error, softsim_error *error)
 {
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     const size_t n = (size_t)liver->mesh->node_count;
     double(*fem)[3] = calloc(n, sizeof *fem), (*prescribed)[3] = calloc(n, sizeof *prescribed);
     uint8_t *held = malloc(n);
@@ -86,16 +87,16 @@ static softsim_status reference(const ss_zhang_solid *liver, double step_s, int3
         softsim_error_add(error, status, "out of memory");
     }
     if (status == SOFTSIM_OK) {
-        status = ss_zhang_solid_own(liver, 0.0, SS_OWN_KEEP, &own, error);
+        status = ss_zhang_solid_reference(liver, 0.0, SS_REFERENCE_KEEP, &reference, error);
     }
     if (status == SOFTSIM_OK) {
         for (int32_t k = 1; k <= steps; ++k) {
-            ss_zhang_own_step(&own, depth * fmin(1.0, k * step_s), step_s);
+            ss_zhang_reference_step(&reference, depth * fmin(1.0, k * step_s), step_s);
         }
         for (size_t i = 0; i < n; ++i) {
-            ss_sub3(out_u[i], own.at[i], own.rest[i]);
+            ss_sub3(out_u[i], reference.at[i], reference.rest[i]);
         }
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_fini(&reference);
         *out_error = ss_zhang_distance((int32_t)n, (const double(*)[3])out_u,
                                        (const double(*)[3])fem, liver->volume);
     }
@@ -110,7 +111,7 @@ static softsim_status show(ss_paper *paper, const cells_run *run, softsim_error 
                                        "step, C",
                                        "CPU time a step, us",
                                        "CPU time for one C, us",
-                                       "distance from the own network"};
+                                       "distance from the reference network"};
     ss_output csv;
     const softsim_status status =
         ss_paper_csv_open(paper, &csv, "cells",
@@ -160,11 +161,12 @@ softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error)
         status = SOFTSIM_ERROR_MEMORY;
         softsim_error_add(error, status, "out of memory");
     }
-    double own_error = (double)NAN;
+    double reference_error = (double)NAN;
     for (int r = 0; r < RATIO_COUNT && status == SOFTSIM_OK; ++r) {
         status = run_cells(zhang, &liver, ratio[r], &run[r], u, error);
         if (r == 0 && status == SOFTSIM_OK) {
-            status = reference(&liver, run[0].step_s, run[0].steps, full, &own_error, error);
+            status =
+                run_reference(&liver, run[0].step_s, run[0].steps, full, &reference_error, error);
         }
         run[r].error = ss_zhang_distance(liver.mesh->node_count, (const double(*)[3])u,
                                          (const double(*)[3])full, liver.volume);
@@ -175,11 +177,12 @@ softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error)
     }
     for (int r = 1; r < RATIO_COUNT && status == SOFTSIM_OK; ++r) {
         if (run[0].is_there && run[r].is_there) {
-            ss_claim_at_most(paper, "Conclusion", SS_FROM_CODE, 0.25 * own_error, run[r].error,
-                             "%d elements a cell: distance of the shape from the own network's "
-                             "with one a cell, at most a quarter of what that itself is off finite "
-                             "elements",
-                             ratio[r]);
+            ss_claim_at_most(
+                paper, "Conclusion", SS_FROM_CODE, 0.25 * reference_error, run[r].error,
+                "%d elements a cell: distance of the shape from the reference network's "
+                "with one a cell, at most a quarter of what that itself is off finite "
+                "elements",
+                ratio[r]);
         }
     }
     if (status == SOFTSIM_OK && run[0].is_there) {

@@ -2,11 +2,12 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * The second of the paper's two wishes for the future: material parameters by optimisation.
- * Curves are made by the report's own network (own.h, steps of a fiftieth of C) with known
- * parameters and 1 % of noise; softsim-fit's own search is given the curves and wrong parameters:
- * with a toe, without one, and held. How near it can come is known beforehand: with J the change of
- * a curve with the logarithm of a parameter, in shares of its rms, the standard error of the
- * logarithm is the noise times the root of the diagonal of (J^T J)^-1, by the own network too.
+ * Curves are made by the report's reference network (reference.h, steps of a fiftieth of C) with
+ * known parameters and 1 % of noise; softsim-fit's own search is given the curves and wrong
+ * parameters: with a toe, without one, and held. How near it can come is known beforehand: with J
+ * the change of a curve with the logarithm of a parameter, in shares of its rms, the standard error
+ * of the logarithm is the noise times the root of the diagonal of (J^T J)^-1, by the reference
+ * network too.
  */
 #include <math.h>
 #include <stdio.h>
@@ -46,7 +47,7 @@ static const char *const path[MOST] = {"model.link_stiffness_n_per_m", "model.al
 enum { SIDE = 15, NODES = SIDE * SIDE, CURVES = 2 };
 static const double noise = 0.01, width_m = 0.14;
 
-/* The plate as the own network has it. */
+/* The plate as the reference network has it. */
 typedef struct plate_body {
     ss_mesh *mesh;
     uint8_t fixed[NODES];
@@ -77,40 +78,40 @@ static softsim_status make_plate(const ss_press *press, plate_body *out, softsim
     return SOFTSIM_OK;
 }
 
-/* Forces of the own network at the points of a curve. */
-static bool own_curve(const plate_body *plate, const double parameter[MOST], bool is_time,
-                      double *force)
+/* Forces of the reference network at the points of a curve. */
+static bool reference_curve(const plate_body *plate, const double parameter[MOST], bool is_time,
+                            double *force)
 {
-    ss_zhang_own own;
-    ss_zhang_own_plan plan = {.node_count = NODES,
-                              .element_count = plate->mesh->quad_count,
-                              .corners = 4,
-                              .rest = (const double(*)[3])plate->mesh->position,
-                              .element = (const int32_t(*)[4])plate->mesh->quad,
-                              .fixed = plate->fixed,
-                              .pushed = plate->patch,
-                              .pushed_count = plate->patch_count,
-                              .stiffness = parameter[0],
-                              .alpha = parameter[1],
-                              .capacitance = parameter[2]};
+    ss_zhang_reference reference;
+    ss_zhang_reference_plan plan = {.node_count = NODES,
+                                    .element_count = plate->mesh->quad_count,
+                                    .corners = 4,
+                                    .rest = (const double(*)[3])plate->mesh->position,
+                                    .element = (const int32_t(*)[4])plate->mesh->quad,
+                                    .fixed = plate->fixed,
+                                    .pushed = plate->patch,
+                                    .pushed_count = plate->patch_count,
+                                    .stiffness = parameter[0],
+                                    .alpha = parameter[1],
+                                    .capacitance = parameter[2]};
     ss_copy3(plan.direction, plate->direction);
-    if (!ss_zhang_own_init(&own, &plan)) {
+    if (!ss_zhang_reference_init(&reference, &plan)) {
         return false;
     }
     const double h = 0.02 * 0.01; /* s: a fiftieth of the least C */
     const double speed = deep_m / press_s;
     if (is_time) {
-        ss_zhang_own_go(&own, deep_m, speed, h);
+        ss_zhang_reference_go(&reference, deep_m, speed, h);
     }
     for (int k = 0; k < POINTS; ++k) {
         if (is_time) {
-            ss_zhang_own_hold(&own, k > 0 ? hold_s / (POINTS - 1) : 0.0, h);
+            ss_zhang_reference_hold(&reference, k > 0 ? hold_s / (POINTS - 1) : 0.0, h);
         } else {
-            ss_zhang_own_go(&own, deep_m * (k + 1) / POINTS, speed, h);
+            ss_zhang_reference_go(&reference, deep_m * (k + 1) / POINTS, speed, h);
         }
-        force[k] = own.force;
+        force[k] = reference.force;
     }
-    ss_zhang_own_fini(&own);
+    ss_zhang_reference_fini(&reference);
     return true;
 }
 
@@ -141,7 +142,7 @@ static softsim_status make_curve(const plate_body *plate, const double truth[MOS
     curve->at = calloc(POINTS, sizeof *curve->at);
     curve->force = calloc(POINTS, sizeof *curve->force);
     if (curve->at == NULL || curve->force == NULL ||
-        !own_curve(plate, truth, is_time, curve->force)) {
+        !reference_curve(plate, truth, is_time, curve->force)) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -162,14 +163,14 @@ static bool find_errors(const plate_body *plate, const double truth[MOST], int c
     double base[CURVES][POINTS], moved[POINTS], slope[MOST][CURVES][POINTS], square[MOST * MOST];
     double inverse[MOST * MOST] = {0.0};
     for (int c = 0; c < curves; ++c) {
-        if (!own_curve(plate, truth, c == 1, base[c])) {
+        if (!reference_curve(plate, truth, c == 1, base[c])) {
             return false;
         }
         for (int p = 0; p < count; ++p) {
             double parameter[MOST];
             memcpy(parameter, truth, sizeof parameter);
             parameter[p] *= 1.0 + change;
-            if (!own_curve(plate, parameter, c == 1, moved)) {
+            if (!reference_curve(plate, parameter, c == 1, moved)) {
                 return false;
             }
             for (int k = 0; k < POINTS; ++k) {

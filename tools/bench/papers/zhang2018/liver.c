@@ -318,55 +318,56 @@ static const shape_run shallow_runs[UNGUARDED + 1] = {
                    .last = LONG},
 };
 
-/* The paper's network of this poke by the report's own program: its error against the finite
+/* The paper's network of this poke by the report's reference program: its error against the finite
  * elements after 212 steps, and how far the model's shape is from it. */
-static softsim_status claim_own(ss_paper *paper, const ss_zhang_solid *liver, const field fem,
-                                const struct poke *what, const shape_run *row, const field u,
-                                double *out_error, softsim_error *error)
+static softsim_status claim_reference(ss_paper *paper, const ss_zhang_solid *liver, const field fem,
+                                      const struct poke *what, const shape_run *row, const field u,
+                                      double *out_error, softsim_error *error)
 {
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     const size_t n = (size_t)liver->mesh->node_count;
-    field own_u = calloc(n, sizeof *own_u);
-    softsim_status status = own_u != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+    field reference_u = calloc(n, sizeof *reference_u);
+    softsim_status status = reference_u != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     if (status == SOFTSIM_OK) {
-        status = ss_zhang_solid_own(liver, what->alpha, SS_OWN_KEEP, &own, error);
+        status = ss_zhang_solid_reference(liver, what->alpha, SS_REFERENCE_KEEP, &reference, error);
     } else {
         softsim_error_add(error, status, "out of memory");
     }
     if (status == SOFTSIM_OK) {
         for (int32_t k = 0; k < mark[LATE]; ++k) {
-            ss_zhang_own_step(&own, what->depth, row->step_s);
+            ss_zhang_reference_step(&reference, what->depth, row->step_s);
         }
         for (size_t i = 0; i < n; ++i) {
-            ss_sub3(own_u[i], own.at[i], own.rest[i]);
+            ss_sub3(reference_u[i], reference.at[i], reference.rest[i]);
         }
-        ss_zhang_own_fini(&own);
-        *out_error = ss_zhang_distance((int32_t)n, (const double(*)[3])own_u,
+        ss_zhang_reference_fini(&reference);
+        *out_error = ss_zhang_distance((int32_t)n, (const double(*)[3])reference_u,
                                        (const double(*)[3])fem, liver->volume);
         ss_claim_at_most(paper, "Fig. 6", SS_FROM_CODE, 1e-3,
                          ss_zhang_distance((int32_t)n, (const double(*)[3])u,
-                                           (const double(*)[3])own_u, liver->volume),
+                                           (const double(*)[3])reference_u, liver->volume),
                          "liver, %s: the paper's network after 212 steps: distance of the shape "
-                         "from the own network's, over its size",
+                         "from the reference network's, over its size",
                          what->title);
     }
-    free(own_u);
+    free(reference_u);
     return status;
 }
 
-/* `own_error`: of the paper's network by the own program after 212 steps. */
-static void claim_shape(ss_paper *paper, const shape_run *row, double own_error,
+/* `reference_error`: of the paper's network by the reference program after 212 steps. */
+static void claim_shape(ss_paper *paper, const shape_run *row, double reference_error,
                         const char *poke_name)
 {
     const shape_run *c = &row[COARSE];
-    ss_claim_at_most(paper, "Conclusion", SS_FROM_CODE, own_error, c->error[0],
+    ss_claim_at_most(paper, "Conclusion", SS_FROM_CODE, reference_error, c->error[0],
                      "liver, %s: ours: error against finite elements after 10 steps, at most that "
-                     "of the paper's network after 212 (own network)",
+                     "of the paper's network after 212 (reference network)",
                      poke_name);
     ss_claim_at_most(
-        paper, "Fig. 6", SS_FROM_FORM, 0.0, c->inverted[0] + c->inverted[1] + c->inverted[LATE],
+        paper, "Fig. 6", SS_FROM_CLOSED_FORM, 0.0,
+        c->inverted[0] + c->inverted[1] + c->inverted[LATE],
         "liver, %s: tetrahedra inverted after 10, 31 and 212 steps, with the tet guard", poke_name);
-    ss_claim_at_most(paper, "eq. 4", SS_FROM_FORM, 1e-6, fmax(c->rise, row[FINE].rise),
+    ss_claim_at_most(paper, "eq. 4", SS_FROM_CLOSED_FORM, 1e-6, fmax(c->rise, row[FINE].rise),
                      "liver, %s: a gradient flow: the energy never rises while the contact is held "
                      "(ours and the paper's network): largest rise in a step, of the peak",
                      poke_name);
@@ -677,7 +678,7 @@ static softsim_status poke(ss_zhang *zhang, const ss_zhang_solid *liver, const f
 {
     const double depth = what->depth;
     const char *name = what->name;
-    double own_error = (double)NAN;
+    double reference_error = (double)NAN;
     char file[64], caption[200];
     const size_t n = (size_t)liver->mesh->node_count;
     field fem = calloc(n, sizeof *fem), u = calloc(n, sizeof *u), scratch = calloc(n, sizeof *u);
@@ -707,7 +708,8 @@ static softsim_status poke(ss_zhang *zhang, const ss_zhang_solid *liver, const f
                                          caption, error);
         }
         if (status == SOFTSIM_OK && r == FINE && row[r].is_there) {
-            status = claim_own(zhang->paper, liver, fem, what, &row[r], u, &own_error, error);
+            status = claim_reference(zhang->paper, liver, fem, what, &row[r], u, &reference_error,
+                                     error);
         }
     }
     if (status == SOFTSIM_OK) {
@@ -723,7 +725,7 @@ static softsim_status poke(ss_zhang *zhang, const ss_zhang_solid *liver, const f
         status = write_csv(zhang->paper, file, row, count, error);
     }
     if (status == SOFTSIM_OK && row[FINE].is_there) {
-        claim_shape(zhang->paper, row, own_error, what->title);
+        claim_shape(zhang->paper, row, reference_error, what->title);
     }
     if (status == SOFTSIM_OK && count > MAIL_BOX && row[MAIL_BOX].is_there) {
         claim_better(zhang->paper, row);

@@ -35,16 +35,16 @@ static double work(const loop *l, int32_t from, int32_t to)
     return sum;
 }
 
-/* The same way, in steps of h, by the report's own network, which is used up. */
-static void go_round_own(ss_zhang_own *own, const loop *like, double h, loop *out)
+/* The same way, in steps of h, by the report's reference network, which is used up. */
+static void go_round_reference(ss_zhang_reference *reference, const loop *like, double h, loop *out)
 {
     *out = (loop){.count = like->count, .turn = like->turn};
     for (int32_t k = 1; k < like->count; ++k) {
-        ss_zhang_own_step(own, like->depth[k], h);
+        ss_zhang_reference_step(reference, like->depth[k], h);
         out->depth[k] = like->depth[k];
-        out->force[k] = own->force;
+        out->force[k] = reference->force;
     }
-    ss_zhang_own_fini(own);
+    ss_zhang_reference_fini(reference);
 }
 
 /* Area of the loop over the work of loading. */
@@ -117,13 +117,15 @@ static softsim_status write_loops(ss_zhang *zhang, const loop *l, const char *na
     return ss_page_plot(&zhang->paper->page, &script, name, caption, error);
 }
 
-static const ss_zhang_rule own_rule[RULE_COUNT] = {SS_OWN_RAMP, SS_OWN_LITERAL, SS_OWN_KEEP};
+static const ss_zhang_rule reference_rule[RULE_COUNT] = {SS_REFERENCE_RAMP, SS_REFERENCE_LITERAL,
+                                                         SS_REFERENCE_KEEP};
 
-/* One loop of each rule at a place: the own network's number, and that it takes energy where the
- * rule is one that can be under a hand. */
-static void claim_loop(ss_paper *paper, const char *where, int rule, const loop *l, const loop *own)
+/* One loop of each rule at a place: the reference network's number, and that it takes energy where
+ * the rule is one that can be under a hand. */
+static void claim_loop(ss_paper *paper, const char *where, int rule, const loop *l,
+                       const loop *reference)
 {
-    ss_claim_near(paper, "Fig. 5b", SS_FROM_CODE, lost(own), lost(l), 2e-3,
+    ss_claim_near(paper, "Fig. 5b", SS_FROM_CODE, lost(reference), lost(l), 2e-3,
                   "%s, unloading %s: area of the loop over the work of loading", where,
                   rule_name[rule]);
     if (rule != LITERAL) {
@@ -136,12 +138,12 @@ static void claim_loop(ss_paper *paper, const char *where, int rule, const loop 
 
 static softsim_status on_plane(ss_zhang *zhang, loop *l, softsim_error *error)
 {
-    static loop own_loop; /* large */
+    static loop reference_loop; /* large */
     char reason[256] = "", rule[32];
     softsim_status status = SOFTSIM_OK;
     for (int r = 0; r < RULE_COUNT && status == SOFTSIM_OK && reason[0] == '\0'; ++r) {
         double step_s;
-        ss_zhang_own own;
+        ss_zhang_reference reference;
         snprintf(rule, sizeof rule, "unloading=%s", rule_name[r]);
         const char *const param[] = {"alpha=0.02", "link_stiffness_n_per_m=1", "capacitance_s=1",
                                      rule};
@@ -150,11 +152,12 @@ static softsim_status on_plane(ss_zhang *zhang, loop *l, softsim_error *error)
         memcpy(setup.param, param, sizeof param);
         status = go_round(&setup, plane_pace, &l[r], &step_s, reason, error);
         if (status == SOFTSIM_OK && reason[0] == '\0') {
-            status = ss_zhang_plane_own(&zhang->plane, own_rule[r], NULL, &own, error);
+            status =
+                ss_zhang_plane_reference(&zhang->plane, reference_rule[r], NULL, &reference, error);
         }
         if (status == SOFTSIM_OK && reason[0] == '\0') {
-            go_round_own(&own, &l[r], step_s, &own_loop);
-            claim_loop(zhang->paper, "plane at 0.01 h/C", r, &l[r], &own_loop);
+            go_round_reference(&reference, &l[r], step_s, &reference_loop);
+            claim_loop(zhang->paper, "plane at 0.01 h/C", r, &l[r], &reference_loop);
         }
     }
     if (status != SOFTSIM_OK || reason[0] != '\0') {
@@ -192,7 +195,7 @@ static softsim_status claim_no_plateau(ss_zhang *zhang, const ss_zhang_solid *bl
                                        softsim_error *error)
 {
     ss_zhang_run run;
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     ss_zhang_setup setup =
         ss_zhang_solid_setup(block, "cnn-chainmail", block_share * block->mean_length);
     const char *const param[] = {"alpha=0.1",       "link_stiffness_n_per_m=100",
@@ -207,21 +210,22 @@ static softsim_status claim_no_plateau(ss_zhang *zhang, const ss_zhang_solid *bl
             status = ss_zhang_hold(&run, plateau_s, error);
         }
         if (status == SOFTSIM_OK) {
-            status = ss_zhang_solid_own(block, 0.1, SS_OWN_KEEP, &own, error);
+            status = ss_zhang_solid_reference(block, 0.1, SS_REFERENCE_KEEP, &reference, error);
         }
         if (status == SOFTSIM_OK) {
-            ss_zhang_own_go(&own, setup.depth, block->mean_length, run.step_s);
-            const double own_peak = own.force;
-            ss_zhang_own_hold(&own, plateau_s, run.step_s);
+            ss_zhang_reference_go(&reference, setup.depth, block->mean_length, run.step_s);
+            const double reference_peak = reference.force;
+            ss_zhang_reference_hold(&reference, plateau_s, run.step_s);
             /* How links that are squeezed turn aside is a matter of rounding: with places off by
-             * 1e-7 of a link the own network ends at a third of this. */
-            ss_claim_at_most(zhang->paper, "Fig. 5c", SS_FROM_CODE, own.force / own_peak,
-                             ss_zhang_force(&run) / peak,
-                             "block, alpha 0.1, %.2g mean links deep: stress relaxes to nothing: "
-                             "force after %g C over the peak, at most the own network's: a minimum "
-                             "above 0 needs more depth than the slack",
-                             block_share, plateau_s);
-            ss_zhang_own_fini(&own);
+             * 1e-7 of a link the reference network ends at a third of this. */
+            ss_claim_at_most(
+                zhang->paper, "Fig. 5c", SS_FROM_CODE, reference.force / reference_peak,
+                ss_zhang_force(&run) / peak,
+                "block, alpha 0.1, %.2g mean links deep: stress relaxes to nothing: "
+                "force after %g C over the peak, at most the reference network's: a minimum "
+                "above 0 needs more depth than the slack",
+                block_share, plateau_s);
+            ss_zhang_reference_fini(&reference);
         }
     }
     ss_zhang_end(&run);
@@ -243,20 +247,22 @@ static ss_zhang_setup block_setup(const ss_zhang_solid *block, const char *rule)
     return setup;
 }
 
-/* The literal rule at other paces, by the own network: where it takes energy and where it gives. */
+/* The literal rule at other paces, by the reference network: where it takes energy and where it
+ * gives. */
 static softsim_status search_literal(ss_zhang *zhang, const ss_zhang_solid *block, double step_s,
                                      softsim_error *error)
 {
     static const double paces[] = {1.0, 0.3, 0.1, 0.03, 0.01, 0.003};
     enum { PACES = sizeof paces / sizeof *paces };
-    static loop way, own_loop; /* large */
+    static loop way, reference_loop; /* large */
     const double depth = block_share * block->mean_length;
     double least = (double)INFINITY, most = -(double)INFINITY, slowest_good = (double)NAN;
     for (int k = 0; k < PACES; ++k) {
-        ss_zhang_own own;
+        ss_zhang_reference reference;
         const double step = step_s * paces[k] * block->mean_length;
         const int32_t steps = (int32_t)fmin(ceil(depth / step), MAX_ROWS / 2 - 1);
-        const softsim_status status = ss_zhang_solid_own(block, 0.05, SS_OWN_LITERAL, &own, error);
+        const softsim_status status =
+            ss_zhang_solid_reference(block, 0.05, SS_REFERENCE_LITERAL, &reference, error);
         if (status != SOFTSIM_OK) {
             return status;
         }
@@ -264,10 +270,10 @@ static softsim_status search_literal(ss_zhang *zhang, const ss_zhang_solid *bloc
         for (int32_t i = 0; i < way.count; ++i) {
             way.depth[i] = depth * (i <= steps ? i : 2 * steps - i) / steps;
         }
-        go_round_own(&own, &way, step_s, &own_loop);
-        least = fmin(least, lost(&own_loop));
-        most = fmax(most, lost(&own_loop));
-        slowest_good = lost(&own_loop) > 0.0 ? paces[k] : slowest_good;
+        go_round_reference(&reference, &way, step_s, &reference_loop);
+        least = fmin(least, lost(&reference_loop));
+        most = fmax(most, lost(&reference_loop));
+        slowest_good = lost(&reference_loop) > 0.0 ? paces[k] : slowest_good;
     }
     char measured[320];
     snprintf(measured, sizeof measured,
@@ -278,7 +284,7 @@ static softsim_status search_literal(ss_zhang *zhang, const ss_zhang_solid *bloc
     ss_claim_add(zhang->paper, "Fig. 5b", SS_FROM_PAPER,
                  most > 0.0 ? SS_CLAIM_PASS : SS_CLAIM_DIFFERS,
                  "a loop that takes energy, as tissue's, at some pace", measured,
-                 "block, links restored to their initial lengths at once (own network)");
+                 "block, links restored to their initial lengths at once (reference network)");
     ss_claim_search(zhang->paper, "paces of 0.003 to 1 mean link a C, alpha 0.05, this block");
     ss_page_text(&zhang->paper->page,
                  "Restored at once, the links give energy to a hand that goes slowly; alpha that "
@@ -289,24 +295,24 @@ static softsim_status search_literal(ss_zhang *zhang, const ss_zhang_solid *bloc
 
 static softsim_status in_block(ss_zhang *zhang, loop *l, softsim_error *error)
 {
-    static loop own_loop; /* large */
+    static loop reference_loop; /* large */
     char reason[256] = "", rule[32], where[64];
     ss_zhang_solid block;
     double step_s = 0.0;
     softsim_status status = make_block(zhang, &block, error);
     for (int r = 0; r < RULE_COUNT && status == SOFTSIM_OK && reason[0] == '\0'; ++r) {
-        ss_zhang_own own;
+        ss_zhang_reference reference;
         snprintf(rule, sizeof rule, "unloading=%s", rule_name[r]);
         const ss_zhang_setup setup = block_setup(&block, rule);
         status = go_round(&setup, block_pace * block.mean_length, &l[r], &step_s, reason, error);
         if (status == SOFTSIM_OK && reason[0] == '\0') {
-            status = ss_zhang_solid_own(&block, 0.05, own_rule[r], &own, error);
+            status = ss_zhang_solid_reference(&block, 0.05, reference_rule[r], &reference, error);
         }
         if (status == SOFTSIM_OK && reason[0] == '\0') {
-            go_round_own(&own, &l[r], step_s, &own_loop);
+            go_round_reference(&reference, &l[r], step_s, &reference_loop);
             snprintf(where, sizeof where, "block of %d tetrahedra, slowly",
                      block.mesh->tetrahedron_count);
-            claim_loop(zhang->paper, where, r, &l[r], &own_loop);
+            claim_loop(zhang->paper, where, r, &l[r], &reference_loop);
         }
         ss_paper_progress(zhang->paper, 0.2 + 0.2 * (r + 1));
     }

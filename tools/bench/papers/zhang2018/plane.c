@@ -4,7 +4,7 @@
  * The plane of 21 x 21 nodes: its shape beside traditional ChainMail's (Fig. 4), force against
  * displacement (Fig. 5a) and stress relaxation (Fig. 5c). The paper's figures have no numbers and
  * it gives no protocol; those used here are stated with each claim, and the numbers expected are
- * those of the report's own network (own.h) on the same protocol.
+ * those of the report's reference network (reference.h) on the same protocol.
  */
 #include <math.h>
 #include <stdio.h>
@@ -82,13 +82,14 @@ static const struct protocol {
     double pace, hold_s; /* h/C, C */
 } protocols[SETTLED + 1] = {[NETWORK] = {0.01, 0.0}, [FAST] = {1.0, 20.0}, [SETTLED] = {0.01, 2e4}};
 
-/* u: of the model, and of the report's own network. */
+/* u: of the model, and of the report's reference network. */
 static softsim_status run_network(ss_zhang *zhang, int which, plane_field out_u,
-                                  plane_field out_own, char out_reason[256], softsim_error *error)
+                                  plane_field out_reference, char out_reason[256],
+                                  softsim_error *error)
 {
     const struct protocol *at = &protocols[which];
     ss_zhang_run run;
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     const ss_zhang_setup setup = network_setup(zhang);
     softsim_status status = ss_zhang_begin(&setup, &run, error);
     snprintf(out_reason, 256, "%s", run.reason);
@@ -101,15 +102,16 @@ static softsim_status run_network(ss_zhang *zhang, int which, plane_field out_u,
     }
     ss_zhang_end(&run);
     if (status == SOFTSIM_OK) {
-        status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
+        status =
+            ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
     }
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth_h, at->pace, step_c);
-        ss_zhang_own_hold(&own, at->hold_s, step_c);
+        ss_zhang_reference_go(&reference, depth_h, at->pace, step_c);
+        ss_zhang_reference_hold(&reference, at->hold_s, step_c);
         for (int32_t i = 0; i < SS_PLANE_NODES; ++i) {
-            ss_sub3(out_own[i], own.at[i], own.rest[i]);
+            ss_sub3(out_reference[i], reference.at[i], reference.rest[i]);
         }
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_fini(&reference);
     }
     return status;
 }
@@ -175,12 +177,12 @@ static softsim_status draw_plane(ss_zhang *zhang, double (*u)[3], int which, sof
     return ss_surface_picture_draw(zhang->paper, name, caption, &shape, &view, 1, error);
 }
 
-static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_field *own,
+static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_field *reference,
                          const bool *is_there)
 {
     ss_paper *paper = zhang->paper;
     for (int s = NETWORK; s <= SETTLED && is_there[s]; ++s) {
-        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, bend(zhang, own[s]), bend(zhang, u[s]),
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, bend(zhang, reference[s]), bend(zhang, u[s]),
                       code_tolerance,
                       "%s: the profile's largest distance from the straight line between the rim "
                       "and the contact, over the depth",
@@ -196,13 +198,14 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_fiel
     if (is_there[RADIAL]) {
         double row[SS_PLANE_SIDE / 2 + 1][2], most = 0.0;
         const int32_t first = SS_PLANE_MIDDLE;
-        ss_zhang_own_row(SS_PLANE_SIDE / 2 + 1, 0.02, depth_h, (int32_t)(depth_h / pace), row);
+        ss_zhang_reference_row(SS_PLANE_SIDE / 2 + 1, 0.02, depth_h, (int32_t)(depth_h / pace),
+                               row);
         for (int32_t k = 0; k <= SS_PLANE_SIDE / 2; ++k) {
             most = fmax(most, fabs(-row[k][1] - u[RADIAL][first + k][2]));
         }
         ss_claim_at_most(paper, "Fig. 4", SS_FROM_CODE, 1e-4, most,
                          "ChainMail with the network's own band, pushed by %g h a step: distance "
-                         "of its profile from a single row's by an own program, h",
+                         "of its profile from a single row's by an independent program, h",
                          pace);
         ss_page_text(&paper->page,
                      "With the network's own band along the link in place of a box, ChainMail too "
@@ -215,7 +218,7 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_fiel
 softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
 {
     ss_zhang *zhang = paper->shared;
-    static plane_field u[SHAPE_COUNT], own[SETTLED + 1];
+    static plane_field u[SHAPE_COUNT], reference[SETTLED + 1];
     bool is_there[SHAPE_COUNT];
     softsim_status status = SOFTSIM_OK;
     ss_page_text(&paper->page,
@@ -228,7 +231,7 @@ softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
                  threshold_h);
     for (int s = 0; s < SHAPE_COUNT && status == SOFTSIM_OK; ++s) {
         char reason[256];
-        status = s <= SETTLED ? run_network(zhang, s, u[s], own[s], reason, error)
+        status = s <= SETTLED ? run_network(zhang, s, u[s], reference[s], reason, error)
                               : run_chainmail(zhang, s == BOX ? "band=box" : "band=radial", u[s],
                                               reason, error);
         is_there[s] = reason[0] == '\0';
@@ -241,7 +244,7 @@ softsim_status ss_zhang_shapes(ss_paper *paper, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return status;
     }
-    claim_shapes(zhang, (const plane_field *)u, (const plane_field *)own, is_there);
+    claim_shapes(zhang, (const plane_field *)u, (const plane_field *)reference, is_there);
     return write_profiles(zhang, (const plane_field *)u, is_there, error);
 }
 
@@ -274,8 +277,8 @@ static double exponent(const force_curve *c)
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-static softsim_status press(ss_zhang *zhang, double speed, force_curve *out, force_curve *out_own,
-                            softsim_error *error)
+static softsim_status press(ss_zhang *zhang, double speed, force_curve *out,
+                            force_curve *out_reference, softsim_error *error)
 {
     ss_zhang_run run;
     const ss_zhang_setup setup = network_setup(zhang);
@@ -289,50 +292,53 @@ static softsim_status press(ss_zhang *zhang, double speed, force_curve *out, for
         out->force[out->count++] = ss_zhang_force(&run);
     }
     ss_zhang_end(&run);
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     if (status == SOFTSIM_OK) {
-        status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
+        status =
+            ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
     }
     if (status == SOFTSIM_OK) {
-        out_own->count = out->count;
+        out_reference->count = out->count;
         for (int32_t k = 0; k < out->count; ++k) {
-            ss_zhang_own_step(&own, out->depth[k], step_c);
-            out_own->depth[k] = out->depth[k];
-            out_own->force[k] = own.force;
+            ss_zhang_reference_step(&reference, out->depth[k], step_c);
+            out_reference->depth[k] = out->depth[k];
+            out_reference->force[k] = reference.force;
         }
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_fini(&reference);
     }
     return status;
 }
 
-/* The force at rest, by the own network's other algorithm. */
-static softsim_status settle_own(ss_zhang *zhang, double depth, double *out_force,
-                                 softsim_error *error)
-{
-    ss_zhang_own own;
-    const softsim_status status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
-    *out_force = (double)NAN;
-    if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth, pace, step_c);
-        *out_force = ss_zhang_own_settle(&own, 1e-9) ? own.force : (double)NAN;
-        ss_zhang_own_fini(&own);
-    }
-    return status;
-}
-
-/* The same way as press_slowly by the own network. */
-static softsim_status press_slowly_own(ss_zhang *zhang, double out_force[STATIC_COUNT],
+/* The force at rest, by the reference network's other algorithm. */
+static softsim_status settle_reference(ss_zhang *zhang, double depth, double *out_force,
                                        softsim_error *error)
 {
-    ss_zhang_own own;
-    const softsim_status status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
+    ss_zhang_reference reference;
+    const softsim_status status =
+        ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
+    *out_force = (double)NAN;
+    if (status == SOFTSIM_OK) {
+        ss_zhang_reference_go(&reference, depth, pace, step_c);
+        *out_force = ss_zhang_reference_settle(&reference, 1e-9) ? reference.force : (double)NAN;
+        ss_zhang_reference_fini(&reference);
+    }
+    return status;
+}
+
+/* The same way as press_slowly by the reference network. */
+static softsim_status press_slowly_reference(ss_zhang *zhang, double out_force[STATIC_COUNT],
+                                             softsim_error *error)
+{
+    ss_zhang_reference reference;
+    const softsim_status status =
+        ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
     for (int k = 0; k < STATIC_COUNT && status == SOFTSIM_OK; ++k) {
-        ss_zhang_own_go(&own, static_depth[k], pace, step_c);
-        ss_zhang_own_hold(&own, settled_c, step_c);
-        out_force[k] = own.force;
+        ss_zhang_reference_go(&reference, static_depth[k], pace, step_c);
+        ss_zhang_reference_hold(&reference, settled_c, step_c);
+        out_force[k] = reference.force;
     }
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_fini(&reference);
     }
     return status;
 }
@@ -393,14 +399,14 @@ static softsim_status write_forces(ss_zhang *zhang, const force_curve *curve, so
 softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
 {
     ss_zhang *zhang = paper->shared;
-    static force_curve curve[SPEED_COUNT + 1], own[SPEED_COUNT];
+    static force_curve curve[SPEED_COUNT + 1], reference[SPEED_COUNT];
     ss_page_text(&paper->page,
                  "The paper: the force grows faster than the displacement. What it grows like "
                  "depends on the speed, since the network's resistance is partly drag: at 1 h/C it "
                  "is nearly proportional, slowly it is the geometry of slack links.");
     softsim_status status = SOFTSIM_OK;
     for (int c = 0; c < SPEED_COUNT && status == SOFTSIM_OK; ++c) {
-        status = press(zhang, speeds[c], &curve[c], &own[c], error);
+        status = press(zhang, speeds[c], &curve[c], &reference[c], error);
         ss_paper_progress(paper, 0.2 * (c + 1));
     }
     if (status == SOFTSIM_OK) {
@@ -411,25 +417,26 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
         return status;
     }
     for (int c = 0; c < SPEED_COUNT; ++c) {
-        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, exponent(&own[c]), exponent(&curve[c]),
+        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, exponent(&reference[c]), exponent(&curve[c]),
                       code_tolerance, "force grows as displacement to the power, pushed at %g h/C",
                       speeds[c]);
         ss_claim_at_least(paper, "Fig. 5a", SS_FROM_PAPER, 1.1, exponent(&curve[c]),
                           "a nonlinear relationship: the same power, at %g h/C", speeds[c]);
     }
     ss_claim_at_most(
-        paper, "Fig. 5a", SS_FROM_FORM, 1e-3, still->force[1],
+        paper, "Fig. 5a", SS_FROM_CLOSED_FORM, 1e-3, still->force[1],
         "settled for %g C: no force up to R sqrt((1 + alpha)^2 - 1) = %.3g h: force at "
         "1.9 h, N",
         settled_c, threshold_h);
-    double own_still[STATIC_COUNT];
-    status = press_slowly_own(zhang, own_still, error);
+    double reference_still[STATIC_COUNT];
+    status = press_slowly_reference(zhang, reference_still, error);
     for (int k = 4; k < STATIC_COUNT && status == SOFTSIM_OK; ++k) {
         double rest;
-        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, own_still[k], still->force[k], code_tolerance,
-                      "settled for %g C: force at %g h, N", settled_c, static_depth[k]);
-        status = settle_own(zhang, static_depth[k], &rest, error);
-        ss_page_text(&paper->page, "The equilibrium at %g h by the own network: %.4g N.",
+        ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, reference_still[k], still->force[k],
+                      code_tolerance, "settled for %g C: force at %g h, N", settled_c,
+                      static_depth[k]);
+        status = settle_reference(zhang, static_depth[k], &rest, error);
+        ss_page_text(&paper->page, "The equilibrium at %g h by the reference network: %.4g N.",
                      static_depth[k], rest);
     }
     if (status != SOFTSIM_OK) {
@@ -445,7 +452,7 @@ static const double mark_s[MARK_COUNT] = {10.0, 100.0, 1000.0, 20000.0};
 
 typedef struct relaxation {
     double peak, slow_peak, mark[MARK_COUNT], largest_rise;
-    double own_peak, own_slow_peak, own_mark[MARK_COUNT];
+    double reference_peak, reference_slow_peak, reference_mark[MARK_COUNT];
     int32_t count;
     double time[RELAX_ROWS], force[RELAX_ROWS];
 } relaxation;
@@ -489,25 +496,26 @@ static softsim_status relax(ss_zhang *zhang, relaxation *out, softsim_error *err
     return status;
 }
 
-static softsim_status relax_own(ss_zhang *zhang, relaxation *out, softsim_error *error)
+static softsim_status relax_reference(ss_zhang *zhang, relaxation *out, softsim_error *error)
 {
-    ss_zhang_own own;
-    softsim_status status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
+    ss_zhang_reference reference;
+    softsim_status status =
+        ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_zhang_own_go(&own, depth_h, 1.0, step_c);
-    out->own_peak = own.force;
+    ss_zhang_reference_go(&reference, depth_h, 1.0, step_c);
+    out->reference_peak = reference.force;
     for (int m = 0; m < MARK_COUNT; ++m) {
-        ss_zhang_own_hold(&own, mark_s[m] - (m > 0 ? mark_s[m - 1] : 0.0), step_c);
-        out->own_mark[m] = own.force;
+        ss_zhang_reference_hold(&reference, mark_s[m] - (m > 0 ? mark_s[m - 1] : 0.0), step_c);
+        out->reference_mark[m] = reference.force;
     }
-    ss_zhang_own_fini(&own);
-    status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, NULL, &own, error);
+    ss_zhang_reference_fini(&reference);
+    status = ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, NULL, &reference, error);
     if (status == SOFTSIM_OK) {
-        ss_zhang_own_go(&own, depth_h, pace, step_c);
-        out->own_slow_peak = own.force;
-        ss_zhang_own_fini(&own);
+        ss_zhang_reference_go(&reference, depth_h, pace, step_c);
+        out->reference_slow_peak = reference.force;
+        ss_zhang_reference_fini(&reference);
     }
     return status;
 }
@@ -550,22 +558,22 @@ softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error)
                  "a minimum. Here: 5 h, reached at 1 h/C, then held.");
     softsim_status status = relax(zhang, &r, error);
     if (status == SOFTSIM_OK) {
-        status = relax_own(zhang, &r, error);
+        status = relax_reference(zhang, &r, error);
     }
     double rest = (double)NAN;
     if (status == SOFTSIM_OK) {
-        status = settle_own(zhang, depth_h, &rest, error);
+        status = settle_reference(zhang, depth_h, &rest, error);
     }
     if (status != SOFTSIM_OK || r.count == 0) {
         return status;
     }
-    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_peak, r.peak, code_tolerance,
+    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_peak, r.peak, code_tolerance,
                   "force as 5 h is reached at 1 h/C, N");
-    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_slow_peak, r.slow_peak, code_tolerance,
-                  "force as 5 h is reached at 0.25 h/C, N");
+    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_slow_peak, r.slow_peak,
+                  code_tolerance, "force as 5 h is reached at 0.25 h/C, N");
     for (int m = 0; m < MARK_COUNT; ++m) {
-        ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.own_mark[m], r.mark[m], code_tolerance,
-                      "force after %g C, N", mark_s[m]);
+        ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_mark[m], r.mark[m],
+                      code_tolerance, "force after %g C, N", mark_s[m]);
     }
     ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, rest, r.mark[MARK_COUNT - 1], 5e-3,
                   "the minimum that it falls to is the equilibrium's: force after %g C, N",

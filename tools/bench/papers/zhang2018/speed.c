@@ -63,7 +63,7 @@ static void claim(ss_paper *paper, const ss_chain_speed *row, int32_t count)
             most = fmax(most, row[r].visits);
         }
     }
-    ss_claim_at_most(paper, "section 1", SS_FROM_FORM, 1.05, most / least,
+    ss_claim_at_most(paper, "section 1", SS_FROM_CLOSED_FORM, 1.05, most / least,
                      "a poke moves as many cells in large bodies as in small ones: most over least "
                      "of blocks of %d to %d nodes",
                      row[1].nodes, row[count - 1].nodes);

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Heterogeneous tissue, which the paper's introduction asks of a model: the plane with one half
- * eight times as stiff as the other, pushed at its middle, beside the report's own network.
+ * eight times as stiff as the other, pushed at its middle, beside the report's reference network.
  */
 #include <math.h>
 #include <string.h>
@@ -67,10 +67,10 @@ static softsim_status draw(ss_zhang *zhang, const plane_field u, softsim_error *
 softsim_status ss_zhang_tissue(ss_paper *paper, softsim_error *error)
 {
     ss_zhang *zhang = paper->shared;
-    static plane_field u, own_u;
+    static plane_field u, reference_u;
     double stiffness[SS_PLANE_NODES], step_s, force = 0.0;
     char reason[256];
-    ss_zhang_own own;
+    ss_zhang_reference reference;
     ss_page_text(&paper->page,
                  "The paper's introduction counts heterogeneous tissue among what a model must "
                  "take. Here: k 1 N/m in the left half of the plane, 8 in the right, the middle "
@@ -85,23 +85,25 @@ softsim_status ss_zhang_tissue(ss_paper *paper, softsim_error *error)
         return SOFTSIM_OK;
     }
     if (status == SOFTSIM_OK) {
-        status = ss_zhang_plane_own(&zhang->plane, SS_OWN_KEEP, stiffness, &own, error);
+        status = ss_zhang_plane_reference(&zhang->plane, SS_REFERENCE_KEEP, stiffness, &reference,
+                                          error);
     }
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_zhang_own_go(&own, depth_m, pace, step_s);
-    ss_zhang_own_hold(&own, hold_s, step_s);
+    ss_zhang_reference_go(&reference, depth_m, pace, step_s);
+    ss_zhang_reference_hold(&reference, hold_s, step_s);
     for (int32_t i = 0; i < SS_PLANE_NODES; ++i) {
-        ss_sub3(own_u[i], own.at[i], own.rest[i]);
+        ss_sub3(reference_u[i], reference.at[i], reference.rest[i]);
     }
-    ss_claim_near(paper, "section 1", SS_FROM_CODE, own.force, force, 1e-3,
+    ss_claim_near(paper, "section 1", SS_FROM_CODE, reference.force, force, 1e-3,
                   "two tissues: force at the contact, N");
-    ss_zhang_own_fini(&own);
-    const double apart =
-        ss_zhang_distance(SS_PLANE_NODES, (const double(*)[3])u, (const double(*)[3])own_u, NULL);
-    ss_claim_at_most(paper, "section 1", SS_FROM_CODE, 1e-3, apart,
-                     "two tissues: distance of the shape from the own network's, over its size");
+    ss_zhang_reference_fini(&reference);
+    const double apart = ss_zhang_distance(SS_PLANE_NODES, (const double(*)[3])u,
+                                           (const double(*)[3])reference_u, NULL);
+    ss_claim_at_most(
+        paper, "section 1", SS_FROM_CODE, 1e-3, apart,
+        "two tissues: distance of the shape from the reference network's, over its size");
     const double left = -u[SS_PLANE_MIDDLE - 4][2], right = -u[SS_PLANE_MIDDLE + 4][2];
     ss_claim_at_least(paper, "section 1", SS_FROM_PAPER, 0.05, fabs(left - right) / depth_m,
                       "two tissues: the halves deform differently: difference 4 h left and right "

@@ -28,16 +28,16 @@ static void write_head(ss_page *page)
                  "have no numbers on their scales; it does not say what the force at the contact "
                  "is, how alpha follows from the stiffness, how fast links are restored in "
                  "unloading, or what the state is saturated about.");
-    ss_page_text(page,
-                 "This page repeats every figure with this program's own models, cnn-chainmail and "
-                 "chainmail, and judges the claims one by one. What is expected comes from the "
-                 "paper's own words and figures, from a closed form, or from an independent "
-                 "program: the same equations once more in double precision, sharing no code with "
-                 "the models (own network), and linear finite elements. Where the paper gives a "
-                 "direction and no number, the least amount that counts is this report's. Pass: as "
-                 "claimed. Fail: not so. Differs: the paper's words hold in no reading that was "
-                 "searched; the search stands in the closing note. Lengths of the plane are in "
-                 "spacings h, times in capacitances C.");
+    ss_page_text(
+        page, "This page repeats every figure with this program's own models, cnn-chainmail and "
+              "chainmail, and judges the claims one by one. What is expected comes from the "
+              "paper's own words and figures, from a closed form, or from an independent "
+              "program: the same equations once more in double precision, sharing no code with "
+              "the models (reference network), and linear finite elements. Where the paper gives a "
+              "direction and no number, the least amount that counts is this report's. Pass: as "
+              "claimed. Fail: not so. Differs: the paper's words hold in no reading that was "
+              "searched; the search stands in the closing note. Lengths of the plane are in "
+              "spacings h, times in capacitances C.");
     ss_page_text(page,
                  "Where the nonlinearity comes from: a link pulls in proportion to its length "
                  "beyond a dead band, so that the nonlinearity is the band's and the geometry's "

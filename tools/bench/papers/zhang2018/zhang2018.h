@@ -8,7 +8,7 @@
  * along -z; C = 1 s, k = 1 N/m, so that figures are those of the network in its own units.
  */
 #include "bench/papers/paper.h"
-#include "bench/papers/zhang2018/own.h"
+#include "bench/papers/zhang2018/reference.h"
 #include "bench/papers/zhang2018/run.h"
 
 enum {
@@ -47,10 +47,11 @@ void ss_zhang_plane_fini(ss_zhang_plane *plane);
 /* A setup on it: its middle pushed down. */
 ss_zhang_setup ss_zhang_plane_setup(ss_zhang_plane *plane, const char *model, double depth,
                                     double step_s);
-/* The report's own network of it, alpha 0.02; stiffness_of NULL: 1 N/m. SOFTSIM_ERROR_MEMORY. */
-softsim_status ss_zhang_plane_own(const ss_zhang_plane *plane, ss_zhang_rule rule,
-                                  const double *stiffness_of, ss_zhang_own *out,
-                                  softsim_error *error);
+/* The report's reference network of it, alpha 0.02; stiffness_of NULL: 1 N/m. SOFTSIM_ERROR_MEMORY.
+ */
+softsim_status ss_zhang_plane_reference(const ss_zhang_plane *plane, ss_zhang_rule rule,
+                                        const double *stiffness_of, ss_zhang_reference *out,
+                                        softsim_error *error);
 /* softsim-mesh generate SHAPE --tetrahedra with so many points; supports and patch are chosen by
  * the two functions below. */
 softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int32_t points,
@@ -64,9 +65,10 @@ softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out,
  * passes furthest out, pushed against it. SOFTSIM_ERROR_MEMORY. */
 softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
                                     const double towards[3], int32_t count, softsim_error *error);
-/* The report's own network of it, k 100 N/m, C 1 s. SOFTSIM_ERROR_MEMORY. */
-softsim_status ss_zhang_solid_own(const ss_zhang_solid *solid, double alpha, ss_zhang_rule rule,
-                                  ss_zhang_own *out, softsim_error *error);
+/* The report's reference network of it, k 100 N/m, C 1 s. SOFTSIM_ERROR_MEMORY. */
+softsim_status ss_zhang_solid_reference(const ss_zhang_solid *solid, double alpha,
+                                        ss_zhang_rule rule, ss_zhang_reference *out,
+                                        softsim_error *error);
 /* A setup on it. */
 ss_zhang_setup ss_zhang_solid_setup(const ss_zhang_solid *solid, const char *model, double depth);
 /* Its surface displaced by u, seen from two sides. */

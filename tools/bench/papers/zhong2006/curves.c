@@ -3,7 +3,7 @@
 /*
  * Figures 4 to 6: creep, hysteresis, load and deformation of the cylinder's contact. The paper
  * prints curves without numbers, so what it says is their shape; the numbers expected here are
- * those of the report's own network (net.h, motion.h) on the same protocol.
+ * those of the report's reference network (net.h, motion.h) on the same protocol.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -129,10 +129,10 @@ static softsim_status record(ss_zhong *zhong, const ss_tube *tube, const ss_tube
     return status;
 }
 
-/* The same by the report's own network. `force` at a time. */
-static softsim_status record_own(const ss_tube *tube, double gamma, double (*force)(double time),
-                                 table *t, int32_t c, int32_t every, double step_s,
-                                 softsim_error *error)
+/* The same by the report's reference network. `force` at a time. */
+static softsim_status record_reference(const ss_tube *tube, double gamma,
+                                       double (*force)(double time), table *t, int32_t c,
+                                       int32_t every, double step_s, softsim_error *error)
 {
     const ss_zhong_law law = {.source = SS_ZHONG_CLOSURE,
                               .modulus = SS_TUBE_MODULUS,
@@ -185,18 +185,19 @@ static double time_of_90(const table *t, int32_t c)
     return *cell(t, k - 1, 0) + share * (*cell(t, k, 0) - *cell(t, k - 1, 0));
 }
 
-/* The same of the own network, and its displacement in the end. */
-static softsim_status own_creep(const ss_tube *tube, double gamma, double *out_t90_s,
-                                double *out_last, softsim_error *error)
+/* The same of the reference network, and its displacement in the end. */
+static softsim_status reference_creep(const ss_tube *tube, double gamma, double *out_t90_s,
+                                      double *out_last, softsim_error *error)
 {
-    table own;
-    softsim_status status = table_init(&own, CREEP_ROWS, 1, error);
+    table reference;
+    softsim_status status = table_init(&reference, CREEP_ROWS, 1, error);
     if (status == SOFTSIM_OK) {
-        status = record_own(tube, gamma, creep_force, &own, 1, CREEP_EVERY, creep_step_s, error);
-        *out_t90_s = status == SOFTSIM_OK ? time_of_90(&own, 1) : (double)NAN;
-        *out_last = *cell(&own, CREEP_ROWS - 1, 1);
+        status = record_reference(tube, gamma, creep_force, &reference, 1, CREEP_EVERY,
+                                  creep_step_s, error);
+        *out_t90_s = status == SOFTSIM_OK ? time_of_90(&reference, 1) : (double)NAN;
+        *out_last = *cell(&reference, CREEP_ROWS - 1, 1);
     }
-    free(own.value);
+    free(reference.value);
     return status;
 }
 
@@ -222,7 +223,7 @@ static softsim_status creep_claims(ss_zhong *zhong, const ss_tube *tube, const t
     softsim_status status = SOFTSIM_OK;
     for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         const double gamma = creep_gamma[k == 0 ? 0 : t->curves - 1];
-        status = own_creep(tube, gamma, &t90_s[k], &last[k], error);
+        status = reference_creep(tube, gamma, &t90_s[k], &last[k], error);
     }
     for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         const int32_t c = k == 0 ? 1 : t->curves;
@@ -313,21 +314,21 @@ static double loop_area(const table *t, int32_t c)
     return area;
 }
 
-/* Area, U at a quarter of the way up and down, by the own network. */
-static softsim_status own_loop(const ss_tube *tube, double gamma, double out[3],
-                               softsim_error *error)
+/* Area, U at a quarter of the way up and down, by the reference network. */
+static softsim_status reference_loop(const ss_tube *tube, double gamma, double out[3],
+                                     softsim_error *error)
 {
-    table own;
-    softsim_status status = table_init(&own, LOOP_ROWS, 1, error);
+    table reference;
+    softsim_status status = table_init(&reference, LOOP_ROWS, 1, error);
     if (status == SOFTSIM_OK) {
-        status = record_own(tube, gamma, loop_force, &own, 1, 1, loop_step_s, error);
+        status = record_reference(tube, gamma, loop_force, &reference, 1, 1, loop_step_s, error);
     }
     if (status == SOFTSIM_OK) {
-        out[0] = loop_area(&own, 1);
-        out[1] = *cell(&own, LOOP_QUARTER, 1);
-        out[2] = *cell(&own, LOOP_HALF + LOOP_QUARTER, 1);
+        out[0] = loop_area(&reference, 1);
+        out[1] = *cell(&reference, LOOP_QUARTER, 1);
+        out[2] = *cell(&reference, LOOP_HALF + LOOP_QUARTER, 1);
     }
-    free(own.value);
+    free(reference.value);
     return status;
 }
 
@@ -336,11 +337,11 @@ static softsim_status loop_claims(ss_zhong *zhong, const ss_tube *tube, const ta
 {
     ss_paper *paper = zhong->paper;
     for (int which = 0; which < 2; ++which) {
-        double own[3];
+        double reference[3];
         const double gamma = loop_gamma[which];
         const double up = *cell(t, LOOP_QUARTER, 1 + which);
         const double down = *cell(t, LOOP_HALF + LOOP_QUARTER, 1 + which);
-        const softsim_status status = own_loop(tube, gamma, own, error);
+        const softsim_status status = reference_loop(tube, gamma, reference, error);
         if (status != SOFTSIM_OK) {
             return status;
         }
@@ -348,11 +349,11 @@ static softsim_status loop_claims(ss_zhong *zhong, const ss_tube *tube, const ta
                           "%s: two distinct paths, damping %g: unloading above loading at 0.25 N "
                           "by, fraction",
                           tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[0], loop_area(t, 1 + which),
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[0], loop_area(t, 1 + which),
                       code_tolerance, "%s: area of the loop, damping %g, J", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[1], up, code_tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[1], up, code_tolerance,
                       "%s: displacement at 0.25 N while loading, damping %g, m", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, own[2], down, code_tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[2], down, code_tolerance,
                       "%s: the same while unloading, damping %g, m", tube->name, gamma);
     }
     return SOFTSIM_OK;
@@ -383,7 +384,7 @@ static softsim_status loop_returns(ss_zhong *zhong, const ss_tube *tube, softsim
     }
     depth[1] = ss_tube_depth(tube, &trial);
     ss_trial_end(&trial);
-    ss_claim_near(zhong->paper, "Fig. 5", SS_FROM_FORM, slow_rate(loop_gamma[0]),
+    ss_claim_near(zhong->paper, "Fig. 5", SS_FROM_CLOSED_FORM, slow_rate(loop_gamma[0]),
                   log(depth[0] / depth[1]) / (end_s - begin_s), 1e-2,
                   "%s: returns to rest, damping 2: rate of the decay from 300 to 400 s after the "
                   "load has gone, 1/s",
@@ -502,18 +503,19 @@ static softsim_status ramp_claims(ss_zhong *zhong, const ss_tube *tube, const ta
                                   softsim_error *error)
 {
     ss_paper *paper = zhong->paper;
-    table own;
+    table reference;
     double least_bend = 1.0;
-    softsim_status status = table_init(&own, RAMP_ROWS, 1, error);
+    softsim_status status = table_init(&reference, RAMP_ROWS, 1, error);
     for (int32_t c = 1; status == SOFTSIM_OK && c <= MAX_CURVES; ++c) {
-        status = record_own(tube, ramp_gamma[c - 1], ramp_force, &own, 1, 1, ramp_step_s, error);
-        ss_claim_near(paper, "Fig. 6", SS_FROM_CODE, *cell(&own, RAMP_ROWS - 1, 1),
+        status = record_reference(tube, ramp_gamma[c - 1], ramp_force, &reference, 1, 1,
+                                  ramp_step_s, error);
+        ss_claim_near(paper, "Fig. 6", SS_FROM_CODE, *cell(&reference, RAMP_ROWS - 1, 1),
                       *cell(t, RAMP_ROWS - 1, c), code_tolerance,
                       "%s: displacement at 1 N after a ramp of 10 s, damping %g, m", tube->name,
                       ramp_gamma[c - 1]);
         least_bend = fmin(least_bend, bend(t, c));
     }
-    free(own.value);
+    free(reference.value);
     ss_claim_at_least(paper, "Fig. 6", SS_FROM_PAPER, 0.05, least_bend,
                       "%s: displacement is not linear in the force (least departure of the eight "
                       "curves from a straight line, fraction)",
@@ -528,29 +530,29 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
                                     softsim_error *error)
 {
     ss_output csv;
-    double stiffness[STATIC_COUNT], own_stiffness[STATIC_COUNT];
+    double stiffness[STATIC_COUNT], reference_stiffness[STATIC_COUNT];
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
     softsim_status status =
-        ss_paper_csv_open(zhong->paper, &csv, name, "force_n,u_m,own_network_m", error);
+        ss_paper_csv_open(zhong->paper, &csv, name, "force_n,u_m,reference_network_m", error);
     for (int k = 0; status == SOFTSIM_OK && k < STATIC_COUNT; ++k) {
         double depth, width;
         const ss_tube_setup setup = {.load = {{.point = SS_TUBE_CONTACT, .force = static_force[k]}},
                                      .load_count = 1};
         status =
             ss_tube_static(zhong->paper, tube, &setup, "static curve", &depth, &width, NULL, error);
-        const double own =
+        const double reference =
             net != NULL ? ss_tube_net_static(net, static_force[k], NULL, NULL) : (double)NAN;
-        fprintf(csv.file, "%g,%.8g,%.8g\n", static_force[k], depth, own);
-        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, own, depth, code_tolerance,
+        fprintf(csv.file, "%g,%.8g,%.8g\n", static_force[k], depth, reference);
+        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, reference, depth, code_tolerance,
                       "%s: static displacement at %g N, m", tube->name, static_force[k]);
         stiffness[k] = static_force[k] / depth;
-        own_stiffness[k] = static_force[k] / own;
+        reference_stiffness[k] = static_force[k] / reference;
         ss_paper_progress(zhong->paper, (tube->is_grid ? 0.3 : 0.8) + 0.02 * k);
     }
     ss_zhong_net_destroy(&net);
     if (status == SOFTSIM_OK) {
         ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE,
-                      own_stiffness[STATIC_COUNT - 1] / own_stiffness[0],
+                      reference_stiffness[STATIC_COUNT - 1] / reference_stiffness[0],
                       stiffness[STATIC_COUNT - 1] / stiffness[0], code_tolerance,
                       "%s: the body hardens: static force over displacement at %g N, over that at "
                       "%g N",

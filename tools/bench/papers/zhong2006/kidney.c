@@ -183,9 +183,9 @@ static void kidney_claims(ss_paper *paper, const session *s)
     for (int32_t i = 0; i < s->trial.node_count; ++i) {
         left = fmax(left, ss_norm3(s->trial.u[i]));
     }
-    ss_claim_at_most(paper, "Fig. 13", SS_FROM_FORM, 0.01, 1e3 * left,
+    ss_claim_at_most(paper, "Fig. 13", SS_FROM_CLOSED_FORM, 0.01, 1e3 * left,
                      "let go, the kidney is back in shape (largest displacement, mm)");
-    ss_claim_at_most(paper, "Fig. 13", SS_FROM_FORM, 5e-3,
+    ss_claim_at_most(paper, "Fig. 13", SS_FROM_CLOSED_FORM, 5e-3,
                      fabs(end->elastic_j + end->kinetic_j + end->dissipated_j - end->work_j) /
                          s->largest_j,
                      "the hand's work is all accounted for (elastic + kinetic + dissipated - work "

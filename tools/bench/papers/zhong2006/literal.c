@@ -92,7 +92,7 @@ static void claim_printed(ss_paper *paper, const as_printed *printed, double lef
                  printed->left <= is_back ? SS_CLAIM_PASS : SS_CLAIM_DIFFERS,
                  "back after unloading", printed->text,
                  "the equation of motion as printed, no rest springs: elastic, returns to its "
-                 "natural state (own network)");
+                 "natural state (reference network)");
     ss_claim_search(paper,
                     "both sources, at rest lengths, forces of 0.004 to 0.5 N (a quick "
                     "report: 0.1 and 0.5), %g s after unloading: nothing in (28) remembers "
@@ -139,13 +139,14 @@ static softsim_status try_reading(ss_paper *paper, const ss_zhong_net *net, cons
     snprintf(told, sizeof told, "at %d of %d forces: %s", back, count, text);
     ss_claim_add(paper, at->figure, SS_FROM_PAPER, back > 0 ? SS_CLAIM_PASS : SS_CLAIM_DIFFERS,
                  "back after unloading, at some force", told,
-                 "%s: elastic, returns to its natural state (own network)", at->label);
+                 "%s: elastic, returns to its natural state (reference network)", at->label);
     ss_claim_search(paper, "forces of %g to %g N, %g s after unloading", forces_n[count - 1],
                     forces_n[0], left_s);
     if (at->is_length_current) {
         ss_claim_add(paper, at->figure, SS_FROM_PAPER,
                      best_apart > is_apart ? SS_CLAIM_PASS : SS_CLAIM_DIFFERS, "points keep apart",
-                     text, "%s: a shape of finite edges at some force (own network)", at->label);
+                     text, "%s: a shape of finite edges at some force (reference network)",
+                     at->label);
         ss_claim_search(paper,
                         "forces of %g to %g N: a pull rho I/|PiPj| has no bound as an edge "
                         "shortens",
@@ -193,13 +194,13 @@ static void hexagon_claim(ss_paper *paper, double ks, bool is_length_current)
              "with rest springs of %g N/m %.4f of its edge at 0.1 N, %.4f at 1 N; without %.4f and "
              "%.4f: F stands on both sides and cancels",
              ks, held[0], held[1], free[0], free[1]);
-    ss_claim_add(paper, "eq. 4", SS_FROM_PAPER,
-                 fmax(held[1] / held[0], free[1] / free[0]) > 1.05 ? SS_CLAIM_PASS
-                                                                   : SS_CLAIM_DIFFERS,
-                 "more force, more displacement", text,
-                 "I = F.U/A on the hexagon, |PiPj| %s: the displacement depends on the force (own "
-                 "network)",
-                 is_length_current ? "as it is now" : "at rest");
+    ss_claim_add(
+        paper, "eq. 4", SS_FROM_PAPER,
+        fmax(held[1] / held[0], free[1] / free[0]) > 1.05 ? SS_CLAIM_PASS : SS_CLAIM_DIFFERS,
+        "more force, more displacement", text,
+        "I = F.U/A on the hexagon, |PiPj| %s: the displacement depends on the force (reference "
+        "network)",
+        is_length_current ? "as it is now" : "at rest");
     ss_claim_search(paper, "with and without rest springs, 0.1 and 1 N");
 }
 
@@ -209,10 +210,11 @@ static void hexagon_by_hand(ss_paper *paper, double ks)
     static const double edge_m = 0.3, force = 0.1;
     const double a = 1.5 * force / (0.5 * sqrt(3.0) * edge_m * edge_m);
     const double z = (sqrt(ks * ks + 4.0 * a * force) - ks) / (2.0 * a);
-    ss_claim_near(paper, "eq. 4", SS_FROM_FORM, z / edge_m, hexagon_share(force, ks, false), 1e-3,
-                  "I = F.U/A on the hexagon with rest springs: depth at %g N over its edge (own "
-                  "network)",
-                  force);
+    ss_claim_near(
+        paper, "eq. 4", SS_FROM_CLOSED_FORM, z / edge_m, hexagon_share(force, ks, false), 1e-3,
+        "I = F.U/A on the hexagon with rest springs: depth at %g N over its edge (reference "
+        "network)",
+        force);
 }
 
 /* ---- the section ---- */

@@ -124,8 +124,8 @@ static softsim_status draw_organ(ss_zhong *zhong, const struct organ *at, const 
     return status;
 }
 
-/* Depth of the contact as the report's own network has it; NaN when out of memory. */
-static double own_depth(const ss_trial_body *body, const uint8_t *is_held, int32_t top)
+/* Depth of the contact as the report's reference network has it; NaN when out of memory. */
+static double reference_depth(const ss_trial_body *body, const uint8_t *is_held, int32_t top)
 {
     const size_t n = (size_t)body->node_count;
     double *stiffness = calloc(n, sizeof *stiffness), depth = (double)NAN;
@@ -159,7 +159,7 @@ static softsim_status press_organ(ss_zhong *zhong, const struct organ *at,
     uint8_t *is_held = calloc((size_t)body->node_count, 1);
     const bool is_chosen =
         is_held != NULL && choose_nodes(body, fixed, sizeof fixed, is_held, &top);
-    const double own = is_chosen ? own_depth(body, is_held, top) : (double)NAN;
+    const double reference = is_chosen ? reference_depth(body, is_held, top) : (double)NAN;
     free(is_held);
     if (!is_chosen) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
@@ -181,7 +181,7 @@ static softsim_status press_organ(ss_zhong *zhong, const struct organ *at,
     }
     status = ss_trial_run(&trial, (int32_t)(organ_load_s / organ_step_s), error);
     const double depth = -trial.u[top][0], extent = least_extent(body);
-    ss_claim_near(zhong->paper, "sec. 5.1.3", SS_FROM_CODE, own, depth, 1e-3,
+    ss_claim_near(zhong->paper, "sec. 5.1.3", SS_FROM_CODE, reference, depth, 1e-3,
                   "%s: depth of the contact at 1 N, m", at->title);
     ss_claim_at_least(zhong->paper, "sec. 5.1.3", SS_FROM_PAPER, 0.1, depth / extent,
                       "%s: goes more than 10 %% of its size (depth over its least extent, "
@@ -192,7 +192,7 @@ static softsim_status press_organ(ss_zhong *zhong, const struct organ *at,
     }
     if (status == SOFTSIM_OK) {
         status = ss_trial_run(&trial, (int32_t)(organ_left_s / organ_step_s), error);
-        ss_claim_near(zhong->paper, "sec. 5.1.3", SS_FROM_FORM,
+        ss_claim_near(zhong->paper, "sec. 5.1.3", SS_FROM_CLOSED_FORM,
                       0.5 * (1.0 - sqrt(1.0 - 4.0 * SS_TUBE_KS)),
                       log(depth / largest(&trial)) / organ_left_s, 0.02,
                       "%s: back after unloading: rate of the decay of the largest displacement "
@@ -317,7 +317,7 @@ static softsim_status moved_claim(ss_zhong *zhong, const free_run *run, const ss
     rotate(degrees, run->force, moved.force);
     status = run_free(zhong, &moved, &trial, error);
     if (status == SOFTSIM_OK) {
-        ss_claim_at_most(zhong->paper, "eq. 26", SS_FROM_FORM, is_single ? 1e-5 : 1e-12,
+        ss_claim_at_most(zhong->paper, "eq. 26", SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12,
                          apart(&trial, reference, degrees, NULL),
                          "free body of 322 points, turned and moved: the same motion, turned "
                          "(difference over the largest displacement, %s precision)",
@@ -370,7 +370,7 @@ static softsim_status renumbered_claim(ss_zhong *zhong, const free_run *run,
     if (status == SOFTSIM_OK && other.node_count == n) {
         renumbered.body = &other;
         status = run_free(zhong, &renumbered, &trial, error);
-        ss_claim_at_most(zhong->paper, "eq. 27", SS_FROM_FORM, is_single ? 1e-5 : 1e-12,
+        ss_claim_at_most(zhong->paper, "eq. 27", SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12,
                          apart(&trial, reference, none, number),
                          "free body, points and triangles renumbered: the same motion (%s "
                          "precision)",
@@ -394,7 +394,7 @@ static softsim_status momentum_claim(ss_zhong *zhong, const free_run *run, softs
             ss_add3(p, p, trial.v[i]); /* 1 kg each */
         }
         ss_madd3(p, p, -run->end_s, run->force);
-        ss_claim_at_most(zhong->paper, "eq. 26", SS_FROM_FORM, is_single ? 1e-5 : 1e-12,
+        ss_claim_at_most(zhong->paper, "eq. 26", SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12,
                          ss_norm3(p) / (run->end_s * ss_norm3(run->force)),
                          "free body without damping: momentum is force times time (error, "
                          "fraction, %s precision)",

@@ -197,9 +197,9 @@ static softsim_status saturate(ss_zhong *zhong, const ss_tube *tube, ss_zhong_ne
         for (int32_t s = 0; s < 20000; ++s) {
             circuit_step(&c);
         }
-        ss_claim_at_most(zhong->paper, "eq. 1", SS_FROM_FORM, 1e-6, field_error(&c, 0.5),
+        ss_claim_at_most(zhong->paper, "eq. 1", SS_FROM_CLOSED_FORM, 1e-6, field_error(&c, 0.5),
                          "%s: the contact's cell at its bound, R = %g: the outputs are the "
-                         "unbounded field scaled down to K, whatever R (error, fraction; own "
+                         "unbounded field scaled down to K, whatever R (error, fraction; reference "
                          "network)",
                          tube->name, 1.0 / leaks[k]);
         circuit_fini(&c);
@@ -314,10 +314,10 @@ static softsim_status relax_on(ss_zhong *zhong, const ss_tube *tube, softsim_err
     }
     ss_page_table_end(&zhong->paper->page);
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
-    const double own = net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
+    const double reference = net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
     ss_zhong_net_destroy(&net);
     for (int32_t k = 1; k < got; ++k) {
-        ss_claim_near(zhong->paper, "eq. 19", SS_FROM_CODE, own, all[k].late, 2e-3,
+        ss_claim_near(zhong->paper, "eq. 19", SS_FROM_CODE, reference, all[k].late, 2e-3,
                       "%s: %d Euler steps of the network a step end in the deformation of the "
                       "Poisson equation's solution, m",
                       tube->name, steps[k]);
@@ -325,16 +325,16 @@ static softsim_status relax_on(ss_zhong *zhong, const ss_tube *tube, softsim_err
     return status;
 }
 
-/* Both with a bound K of half the contact's potential under this load: the own network with its
- * current held at what K leaves, K/ghat of the contact. */
+/* Both with a bound K of half the contact's potential under this load: the reference network with
+ * its current held at what K leaves, K/ghat of the contact. */
 static softsim_status saturated_on(ss_zhong *zhong, const ss_tube *tube, softsim_error *error)
 {
     static const double force_n = 0.25;
     watched still, relaxed;
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
-    double own = (double)NAN, bound = 0.0;
+    double reference = (double)NAN, bound = 0.0;
     if (net != NULL) {
-        own = ss_tube_net_static(net, force_n, NULL, NULL);
+        reference = ss_tube_net_static(net, force_n, NULL, NULL);
         net->most_current = 0.5 * net->current;
         bound = net->most_current * net->potential[SS_TUBE_CONTACT];
     }
@@ -352,7 +352,7 @@ static softsim_status saturated_on(ss_zhong *zhong, const ss_tube *tube, softsim
         ss_claim_near(zhong->paper, "eq. 1", SS_FROM_CODE, soft, still.late, 1e-3,
                       "%s: with the contact's output bounded the body gives way further than "
                       "without (%.4g m): depth at 0.25 N, m",
-                      tube->name, own);
+                      tube->name, reference);
     }
     if (status == SOFTSIM_OK && !isnan(relaxed.late)) {
         ss_claim_near(zhong->paper, "eq. 1", SS_FROM_CODE, soft, relaxed.late, 2e-3,

@@ -300,9 +300,10 @@ static softsim_status nine_claims(ss_zhong *zhong, const ss_tube *tube, const ss
     return SOFTSIM_OK;
 }
 
-/* The depth and the ring's width as the own network has them. */
-static softsim_status own_claims(ss_zhong *zhong, const ss_tube *tube, const struct shape_case *at,
-                                 const ss_tube_setup *setup, const result *r, softsim_error *error)
+/* The depth and the ring's width as the reference network has them. */
+static softsim_status reference_claims(ss_zhong *zhong, const ss_tube *tube,
+                                       const struct shape_case *at, const ss_tube_setup *setup,
+                                       const result *r, softsim_error *error)
 {
     double rho[SS_TUBE_POINTS], width;
     for (int32_t i = 0; i < SS_TUBE_POINTS; ++i) {
@@ -328,7 +329,7 @@ static softsim_status case_claims(ss_zhong *zhong, const ss_tube *tube, const st
 {
     compare_with_isotropic(zhong, tube, at, r, isotropic);
     return at->material == NINE_POINTS ? nine_claims(zhong, tube, setup, r, isotropic, error)
-                                       : own_claims(zhong, tube, at, setup, r, error);
+                                       : reference_claims(zhong, tube, at, setup, r, error);
 }
 
 static softsim_status run_case(ss_zhong *zhong, const ss_tube *tube, const struct shape_case *at,
@@ -368,9 +369,10 @@ static softsim_status one_way_claim(ss_zhong *zhong, softsim_error *error)
     }
     if (status == SOFTSIM_OK && tube.is_there) {
         ss_zhong_net *net = ss_tube_net(&tube, NULL, 0.0);
-        const double own = net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
+        const double reference =
+            net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
         ss_zhong_net_destroy(&net);
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, code_tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, code_tolerance,
                       "triangles with all diagonals one way: static depth at 0.25 N, m (how a mesh "
                       "is cut matters by 6 %%)");
     }
@@ -392,7 +394,7 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     for (int32_t i = 0; i < SS_TUBE_POINTS; ++i) {
         ks[i] = SS_TUBE_KS * net->area[i] / mean;
     }
-    const double own = ss_tube_net_static(net, 0.25, ks, NULL);
+    const double reference = ss_tube_net_static(net, 0.25, ks, NULL);
     ss_zhong_net_destroy(&net);
     const ss_tube_setup setup = {.load = {{.point = SS_TUBE_CONTACT, .force = 0.25}},
                                  .load_count = 1,
@@ -401,7 +403,7 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     const softsim_status status = ss_tube_static(zhong->paper, tube, &setup, "densities by area",
                                                  &depth, &width, NULL, error);
     if (status == SOFTSIM_OK && !isnan(depth)) {
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, own, depth, code_tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, code_tolerance,
                       "%s: mass, damping and rest stiffness by area: static depth at 0.25 N, m",
                       tube->name);
     }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Equations 14 to 18 and 26: the program's static shapes against those of the report's own network,
- * whose conductances are taken from the printed equations cell by cell; and one hexagon, of which
- * the closure can be solved by hand.
+ * Equations 14 to 18 and 26: the program's static shapes against those of the report's reference
+ * network, whose conductances are taken from the printed equations cell by cell; and one hexagon,
+ * of which the closure can be solved by hand.
  *
  * Hexagon: a cell and six fixed ones at distance h. (17) gives w = 1/sqrt 3, S = sqrt 3 h^2/2,
  * ghat = h^2/(4 rho), q = 1/4, Qhat = 3 h^2/2; hence at rest ks z + 3 E z^3/(4 h^2) = F, and with
@@ -35,7 +35,7 @@ enum { CASE_COUNT = sizeof cases / sizeof cases[0] };
 static softsim_status compare(ss_zhong *zhong, const ss_tube *tube, const template_case *at,
                               FILE *csv, softsim_error *error)
 {
-    double rho[SS_TUBE_POINTS], depth, width, own_width = 0.0;
+    double rho[SS_TUBE_POINTS], depth, width, reference_width = 0.0;
     for (int32_t i = 0; i < SS_TUBE_POINTS; ++i) {
         rho[i] = at->has_bands && i / SS_TUBE_COLUMNS % 2 == 0 ? 0.1 : SS_TUBE_RHO;
     }
@@ -51,14 +51,14 @@ static softsim_status compare(ss_zhong *zhong, const ss_tube *tube, const templa
         ss_zhong_net_destroy(&net);
         return status;
     }
-    const double own = ss_tube_net_static(net, 1.0, NULL, &own_width);
+    const double reference = ss_tube_net_static(net, 1.0, NULL, &reference_width);
     ss_zhong_net_destroy(&net);
-    fprintf(csv, "%s,\"%s\",%.9g,%.9g,%.9g,%.9g\n", tube->name, at->what, depth, own, width,
-            own_width);
+    fprintf(csv, "%s,\"%s\",%.9g,%.9g,%.9g,%.9g\n", tube->name, at->what, depth, reference, width,
+            reference_width);
     const char *figure = at->figure[tube->is_grid ? 0 : 1];
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own, depth, code_tolerance,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference, depth, code_tolerance,
                   "%s, %s: depth at 1 N as from the printed conductances, m", tube->name, at->what);
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, own_width, width, code_tolerance,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference_width, width, code_tolerance,
                   "%s, %s: ring width, m", tube->name, at->what);
     return status;
 }
@@ -67,7 +67,7 @@ static softsim_status compare(ss_zhong *zhong, const ss_tube *tube, const templa
 static softsim_status compare_more(ss_zhong *zhong, softsim_error *error)
 {
     static double rho[SS_TUBE_POINTS];
-    double own[2] = {(double)NAN, (double)NAN}, depth = (double)NAN, width;
+    double reference[2] = {(double)NAN, (double)NAN}, depth = (double)NAN, width;
     softsim_status status = SOFTSIM_OK;
     const ss_tube_setup setup = {
         .rho = rho, .load = {{.point = SS_TUBE_CONTACT, .force = 0.25}}, .load_count = 1};
@@ -80,16 +80,16 @@ static softsim_status compare_more(ss_zhong *zhong, softsim_error *error)
         if (net == NULL) {
             continue;
         }
-        own[k] = ss_tube_net_static(net, 0.25, NULL, NULL);
+        reference[k] = ss_tube_net_static(net, 0.25, NULL, NULL);
         ss_zhong_net_destroy(&net);
         status = ss_tube_static(zhong->paper, tube, &setup, "rho 50", &depth, &width, NULL, error);
-        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, own[k], depth, code_tolerance,
+        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, reference[k], depth, code_tolerance,
                       "%s: a thousandfold rho everywhere changes nothing while no cell saturates: "
                       "depth at 0.25 N, m (expected: with rho 0.05)",
                       tube->name);
     }
-    if (status == SOFTSIM_OK && !isnan(own[0]) && !isnan(own[1])) {
-        ss_claim_near(zhong->paper, "eq. 17", SS_FROM_CODE, own[0], depth, 0.02,
+    if (status == SOFTSIM_OK && !isnan(reference[0]) && !isnan(reference[1])) {
+        ss_claim_near(zhong->paper, "eq. 17", SS_FROM_CODE, reference[0], depth, 0.02,
                       "triangles against the grid of (14): depth at 0.25 N, m");
     }
     return status;
@@ -167,14 +167,15 @@ static softsim_status hexagon_claims(ss_zhong *zhong, softsim_error *error)
     for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         status = run_hexagon(zhong, &body, force[k], 0.0, &depth, error);
         if (!isnan(depth)) {
-            ss_claim_near(zhong->paper, "eq. 27", SS_FROM_FORM, hexagon_depth(force[k]), depth,
-                          1e-5, "hexagon: static depth at %g N as solved by hand, m", force[k]);
+            ss_claim_near(zhong->paper, "eq. 27", SS_FROM_CLOSED_FORM, hexagon_depth(force[k]),
+                          depth, 1e-5, "hexagon: static depth at %g N as solved by hand, m",
+                          force[k]);
         }
         free_depth[k] = depth;
     }
     if (status == SOFTSIM_OK && !isnan(free_depth[0]) && !isnan(free_depth[1])) {
         const double net[2] = {force[0] - ks * free_depth[0], force[1] - ks * free_depth[1]};
-        ss_claim_near(zhong->paper, "eq. 27", SS_FROM_FORM, 3.0,
+        ss_claim_near(zhong->paper, "eq. 27", SS_FROM_CLOSED_FORM, 3.0,
                       log(net[1] / net[0]) / log(free_depth[1] / free_depth[0]), 1e-3,
                       "hexagon: where the nonlinearity comes from: the network's force grows as "
                       "this power of the displacement, since Green strain is quadratic");
@@ -183,7 +184,7 @@ static softsim_status hexagon_claims(ss_zhong *zhong, softsim_error *error)
         status = run_hexagon(zhong, &body, force[1], saturation, &depth, error);
     }
     if (status == SOFTSIM_OK && !isnan(depth)) {
-        ss_claim_near(zhong->paper, "eq. 1", SS_FROM_FORM,
+        ss_claim_near(zhong->paper, "eq. 1", SS_FROM_CLOSED_FORM,
                       force[1] / (ks + 6.0 * SS_TUBE_RHO * saturation / (edge_m * edge_m)), depth,
                       1e-5,
                       "hexagon: the output bounded by K 0.2 softens it: depth at 0.5 N by hand, m");
@@ -206,8 +207,9 @@ softsim_status ss_zhong_templates(ss_paper *paper, softsim_error *error)
         "dense algebra, and one hexagon of cells solved by hand. On triangles the paper "
         "has no anisotropic form: an edge at the angle t to the axis takes rho along times "
         "cos^2 t plus rho across times sin^2 t.");
-    softsim_status status = ss_paper_csv_open(
-        paper, &csv, "templates", "mesh,case,depth_m,own_depth_m,width_m,own_width_m", error);
+    softsim_status status =
+        ss_paper_csv_open(paper, &csv, "templates",
+                          "mesh,case,depth_m,reference_depth_m,width_m,reference_width_m", error);
     for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         for (int32_t c = 0; zhong->tube[k].is_there && status == SOFTSIM_OK && c < CASE_COUNT;
              ++c) {

@@ -254,7 +254,7 @@ softsim_status ss_tube_static(ss_paper *paper, const ss_tube *tube, const ss_tub
     return status;
 }
 
-/* ---- the report's own network ---- */
+/* ---- the report's reference network ---- */
 
 ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across)
 {

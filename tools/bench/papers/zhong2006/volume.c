@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * The paper's conclusion: the network in a volume, here a cube of tetrahedra pressed on its top,
- * by the program and by the report's own network (ss_zhong_net_tetrahedra).
+ * by the program and by the report's reference network (ss_zhong_net_tetrahedra).
  *
  * In volumes the flux density of an edge is taken through the face that parts its cells, so that
  * the force along an edge is a stress times an area and the modulus is in Pa.
@@ -160,11 +160,12 @@ static softsim_status claim_loads(ss_zhong *zhong, const cube *c, ss_zhong_net *
         fprintf(csv, "%g,%.8g,%.8g,%.8g,%.8g\n", load_n[k], depth[0], -u[c->top][2], depth[1],
                 -u[c->under][2]);
         if (is_slack(net, (const double(*)[3])u, c->top)) {
-            ss_claim_near(zhong->paper, "Conclusion", SS_FROM_FORM, load_n[k] / ks, depth[0], 1e-3,
+            ss_claim_near(zhong->paper, "Conclusion", SS_FROM_CLOSED_FORM, load_n[k] / ks, depth[0],
+                          1e-3,
                           "a volume of %d tetrahedra, slack: depth of the contact at %g N, force "
                           "over rest stiffness, m",
                           c->mesh->tetrahedron_count, load_n[k]);
-            ss_claim_at_most(zhong->paper, "Conclusion", SS_FROM_FORM, 1e-6, fabs(depth[1]),
+            ss_claim_at_most(zhong->paper, "Conclusion", SS_FROM_CLOSED_FORM, 1e-6, fabs(depth[1]),
                              "and a node 0.4 of the height below it stays, m");
         } else {
             ss_claim_near(zhong->paper, "Conclusion", SS_FROM_CODE, -u[c->top][2], depth[0], 1e-3,
@@ -202,8 +203,9 @@ softsim_status ss_zhong_volume(ss_paper *paper, softsim_error *error)
         softsim_error_add(error, status, "out of memory");
     }
     if (status == SOFTSIM_OK) {
-        status = ss_paper_csv_open(paper, &csv, "volume",
-                                   "force_n,u_m,own_u_m,inner_u_m,own_inner_u_m", error);
+        status =
+            ss_paper_csv_open(paper, &csv, "volume",
+                              "force_n,u_m,reference_u_m,inner_u_m,reference_inner_u_m", error);
     }
     if (status == SOFTSIM_OK) {
         status = claim_loads(zhong, &c, net, csv.file, error);

@@ -38,7 +38,7 @@ static void write_head(ss_page *page)
                  "What is expected comes from the paper's own words and figures, from a closed "
                  "form, or from an independent program: a second implementation of the same "
                  "closure in double precision with dense algebra that shares no code with the "
-                 "model (called own network here). Where the paper gives a direction and no "
+                 "model (called reference network here). Where the paper gives a direction and no "
                  "number, the least amount that counts is this report's. Pass: as claimed. Fail: "
                  "not so. Differs: the paper's words hold in no well-posed reading that was "
                  "searched; the search stands in the closing note.");

@@ -3,7 +3,8 @@
 #pragma once
 /*
  * What the parts of the report on Zhong et al. (2006) share: the cylinder of 360 points, as a
- * rectangular grid and as triangles, in the program (a scene) and in the report's own network.
+ * rectangular grid and as triangles, in the program (a scene) and in the report's reference
+ * network.
  *
  * Cylinder: 15 rings of 24 points, radius 1 m, length 4 m, axis z, end rings fixed. Point
  * ring * 24 + column stands at (sin a, cos a, z), a = 2 pi column / 24: the contact is column 0 of
@@ -84,8 +85,8 @@ void ss_tube_points(const ss_tube *tube, const ss_trial *trial, double (*out_u)[
 softsim_status ss_tube_static(ss_paper *paper, const ss_tube *tube, const ss_tube_setup *setup,
                               const char *what, double *out_depth, double *out_width,
                               double (*out_u)[3], softsim_error *error);
-/* The report's own network of the same cylinder, source at the contact, solved; NULL when out of
- * memory. `rho` and `across` as in a setup. */
+/* The report's reference network of the same cylinder, source at the contact, solved; NULL when out
+ * of memory. `rho` and `across` as in a setup. */
 ss_zhong_net *ss_tube_net(const ss_tube *tube, const double *rho, double across);
 /* Its static depth (and ring width, may be NULL) under a force on the contact; ks of a point is
  * stiffness[i] or, with NULL, 0.1. */
@@ -100,7 +101,7 @@ typedef struct ss_zhong_outcome {
     double shortest; /* edge over its length at rest, least of the run */
 } ss_zhong_outcome;
 
-/* Loads the contact of the own network for 50 s and leaves it alone for left_s, with a row
+/* Loads the contact of the reference network for 50 s and leaves it alone for left_s, with a row
  * reading,force_n,time_s,u_m,shortest_edge a sample. */
 softsim_status ss_zhong_load_and_leave(const ss_zhong_net *net, const ss_tube *tube,
                                        const ss_zhong_law *law, const char *name, double force,

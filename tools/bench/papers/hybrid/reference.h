@@ -17,7 +17,7 @@
 
 #include "mesh/mesh.h"
 
-typedef struct ss_heart_own {
+typedef struct ss_heart_reference {
     const ss_mesh *mesh;   /* borrowed */
     double lambda, mu;     /* Pa */
     double phi, psi;       /* Pa s */
@@ -35,15 +35,16 @@ typedef struct ss_heart_own {
     /* The ball. */
     double ball[3], radius, stiffness; /* m, m, N/m^3; radius 0: none */
     double ball_force[3];              /* N on it, of the last step */
-} ss_heart_own;
+} ss_heart_reference;
 
 /* Fixed are the nodes of `group`. False when out of memory. */
-bool ss_heart_own_init(ss_heart_own *own, const ss_mesh *mesh, double lambda, double mu,
-                       const char *group);
-void ss_heart_own_fini(ss_heart_own *own);
+bool ss_heart_reference_init(ss_heart_reference *reference, const ss_mesh *mesh, double lambda,
+                             double mu, const char *group);
+void ss_heart_reference_fini(ss_heart_reference *reference);
 /* Steps; held nodes stay where u has them. */
-void ss_heart_own_run(ss_heart_own *own, int32_t steps, double dt);
+void ss_heart_reference_run(ss_heart_reference *reference, int32_t steps, double dt);
 /* 2/omega of the stiffest motion at rest, by power iteration. False when out of memory. */
-bool ss_heart_own_stable_step(ss_heart_own *own, double *out_step);
+bool ss_heart_reference_stable_step(ss_heart_reference *reference, double *out_step);
 /* The ball from where it is to `to` in `steps`. */
-void ss_heart_own_move(ss_heart_own *own, const double to[3], int32_t steps, double dt);
+void ss_heart_reference_move(ss_heart_reference *reference, const double to[3], int32_t steps,
+                             double dt);

@@ -13,9 +13,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum ss_zhang_rule { SS_OWN_KEEP, SS_OWN_RAMP, SS_OWN_LITERAL } ss_zhang_rule;
+typedef enum ss_zhang_rule {
+    SS_REFERENCE_KEEP,
+    SS_REFERENCE_RAMP,
+    SS_REFERENCE_LITERAL
+} ss_zhang_rule;
 
-typedef struct ss_zhang_own {
+typedef struct ss_zhang_reference {
     int32_t node_count, link_count;
     double (*rest)[3], (*at)[3]; /* m */
     double (*flow)[3];           /* dP of (12), m */
@@ -32,9 +36,9 @@ typedef struct ss_zhang_own {
     double depth, deepest;                /* m */
     double stable_step;                   /* s: 4 C/max(s_a + s_b) */
     double force;                         /* N, along the push, as the patch has moved */
-} ss_zhang_own;
+} ss_zhang_reference;
 
-typedef struct ss_zhang_own_plan {
+typedef struct ss_zhang_reference_plan {
     int32_t node_count, element_count, corners; /* 4: quads in a ring; -4: tetrahedra */
     const double (*rest)[3];
     const int32_t (*element)[4];
@@ -45,25 +49,25 @@ typedef struct ss_zhang_own_plan {
     double alpha, stiffness, capacitance;
     const double *stiffness_of; /* N/m a node; NULL: `stiffness` everywhere */
     ss_zhang_rule rule;
-} ss_zhang_own_plan;
+} ss_zhang_reference_plan;
 
 /* False when out of memory. */
-bool ss_zhang_own_init(ss_zhang_own *own, const ss_zhang_own_plan *plan);
-void ss_zhang_own_fini(ss_zhang_own *own);
+bool ss_zhang_reference_init(ss_zhang_reference *reference, const ss_zhang_reference_plan *plan);
+void ss_zhang_reference_fini(ss_zhang_reference *reference);
 /* The patch goes to `depth`, the force is taken, then the other cells answer for h seconds by
  * Euler. */
-void ss_zhang_own_step(ss_zhang_own *own, double depth, double h);
+void ss_zhang_reference_step(ss_zhang_reference *reference, double depth, double h);
 /* To `depth` at a speed, and held, in steps of h. */
-void ss_zhang_own_go(ss_zhang_own *own, double depth, double speed, double h);
-void ss_zhang_own_hold(ss_zhang_own *own, double time, double h);
+void ss_zhang_reference_go(ss_zhang_reference *reference, double depth, double speed, double h);
+void ss_zhang_reference_hold(ss_zhang_reference *reference, double time, double h);
 /* The equilibrium with the patch where it is, by another algorithm than time: Nesterov's
  * accelerated gradient of W with restarts, until no cell would move by more than `least` of a mean
  * link in a C. False when it does not settle. */
-bool ss_zhang_own_settle(ss_zhang_own *own, double least);
+bool ss_zhang_reference_settle(ss_zhang_reference *reference, double least);
 
 /* Traditional ChainMail along a straight row of links of length 1, its first node pushed to `depth`
  * across the row in `steps` equal steps, its last one fixed: each node in turn is brought into the
  * band [1 - alpha, 1 + alpha] along the link to the one before it. out_at: `count` pairs (along,
  * across). */
-void ss_zhang_own_row(int32_t count, double alpha, double depth, int32_t steps,
-                      double (*out_at)[2]);
+void ss_zhang_reference_row(int32_t count, double alpha, double depth, int32_t steps,
+                            double (*out_at)[2]);
