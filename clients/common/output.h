@@ -41,7 +41,7 @@ typedef struct ss_output {
 
 /* A result. Leaves `output` closed on failure. */
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error);
-/* A recording; likewise. */
+/* A recording, the same way. */
 softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error);
 /* After each row of a recording: flushes when a second has passed or much has gathered. False once
  * a write has failed: nothing more can be recorded. True when not open. */

@@ -59,7 +59,7 @@ static bool check_row(const softsim_path *path, const double value[COLUMNS], con
 {
     const double probe = value[1];
     if (probe < 0.0 || probe >= SOFTSIM_MAX_PROBES || floor(probe) != probe) {
-        CSV_FAULT(csv, error, "probe %g is none of 0..%d", probe, SOFTSIM_MAX_PROBES - 1);
+        CSV_FAULT(csv, error, "probe %g is not one of 0..%d", probe, SOFTSIM_MAX_PROBES - 1);
         return false;
     }
     if (value[0] < 0.0 || value[0] > max_time_s) {

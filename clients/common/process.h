@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* What the client programs ask of the system, and say alike. */
+/* What the client programs ask of the system, and say in the same words. */
 #include <stdbool.h>
 
 /* From here on SIGINT, SIGTERM and SIGHUP ask the program to end by itself. Thread: main, at start.

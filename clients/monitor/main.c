@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-monitor: the server's state in a terminal, drawn anew with every status, and what is felt
+ * softsim-monitor: the server's state in a terminal, redrawn with every status, and what is felt
  * at each probe, which it hears from the forces; one line a second where the output is no terminal;
  * JSON, one line a status, for programs. --command sends one command instead.
  */

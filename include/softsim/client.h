@@ -54,7 +54,7 @@ typedef struct softsim_client_counts {
 typedef struct softsim_client softsim_client;
 
 /* Joins the group and subscribes; draws the sender number; may take seconds where a firewall drops
- * what it sends to itself. SOFTSIM_ERROR_ARGUMENT for a URL or prefix that is none, _NETWORK for a
+ * what it sends to itself. SOFTSIM_ERROR_ARGUMENT for an invalid URL or prefix, _NETWORK for a
  * machine without a multicast route or a port that another holds, _SYSTEM where LCM cannot be
  * opened, _MEMORY; *out_client is NULL then. */
 softsim_status softsim_client_open(const softsim_client_config *config, softsim_client **out_client,

@@ -16,7 +16,7 @@
  * seconds.
  * Errors: `error` is never NULL here; faults are added to it, with the file and the line or byte.
  * What opens or creates gives SOFTSIM_ERROR_FILE for what cannot be read or written, _FORMAT for a
- * CSV that is none, or _MEMORY, and a NULL object.
+ * CSV that is not one, or _MEMORY, and a NULL object.
  * Thread: an object belongs to one thread at a time; files are read as they are asked for, so no
  * call here is for a loop in real time but softsim_log_probe, _log_decode_*, _path_sample and
  * _poses_restamp, which neither allocate nor wait.

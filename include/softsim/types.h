@@ -148,7 +148,7 @@ extern "C" {
 /* Name ("ERROR_MESH") and text of a status. Thread: any; RT-safe. */
 const char *softsim_status_name(softsim_status status);
 const char *softsim_status_text(softsim_status status);
-/* "guarded", "wrong probe"; "unknown" for what is none. Thread: any; RT-safe. */
+/* "guarded", "wrong probe"; "unknown" for any other. Thread: any; RT-safe. */
 const char *softsim_verdict_name(softsim_verdict verdict);
 const char *softsim_refusal_name(softsim_refusal refusal);
 

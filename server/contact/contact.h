@@ -93,7 +93,7 @@ bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const s
 
 typedef struct ss_surface ss_surface; /* immutable after create */
 
-/* One linear sample at the centroid of each triangle, for penalty and weights alike: coarse, but
+/* One linear sample at the centroid of each triangle, for both penalty and weights: coarse, but
  * with closed forms to check against. */
 enum { SS_SURFACE_CENTROIDS = -1 };
 

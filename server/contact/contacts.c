@@ -232,7 +232,7 @@ static void set_contact(const ss_contact_query *query, const ss_frame *frame,
     const double d = ss_frame_distance(frame, at, gradient);
     *out = (ss_contact){.force = ss_norm3(sum->force)};
     ss_copy3(out->normal, sum->force);
-    /* Squeezed from all sides alike: no direction of force. */
+    /* Squeezed equally from all sides: no direction of force. */
     if (out->force > 1e-6 * sum->weight) {
         ss_normalize3(out->normal);
     } else {

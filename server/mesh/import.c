@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Reading the formats that assimp knows through the helper program softsim-import, because assimp
- * ends the process or runs for ever on some damaged files. The helper limits its own memory and
+ * ends the process or never returns on some damaged files. The helper limits its own memory and
  * CPU time; here a clock limits its wall time and its output is bounded and checked, since a
  * damaged file may have made it write anything. A child forked without exec was rejected: the
  * daemon would link assimp.

@@ -91,7 +91,7 @@ static bool has_extension(const ss_mesh_reader *reader, const char *extension)
     return false;
 }
 
-/* By content, then by name; NULL when it is none that is read. */
+/* By content, then by name; NULL when no reader takes it. */
 static const ss_mesh_reader *find_reader(const char *start, const char *extension)
 {
     for (int i = 0; i < READER_COUNT; ++i) {

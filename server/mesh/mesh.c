@@ -9,9 +9,9 @@
  * A quad with the corner vectors A_k = (p_k+1 - p_k) x (p_k-1 - p_k) / 2 is A_1 and A_3 when cut
  * along 0-2, A_0 and A_2 along 1-3. The mean of the two cuts gives corner k
  *   (A_0 + A_1 + A_2 + A_3 - A_k+2) / 6,
- * with areas for vectors likewise: A/4 on a rectangle, and no node is favoured for the diagonals
- * that end in it (thirds of one cut alone give the nodes of a grid 4A/3 and 2A/3 in turn). A dart
- * has one cut inside it, and that one counts.
+ * with areas for vectors the same way: A/4 on a rectangle, and no node is favoured for the
+ * diagonals that end in it (thirds of one cut alone give the nodes of a grid 4A/3 and 2A/3 in
+ * turn). A dart has one cut inside it, and that one counts.
  */
 #include "mesh/mesh.h"
 

@@ -247,7 +247,7 @@ int32_t ss_mesh_find_bodies(const ss_mesh *mesh, int32_t *out_body);
 /* A third of the area of the triangles around each node, m^2: out has node_count values. Quads
  * count as the mean of both ways of cutting them: a rectangle gives each corner a quarter. */
 void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
-/* A third of the area vectors of the triangles around each node; quads likewise. */
+/* The same of area vectors. */
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
 

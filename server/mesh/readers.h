@@ -25,7 +25,7 @@ typedef struct ss_mesh_file {
 } ss_mesh_file;
 
 typedef struct ss_mesh_reader {
-    const char *name;       /* in what is said of a file that is none */
+    const char *name;       /* for messages about a file that is not of this kind */
     const char *extensions; /* ".node .ele", where they alone tell the format, of any case; NULL */
     /* Is `start`, a file's first 4 kB behind blanks, ended by a zero, of this format? NULL: the
      * ending tells. */

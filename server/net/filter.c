@@ -8,7 +8,7 @@
  *           alone does not do: the kernel does send TTL 0 out of a host on which nobody has joined
  *           the group, and a neighbour can write any TTL into a packet of its own, but only the
  *           receiving kernel gives the packet type.
- *   heard   the sender is none of those that are muted
+ *   heard   the sender is not muted
  *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
  *   channel exactly one of the names, with its NUL
  *   part    the message has it, or has it not: a message too short for it has it not

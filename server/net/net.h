@@ -67,7 +67,7 @@ typedef struct ss_net_command {
     int32_t seq;
     int32_t id;
     char name[32];       /* longer is malformed, as is a control character */
-    char argument[1024]; /* likewise */
+    char argument[1024]; /* the same */
 } ss_net_command;
 softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_command *out_command);
 /* What tells one server from another. */
@@ -135,7 +135,7 @@ bool ss_net_send_force(ss_net *net, const softsim_force *force);
 int64_t ss_net_dropped(const ss_net *net);
 /* The server heard on this prefix that is not this one. Thread: net. */
 const ss_other_server *ss_net_other_server(const ss_net *net);
-/* It has ended: from here on only who is heard anew is one. Thread: net. */
+/* It has ended: from here on only who is heard again is one. Thread: net. */
 void ss_net_forget_other_server(ss_net *net);
 /* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
 void ss_net_send_command(ss_net *net, const char *name);

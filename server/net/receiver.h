@@ -63,7 +63,7 @@ void ss_receiver_close(ss_receiver **receiver);
  * were handed over, -1 when the socket or the wait is broken. Thread: one, always the same. */
 int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns);
 
-/* A datagram as a message of `lane`: false when it is none, or of no such channel. Touches nothing
- * beyond `size`. For ss_receiver_wait and its tests. RT-safe. */
+/* A datagram as a message of `lane`: false when it is not one, or of no such channel. Touches
+ * nothing beyond `size`. For ss_receiver_wait and its tests. RT-safe. */
 bool ss_receiver_parse(const ss_lane *lane, const char *prefix, const uint8_t *datagram,
                        int32_t size, ss_packet *out_packet);

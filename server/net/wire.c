@@ -6,7 +6,7 @@
  * LCM 1.3.1 needs looking after: tcpq:// without its hub aborts the process at the first wait,
  * a missing multicast route is told by four lines of which one reads freed memory, and a ttl that
  * is no number of 0 to 255 is cut to one that is. So the url is read here first, and LCM is given
- * one that is written anew. LCM sends; what is received comes by receiver.c.
+ * one that is written again. LCM sends; what is received comes by receiver.c.
  * Generated decoders trust length fields (a 40-byte message can overflow the heap): poses are of
  * one exact size and decoded by the generated code after that was checked (codec.c); commands,
  * which hold strings, are read by the bounded reader below.

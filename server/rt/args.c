@@ -92,7 +92,7 @@ static void store(const ss_arg *row, const char *text, softsim_error *error)
     case SS_ARG_CHOICE: {
         const int32_t index = find_choice(row->value, text);
         if (index < 0) {
-            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: '%s' is none of %s", row->name,
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: '%s' is not one of %s", row->name,
                               text, row->value);
         } else {
             *(int32_t *)row->out = index;

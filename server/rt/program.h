@@ -27,7 +27,7 @@ void ss_program_begin(void);
 int ss_program_finish(const char *program, int status);
 
 /* Has stderr room: a file always, a pipe for a page of text, a terminal for some of it? Not where
- * nobody reads, which would hold up who writes for ever. Thread: any. */
+ * nobody reads, which would hold up the writer without end. Thread: any. */
 bool ss_program_can_tell(void);
 
 /* The signals that ask a program to end: SIGINT, SIGTERM, and SIGHUP unless it is ignored, as

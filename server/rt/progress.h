@@ -3,7 +3,7 @@
 #pragma once
 /*
  * What a long piece of work is at, on stderr, with the time it has taken: on a terminal one line
- * that is written anew, elsewhere a plain line every ten seconds, so that short work says nothing
+ * that is rewritten, elsewhere a plain line every ten seconds, so that short work says nothing
  * in a script. A thread of its own writes it, because the longest waits are inside one call (a file
  * of gigabytes, one press of a large body) that cannot report; counting its share there was
  * rejected. A reader who stalls holds up nothing: a line without room is left out. A library names

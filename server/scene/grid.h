@@ -12,7 +12,7 @@
  * Rows and columns count nodes; node r columns + c, element r m + c with m columns of quads; u runs
  * from row to row (of the cylinder along its axis), w from column to column. `closed: columns`
  * makes rings of the rows: a last quad runs from a row's last column to its first; `closed: rows`
- * likewise joins the last row to the first. Outside is where, looking from, columns run to the
+ * joins the last row to the first. Outside is where, looking from, columns run to the
  * right and rows up. The transform and regions act as on a mesh file.
  */
 #include "scene/region.h"

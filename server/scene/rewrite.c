@@ -3,7 +3,7 @@
 /*
  * A scene's file with other values in it.
  *
- * The text is edited, not printed anew: comments, order and layout are the user's. Each assignment
+ * The text is edited, not printed again: comments, order and layout are the user's. Each assignment
  * is one edit of the bytes that the tree says its value has, and the tree is read again after it,
  * so that the next finds what the last has added. Rejected: printing the tree (comments are lost),
  * and all edits in one go (two new keys of one new mapping would write the mapping twice).

@@ -4,7 +4,7 @@
 # SPDX-FileCopyrightText: 2026 the softsim authors
 #
 # Where to touch the kidney: read (`. kidney-poke.sh`) for the simulated bridge's options, run to
-# make kidney-poke.lcmlog anew:
+# make kidney-poke.lcmlog again:
 #   server/scenes/kidney-poke.sh [folder of softsim-replay]
 #
 # The bridge's contact frame: z out of the upper face, its origin where the 5 mm sphere touches.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* What the plan settles and a command may settle anew. */
+/* What the plan settles and a command may settle again. */
 #include "world/world.h"
 
 /* The scene's word as the haptic loop has it. */

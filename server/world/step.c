@@ -138,7 +138,7 @@ static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_
 
 /* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
  * placed there when it has just come. After a reset or resume it is out of the model until the
- * haptic loop, which ramps its force down first, has placed it anew: a body at rest is never
+ * haptic loop, which ramps its force down first, has placed it again: a body at rest is never
  * struck by a tool that stood deep in what it was, nor by one that moved under pause. */
 static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 {

@@ -228,7 +228,7 @@ softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, con
                                   int32_t count, softsim_force out_force[SOFTSIM_MAX_PROBES]);
 /* Waits until the step under way is computed (its results may still be held back). */
 void ss_world_settle(ss_world *world);
-/* Of the state; computed anew only when a step or a command has changed it. */
+/* Of the state; recomputed only when a step or a command has changed it. */
 uint64_t ss_world_hash(ss_world *world);
 /* Ends the lockstep worker, if any; call it before ss_world_destroy. Thread: set-up only. */
 void ss_lockstep_stop(ss_world *world);

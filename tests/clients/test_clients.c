@@ -343,7 +343,7 @@ static void output_is_complete_or_absent(void **state)
 
 /* ---- recordings ---- */
 
-/* How many whole records a log has; `out_rest`: bytes that are none. */
+/* How many whole records a log has; `out_rest`: bytes that belong to no record. */
 static int count_records(const char *path, int64_t *out_rest)
 {
     softsim_error error = {.status = SOFTSIM_OK};
@@ -423,7 +423,7 @@ static void a_full_disk_leaves_whole_records(void **state)
     assert_int_equal(rest, 0);
 }
 
-/* A press straight down by 10 mm against tissue that leaves .4 mm, a slide along a cylinder of
+/* A press straight down by 10 mm against tissue that leaves 0.4 mm, a slide along a cylinder of
  * 50 mm, and lifting. */
 static void indentation_is_the_tools_way_into_the_tissue(void **state)
 {
@@ -447,7 +447,7 @@ static void indentation_is_the_tools_way_into_the_tissue(void **state)
         const double tool[3] = {radius * sin(angle), 0.0, radius * cos(angle) - 0.05};
         value = ss_indentation_take(&indentation, &force, tool);
     }
-    assert_near(value, 0.01, 3e-5); /* straight .052 m down by now, were it not for the normal */
+    assert_near(value, 0.01, 3e-5); /* straight 0.052 m down by now, were it not for the normal */
     const softsim_force unknown = {.flags = SOFTSIM_FORCE_CONTACT, .normal = {0.0, 0.0, 1.0}};
     const double nowhere[3] = {NAN, 0.0, 0.0};
     assert_near(ss_indentation_take(&indentation, &unknown, nowhere), value, 0.0);

@@ -275,7 +275,7 @@ static void bridge_tells_whose_the_probe_is(void **state)
     const char *at = strstr(child.out, "forces ");
     assert_non_null(at);
     assert_int_equal(sscanf(at, "forces %d received, %d poses", &forces, &answered), 2);
-    assert_in_range(forces, 1, stand_in.fresh - 399); /* the others are none */
+    assert_in_range(forces, 1, stand_in.fresh - 399); /* the others are not forces of ours */
     assert_int_equal(answered, forces);
     double held_s = 0.0;
     at = strstr(child.out, "another sender held it for");

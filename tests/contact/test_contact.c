@@ -189,7 +189,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
         assert_int_equal(node[0], 0);
         assert_near(total, expected[k], IS_DOUBLE ? 1e-15 : 1e-7);
     }
-    /* And the penalty at X = .11: six samples with d = -.0208712152522080. */
+    /* And the penalty at X = 0.11: six samples with d = -0.0208712152522080. */
     const ss_tool_pose deep = pose_at(0.0, 0.0, 0.11);
     gather(&deep, &deep);
     assert_near(penalty(&deep), 0.0203713525955681, IS_DOUBLE ? 1e-15 : 2e-7);
@@ -243,7 +243,7 @@ static void gather_radius_does_not_change_a_bit(void **state)
 }
 
 /* A sliding tool on moving tissue keeps its gather and the tree's boxes for some steps: the same
- * bits as when both are made anew. */
+ * bits as when both are made again. */
 static void kept_gathers_do_not_change_a_bit(void **state)
 {
     static ss_real kept[4 * MAX_NODES];

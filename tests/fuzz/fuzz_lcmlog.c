@@ -60,7 +60,7 @@ static void check_poses(const char *path)
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_poses *poses = NULL;
     if (softsim_poses_open(path, 1000.0, &poses, &error) != SOFTSIM_OK) {
-        return; /* bytes that look like a CSV and are none */
+        return; /* bytes that look like a CSV and are not one */
     }
     softsim_pose_event event;
     char note[256];

@@ -193,8 +193,8 @@ static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
             fail_msg("%s %s", cases[c].magic, cases[c].channel);
         }
     }
-    /* Cut anywhere, a message is none, or one with less in it; no byte is read that is not there.
-     */
+    /* Cut anywhere, a message is refused, or is one with less in it; no byte is read that is not
+     * there. */
     uint8_t datagram[512];
     const int whole = make(datagram, "LC02", "T_PROBE_5", SIZE);
     for (int size = 0; size <= whole; size += size == whole - SIZE ? MARK + 1 : 1) {

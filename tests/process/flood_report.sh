@@ -165,7 +165,7 @@ awk -F, 'function sorted(a, n, i, j, v) {
       }
       all_n[w % 2] += n[w]; all_m[w % 2] += m[w]
     }
-    printf "# above the bound: %d of %d flooded windows, %d of %d quiet ones judged alike\n",
+    printf "# above the bound: %d of %d flooded windows, %d of %d quiet ones judged the same\n",
       above_bound[0], judged[0], above_bound[1], judged[1]
     printf "# flooded: %.3f %% of %d periods missed\n", 100 * all_m[0] / all_n[0], all_n[0]
     printf "# quiet: %.3f %% of %d periods missed; %d windows without two statuses left out\n", 100 * all_m[1] / all_n[1], all_n[1], lost

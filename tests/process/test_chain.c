@@ -229,7 +229,7 @@ static void start_bridge(const char *script)
 /* Presses, then has the bridge fall silent by `signal`: 50 ticks without a pose, then 20 of ramp. A
  * force counts ticks that were run, `probe_missed` those that were not. A message may be lost on
  * its way here: the last pose was answered after old_seq and at fresh_seq at the latest. Where a
- * machine that is held back had the hand let in anew meanwhile, that may come to feel nothing
+ * machine that is held back had the hand let in again meanwhile, that may come to feel nothing
  * sooner. */
 static void press_and_fall_silent(watch *w, int signal)
 {

@@ -107,8 +107,8 @@ static double largest_force(const char *path)
     return largest;
 }
 
-/* The model without forces is felt through the coupling, with a result each tick too, and alike in
- * both programs. */
+/* The model without forces is felt through the coupling, with a result each tick too, and in the
+ * same way in both programs. */
 static void chainmail_is_felt_in_lockstep(void **state)
 {
     char scene[] = "/tmp/softsim_mail_XXXXXX.yaml", csv[] = "/tmp/softsim_mail_XXXXXX.csv";

@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * What the real daemon says to those who ask or watch: commands, topology, status, and packets that
- * are none of its own.
+ * are not its own.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -567,7 +567,7 @@ static void only_digits_name_a_descriptor(void **state)
 
 /* ---- progress ---- */
 
-/* A terminal whose other side nobody reads: what is written to it waits for ever. */
+/* A terminal whose other side nobody reads: what is written to it never gets through. */
 static void a_stalled_reader_holds_up_no_work(void **state)
 {
     char name[64], text[512];

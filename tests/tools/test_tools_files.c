@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * The programs that need no server, and files that are none: pipes, closed descriptors, full disks;
+ * The programs that need no server, and what is not a file: pipes, closed descriptors, full disks;
  * what a run that is stopped leaves.
  */
 #include <setjmp.h>
@@ -13,7 +13,7 @@
 
 #include "input_fixture.h"
 
-/* ---- files that are none, and none left ---- */
+/* ---- what is not a file, and none left ---- */
 
 static void a_full_disk_ends_a_run(void **state)
 {
@@ -62,7 +62,7 @@ static void devices_may_be_written_twice(void **state)
                      0);
 }
 
-/* A pipe without a writer would keep a program waiting for ever. */
+/* A pipe without a writer would keep a program waiting without end. */
 static void a_pipe_is_refused_as_any_input(void **state)
 {
     static const struct {

@@ -21,7 +21,7 @@ ss_norms ss_norms_compute(int32_t count, const double *weight, const double (*u)
                           const double (*reference)[3]);
 /* `force` along the unit vector `direction`, against a reference along it. */
 double ss_norms_force(const double force[3], const double direction[3], double reference);
-/* sqrt(sum w |a - b|^2 / sum w |b|^2); weight NULL, here and in ss_norms_compute: all alike. */
+/* sqrt(sum w |a - b|^2 / sum w |b|^2); weight NULL, here and in ss_norms_compute: equal weights. */
 double ss_norms_apart(int32_t count, const double *weight, const double (*a)[3],
                       const double (*b)[3]);
 /* The factor c that leaves the least of c u - reference: <u, r>_w / <u, u>_w; NaN where u is 0. */

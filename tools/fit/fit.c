@@ -10,8 +10,8 @@
 #include "rt/printer.h"
 
 enum { MAX_SETS = 128 };
-static const double FLOOR = 0.005;         /* of the rms force: no curve is known better */
-static const double ROUGH_SHARE = 0.01;    /* of the largest force: below it forces are alike */
+static const double FLOOR = 0.005;      /* of the rms force: no curve is known better */
+static const double ROUGH_SHARE = 0.01; /* of the largest force: below it forces count as equal */
 static const double MISFIT_WARNING = 0.15; /* of the rms force: not the same curve */
 
 /* One evaluation under way. */

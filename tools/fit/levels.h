@@ -41,7 +41,7 @@ softsim_status ss_fit_levels_open(const char *folder, const char *material, cons
                                   const ss_press_scene *scene, double load_s, ss_fit_levels *out,
                                   softsim_error *error);
 /* Runs every level with the parameters at `value`; the residuals' squares sum to the mean square of
- * the relative errors, of fields and forces alike. */
+ * the relative errors, of both fields and forces. */
 softsim_status ss_fit_levels_measure(ss_fit_levels *levels, int32_t count,
                                      const ss_fit_parameter *parameter, const double *value,
                                      softsim_error *error);

@@ -32,7 +32,8 @@ static const char about[] =
     "tool's travel, force the tissue's along the normal. Several curves are fitted together.\n\n"
     "With --case the model is brought to rest on the reference case's own body at every load "
     "level\n"
-    "instead, and its field and its force are fitted to the reference's, each level alike.\n"
+    "instead, and its field and its force are fitted to the reference's, each level counting the "
+    "same.\n"
     "What was found is told on stderr and in the head of the new scene.";
 
 typedef struct fit_options {

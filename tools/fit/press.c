@@ -155,7 +155,7 @@ static double mean_edge(const ss_mesh *mesh)
 /* ---- how far off ---- */
 
 /* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
- * another body, would else press somewhere and fit to it. A mean edge of freedom. */
+ * another body, would otherwise press somewhere and fit to it. A mean edge of freedom. */
 static softsim_status check_place(const ss_world *world, const double at[3], int32_t node,
                                   softsim_error *error)
 {

@@ -326,7 +326,7 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         ++q->shape;
     }
     if (q->shape == SHAPE_COUNT) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "'%s' is none of " SHAPES, shape);
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "'%s' is not one of " SHAPES, shape);
     } else {
         complete(q, size, inner, error);
     }

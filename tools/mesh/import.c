@@ -3,7 +3,7 @@
 /*
  * softsim-import FILE: reads a surface with assimp and writes its faces to stdout as mesh/import.h
  * says: quads when all are quads, else triangles, which assimp cuts. A program of its own because
- * assimp ends the process or runs for ever on some damaged files: it sets itself limits on memory
+ * assimp ends the process or never returns on some damaged files: it sets itself limits on memory
  * and CPU time before it opens anything.
  *
  * Vertices are joined where their positions are equal, across all the file's meshes. (assimp's own
@@ -77,7 +77,7 @@ static bool is_obj(const char *path)
     return length >= 4 && strcasecmp(path + length - 4, ".obj") == 0;
 }
 
-/* How many faces have three corners, four, more; points and lines are none. */
+/* How many faces have three corners, four, more; points and lines are not faces. */
 static void count_faces(const struct aiScene *scene, int64_t out_count[3])
 {
     memset(out_count, 0, 3 * sizeof *out_count);
@@ -200,8 +200,8 @@ static uint64_t hash_position(const double x[3])
     return hash;
 }
 
-/* Numbers the positions that faces use, in order, equal ones (by their bits: NaN too) alike,
- * and packs them. False when out of memory. */
+/* Numbers the positions that faces use, in order, equal ones (by their bits: NaN too) by one
+ * number, and packs them. False when out of memory. */
 static bool join_nodes(surface *s)
 {
     uint64_t slots = 16;

@@ -48,10 +48,11 @@ static int run(int argc, char **argv)
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    ss_plain_print(stderr,
-                   "softsim-mesh: '%s' is none of info, check, convert, tetrahedralize, generate; "
-                   "softsim-mesh --help says more\n",
-                   name);
+    ss_plain_print(
+        stderr,
+        "softsim-mesh: '%s' is not one of info, check, convert, tetrahedralize, generate; "
+        "softsim-mesh --help says more\n",
+        name);
     return 2;
 }
 

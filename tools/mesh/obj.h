@@ -4,7 +4,7 @@
 /*
  * Prepares an OBJ text for assimp so that vertices keep their number and their double precision.
  *
- * assimp reads positions as floats, numbers vertices anew and stumbles over a comment behind a
+ * assimp reads positions as floats, renumbers vertices and stumbles over a comment behind a
  * vertex. So: positions are read here; each vertex goes to assimp with its number in place of a
  * colour, which comes back with the triangles; comments and materials are left out. Faces, groups
  * and the rest are assimp's business.

@@ -16,9 +16,8 @@
  * (material.c). Tension k w ex makes forces of it: energy 2 k W, drag 2 k C per cell.
  * Self-feedback 1/Rx and -x/Rx cancel as printed; without the feedback -x/R draws cells back to
  * rest (leak_resistance). The output (3) is a clamp of each coordinate, which depends on where
- * the origin is; here it is a vector clamp of the displacement. Fixed nodes are fixed-state cells;
- * fixed axes likewise. A contact is held cells (contact.c), prescribed sets likewise
- * (load.c).
+ * the origin is; here it is a vector clamp of the displacement. Fixed nodes are fixed-state cells,
+ * and so are fixed axes. A contact is held cells (contact.c), and so are prescribed sets (load.c).
  *
  * Where the nonlinearity comes from: the dead band of a link's length, and geometry (links turn as
  * they are pulled, and slack ones join in). Beyond the band a link is linear, and so is the

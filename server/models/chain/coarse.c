@@ -25,10 +25,11 @@
  * cells are cells of their own as well, stepped at their own pace while the far field rests (each
  * in turn is a descent), and stay so for a while after.
  *
- * Elements that come under a tool change Phi'LPhi by two outer products each; its inverse is made
- * anew (0.1 ms for 64 cells) at most once an outer step, and elements that a tool has left stay out
- * for a while, so that a slide does not pay it each time. Rejected: a third level (nothing gained),
- * multigrid cycles (no gradient flow of W), Nesterov's momentum (lands on wrong buckled branches).
+ * Elements that come under a tool change Phi'LPhi by two outer products each; its inverse is
+ * recomputed (0.1 ms for 64 cells) at most once an outer step, and elements that a tool has left
+ * stay out for a while, so that a slide does not pay it each time. Rejected: a third level (nothing
+ * gained), multigrid cycles (no gradient flow of W), Nesterov's momentum (lands on wrong buckled
+ * branches).
  */
 #include <math.h>
 #include <string.h>

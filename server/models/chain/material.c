@@ -121,7 +121,7 @@ static double alpha_of(const ss_param_value *alpha, int32_t a, int32_t b, double
                : common;
 }
 
-/* alpha link by link: every link once, and nothing that is none. */
+/* alpha link by link: every link once, and nothing else. */
 static softsim_status set_alpha_by_link(ss_model *model, softsim_error *error)
 {
     const ss_param_value *alpha = &model->plan.param[SS_CHAIN_ALPHA];

@@ -52,7 +52,7 @@ static void add_gravity(ss_body *body, int32_t node)
     }
 }
 
-/* Everything on the loaded nodes anew; gravity on the others does not change. */
+/* Everything on the loaded nodes again; gravity on the others does not change. */
 static void build_loads(ss_body *body)
 {
     ss_loads_clear(&body->loads, body->load_force);

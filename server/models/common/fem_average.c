@@ -15,11 +15,11 @@
  * and the derivative of W puts on every element the mean of its four nodes' pressures in place of
  * its own lambda q. It is one potential, so energy is kept and the tangent is symmetric. Averaging
  * all of lambda lets modes appear in which dilatation alternates between elements, so each element
- * keeps lambda_own = min(lambda, mu/2) to itself (Puso, Solberg 2006 stabilise alike). With
- * lambda_a the harmonic mean of its elements' the sum is never stiffer than the elements themselves
- * (Cauchy and Schwarz), so the elements' own bound holds for it. A nearer one: V_a q_a = sum_b c_ab
- * . u_b, c_ab = sum_e V_e grad N_b, and the stiffness of W is K_bb' = sum_a lambda_a/(4 V_a) c_ab
- * c_ab'^T,
+ * keeps lambda_own = min(lambda, mu/2) to itself (Puso, Solberg 2006 stabilise in the same way).
+ * With lambda_a the harmonic mean of its elements' the sum is never stiffer than the elements
+ * themselves (Cauchy and Schwarz), so the elements' own bound holds for it. A nearer one: V_a q_a =
+ * sum_b c_ab . u_b, c_ab = sum_e V_e grad N_b, and the stiffness of W is K_bb' = sum_a lambda_a/(4
+ * V_a) c_ab c_ab'^T,
  *
  *   u.K u <= sum_b |u_b|^2 R_b,   R_b = sum_a lambda_a/(4 V_a) |c_ab| sum_b' |c_ab'|
  *

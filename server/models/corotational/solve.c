@@ -119,7 +119,7 @@ typedef struct task {
     double inertia; /* 1/h^2 + alpha/h */
     double size;    /* |r| by P^-1, and that of loads and contact */
     double load_size;
-    double smallest; /* |r| that is none */
+    double smallest; /* |r| that counts as zero */
 } task;
 
 static void set_system(ss_model *model, double h)
@@ -174,7 +174,8 @@ static double square_of(const ss_real x[3])
     return (double)x[0] * (double)x[0] + (double)x[1] * (double)x[1] + (double)x[2] * (double)x[2];
 }
 
-/* P^-1 with the active contacts, 0 on axes that do not move; and the residual that is none. */
+/* P^-1 with the active contacts, 0 on axes that do not move; and the residual that counts as zero.
+ */
 static void set_inverse(task *t)
 {
     ss_model *model = t->model;

@@ -11,7 +11,7 @@
  * (activation), bound.c (the stable step); near.c gathers what the kernels walk through. Law,
  * viscosity and materials are those of `fem`; time, loads, tools and the energy balance the body's.
  *
- * Where the nonlinearity comes from: Green strain, as in `fem`, of tetrahedra and particles alike,
+ * Where the nonlinearity comes from: Green strain, as in `fem`, of both tetrahedra and particles,
  * and the pair forces of the share that is cohesion. Left out: cutting and tearing. Neighbours are
  * those at rest and stay.
  */

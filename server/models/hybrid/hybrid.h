@@ -130,7 +130,7 @@ typedef struct ss_hybrid {
     ss_real *laid;                  /* quads of mesh nodes: as laid last */
     ss_real *shown, *shown_v;       /* quads of mesh nodes: what displacement() returns */
     double *load;                   /* by node of the body: scratch of a bound, 0 between calls */
-    double *swing;                  /* by mesh node: likewise, anything between calls */
+    double *swing;                  /* by mesh node: scratch of a bound, anything between calls */
 
     /* where the tools are */
     ss_model_tool tool[SOFTSIM_MAX_PROBES];

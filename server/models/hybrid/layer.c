@@ -7,7 +7,7 @@
  *   weight     w(r) = (1 - (r/h)^2)^3, h = 1.95 (d_i + d_j)/2 for spacings d; neighbours to 0.8 h
  *   moment     A_i = sum_j w X_ij X_ij^T;  F_i = I + (sum_j u_ij (w X_ij)^T) A_i^-1
  *   tie        x_p = sum_i T_pi x_i over core nodes, sum T = 1, sum T X = X_p
- *   skin       x_s = sum_p S_sp x_p over particles, likewise
+ *   skin       x_s = sum_p S_sp x_p over particles, with the same sums
  *
  * Every row reproduces affine maps exactly, whatever the distances. With p = (1, X - X_p) and M =
  * sum w p p^T the weights of a row are w p . M^-1 e_1. Inside a tetrahedron the tie is barycentric.

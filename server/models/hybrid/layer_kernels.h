@@ -38,7 +38,7 @@ typedef struct ss_layer_pass {
     const ss_real *coefficient; /* 2 a point: kappa of the residual (N/m), of the cohesion (N m) */
     ss_real *gradient;     /* pairs: 0 nothing; 1 + 3 k + c column c of H and Hdot of point k */
     ss_real *spread;       /* pairs, by point: sum w u^2, w v^2 by axis */
-    const ss_real *stress; /* likewise, first quad: -V P, column c */
+    const ss_real *stress; /* pairs, by point, first quad: -V P, column c */
 } ss_layer_pass;
 
 /* Cells that sleeping particles are counted by: gradients that are fixed rows over nodes. */

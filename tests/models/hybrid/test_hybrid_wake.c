@@ -12,18 +12,18 @@
 #include "hybrid_fixture.h"
 #include "rt/hash.h"
 
-/* The forces of now are those of rows that are gathered anew, to the bit. */
+/* The forces of now are those of rows that are gathered again, to the bit. */
 static void assert_forces_are_gathered(ss_hybrid *hybrid)
 {
     const size_t size = 4 * (size_t)ss_body_read_nodes(hybrid->body)->count * sizeof(ss_real);
     double energy[2];
     ss_real *force = forces_of(hybrid, &energy[0]);
     hybrid->is_near_old = true;
-    ss_real *anew = forces_of(hybrid, &energy[1]);
-    assert_memory_equal(force, anew, size);
+    ss_real *gathered = forces_of(hybrid, &energy[1]);
+    assert_memory_equal(force, gathered, size);
     assert_true(energy[0] == energy[1]);
     free(force);
-    free(anew);
+    free(gathered);
 }
 
 /* How the tools of a short look move: one slides; it is put elsewhere at once, leaves and appears;
@@ -96,7 +96,7 @@ static void short_look_is_enough(void **state)
     }
 }
 
-/* Particles that are let go and wait for their tie under a dent cost no forces anew. */
+/* Particles that are released and wait for their tie under a dent cost no new forces. */
 static void waiting_changes_nothing(void **state)
 {
     setup s;
@@ -126,7 +126,7 @@ static void waiting_changes_nothing(void **state)
     setup_fini(&s);
 }
 
-/* A blend, a theta or an offset alone that moves asks for forces anew; then there is rest. */
+/* A blend, a theta or an offset alone that moves asks for new forces; then there is rest. */
 static void each_change_is_told(void **state)
 {
     setup s;

@@ -92,9 +92,9 @@ static double stretched_modulus(int cells)
     return right[0] / (0.06 * 0.06) / 0.01;
 }
 
-/* Edges of cubes cut in six do not point all ways alike: along an edge of the cube they are softer
- * than the formula (Delaunay meshes have 0.96 to 1.05 of it, see mass_spring/mass_spring.c). Finer
- * ones must have the same. */
+/* Edges of cubes cut in six do not point all ways equally: along an edge of the cube they are
+ * softer than the formula (Delaunay meshes have 0.96 to 1.05 of it, see mass_spring/mass_spring.c).
+ * Finer ones must have the same. */
 static void a_block_has_about_the_modulus_that_is_given(void **state)
 {
     const double coarse = stretched_modulus(3), fine = stretched_modulus(5);

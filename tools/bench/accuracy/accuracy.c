@@ -265,7 +265,7 @@ static softsim_status load_cases(ss_accuracy *r, softsim_error *error)
                                   r->plan.c[i].folder, c->folder, c->name);
             }
         }
-        /* What a scene's case has for a solution is made anew by every start, and may be rounded
+        /* What a scene's case has for a solution is made again by every start, and may be rounded
          * otherwise by another machine. */
         r->plan.digest[k] =
             error->fault_count == 0 ? digest_of(c, r->o.scene == NULL, &r->o.set) : 0;

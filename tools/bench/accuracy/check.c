@@ -168,7 +168,7 @@ static bool find_fault(const ss_accuracy_plan *plan, const ss_accuracy_row *row,
         snprintf(out, 512, "calibrated is '%s'; give yes or no", row->calibrated);
     } else if (!is_verdict(row->verdict)) {
         snprintf(out, 512,
-                 "verdict '%.60s' is none of good, guarded, degraded, fault, diverged, refused; "
+                 "verdict '%.60s' is not one of good, guarded, degraded, fault, diverged, refused; "
                  "begin with one of these and a colon, or leave it empty",
                  row->verdict);
     } else {

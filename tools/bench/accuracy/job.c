@@ -678,7 +678,7 @@ static softsim_status find_first(work *w, swing *out)
     double gravity[3];
     const double hz = w->c->first_frequency, samples = 4.0 / (hz * step_s);
     if (!(samples >= LEAST_SAMPLES && samples <= MOST_SAMPLES)) {
-        add_swing_note(out, "; a first frequency of %.3g Hz is none that steps of 1 ms show", hz);
+        add_swing_note(out, "; a first frequency of %.3g Hz is not shown by steps of 1 ms", hz);
         return SOFTSIM_OK;
     }
     const int32_t count = (int32_t)samples;

@@ -3,7 +3,7 @@
 #include "bench/core/static_cnn.h"
 /*
  * Zhong, Shirinzadeh, Alici, Smith 2006 with uniform rho, equations (17) and (18), and the closure
- * of server/models/cnn/cnn_energy.c, from the mesh anew:
+ * of server/models/cnn/cnn_energy.c, from the mesh again:
  *
  *   w_ij = (|m j'| + |m k'|) / L_ij          m the side's middle, j', k' its triangles' centroids
  *   sum_j w_ij (g_i - g_j) = S_c on cell c, 0 elsewhere; g = 0 where held
@@ -53,7 +53,7 @@ typedef struct matrix {
     double *value, *rest;
     ss_factor factor;
     const double *weight, *diagonal; /* of the factor: edges; nodes, NULL: 0 */
-    const uint8_t *is_still;         /* likewise: nodes that are not free */
+    const uint8_t *is_still;         /* of the factor: nodes that are not free */
 } matrix;
 
 static void fini_matrix(matrix *m)

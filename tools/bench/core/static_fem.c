@@ -34,7 +34,7 @@ enum {
 };
 #define TOLERANCE        1e-10 /* of the residual, relative to the internal forces */
 #define LINEAR_TOLERANCE 1e-7  /* of a Newton step's linear solution */
-#define USEFUL           1e-3  /* a linear solution worse than that is none */
+#define USEFUL           1e-3  /* a linear solution worse than that is not used */
 
 typedef double vector[3];
 
@@ -331,10 +331,11 @@ static softsim_status check(const ss_static_problem *problem, softsim_error *err
     const ss_tissue_law *law = &problem->law;
     if (!(law->mu > 0.0) || !(3.0 * law->lambda + 2.0 * law->mu > 0.0) || !isfinite(law->mu) ||
         !isfinite(law->lambda)) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "a law with lambda %g Pa and mu %g Pa is none: take E > 0 and Poisson's "
-                          "ratio between -1 and 0.5",
-                          law->lambda, law->mu);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "a law with lambda %g Pa and mu %g Pa is not a law: take E > 0 and Poisson's "
+            "ratio between -1 and 0.5",
+            law->lambda, law->mu);
         return SOFTSIM_ERROR_ARGUMENT;
     }
     int held = 0;

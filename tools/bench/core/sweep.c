@@ -14,7 +14,8 @@
  * last; it is cut off by its own rank, and by others not yet read. Since a rank does the runs i
  * with i mod n = r whatever is done already, no two ranks ever do the same run, and a sweep may be
  * taken up with another number of them. Rank 0 waits for every rank's `here`, even with nothing
- * left to do: a rank that starts late would else find the parts removed, and do its runs once more.
+ * left to do: otherwise a rank that starts late finds the parts removed and does its runs once
+ * more.
  */
 #include <dirent.h>
 #include <errno.h>

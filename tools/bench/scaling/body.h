@@ -18,7 +18,7 @@
  *
  * The error of a field u is max |u - u_direct| / max |u_direct| over all nodes. u_direct is the
  * equilibrium of the same body under the same load by the direct solves of core/static_cnn.h, in
- * double, network and shape alike; it shares nothing with the model but the scene and its mesh.
+ * double, both network and shape; it shares nothing with the model but the scene and its mesh.
  * Under the sphere, which by then stands still, the same load means: the source's weights are those
  * of the touched cells, its share a is 1 (the sphere is pressed in), and the touched nodes with
  * their neighbours, on which the contact acts, stay where the model has them. So the error holds
@@ -39,7 +39,7 @@ typedef struct ss_body {
     int32_t top_node;   /* at rest; -1: not yet known */
     int32_t node_count; /* with `rest`, m, before scaling; known with top_node */
     double (*rest)[3];
-    int32_t triangle_count; /* likewise */
+    int32_t triangle_count; /* known with top_node */
     int32_t (*triangle)[3];
     double slide_begin_s, slide_end_s; /* of constant speed */
     double leave_s;                    /* the sphere has stood still for a while */

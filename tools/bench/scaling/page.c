@@ -356,7 +356,7 @@ static softsim_status put_ellipsoids(ss_page *page, const ss_scaling *r, softsim
         page,
         "Field error: the largest distance between the model's displacements and others, over "
         "the largest of these. Against a direct solve: the equilibrium of the same body under "
-        "the same load, assembled anew from the mesh in double and solved with sparse factors "
+        "the same load, assembled again from the mesh in double and solved with sparse factors "
         "of its own, potentials and shape, their residuals checked; of load, pull and poke at the "
         "end of the run, of slide when the sphere, pressed in, has stood still for half a "
         "second. There the direct solve is given the displacements of what the sphere touches "

@@ -3,7 +3,7 @@
 #include "bench/papers/hybrid/fem_speed.h"
 /*
  * A lattice with nodes at the corners and middles of cubes; each face between two cubes is the
- * middle of four tetrahedra (its two middles and an edge): all elements are alike, as good as
+ * middle of four tetrahedra (its two middles and an edge): all elements are congruent, as good as
  * they come, and the step is that of a regular mesh. Elements are kept where all their nodes lie
  * within the ellipsoid. The time of a sub-step grows with the number of elements N and the
  * stable step falls with N^(1/3), so that real time ends at N r^(3/4), r the real-time factor at N.

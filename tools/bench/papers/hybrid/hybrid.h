@@ -34,7 +34,7 @@ typedef struct ss_heart_body {
 
 /* Meshes by softsim-mesh generate; sizes in mm of a unit of 1000. NULL with a fault in `error`. */
 ss_mesh *ss_heart_generate(const ss_paper *paper, const char *const *argv, softsim_error *error);
-/* The ellipsoids 1, .8, .8 and .6, .45, .45 of about so many nodes; the ventricle HM2 likewise, and
+/* The ellipsoids 1, 0.8, 0.8 and 0.6, 0.45, 0.45 of about so many nodes; the ventricle HM2, and
  * HM1's core with the layer up to its outer wall. */
 ss_mesh *ss_heart_ellipsoids(const ss_paper *paper, int32_t nodes, softsim_error *error);
 ss_mesh *ss_heart_ventricle(const ss_paper *paper, softsim_error *error);

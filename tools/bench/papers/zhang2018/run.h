@@ -66,7 +66,7 @@ void ss_zhang_end(ss_zhang_run *run);
 
 /* ---- measures ---- */
 
-/* sqrt(sum w |u - v|^2 / sum w |v|^2); w NULL: all alike. */
+/* sqrt(sum w |u - v|^2 / sum w |v|^2); w NULL: equal weights. */
 double ss_zhang_distance(int32_t count, const double (*u)[3], const double (*v)[3],
                          const double *w);
 /* A quarter of the volume of the tetrahedra around each node, m^3. */

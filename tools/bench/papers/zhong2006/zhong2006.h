@@ -69,7 +69,7 @@ typedef struct ss_zhong {
 
 /* ---- tube.c ---- */
 
-/* Points, and the program's body where it can make one. `is_one_way`: all diagonals alike. */
+/* Points, and the program's body where it can make one. `is_one_way`: all diagonals run one way. */
 softsim_status ss_tube_init(const ss_paper *paper, bool is_grid, bool is_one_way, ss_tube *out_tube,
                             softsim_error *error);
 void ss_tube_fini(ss_tube *tube);
