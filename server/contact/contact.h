@@ -192,13 +192,37 @@ typedef struct ss_contact_tissue {
     bool is_dented;
 } ss_contact_tissue;
 
+typedef struct ss_contact_path {
+    int32_t looks; /* on the way */
+    bool is_out;
+    double way[3]; /* m */
+} ss_contact_path;
+
+/* A search for the way out, which goes on in the next step where one is not enough; {0} before. */
+typedef struct ss_contact_exit {
+    bool is_begun;
+    ss_tool_pose from; /* where the tool stood when it began, and both ways begin */
+    ss_contact_path nearest, back;
+} ss_contact_exit;
+
+typedef enum ss_contact_exit_result {
+    SS_EXIT_FOUND,
+    SS_EXIT_NONE,      /* no place was found */
+    SS_EXIT_UNFINISHED /* call again */
+} ss_contact_exit_result;
+
+/* Looks at the tissue in a call, each a pass over all its triangles, or two where it is dented.
+ * Ways that are found take 8 at most in organs and blocks. */
+enum { SS_EXIT_LOOKS = 9 };
+
 /* By which way does a tool leave the tissue that it stands in deeper than `spare` (m)? Back against
  * `inward` (unit, as it was pressed in; 0: not known), unless that is far longer than the nearest
- * way; then it just touches. out_way is 0 for one that stands outside. False: no place was found.
- * Looks at every triangle, several times. RT-safe. */
-bool ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
-                      const ss_tool_pose *pose, double spare, const double inward[3],
-                      double out_way[3]);
+ * way; then it just touches. out_way, from where it stood when the search began, is 0 for one that
+ * stood outside. RT-safe. */
+ss_contact_exit_result ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
+                                        const ss_tool_pose *pose, double spare,
+                                        const double inward[3], ss_contact_exit *search,
+                                        double out_way[3]);
 
 /* ---- what the haptic loop gets ---- */
 

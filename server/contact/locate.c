@@ -157,41 +157,48 @@ static double deepest(const ss_contact_tissue *tissue, const ss_shape *shape,
 
 /* Goes out by its depth again and again: `outward`, or (NULL) by the nearest way, which turns as
  * other walls come near. A straight way ends where it first leaves the tissue, since no depth is
- * more than what is left of it. */
+ * more than what is left of it. False: there are looks left on this way, but none in this call. */
 static bool go_out(const ss_contact_tissue *tissue, const ss_shape *shape, const ss_tool_pose *from,
-                   const double outward[3], double inout_way[3])
+                   const double outward[3], ss_contact_path *path, int32_t *left)
 {
     const double enough = TOUCHING * ss_shape_bounding_radius(shape);
-    for (int k = 0; k < LOOKS; ++k) {
+    for (; !path->is_out && path->looks<LOOKS && * left> 0; --*left, ++path->looks) {
         ss_tool_pose pose = *from;
         double normal[3];
-        ss_add3(pose.position, from->position, inout_way);
+        ss_add3(pose.position, from->position, path->way);
         const double depth = deepest(tissue, shape, &pose, normal);
-        if (depth <= enough) {
-            return true;
+        path->is_out = depth <= enough;
+        if (!path->is_out) {
+            ss_madd3(path->way, path->way, depth, outward ? outward : normal);
         }
-        ss_madd3(inout_way, inout_way, depth, outward ? outward : normal);
     }
-    return false;
+    return path->is_out || path->looks == LOOKS;
 }
 
-bool ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
-                      const ss_tool_pose *pose, double spare, const double inward[3],
-                      double out_way[3])
+ss_contact_exit_result ss_contact_leave(const ss_contact_tissue *tissue, const ss_shape *shape,
+                                        const ss_tool_pose *pose, double spare,
+                                        const double inward[3], ss_contact_exit *search,
+                                        double out_way[3])
 {
-    double normal[3], back[3], way_back[3] = {0.0, 0.0, 0.0};
+    int32_t left = SS_EXIT_LOOKS;
+    double normal[3], back[3];
     ss_set3(out_way, 0.0, 0.0, 0.0);
-    if (deepest(tissue, shape, pose, normal) <= spare) {
-        return true;
-    }
-    const bool has_nearest = go_out(tissue, shape, pose, NULL, out_way);
-    ss_scale3(back, inward, -1.0);
-    if (ss_norm3(back) > 0.0 && go_out(tissue, shape, pose, back, way_back)) {
-        const double size = ss_shape_bounding_radius(shape);
-        if (!has_nearest || ss_norm3(way_back) <= 2.0 * (ss_norm3(out_way) + size)) {
-            ss_copy3(out_way, way_back);
-            return true;
+    if (!search->is_begun) {
+        *search = (ss_contact_exit){.is_begun = true, .from = *pose};
+        --left;
+        if (deepest(tissue, shape, pose, normal) <= spare) {
+            return SS_EXIT_FOUND;
         }
     }
-    return has_nearest;
+    ss_scale3(back, inward, -1.0);
+    const bool is_known = ss_norm3(back) > 0.0;
+    if (!go_out(tissue, shape, &search->from, NULL, &search->nearest, &left) ||
+        (is_known && !go_out(tissue, shape, &search->from, back, &search->back, &left))) {
+        return SS_EXIT_UNFINISHED;
+    }
+    const double most = 2.0 * (ss_norm3(search->nearest.way) + ss_shape_bounding_radius(shape));
+    const bool is_back = is_known && search->back.is_out &&
+                         (!search->nearest.is_out || ss_norm3(search->back.way) <= most);
+    ss_copy3(out_way, is_back ? search->back.way : search->nearest.way);
+    return is_back || search->nearest.is_out ? SS_EXIT_FOUND : SS_EXIT_NONE;
 }

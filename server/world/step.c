@@ -22,8 +22,9 @@ static const double MAX_TOOL_SPEED = 3.0; /* m/s */
 static const double MAX_TOOL_TURN = 50.0; /* rad/s */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_TIME = 0.02;    /* s: so often is seen whether a tool still needs one */
-/* A look for a place passes over all triangles up to 66 times, .1 ms each at 14,000: one that found
- * none is repeated after twice as long each time, up to so many s. */
+/* A look for a place passes over all triangles up to 66 times, .1 ms each at 14,000, and up to 19
+ * times in a step: one that found none is repeated after twice as long each time, up to so many s.
+ */
 static const double PLACE_TIME_MOST = 1.0;
 
 /* s of simulation after a tool's last touch: until then what it pressed may spring back. Let go at
@@ -94,23 +95,35 @@ static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     const int64_t every = (int64_t)ceil(PLACE_TIME / world->step_period);
     const int64_t most = (int64_t)ceil(PLACE_TIME_MOST / world->step_period);
     double way[3], point[3], normal[3];
-    probe->waited = probe->last_teleports == target->teleports ? probe->waited : 0;
-    if (probe->waited % every != 0) {
+    if (probe->waited == 0 || probe->last_teleports != target->teleports) {
+        probe->waited = probe->look_at = 0;
+        probe->search.is_begun = false;
+    }
+    if (probe->waited % every != 0 && !probe->search.is_begun) {
         return false;
     }
     /* One that was drawn out meanwhile is seen by a single pass. */
     probe->depth = ss_contact_locate(tissue.mesh, tissue.u, shape, inout_pose, point, normal);
-    if (probe->waited > 0 && probe->waited < probe->look_at && probe->depth > spare) {
+    if (probe->depth <= spare) {
+        probe->search.is_begun = false;
+    } else if (probe->waited < probe->look_at && !probe->search.is_begun) {
         return false;
     }
     if (target->starts == probe->inward_starts) {
         ss_set3(probe->inward, 0.0, 0.0, 0.0); /* another device, or the same from elsewhere */
     }
-    if (!ss_contact_leave(&tissue, shape, inout_pose, spare, probe->inward, way)) {
+    const ss_contact_exit_result result =
+        ss_contact_leave(&tissue, shape, inout_pose, spare, probe->inward, &probe->search, way);
+    if (result == SS_EXIT_UNFINISHED) {
+        return false;
+    }
+    probe->search.is_begun = false;
+    if (result == SS_EXIT_NONE) {
         const int64_t twice = 2 * probe->waited + every;
         probe->look_at = twice < probe->waited + most ? twice : probe->waited + most;
         return false;
     }
+    *inout_pose = probe->search.from;
     ss_add3(inout_pose->position, inout_pose->position, way);
     probe->is_found_inside = ss_normalize3(way) > 0.0;
     probe->found_entries = target->entries;

@@ -85,14 +85,15 @@ typedef struct ss_world_probe {
     ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
     uint32_t last_teleports;
-    int64_t waited;         /* steps on end: inside the tissue, and no free place found for it */
-    int64_t look_at;        /* of them: a place is looked for again */
-    double depth;           /* m, how deep it stood there lately */
-    bool is_found_inside;   /* it stands where it just touches, until it is entered */
-    uint32_t found_entries; /* of the target then */
-    double outward[3];      /* the way there */
-    double inward[3];       /* unit: how it was last pressed into the tissue; 0 not known, */
-    uint32_t inward_starts; /* and after which start */
+    int64_t waited;  /* steps on end: inside the tissue, and no free place found for it */
+    int64_t look_at; /* of them: a place is looked for again; 0: none was looked for in vain */
+    ss_contact_exit search;     /* begun: the look for a place goes on */
+    double depth;               /* m, how deep it stood there lately */
+    bool is_found_inside;       /* it stands where it just touches, until it is entered */
+    uint32_t found_entries;     /* of the target then */
+    double outward[3];          /* the way there */
+    double inward[3];           /* unit: how it was last pressed into the tissue; 0 not known, */
+    uint32_t inward_starts;     /* and after which start */
     ss_proxy_target stepped_to; /* target of the step under way */
     ss_local_model computed;    /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
