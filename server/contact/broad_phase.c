@@ -3,12 +3,12 @@
 /*
  * Which triangles a tool may reach in a step.
  *
- * From the tree: the triangles whose ball comes within delta + slack + spare of the ball of the
- * tool swept from pose to pose, and of the tool itself halfway, widened by how far any point of it
- * is from there at any time. A triangle's ball (centroid of its corners, its grid points and
- * corners inside) is exact for the displacement at the broad phase. The slack lets nodes move, the
- * spare lets the tool: while both last, the following steps keep the broad phase (measured, 1212
- * nodes, R = h: 13 us a broad phase, 0.2 us where it is kept).
+ * From the tree: the triangles whose ball comes within delta + node_slack + path_slack of the ball
+ * of the tool swept from pose to pose, and of the tool itself halfway, widened by how far any point
+ * of it is from there at any time. A triangle's ball (centroid of its corners, its grid points and
+ * corners inside) is exact for the displacement at the broad phase. The node_slack lets nodes move,
+ * the path_slack the tool: while both last, the following steps keep the broad phase (measured,
+ * 1212 nodes, R = h: 13 us a broad phase, 0.2 us where it is kept).
  */
 #include <math.h>
 #include <string.h>
@@ -38,7 +38,7 @@ int32_t ss_contact_query_take_marked(ss_contact_query *query, const ss_mark_rang
     return count;
 }
 
-/* ---- gather ---- */
+/* ---- search ---- */
 
 static double distance_to_path(const ss_sweep *s, const double x[3])
 {
@@ -99,8 +99,8 @@ static void set_candidate(const ss_surface *surface, int32_t t, const ss_real *u
 }
 
 /* Appends the triangles of a leaf that the tool may reach. */
-static void gather_leaf(ss_contact_query *query, const ss_real *u, double reach,
-                        const ss_frame *middle, int32_t leaf, ss_mark_range *range)
+static void add_leaf(ss_contact_query *query, const ss_real *u, double reach,
+                     const ss_frame *middle, int32_t leaf, ss_mark_range *range)
 {
     const ss_surface *surface = query->surface;
     const int32_t end = ss_leaf_first_triangle(surface, leaf + 1);
@@ -122,10 +122,10 @@ static void gather_leaf(ss_contact_query *query, const ss_real *u, double reach,
     }
 }
 
-static void gather_tree(ss_contact_query *query, const ss_real *u)
+static void search_tree(ss_contact_query *query, const ss_real *u)
 {
     const ss_surface *surface = query->surface;
-    const double reach = query->delta + query->slack + query->spare + query->margin;
+    const double reach = query->delta + query->node_slack + query->path_slack + query->margin;
     const double tree_reach = query->bounding_radius + reach + surface->moved;
     ss_mark_range range = {INT32_MAX, -1};
     ss_frame middle;
@@ -140,15 +140,16 @@ static void gather_tree(ss_contact_query *query, const ss_real *u)
             continue;
         }
         if (at >= surface->leaf_count - 1) {
-            gather_leaf(query, u, reach, &middle, at - (surface->leaf_count - 1), &range);
+            add_leaf(query, u, reach, &middle, at - (surface->leaf_count - 1), &range);
         } else {
             stack[depth++] = 2 * at + 2;
             stack[depth++] = 2 * at + 1;
         }
     }
-    query->reach_count = ss_contact_query_take_marked(query, &range, query->reach);
-    for (int32_t i = 0; i < query->reach_count; ++i) {
-        memcpy(query->reach_u + 4 * (int64_t)i, u + 4 * (int64_t)query->reach[i],
+    query->candidate_node_count =
+        ss_contact_query_take_marked(query, &range, query->candidate_node);
+    for (int32_t i = 0; i < query->candidate_node_count; ++i) {
+        memcpy(query->candidate_u + 4 * (int64_t)i, u + 4 * (int64_t)query->candidate_node[i],
                4 * sizeof(ss_real));
     }
 }
@@ -156,24 +157,24 @@ static void gather_tree(ss_contact_query *query, const ss_real *u)
 ss_real ss_contact_query_moved(const ss_contact_query *query, const ss_real *u)
 {
     ss_real largest = 0;
-    for (int32_t i = 0; i < query->reach_count; ++i) {
-        const ss_wide move = *(const ss_wide_loose *)(u + 4 * (int64_t)query->reach[i]) -
-                             *(const ss_wide_loose *)(query->reach_u + 4 * (int64_t)i);
+    for (int32_t i = 0; i < query->candidate_node_count; ++i) {
+        const ss_wide move = *(const ss_wide_loose *)(u + 4 * (int64_t)query->candidate_node[i]) -
+                             *(const ss_wide_loose *)(query->candidate_u + 4 * (int64_t)i);
         const ss_real square = ss_wide_square(&move);
         largest = square > largest || isnan(square) ? square : largest;
     }
     return ss_real_root(largest);
 }
 
-/* Does the last gather cover this path too? Distance to a path and angle from an orientation are
- * convex along the new path, so its ends decide. */
+/* Does the last broad phase cover this path too? Distance to a path and angle from an orientation
+ * are convex along the new path, so its ends decide. */
 static bool is_covered(const ss_contact_query *query, const ss_tool_pose *pose)
 {
     double x[3];
     ss_sub3(x, pose->position, query->surface->centre);
-    return distance_to_path(&query->sweep, x) <= query->spare &&
+    return distance_to_path(&query->sweep, x) <= query->path_slack &&
            ss_tool_motion_bound(&query->shape, &query->middle, pose) <=
-               query->half_motion + query->spare;
+               query->half_motion + query->path_slack;
 }
 
 static bool is_finite_pose(const ss_tool_pose *pose)
@@ -183,25 +184,26 @@ static bool is_finite_pose(const ss_tool_pose *pose)
 
 static void forget(ss_contact_query *query)
 {
-    query->is_gathered = false;
+    query->has_candidates = false;
     query->candidate_count = 0;
-    query->reach_count = 0;
+    query->candidate_node_count = 0;
 }
 
 /* Nodes that were out of reach are not looked at: between two looks at the same fit none has moved
  * further than the sum of what the looks found. */
-static bool is_near_gathered(const ss_contact_query *query)
+static bool is_still_complete(const ss_contact_query *query)
 {
     const ss_surface *surface = query->surface;
-    return query->fit == surface->fit && query->fit_moved + surface->moved <= 0.5 * query->slack;
+    return query->fit == surface->fit &&
+           query->fit_moved + surface->moved <= 0.5 * query->node_slack;
 }
 
 bool ss_contact_query_is_covered(const ss_contact_query *query, const ss_real *u,
                                  const ss_tool_pose *from, const ss_tool_pose *to)
 {
-    return query->is_gathered && is_covered(query, from) && is_covered(query, to) &&
-           is_near_gathered(query) &&
-           (double)ss_contact_query_moved(query, u) <= 0.5 * query->slack;
+    return query->has_candidates && is_covered(query, from) && is_covered(query, to) &&
+           is_still_complete(query) &&
+           (double)ss_contact_query_moved(query, u) <= 0.5 * query->node_slack;
 }
 
 int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
@@ -222,8 +224,8 @@ int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
         query->sweep.square = ss_dot3(query->sweep.along, query->sweep.along);
         ss_tool_pose_blend(from, to, 0.5, &query->middle);
         query->half_motion = 0.5 * ss_tool_motion_bound(&query->shape, from, to);
-        gather_tree(query, u);
-        query->is_gathered = true;
+        search_tree(query, u);
+        query->has_candidates = true;
         query->fit = query->surface->fit;
         query->fit_moved = query->surface->moved;
     }
@@ -231,8 +233,8 @@ int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
     return query->candidate_count;
 }
 
-int32_t ss_contact_query_reach(const ss_contact_query *query, const int32_t **out_node)
+int32_t ss_contact_query_candidate_nodes(const ss_contact_query *query, const int32_t **out_node)
 {
-    *out_node = query->reach;
-    return query->reach_count;
+    *out_node = query->candidate_node;
+    return query->candidate_node_count;
 }

@@ -133,9 +133,9 @@ void ss_contact_query_set_stiffness(ss_contact_query *query, double stiffness_n_
 
 /* Finds the triangles that the tool may reach on its way from `from` to `to` (swept; the path of
  * ss_tool_pose_blend). Call once a step after ss_surface_refit, which tells it whether
- * tissue came near that was out of reach; an earlier gather that still covers the path is kept.
- * Complete for poses on the path while no node has moved further than delta (for
- * ss_contact_query_weigh: delta/4) since this call. Nothing is gathered for a pose that is not
+ * tissue came near that was out of reach; an earlier broad phase that still covers the path is
+ * kept. Complete for poses on the path while no node has moved further than delta (for
+ * ss_contact_query_weigh: delta/4) since this call. Nothing is found for a pose that is not
  * finite. Returns their number. RT-safe. */
 int32_t ss_contact_query_broad_phase(ss_contact_query *query, const ss_real *u,
                                      const ss_tool_pose *from, const ss_tool_pose *to);
@@ -171,8 +171,8 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
 /* Adds kc sum_q A_q c' B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
  * and the tangent's preconditioner. RT-safe. */
 void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal);
-/* The nodes that the gathered samples can move, increasing: for sparse clearing. RT-safe. */
-int32_t ss_contact_query_reach(const ss_contact_query *query, const int32_t **out_node);
+/* The nodes that the samples found can move, increasing: for sparse clearing. RT-safe. */
+int32_t ss_contact_query_candidate_nodes(const ss_contact_query *query, const int32_t **out_node);
 
 /* The point of triangle abc that is closest to p. RT-safe. */
 void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],

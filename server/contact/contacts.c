@@ -39,22 +39,22 @@ typedef struct tally {
 /* ---- the tissue at a sample ---- */
 
 /* Weights of the triangle's corners at a sample. */
-static void sample_row(const ss_grid *grid, int32_t code, double out[3])
+static void sample_row(const ss_grid *grid, int32_t sample_index, double out[3])
 {
-    const uint8_t *p = grid->facet[code / grid->part_count];
-    const ss_real *c = grid->part[code % grid->part_count];
+    const uint8_t *p = grid->facet[sample_index / grid->part_count];
+    const ss_real *c = grid->part[sample_index % grid->part_count];
     for (int k = 0; k < 3; ++k) {
         out[k] = (double)(c[0] * grid->bary[p[0]][k] + c[1] * grid->bary[p[1]][k] +
                           c[2] * grid->bary[p[2]][k]);
     }
 }
 
-static void add_tissue(const ss_surface *surface, int32_t t, int32_t code, double weight,
+static void add_tissue(const ss_surface *surface, int32_t t, int32_t sample_index, double weight,
                        tally *sum)
 {
     const int32_t *corner = surface->control + surface->control_first[t];
     double row[3];
-    sample_row(&surface->grid, code, row);
+    sample_row(&surface->grid, sample_index, row);
     for (int k = 0; k < 3; ++k) {
         const double w = weight * row[k];
         for (int c = 0; c < 3; ++c) {
@@ -196,7 +196,7 @@ static double tally_samples(const ss_contact_query *query, const ss_frame *frame
                     continue;
                 }
                 add_sample(s, weight, &station[k]);
-                add_tissue(surface, group->triangle, s->code, weight, &station[k]);
+                add_tissue(surface, group->triangle, s->sample_index, weight, &station[k]);
             }
         }
     }
@@ -252,7 +252,7 @@ static void set_contact(const ss_contact_query *query, const ss_frame *frame,
 
 typedef struct nearest {
     double distance; /* of the best so far */
-    int32_t triangle, code;
+    int32_t triangle, sample_index;
     double r[3], gradient[3], facet_normal[3];
 } nearest;
 
@@ -326,7 +326,7 @@ static void search_triangle(const ss_surface *surface, const ss_frame *frame, co
             if (ss_frame_distance(frame, r, NULL) < best->distance) {
                 best->distance = ss_frame_distance(frame, r, best->gradient);
                 best->triangle = t;
-                best->code = f * grid->part_count + part;
+                best->sample_index = f * grid->part_count + part;
                 ss_set3(best->r, (double)r[0], (double)r[1], (double)r[2]);
                 facet_normal(p[0], p[1], p[2], best->facet_normal);
             }
@@ -403,7 +403,7 @@ static void set_near(const ss_contact_query *query, const ss_real *u, const ss_t
     if (ss_dot3(best.facet_normal, contact->normal) > 0.5) {
         ss_copy3(contact->normal, best.facet_normal);
     }
-    add_tissue(query->surface, best.triangle, best.code, 1.0, &sum);
+    add_tissue(query->surface, best.triangle, best.sample_index, 1.0, &sum);
     set_curvature(&sum, contact->normal, contact->curvature);
     ss_copy3(out_set->point, contact->point);
     ss_copy3(out_set->normal, contact->normal);

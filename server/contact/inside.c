@@ -148,7 +148,7 @@ static bool is_far(const ss_surface *surface, const ss_wide *x)
 static double clear_of(const ss_contact_query *query, double deepest)
 {
     const bool is_whole = query->dropped_from == query->candidate_count;
-    return is_whole ? query->core_depth - deepest - 2.0 * (double)query->facet_most : 0.0;
+    return is_whole ? query->centre_depth - deepest - 2.0 * (double)query->max_facet_radius : 0.0;
 }
 
 /* A middle that was outside is so until it and the surface have moved by what was between them,
@@ -185,7 +185,7 @@ bool ss_contact_query_is_engulfed(ss_contact_query *query, const ss_real *u,
     const ss_surface *surface = query->surface;
     double middle[3];
     ss_wide at = {0};
-    ss_rotate(middle, pose->orientation, query->core);
+    ss_rotate(middle, pose->orientation, query->centre);
     ss_add3(middle, middle, pose->position);
     for (int k = 0; k < 3; ++k) {
         at[k] = (ss_real)(middle[k] - surface->centre[k]);

@@ -16,10 +16,10 @@ typedef struct ss_candidate {
 
 /* A sample inside the tool. */
 typedef struct ss_sample {
-    ss_real r[3];  /* m, from the tool's origin, world axes */
-    ss_real depth; /* m, -d > 0 */
-    ss_real n[3];  /* out of the tool */
-    int32_t code;  /* facet * part_count + part */
+    ss_real r[3];         /* m, from the tool's origin, world axes */
+    ss_real depth;        /* m, -d > 0 */
+    ss_real n[3];         /* out of the tool */
+    int32_t sample_index; /* facet * part_count + part */
 } ss_sample;
 
 /* The samples of one triangle: sample[first] .. sample[next group's first - 1]. */
@@ -55,28 +55,28 @@ struct ss_contact_query {
     const ss_surface *surface;
     ss_shape shape;
     double delta, stiffness;
-    ss_real hard_from; /* m */
-    double slack;      /* m: nodes may move so far after the broad phase */
-    double spare;      /* m: the tool may be so far off the gathered path */
-    double margin;     /* m, over rounding when something is left out */
+    ss_real stiffening_depth; /* m */
+    double node_slack;        /* m: nodes may move so far after the broad phase */
+    double path_slack;        /* m: the tool may be so far off the swept path */
+    double margin;            /* m, over rounding when something is left out */
     double bounding_radius;
-    double core[3];        /* the middle of the tool, in its frame */
-    double core_depth;     /* m, how deep that is in the tool */
+    double centre[3];      /* the middle of the tool, in its frame */
+    double centre_depth;   /* m, how deep that is in the tool */
     int32_t station_count; /* contacts along the axis, from station_low to station_high */
     double station_low, station_high;
 
-    /* gather: what the candidates are complete for */
+    /* broad phase: what the candidates are complete for */
     ss_sweep sweep;
     ss_tool_pose middle; /* the tool halfway; no point of it is further than half_motion */
     double half_motion;
-    bool is_gathered;
+    bool has_candidates;
     int64_t fit;      /* of the hierarchy that the broad phase was made with, */
     double fit_moved; /* m, and how far nodes had moved since that fit */
     ss_candidate *candidate;
     int32_t candidate_count;
-    int32_t *reach;   /* increasing */
-    ss_real *reach_u; /* their displacement at the broad phase, 4 a node */
-    int32_t reach_count;
+    int32_t *candidate_node; /* that move the candidates, increasing */
+    ss_real *candidate_u;    /* their displacement at the broad phase, 4 a node */
+    int32_t candidate_node_count;
     uint64_t *mark; /* one bit a node, clear between calls */
 
     /* weigh */
@@ -93,8 +93,8 @@ struct ss_contact_query {
     int32_t sample_count, sample_capacity;
     ss_group *group;
     int32_t group_count;
-    int32_t dropped_from; /* candidate from which samples were no longer kept, or the count */
-    ss_real facet_most;   /* m, no facet near the tool reaches further from its centroid */
+    int32_t dropped_from;     /* candidate from which samples were no longer kept, or the count */
+    ss_real max_facet_radius; /* m, no facet near the tool reaches further from its centroid */
 
     ss_outside outside;
 };
@@ -102,19 +102,19 @@ struct ss_contact_query {
 /* ---- query.c ---- */
 
 /* A sample deeper than this share of the tool's inradius is so many times as stiff. */
-#define SS_CONTACT_QUERY_HARD_FROM 0.3
-enum { SS_CONTACT_QUERY_HARD = 10 };
+#define SS_CONTACT_QUERY_STIFFENING_FROM 0.3
+enum { SS_CONTACT_QUERY_STIFFENING = 10 };
 
 /* c(d) and its slope, for a sample d deep. */
 static inline ss_real ss_contact_query_push(const ss_contact_query *query, ss_real depth)
 {
-    const ss_real more = depth - query->hard_from;
-    return more > 0 ? depth + (SS_CONTACT_QUERY_HARD - 1) * more : depth;
+    const ss_real more = depth - query->stiffening_depth;
+    return more > 0 ? depth + (SS_CONTACT_QUERY_STIFFENING - 1) * more : depth;
 }
 
 static inline ss_real ss_contact_query_slope(const ss_contact_query *query, ss_real depth)
 {
-    return depth > query->hard_from ? SS_CONTACT_QUERY_HARD : 1;
+    return depth > query->stiffening_depth ? SS_CONTACT_QUERY_STIFFENING : 1;
 }
 
 /* ---- broad_phase.c ---- */
@@ -128,7 +128,7 @@ void ss_contact_query_mark(ss_contact_query *query, ss_mark_range *range, int32_
 /* Writes the marked nodes in increasing order and clears the marks. */
 int32_t ss_contact_query_take_marked(ss_contact_query *query, const ss_mark_range *range,
                                      int32_t *out_node);
-/* How far a node in reach has moved since the broad phase; NaN when one is not finite. */
+/* How far a candidate node has moved since the broad phase; NaN when one is not finite. */
 ss_real ss_contact_query_moved(const ss_contact_query *query, const ss_real *u);
 
 static inline void ss_contact_query_frame(const ss_contact_query *query, const ss_tool_pose *pose,
@@ -153,7 +153,7 @@ static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candid
     return ss_frame_is_beyond(frame, &r, c->radius + distance);
 }
 
-/* Position of sample `code` among a triangle's points. */
+/* Position of the sample in part `part` of a facet, from a triangle's points. */
 static inline void ss_grid_sample(const ss_grid *grid, int32_t facet, int32_t part,
                                   const ss_wide point[SS_GRID_ROW], ss_wide *out)
 {

@@ -60,8 +60,8 @@ static bool allocate(ss_contact_query *query)
     query->source_capacity =
         capacity_for(query->bounding_radius + query->delta, area, surface->triangle_count);
     query->candidate = ss_memory_get(triangle_count, sizeof(ss_candidate));
-    query->reach = ss_memory_get(node_count, sizeof(int32_t));
-    query->reach_u = ss_memory_get(node_count, 4 * sizeof(ss_real));
+    query->candidate_node = ss_memory_get(node_count, sizeof(int32_t));
+    query->candidate_u = ss_memory_get(node_count, 4 * sizeof(ss_real));
     query->mark = ss_memory_get(node_count / 64 + 1, sizeof(uint64_t));
     query->node_weight = ss_memory_get(node_count, sizeof(double));
     query->node_slot = ss_memory_get(node_count, sizeof(int32_t));
@@ -70,10 +70,10 @@ static bool allocate(ss_contact_query *query)
     query->source = ss_memory_get((size_t)query->source_capacity, sizeof(ss_source));
     query->sample = ss_memory_get((size_t)query->sample_capacity, sizeof(ss_sample));
     query->group = ss_memory_get(triangle_count, sizeof(ss_group));
-    return query->candidate != NULL && query->reach != NULL && query->reach_u != NULL &&
-           query->mark != NULL && query->node_weight != NULL && query->node_slot != NULL &&
-           query->weight_node != NULL && query->weight != NULL && query->source != NULL &&
-           query->sample != NULL && query->group != NULL;
+    return query->candidate != NULL && query->candidate_node != NULL &&
+           query->candidate_u != NULL && query->mark != NULL && query->node_weight != NULL &&
+           query->node_slot != NULL && query->weight_node != NULL && query->weight != NULL &&
+           query->source != NULL && query->sample != NULL && query->group != NULL;
 }
 
 softsim_status ss_contact_query_create(const ss_surface *surface, const ss_shape *shape,
@@ -94,15 +94,16 @@ softsim_status ss_contact_query_create(const ss_surface *surface, const ss_shape
     query->shape = *shape;
     query->delta = options->delta;
     query->stiffness = options->stiffness;
-    query->slack = 0.25 * options->delta;
-    query->spare = 0.25 * options->delta;
+    query->node_slack = 0.25 * options->delta;
+    query->path_slack = 0.25 * options->delta;
     query->bounding_radius = radius;
     if (shape->kind == SS_SHAPE_CONVEX) {
-        ss_convex_centre(shape->convex, query->core);
+        ss_convex_centre(shape->convex, query->centre);
     }
     double normal[3];
-    query->core_depth = -ss_shape_distance(shape, query->core, normal);
-    query->hard_from = (ss_real)(SS_CONTACT_QUERY_HARD_FROM * ss_shape_inradius(shape));
+    query->centre_depth = -ss_shape_distance(shape, query->centre, normal);
+    query->stiffening_depth =
+        (ss_real)(SS_CONTACT_QUERY_STIFFENING_FROM * ss_shape_inradius(shape));
     query->margin = (sizeof(ss_real) == 4 ? 1e-5 : 1e-12) * (surface->size + radius);
     double low;
     double high;
@@ -125,9 +126,9 @@ void ss_contact_query_destroy(ss_contact_query **query)
         return;
     }
     ss_contact_query *t = *query;
-    void *memory[] = {t->candidate,   t->reach,     t->reach_u,     t->mark,
-                      t->node_weight, t->node_slot, t->weight_node, t->weight,
-                      t->source,      t->sample,    t->group};
+    void *memory[] = {t->candidate,   t->candidate_node, t->candidate_u, t->mark,
+                      t->node_weight, t->node_slot,      t->weight_node, t->weight,
+                      t->source,      t->sample,         t->group};
     for (size_t i = 0; i < sizeof memory / sizeof memory[0]; ++i) {
         ss_memory_free(memory[i]);
     }
@@ -340,7 +341,7 @@ static int32_t find_samples(const ss_surface *surface, const ss_frame *frame,
                 sample->r[1] = r[1];
                 sample->r[2] = r[2];
                 sample->depth = -d;
-                sample->code = f * grid->part_count + part;
+                sample->sample_index = f * grid->part_count + part;
                 count++;
             }
         }
@@ -360,8 +361,8 @@ static void sum_samples(const ss_contact_query *query, const ss_grid *grid, cons
     }
     for (int32_t i = 0; i < count; ++i) {
         const ss_sample *s = &sample[i];
-        const uint8_t *p = grid->facet[s->code / grid->part_count];
-        const ss_real *c = grid->part[s->code % grid->part_count];
+        const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
+        const ss_real *c = grid->part[s->sample_index % grid->part_count];
         const ss_real push = scale * ss_contact_query_push(query, s->depth);
         const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
         value[p[0]] += c[0] * f;
@@ -370,8 +371,9 @@ static void sum_samples(const ss_contact_query *query, const ss_grid *grid, cons
         force += f;
         moment += (ss_wide){s->r[1] * f[2] - s->r[2] * f[1], s->r[2] * f[0] - s->r[0] * f[2],
                             s->r[0] * f[1] - s->r[1] * f[0], 0};
-        const ss_real more = s->depth - query->hard_from;
-        squares += s->depth * s->depth + (more > 0 ? (SS_CONTACT_QUERY_HARD - 1) * more * more : 0);
+        const ss_real more = s->depth - query->stiffening_depth;
+        squares +=
+            s->depth * s->depth + (more > 0 ? (SS_CONTACT_QUERY_STIFFENING - 1) * more * more : 0);
     }
     for (int k = 0; k < 3; ++k) {
         sum->force[k] += (double)force[k];
@@ -397,11 +399,11 @@ double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const
     ss_contact_query_frame(query, pose, &frame);
     const ss_real moved = ss_contact_query_moved(query, u) + (ss_real)query->margin;
     const int32_t most = surface->grid.facet_count * surface->grid.part_count;
-    ss_sample spare[SS_GRID_FACETS * SS_MAX_PARTS * SS_MAX_PARTS];
+    ss_sample discarded[SS_GRID_FACETS * SS_MAX_PARTS * SS_MAX_PARTS];
     query->sample_count = 0;
     query->group_count = 0;
     query->dropped_from = query->candidate_count;
-    query->facet_most = 0;
+    query->max_facet_radius = 0;
     for (int32_t i = 0; i < query->candidate_count; ++i) {
         ss_candidate *candidate = &query->candidate[i];
         const int32_t t = candidate->triangle;
@@ -414,10 +416,11 @@ double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const
             candidate->facet_radius = facet_radius(&surface->grid, point) + 2 * moved;
         }
         const ss_real facet_reach = candidate->facet_radius + 2 * moved;
-        query->facet_most = facet_reach > query->facet_most ? facet_reach : query->facet_most;
+        query->max_facet_radius =
+            facet_reach > query->max_facet_radius ? facet_reach : query->max_facet_radius;
         const bool is_kept = query->sample_count + most <= query->sample_capacity &&
                              query->dropped_from == query->candidate_count;
-        ss_sample *sample = is_kept ? query->sample + query->sample_count : spare;
+        ss_sample *sample = is_kept ? query->sample + query->sample_count : discarded;
         const int32_t count = find_samples(surface, &frame, point, facet_reach, sample);
         if (count == 0) {
             continue;
@@ -462,8 +465,8 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
         }
         for (int32_t i = 0; i < group->count; ++i) {
             const ss_sample *s = &query->sample[group->first + i];
-            const uint8_t *p = grid->facet[s->code / grid->part_count];
-            const ss_real *c = grid->part[s->code % grid->part_count];
+            const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
+            const ss_real *c = grid->part[s->sample_index % grid->part_count];
             const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - shift;
             const ss_real push = -scale * ss_contact_query_slope(query, s->depth) *
                                  (s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2]);
@@ -509,12 +512,12 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
         const double scale = (double)sample_scale(query, group->triangle);
         memset(value, 0, sizeof value);
         for (int32_t i = 0; i < group->count; ++i) {
-            const int32_t code = query->sample[group->first + i].code;
+            const int32_t sample_index = query->sample[group->first + i].sample_index;
             const double slope =
                 (double)ss_contact_query_slope(query, query->sample[group->first + i].depth);
             for (int k = 0; k < 3; ++k) {
-                value[grid->facet[code / grid->part_count][k]] +=
-                    scale * slope * (double)grid->part[code % grid->part_count][k];
+                value[grid->facet[sample_index / grid->part_count][k]] +=
+                    scale * slope * (double)grid->part[sample_index % grid->part_count][k];
             }
         }
         scatter_scalar(surface, group->triangle, value, diagonal);
@@ -525,7 +528,7 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
         memset(value, 0, sizeof value);
         for (int32_t f = 0; f < grid->facet_count; ++f) {
             for (int k = 0; k < 3; ++k) {
-                value[grid->facet[f][k]] += SS_CONTACT_QUERY_HARD * query->stiffness *
+                value[grid->facet[f][k]] += SS_CONTACT_QUERY_STIFFENING * query->stiffness *
                                             (double)surface->area[t] / (3.0 * grid->facet_count);
             }
         }

@@ -185,7 +185,7 @@ static inline void shake_nodes(double size)
     }
 }
 
-static inline int32_t gather(const ss_tool_pose *from, const ss_tool_pose *to)
+static inline int32_t broad_phase(const ss_tool_pose *from, const ss_tool_pose *to)
 {
     ss_surface_refit(surface, u);
     return ss_contact_query_broad_phase(query, u, from, to);

@@ -95,7 +95,7 @@ static void penalty_forces_are_minus_the_gradient(void **state)
         open_query(&shapes[k], 2, 0.005, 5e7);
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         assert_true(penalty(&pose) > 0.0);
         check_gradient(&pose, IS_DOUBLE ? 1e-9 : 1e-5, IS_DOUBLE ? 1e-5 : 0.03);
         close_query();
@@ -114,7 +114,7 @@ static void weight_forces_are_minus_the_gradient(void **state)
         open_query(&shapes[k], 1, 0.008, 1.0);
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.024, 0.024, 0.024);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         const int32_t *node;
         const double *weight;
         double listed[MAX_NODES];
@@ -143,7 +143,7 @@ static void forces_of_tissue_and_tool_cancel(void **state)
     seed_state = 13;
     open_query(&shapes[1], 2, 0.005, 5e7);
     const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     penalty(&pose);
     double sum[3] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < mesh.node_count; ++i) {
@@ -183,7 +183,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
         const double *weight;
         double total;
         const ss_tool_pose pose = pose_at(0.0, 0.0, height[k]);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         assert_int_equal(ss_contact_query_weigh(query, u, is_source, &pose, &node, &weight, &total),
                          1);
         assert_int_equal(node[0], 0);
@@ -191,7 +191,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
     }
     /* And the penalty at X = 0.11: six samples with d = -0.0208712152522080. */
     const ss_tool_pose deep = pose_at(0.0, 0.0, 0.11);
-    gather(&deep, &deep);
+    broad_phase(&deep, &deep);
     assert_near(penalty(&deep), 0.0203713525955681, IS_DOUBLE ? 1e-15 : 2e-7);
     assert_near(tool_force[2], 1.27794961556580, IS_DOUBLE ? 1e-13 : 1e-5);
     close_query();
@@ -199,7 +199,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
 
 /* ---- what the broad phase may not change ---- */
 
-static void gather_radius_does_not_change_a_bit(void **state)
+static void broad_phase_radius_does_not_change_a_bit(void **state)
 {
     static ss_real kept[4 * MAX_NODES];
     static int32_t kept_node[MAX_NODES];
@@ -219,7 +219,7 @@ static void gather_radius_does_not_change_a_bit(void **state)
             const int32_t *node;
             const double *weight;
             double total;
-            reach[wide] = gather(wide ? &away : &pose, &pose);
+            reach[wide] = broad_phase(wide ? &away : &pose, &pose);
             count[wide] = ss_contact_query_weigh(query, u, NULL, &pose, &node, &weight, &total);
             energy[wide] = penalty(&pose);
             const size_t bytes = (size_t)count[wide];
@@ -242,9 +242,9 @@ static void gather_radius_does_not_change_a_bit(void **state)
     }
 }
 
-/* A sliding tool on moving tissue keeps its gather and the tree's boxes for some steps: the same
- * bits as when both are made again. */
-static void kept_gathers_do_not_change_a_bit(void **state)
+/* A sliding tool on moving tissue keeps its broad phase and the tree's boxes for some steps: the
+ * same bits as when both are made again. */
+static void kept_broad_phases_do_not_change_a_bit(void **state)
 {
     static ss_real kept[4 * MAX_NODES];
     make_sphere(3, 0.04);
@@ -259,7 +259,7 @@ static void kept_gathers_do_not_change_a_bit(void **state)
         const ss_tool_pose start = random_pose(0.0, 0.0, 0.043);
         ss_tool_pose at = start;
         int kept_boxes = 0;
-        int kept_gathers = 0;
+        int kept_broad_phases = 0;
         double pressed = 0.0;
         for (int step = 1; step <= 150; ++step) {
             const double way = 0.0001 * step;
@@ -273,7 +273,7 @@ static void kept_gathers_do_not_change_a_bit(void **state)
             kept_boxes += surface->moved > 0.0;
             const double before = query->sweep.start[0];
             ss_contact_query_broad_phase(query, u, &at, &next);
-            kept_gathers += query->sweep.start[0] == before;
+            kept_broad_phases += query->sweep.start[0] == before;
             const double energy = penalty(&next);
             memcpy(kept, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
             pressed += energy;
@@ -291,7 +291,7 @@ static void kept_gathers_do_not_change_a_bit(void **state)
             at = next;
         }
         assert_true(kept_boxes > 100 && kept_boxes < 149);
-        assert_true(kept_gathers > 75 && kept_gathers < 149);
+        assert_true(kept_broad_phases > 75 && kept_broad_phases < 149);
         assert_true(pressed > 0.0);
         ss_contact_query_destroy(&fresh);
         ss_surface_destroy(&other);
@@ -300,36 +300,36 @@ static void kept_gathers_do_not_change_a_bit(void **state)
 }
 
 /* Nodes that move after the broad phase, up to delta, must not be culled. */
-static void motion_after_the_gather_is_seen(void **state)
+static void motion_after_the_broad_phase_is_seen(void **state)
 {
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose pose = pose_at(0.0, 0.0, 0.0105);
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     assert_near(penalty(&pose), 0.0, 0.0);
     for (int32_t i = 0; i < mesh.node_count; ++i) {
         u[4 * i + 2] = (ss_real)0.006;
     }
     const double late = penalty(&pose);
     assert_true(late > 0.0);
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     const double fresh = penalty(&pose);
     assert_memory_equal(&late, &fresh, sizeof late);
     close_query();
 }
 
 /* Beside a long path is not on it, even within half its length of its middle. */
-static void a_gather_is_not_kept_off_its_path(void **state)
+static void a_broad_phase_is_not_kept_off_its_path(void **state)
 {
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
     const ss_tool_pose from = pose_at(-0.025, 0.0, 0.004);
     const ss_tool_pose to = pose_at(0.025, 0.0, 0.004);
     const ss_tool_pose beside = pose_at(0.0, 0.02, 0.004);
-    gather(&from, &to);
+    broad_phase(&from, &to);
     assert_true(penalty(&from) > 0.0 && penalty(&to) > 0.0);
     assert_near(penalty(&beside), 0.0, 0.0);
-    gather(&beside, &beside);
+    broad_phase(&beside, &beside);
     assert_true(penalty(&beside) > 0.0);
     close_query();
 }
@@ -348,7 +348,7 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
             ss_add3(pose.position, pose.position, shift);
         }
         open_query(&shapes[0], 2, 0.005, 5e7);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         penalty(&pose);
         if (pass == 0) {
             ss_copy3(first, tool_force);
@@ -360,19 +360,19 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
     }
 }
 
-static void a_fast_tool_gathers_what_it_crosses(void **state)
+static void a_fast_tool_finds_what_it_crosses(void **state)
 {
     make_plane(20, 20, 0.005);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose from = pose_at(0.01, 0.005, 0.025);
     const ss_tool_pose to = pose_at(-0.01, 0.0, -0.025);
     assert_true(ss_tool_motion_bound(&sphere_5mm, &from, &to) > 0.05);
-    gather(&from, &to);
+    broad_phase(&from, &to);
     ss_tool_pose crossing;
     ss_tool_pose_blend(&from, &to, 0.48, &crossing);
     const double swept = penalty(&crossing);
     assert_true(swept > 0.0);
-    gather(&crossing, &crossing);
+    broad_phase(&crossing, &crossing);
     const double there = penalty(&crossing);
     assert_memory_equal(&swept, &there, sizeof swept);
     close_query();
@@ -396,7 +396,7 @@ static void force_on_a_plane_does_not_ripple(void **state)
     double most = 0.0;
     for (int k = 0; k < STEPS; ++k) {
         const ss_tool_pose pose = pose_at(2.7e-5 * k - 0.005, 1.1e-5 * k, height);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         penalty(&pose);
         sum += tool_force[2];
         squares += tool_force[2] * tool_force[2];
@@ -428,7 +428,7 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
         const double z = radius * (1.0 - 0.05 * k);
         const ss_tool_pose pose = pose_at(0.0001, 0.0002, z);
         const double soft = radius - z, hard = fmax(0.0, soft - 0.3 * radius);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         penalty(&pose);
         assert_near(tool_force[2] / (3.14159265 * kc * z * (soft * soft + 9.0 * hard * hard)), 1.0,
                     k < 3 ? 0.05 : 0.01);
@@ -453,7 +453,7 @@ static void tangent_and_diagonal_match_differences(void **state)
     const double dx[3] = {0.0, 0.0, 2e-4};
     ss_tool_pose moved = pose;
     ss_add3(moved.position, moved.position, dx);
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     penalty(&pose);
     memcpy(before, force, 4 * sizeof(ss_real) * (size_t)mesh.node_count);
     const double tool_before = tool_force[2];
@@ -501,7 +501,7 @@ static void a_sphere_has_one_contact_through_its_centre(void **state)
     open_query(&sphere_5mm, 2, 0.005, 5e7);
     const ss_tool_pose pose = pose_at(0.0011, 0.0007, 0.004);
     ss_contact_set set;
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     penalty(&pose);
     ss_contact_query_contacts(query, u, &pose, 0.005, &set);
     assert_int_equal(set.count, 1);
@@ -525,7 +525,7 @@ static void a_long_tool_spreads_its_contacts(void **state)
     pose.orientation[2] = sqrt(0.5);
     pose = turned(&pose, 1, 0.02); /* a little tilted, so that there is a torque */
     ss_contact_set set;
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     penalty(&pose);
     ss_contact_query_contacts(query, u, &pose, 0.005, &set);
     assert_int_equal(set.count, 4);
@@ -562,7 +562,7 @@ static void the_nearest_patch_is_told_before_touching(void **state)
         ss_normalize3(way);
         const double height = 0.042 + ss_shape_bounding_radius(&shapes[k]);
         const ss_tool_pose pose = random_pose(height * way[0], height * way[1], height * way[2]);
-        gather(&pose, &pose);
+        broad_phase(&pose, &pose);
         penalty(&pose);
         ss_contact_query_contacts(query, u, &pose, 0.02, &set);
         assert_int_equal(set.count, 1);
@@ -608,7 +608,7 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
     open_query(&sphere_5mm, 2, 0.005, 5e7);
     const double way[3] = {0.48, 0.6, 0.64};
     const ss_tool_pose pose = pose_at(0.044 * way[0], 0.044 * way[1], 0.044 * way[2]);
-    gather(&pose, &pose);
+    broad_phase(&pose, &pose);
     penalty(&pose);
     ss_contact_query_contacts(query, u, &pose, 0.01, &set);
     assert_int_equal(set.count, 1);
@@ -631,14 +631,14 @@ static void non_finite_input_touches_nothing(void **state)
     const ss_tool_pose good = pose_at(0.0, 0.0, 0.042);
     ss_tool_pose bad = good;
     bad.position[1] = NAN;
-    assert_int_equal(gather(&good, &bad), 0);
+    assert_int_equal(broad_phase(&good, &bad), 0);
     assert_near(penalty(&bad), 0.0, 0.0);
     bad = good;
     bad.orientation[2] = INFINITY;
-    assert_int_equal(gather(&bad, &good), 0);
+    assert_int_equal(broad_phase(&bad, &good), 0);
     ss_contact_query_contacts(query, u, &bad, 0.01, &set);
     assert_int_equal(set.count, 0);
-    assert_true(gather(&good, &good) > 0);
+    assert_true(broad_phase(&good, &good) > 0);
     assert_true(penalty(&good) > 0.0);
     assert_near(penalty(&bad), 0.0, 0.0);
     ss_contact_query_contacts(query, u, &good, NAN, &set);
@@ -650,7 +650,7 @@ static void non_finite_input_touches_nothing(void **state)
     }
     assert_near(penalty(&good), 0.0, 0.0);
     assert_int_equal(ss_contact_query_weigh(query, u, NULL, &good, &node, &weight, &total), 0);
-    gather(&good, &good);
+    broad_phase(&good, &good);
     ss_contact_query_contacts(query, u, &good, 0.01, &set);
     assert_int_equal(set.count, 0);
     ss_contact_query_options options = {0.0, 1.0};
@@ -670,12 +670,12 @@ int main(void)
         cmocka_unit_test(weight_forces_are_minus_the_gradient),
         cmocka_unit_test(forces_of_tissue_and_tool_cancel),
         cmocka_unit_test(hexagon_fan_has_the_weight_of_the_closed_form),
-        cmocka_unit_test(gather_radius_does_not_change_a_bit),
-        cmocka_unit_test(kept_gathers_do_not_change_a_bit),
-        cmocka_unit_test(motion_after_the_gather_is_seen),
-        cmocka_unit_test(a_gather_is_not_kept_off_its_path),
+        cmocka_unit_test(broad_phase_radius_does_not_change_a_bit),
+        cmocka_unit_test(kept_broad_phases_do_not_change_a_bit),
+        cmocka_unit_test(motion_after_the_broad_phase_is_seen),
+        cmocka_unit_test(a_broad_phase_is_not_kept_off_its_path),
         cmocka_unit_test(shifting_body_and_tool_together_changes_nothing),
-        cmocka_unit_test(a_fast_tool_gathers_what_it_crosses),
+        cmocka_unit_test(a_fast_tool_finds_what_it_crosses),
         cmocka_unit_test(force_on_a_plane_does_not_ripple),
         cmocka_unit_test(a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through),
         cmocka_unit_test(tangent_and_diagonal_match_differences),

@@ -184,7 +184,7 @@ void ss_chain_tools_reset(ss_model *model)
     }
 }
 
-/* What a tool stores and feels as it stands; its triangles are gathered. */
+/* What a tool stores and feels as it stands; its broad phase is done. */
 static void evaluate(ss_model *model, ss_tool *tool)
 {
     ss_tools_press(&model->tools, tool, model->u, NULL, model->push);
@@ -272,7 +272,7 @@ static void take_grasp(ss_model *model, ss_chain_tool *own, const int32_t *node,
             }
         }
         ss_grasp_take(&tool->grasp, held, model->hold, model->hold_weight,
-                      SS_GRASP_SHARE * tool->stiffness,
+                      SS_GRASP_STIFFNESS_RATIO * tool->stiffness,
                       (const double(*)[3])model->plan.mesh->position, model->u, &tool->pose);
     }
     tool->grasp.is_pressed = own->grasp_wish;
@@ -306,7 +306,7 @@ static void query(ss_model *model, ss_chain_tool *own, bool is_first, double pat
     const double before = ss_tool_energy(tool);
     ss_tools_press(&model->tools, tool, model->u, model->contact, model->contact);
     ss_contact_query_diagonal(tool->query, model->firmness);
-    const int32_t count = ss_contact_query_reach(tool->query, &node);
+    const int32_t count = ss_contact_query_candidate_nodes(tool->query, &node);
     model->work += ss_tool_energy(tool) - before;
     own->is_touching = ss_tool_is_touching(tool);
     own->drive.depth = own->is_touching ? depth_of(model, node, count) : 0.0;
@@ -316,7 +316,7 @@ static void query(ss_model *model, ss_chain_tool *own, bool is_first, double pat
         model->firmness[node[k]] = 0.0;
     }
     for (int32_t k = 0; k < tool->grasp.count; ++k) {
-        model->diagonal_of[tool->grasp.node[k]] += tool->grasp.share * tool->grasp.stiffness[k];
+        model->diagonal_of[tool->grasp.node[k]] += tool->grasp.fade * tool->grasp.stiffness[k];
     }
     list_touched(model, node, count);
     list_touched(model, tool->grasp.node, tool->grasp.count);
@@ -357,7 +357,7 @@ void ss_chain_tools_apply(ss_model *model, double h)
         ss_tool *tool = &model->tools.tool[k];
         if (tool->is_present && tool->grasp.count > 0) {
             ss_grasp_fade(&tool->grasp, h);
-            (void)ss_grasp_settle(&tool->grasp, true); /* what it let go of is lost */
+            (void)ss_grasp_accept_fade(&tool->grasp, true); /* what it let go of is lost */
         }
     }
 }
@@ -424,7 +424,7 @@ static void feel(ss_model *model, ss_tool *tool, const double normal[3], double 
     const double k_cc = push_along(model, tool, normal);
     const int32_t *reach;
     double gain = 0.0, cost = 0.0, drag = 0.0;
-    const int32_t reach_count = ss_contact_query_reach(tool->query, &reach);
+    const int32_t reach_count = ss_contact_query_candidate_nodes(tool->query, &reach);
     const int32_t *const list[2] = {reach, tool->grasp.node};
     const int32_t count[2] = {reach_count, tool->grasp.count};
     for (int l = 0; l < 2; ++l) {

@@ -75,7 +75,7 @@ static int32_t push_out(ss_model *model, const ss_mail_tool *tool)
     int32_t pushed = 0;
     (void)ss_contact_query_penalty(base->query, model->u, &base->pose, model->push, force, torque);
     ss_contact_query_diagonal(base->query, model->weight);
-    const int32_t count = ss_contact_query_reach(base->query, &node);
+    const int32_t count = ss_contact_query_candidate_nodes(base->query, &node);
     for (int32_t k = 0; k < count; ++k) {
         const int32_t i = node[k];
         ss_real *f = model->push + 4 * (ptrdiff_t)i;

@@ -169,7 +169,7 @@ static void clear_contact(ss_model *model)
         const ss_cnn_tool *tool = &model->tool[k];
         const int32_t *node;
         const int32_t count =
-            tool->base->is_present ? ss_contact_query_reach(tool->base->query, &node) : 0;
+            tool->base->is_present ? ss_contact_query_candidate_nodes(tool->base->query, &node) : 0;
         for (int32_t i = 0; i < count; ++i) {
             const ptrdiff_t at = 4 * (ptrdiff_t)node[i];
             memcpy(model->force + at, model->base + at, 4 * sizeof *model->force);
@@ -262,7 +262,7 @@ static void evaluate(ss_model *model, ss_real *u, double path)
 /* ---- between sub-steps ---- */
 
 /* Finds what the tools may reach between two places on their paths. */
-static int32_t gather(ss_model *model, double path, double next)
+static int32_t update_broad_phase(ss_model *model, double path, double next)
 {
     int32_t count = 0;
     bool is_refitted = false;
@@ -353,7 +353,7 @@ static void prepare(ss_model *model, double path)
 static void ready_contact(ss_model *model, double path, double next)
 {
     clear_contact(model);
-    gather(model, path, next);
+    update_broad_phase(model, path, next);
 }
 
 static void swap(ss_real **a, ss_real **b)
@@ -542,13 +542,13 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
     ss_grasp *grasp = &tool->base->grasp;
     if (is_grasping && !grasp->is_pressed) {
         if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
-            model->dissipated += grasp->share * grasp->square;
+            model->dissipated += grasp->fade * grasp->unfaded_energy;
             grasp->count = 0;
             model->has_totals = false;
             prepare(model, 0.0);
         }
         ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
-                      SS_GRASP_SHARE * tool->base->stiffness,
+                      SS_GRASP_STIFFNESS_RATIO * tool->base->stiffness,
                       (const double(*)[3])model->plan.mesh->position, model->u, &tool->base->pose);
         ss_cnn_set_bound(model);
     }
@@ -559,7 +559,7 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
 static int32_t motion_steps(ss_model *model)
 {
     const double steps = ss_tools_parts(&model->tools);
-    if (steps > 1.0 && gather(model, 0.0, 1.0) == 0) {
+    if (steps > 1.0 && update_broad_phase(model, 0.0, 1.0) == 0) {
         return 1;
     }
     return (int32_t)fmin(steps, (double)model->plan.max_substeps);
@@ -599,9 +599,9 @@ static void take_back(ss_model *model, progress *p, const booked *before, double
     ++p->rejected;
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
-    ss_tools_settle(&model->tools, false, &model->dissipated);
+    ss_tools_accept_fade(&model->tools, false, &model->dissipated);
     ss_cnn_source_restore(model);
-    gather(model, p->steps.path, p->steps.path);
+    update_broad_phase(model, p->steps.path, p->steps.path);
     model->has_totals = false;
     model->work = before->work;
     model->dissipated = before->dissipated;
@@ -671,7 +671,7 @@ static bool try_substep(ss_model *model, progress *p)
         }
         return p->rejected < MAX_REJECTED;
     }
-    ss_tools_settle(&model->tools, true, &model->dissipated);
+    ss_tools_accept_fade(&model->tools, true, &model->dissipated);
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;
@@ -718,7 +718,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     ss_cnn_prescribed_update(model, time + dt);
     if (!model->is_ready) {
         const double before = model->elastic - model->work + model->dissipated;
-        gather(model, 0.0, 0.0);
+        update_broad_phase(model, 0.0, 0.0);
         model->has_totals = false;
         prepare(model, 0.0);
         model->work = model->elastic + model->dissipated - before;

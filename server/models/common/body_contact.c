@@ -158,8 +158,8 @@ static void refit(ss_body *body, const ss_real *u)
 
 /* Finds what the tools may reach from `path` on; returns the number of triangles. Tissue that was
  * out of reach may come near a tool at rest: each step looks at all nodes, its sub-steps at those
- * in reach, for the gather's margin is more than the others move in a step. */
-static int32_t gather(ss_body *body, const ss_real *u, double path)
+ * in reach, for the broad phase's margin is more than the others move in a step. */
+static int32_t update_broad_phase(ss_body *body, const ss_real *u, double path)
 {
     int32_t count = 0;
     bool is_refitted = false;
@@ -223,7 +223,7 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
             const double *weight;
             double total;
             const ss_real *u = lay_skin(body, body->nodes.u);
-            gather(body, u, 0.0);
+            update_broad_phase(body, u, 0.0);
             if (own->grasp.count > 0) { /* still letting go: what is left is lost at once */
                 own->grasp.count = 0;
                 body->is_ready = false;
@@ -231,8 +231,9 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
             const int32_t count =
                 ss_contact_query_weigh(own->query, u, body->has_skin ? NULL : body->is_source,
                                        &own->pose, &node, &weight, &total);
-            ss_grasp_take(&own->grasp, count, node, weight, SS_GRASP_SHARE * own->stiffness,
-                          body->tools.rest, u, &own->pose);
+            ss_grasp_take(&own->grasp, count, node, weight,
+                          SS_GRASP_STIFFNESS_RATIO * own->stiffness, body->tools.rest, u,
+                          &own->pose);
         }
         own->grasp.is_pressed = tool[k].is_grasping;
     }
@@ -241,7 +242,7 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
 int32_t ss_body_motion_steps(ss_body *body)
 {
     const double steps = ss_tools_parts(&body->tools);
-    if (steps > 1.0 && gather(body, lay_skin(body, body->nodes.u), 0.0) == 0) {
+    if (steps > 1.0 && update_broad_phase(body, lay_skin(body, body->nodes.u), 0.0) == 0) {
         return 1;
     }
     return (int32_t)fmin(steps, (double)body->plan.max_substeps);
@@ -268,7 +269,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
     }
     const ss_real *skin_u = lay_skin(body, u);
     ss_real *target = body->has_skin ? body->skin_force : force;
-    gather(body, skin_u, path);
+    update_broad_phase(body, skin_u, path);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_tool *tool = &body->tools.tool[k];
         if (!tool->is_present) {
@@ -278,7 +279,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
         ss_tools_press(&body->tools, tool, skin_u, target, target);
         if (body->has_skin) {
             const int32_t *node;
-            const int32_t count = ss_contact_query_reach(tool->query, &node);
+            const int32_t count = ss_contact_query_candidate_nodes(tool->query, &node);
             carry(body, count, node, force);
             carry(body, tool->grasp.count, tool->grasp.node, force);
         }
@@ -291,7 +292,7 @@ void ss_body_add_contact(ss_body *body, const ss_real *u, double path, ss_real *
 static void add_tool_diagonal(ss_body *body, const ss_tool *tool, double *diagonal)
 {
     const int32_t *node;
-    const int32_t count = ss_contact_query_reach(tool->query, &node);
+    const int32_t count = ss_contact_query_candidate_nodes(tool->query, &node);
     ss_tool_add_diagonal(tool, body->skin_stiff);
     for (int part = 0; part < 2; ++part) {
         const int32_t *list = part == 0 ? node : tool->grasp.node;
@@ -329,8 +330,8 @@ static int32_t list_stiff(ss_body *body)
         const ss_tool *tool = &body->tools.tool[k / 2];
         const int32_t *node = tool->grasp.node;
         const int32_t length = !tool->is_present ? 0
-                               : k % 2 == 0      ? ss_contact_query_reach(tool->query, &node)
-                                                 : tool->grasp.count;
+                               : k % 2 == 0 ? ss_contact_query_candidate_nodes(tool->query, &node)
+                                            : tool->grasp.count;
         for (int32_t i = 0; i < length; ++i) {
             if (body->skin_stiff[node[i]] > 0.0 && !body->is_stiff[node[i]]) {
                 body->is_stiff[node[i]] = 1;
@@ -384,7 +385,7 @@ void ss_body_contact_tangent(ss_body *body, const ss_real *x, ss_real *out)
             continue;
         }
         const int32_t *node;
-        const int32_t count = ss_contact_query_reach(tool->query, &node);
+        const int32_t count = ss_contact_query_candidate_nodes(tool->query, &node);
         ss_tool_add_change(tool, skin_x, body->skin_force);
         for (int part = 0; part < 2; ++part) {
             const int32_t *list = part == 0 ? node : tool->grasp.node;

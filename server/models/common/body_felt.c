@@ -191,7 +191,7 @@ static void carry_push(ss_body *body, int32_t count, const int32_t *node)
 static double push_along(ss_body *body, const ss_tool *tool, const double normal[3])
 {
     const int32_t *node;
-    const int32_t count = ss_contact_query_reach(tool->query, &node);
+    const int32_t count = ss_contact_query_candidate_nodes(tool->query, &node);
     memset(body->solver.push, 0, ss_body_bytes(body));
     const double stiffness = ss_tool_push(tool, normal, body->skin_force);
     carry_push(body, count, node);

@@ -370,7 +370,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     p->path = next;
     if (is_finite) {
         evaluate(body, next, !goes_on(p));
-        ss_tools_settle(&body->tools, true, &body->dissipated);
+        ss_tools_accept_fade(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
             body->work += 0.5 * fraction * ss_tools_work(&body->tools);

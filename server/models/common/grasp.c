@@ -8,8 +8,8 @@
 #include "rt/hash.h"
 #include "rt/vec.h"
 
-/* Time in which a released grasp lets go, s. */
-#define RELEASE_TIME 0.02
+/* Time in which a released grasp fades out, s. */
+#define GRASP_FADE_TIME 0.02
 
 /* ---- grasp ---- */
 
@@ -25,7 +25,7 @@ void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const do
                    double stiffness, const double (*rest)[3], const ss_real *u,
                    const ss_tool_pose *pose)
 {
-    grasp->share = 1.0;
+    grasp->fade = 1.0;
     grasp->count = count;
     for (int32_t i = 0; i < count; ++i) {
         double x[3];
@@ -36,14 +36,14 @@ void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const do
         grasp->stiffness[i] = stiffness * weight[i];
         ss_rotate_back(grasp->offset[i], pose->orientation, x);
     }
-    grasp->square = 0.0;
+    grasp->unfaded_energy = 0.0;
 }
 
 void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
                          const ss_tool_pose *pose, ss_real *force, double tool_force[3],
                          double tool_torque[3])
 {
-    grasp->square = 0.0;
+    grasp->unfaded_energy = 0.0;
     for (int32_t i = 0; i < grasp->count; ++i) {
         const ptrdiff_t at = 4 * (ptrdiff_t)grasp->node[i];
         double arm[3], x[3], f[3], moment[3];
@@ -51,9 +51,9 @@ void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real
         for (int k = 0; k < 3; ++k) {
             x[k] = rest[grasp->node[i]][k] + (double)u[at + k] - pose->position[k];
             const double stretch = x[k] - arm[k];
-            f[k] = grasp->share * grasp->stiffness[i] * stretch; /* on the tool */
+            f[k] = grasp->fade * grasp->stiffness[i] * stretch; /* on the tool */
             force[at + k] -= (ss_real)f[k];
-            grasp->square += 0.5 * grasp->stiffness[i] * stretch * stretch;
+            grasp->unfaded_energy += 0.5 * grasp->stiffness[i] * stretch * stretch;
         }
         ss_cross3(moment, arm, f);
         ss_add3(tool_force, tool_force, f);
@@ -63,23 +63,23 @@ void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real
 
 void ss_grasp_fade(ss_grasp *grasp, double h)
 {
-    grasp->share_before = grasp->share;
+    grasp->fade_before = grasp->fade;
     if (!grasp->is_pressed && grasp->count > 0) {
-        grasp->share = fmax(0.0, grasp->share - h / RELEASE_TIME);
+        grasp->fade = fmax(0.0, grasp->fade - h / GRASP_FADE_TIME);
     }
 }
 
-double ss_grasp_settle(ss_grasp *grasp, bool is_accepted)
+double ss_grasp_accept_fade(ss_grasp *grasp, bool is_accepted)
 {
     if (!is_accepted) {
-        grasp->share = grasp->share_before;
+        grasp->fade = grasp->fade_before;
         return 0.0;
     }
     if (grasp->count == 0) {
         return 0.0;
     }
-    const double lost = (grasp->share_before - grasp->share) * grasp->square;
-    grasp->count = grasp->share > 0.0 ? grasp->count : 0;
+    const double lost = (grasp->fade_before - grasp->fade) * grasp->unfaded_energy;
+    grasp->count = grasp->fade > 0.0 ? grasp->count : 0;
     return lost;
 }
 
@@ -88,7 +88,7 @@ uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)
     const size_t count = (size_t)grasp->count;
     uint64_t hash = ss_hash_bytes(seed, &grasp->count, sizeof grasp->count);
     if (count > 0) {
-        hash = ss_hash_bytes(hash, &grasp->share, sizeof grasp->share);
+        hash = ss_hash_bytes(hash, &grasp->fade, sizeof grasp->fade);
         hash = ss_hash_bytes(hash, grasp->node, count * sizeof *grasp->node);
         hash = ss_hash_bytes(hash, grasp->stiffness, count * sizeof *grasp->stiffness);
         hash = ss_hash_bytes(hash, grasp->offset, count * sizeof *grasp->offset);

@@ -7,21 +7,21 @@
  *
  * Grasp (of one potential with the contact): at the button's press the touched nodes store
  * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
- * potential gains share/2 sum k_i |P_i - X - R o_i|^2. On release the share falls to 0 in 20 ms,
- * which can only lose energy. (`chainmail` drops it at once.)
+ * potential gains fade/2 sum k_i |P_i - X - R o_i|^2. On release the fade falls from 1 to 0 in
+ * 20 ms, which can only lose energy. (`chainmail` drops it at once.)
  * Thread: ss_grasp_init set-up only; the rest RT-safe.
  */
 #include "models/model.h"
 #include "rt/arena.h"
 
 /* Stiffness of a grasp over that of contact, N/m^3 over N/m^3: it shares the stability bound. */
-#define SS_GRASP_SHARE 0.2
+#define SS_GRASP_STIFFNESS_RATIO 0.2
 
 typedef struct ss_grasp {
     bool is_pressed;
-    double share;        /* 1 while held, then ramped to 0 */
-    double share_before; /* at the start of the sub-step */
-    double square;       /* sum k_i |x_i|^2 / 2, J, at full share */
+    double fade;           /* 1 while held, then ramped to 0 */
+    double fade_before;    /* at the start of the sub-step */
+    double unfaded_energy; /* sum k_i |x_i|^2 / 2, J, at fade 1 */
     int32_t count;
     int32_t *node;
     double *stiffness;   /* N/m */
@@ -35,14 +35,15 @@ void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena);
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,
                    double stiffness, const double (*rest)[3], const ss_real *u,
                    const ss_tool_pose *pose);
-/* Adds the springs' forces to `force`, and to the tool's force and torque; sets `square`. */
+/* Adds the springs' forces to `force`, and to the tool's force and torque; sets `unfaded_energy`.
+ */
 void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
                          const ss_tool_pose *pose, ss_real *force, double tool_force[3],
                          double tool_torque[3]);
-/* A released grasp lets go by `h` seconds' worth; settle then returns the energy it lost (J), or
+/* A released grasp fades by `h` seconds' worth; accept_fade then returns the energy it lost (J), or
  * takes the fading back. */
 void ss_grasp_fade(ss_grasp *grasp, double h);
-double ss_grasp_settle(ss_grasp *grasp, bool is_accepted);
+double ss_grasp_accept_fade(ss_grasp *grasp, bool is_accepted);
 /* FNV-1a of what is state. */
 uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed);
 

@@ -48,7 +48,7 @@ void ss_tools_reset(ss_tools *tools)
         tool->is_present = tool->was_touching = false;
         tool->grasp.is_pressed = false;
         tool->grasp.count = 0;
-        tool->grasp.square = 0.0;
+        tool->grasp.unfaded_energy = 0.0;
         tool->felt = tool->penalty = 0.0;
         ss_set3(tool->force, 0.0, 0.0, 0.0);
         ss_set3(tool->torque, 0.0, 0.0, 0.0);
@@ -171,10 +171,10 @@ void ss_tools_fade(ss_tools *tools, double h)
     }
 }
 
-void ss_tools_settle(ss_tools *tools, bool is_accepted, double *energy)
+void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy)
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        *energy += ss_grasp_settle(&tools->tool[k].grasp, is_accepted);
+        *energy += ss_grasp_accept_fade(&tools->tool[k].grasp, is_accepted);
     }
 }
 
@@ -193,7 +193,8 @@ void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_r
 
 double ss_tool_energy(const ss_tool *tool)
 {
-    return tool->penalty + (tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0);
+    return tool->penalty +
+           (tool->grasp.count > 0 ? tool->grasp.fade * tool->grasp.unfaded_energy : 0.0);
 }
 
 double ss_tools_energy(const ss_tools *tools)
@@ -202,7 +203,7 @@ double ss_tools_energy(const ss_tools *tools)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &tools->tool[k];
         energy += tool->is_present ? tool->penalty : 0.0;
-        energy += tool->grasp.count > 0 ? tool->grasp.share * tool->grasp.square : 0.0;
+        energy += tool->grasp.count > 0 ? tool->grasp.fade * tool->grasp.unfaded_energy : 0.0;
     }
     return energy;
 }
@@ -211,7 +212,7 @@ void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal)
 {
     ss_contact_query_diagonal(tool->query, diagonal);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        diagonal[tool->grasp.node[i]] += tool->grasp.share * tool->grasp.stiffness[i];
+        diagonal[tool->grasp.node[i]] += tool->grasp.fade * tool->grasp.stiffness[i];
     }
 }
 
@@ -224,7 +225,7 @@ void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out)
     }
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         const ptrdiff_t at = 4 * (ptrdiff_t)tool->grasp.node[i];
-        const ss_real stiffness = (ss_real)(tool->grasp.share * tool->grasp.stiffness[i]);
+        const ss_real stiffness = (ss_real)(tool->grasp.fade * tool->grasp.stiffness[i]);
         for (int a = 0; a < 3; ++a) {
             out[at + a] -= stiffness * x[at + a];
         }
@@ -237,7 +238,7 @@ double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push)
     ss_contact_query_tangent(tool->query, NULL, normal, push, on_tool);
     double stiffness = -ss_dot3(on_tool, normal);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
-        const double k = tool->grasp.share * tool->grasp.stiffness[i];
+        const double k = tool->grasp.fade * tool->grasp.stiffness[i];
         for (int a = 0; a < 3; ++a) {
             push[4 * (ptrdiff_t)tool->grasp.node[i] + a] += (ss_real)(k * normal[a]);
         }

@@ -85,7 +85,7 @@ double ss_tools_work(const ss_tools *tools);
 /* Grasps that were released let go by `h` seconds' worth; settle then adds what they lost to
  * *energy (J), or takes it back. */
 void ss_tools_fade(ss_tools *tools, double h);
-void ss_tools_settle(ss_tools *tools, bool is_accepted, double *energy);
+void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy);
 
 /* ---- what a tool presses ---- */
 

@@ -487,7 +487,7 @@ static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
         tool[0].is_grasping = n % 24 >= 4;
         go(tool, 0.0, 0.0, GRIP_RADIUS + 0.004 + 0.01 * n / 240.0);
         step_tools(&s, 5e-4, tool);
-        assert_true(s.model->tools.tool[0].grasp.share > 0.5);
+        assert_true(s.model->tools.tool[0].grasp.fade > 0.5);
     }
     assert_near(energy_gain(&s), 0.0, 5e-3 * stored);
     setup_fini(&s);

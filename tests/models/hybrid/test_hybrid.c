@@ -466,7 +466,7 @@ static void touched_skin_is_laid(void **state)
     for (int k = 0; k < 40; ++k) {
         move(&s, tool, 8.6, 0.02 * fmin(k / 10.0, 3.0), 1);
         const int32_t *node;
-        const int32_t count = ss_contact_query_reach(body->tools.tool[0].query, &node);
+        const int32_t count = ss_contact_query_candidate_nodes(body->tools.tool[0].query, &node);
         const ss_real *shown = s.class->displacement(s.model);
         ss_contact_query_diagonal(body->tools.tool[0].query, body->skin_stiff);
         for (int32_t i = 0; i < count; ++i) {
