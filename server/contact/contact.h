@@ -304,4 +304,5 @@ typedef struct ss_proxy_target {
     double proxy[3];
     double orientation[4];
     double velocity[3];
+    double acceleration[3];
 } ss_proxy_target;

@@ -27,6 +27,17 @@
 #define ENTRY_SPRING_RATE 50.0  /* 1/s: downwards while the depth fades in */
 #define PREDICT_TIME_MAX  0.025 /* s */
 #define PREDICT_MOVE_MAX  0.003 /* m */
+/* Hz: of the acceleration, and what it comes late through both filters is made up for: at 5 Hz they
+ * hold it back by VELOCITY_LATE seconds. */
+#define ACCELERATION_CORNER 20.0
+#define VELOCITY_LATE       0.003
+/* s: over a step of a haptic period velocity says it all. */
+#define PREDICT_BEND_FROM 0.002
+/* m: a way by acceleration this long counts half, longer ones next to nothing: they are blows, over
+ * before the step is. */
+#define PREDICT_BEND_MOST 0.0016
+/* Of that way where it quickens the tool: one that leaves soft tissue too early meets it again. */
+#define GAIN_SHARE 0.5
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
 struct ss_haptic {
@@ -40,6 +51,7 @@ struct ss_haptic {
     bool is_returning;
     softsim_pose left;
     double v[3];
+    double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
     bool is_pressed;
     int64_t press_tick;
     /* state: proxy and tissue */
@@ -143,6 +155,11 @@ static void filter_velocity(ss_haptic *haptic, const softsim_pose *pose, int64_t
         }
     }
     ss_limit_force(haptic->v, SPEED_MAX);
+    const double elapsed = pose_interval(haptic, pose, tick);
+    const double share = 1.0 - exp(-TWO_PI * ACCELERATION_CORNER * elapsed);
+    for (int i = 0; i < 3; ++i) {
+        haptic->mean_v[i] += share * (haptic->v[i] - haptic->mean_v[i]);
+    }
 }
 
 static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
@@ -176,6 +193,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
     }
     if (is_new_holder || is_return) {
         ss_set3(haptic->v, 0.0, 0.0, 0.0);
+        ss_set3(haptic->mean_v, 0.0, 0.0, 0.0);
     } else {
         filter_velocity(haptic, pose, tick);
     }
@@ -583,8 +601,15 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
-    const double along = ss_dot3(v, haptic->slip.direction);
-    ss_madd3(target->velocity, v, (haptic->slip.share - 1.0) * along, haptic->slip.direction);
+    const double *out = haptic->slip.direction;
+    const double share = haptic->slip.share;
+    ss_madd3(target->velocity, v, (share - 1.0) * ss_dot3(v, out), out);
+    /* What the hand is slowed down by on a wall is the coupling's, not the tissue's. */
+    const double led = share * (1.0 - felt_stiffness(haptic, out) / haptic->spring);
+    ss_sub3(target->acceleration, haptic->v, haptic->mean_v);
+    ss_scale3(target->acceleration, target->acceleration, TWO_PI * ACCELERATION_CORNER);
+    const double along = ss_dot3(target->acceleration, out);
+    ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);
 }
 
 static void write_sums(ss_haptic *haptic)
@@ -679,8 +704,17 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
                        double out_position[3])
 {
     const double ahead = fmin((lag_periods + 0.5) * period, PREDICT_TIME_MAX);
-    double move[3];
+    double move[3], bend[3];
     ss_scale3(move, target->velocity, ahead);
+    ss_scale3(bend, target->acceleration, 0.5 * ahead * (ahead + VELOCITY_LATE));
+    if (ss_dot3(bend, move) > 0.0) {
+        ss_scale3(bend, bend, GAIN_SHARE);
+    }
+    if (ahead < PREDICT_BEND_FROM) {
+        ss_set3(bend, 0.0, 0.0, 0.0);
+    }
+    const double square = ss_dot3(bend, bend) / (PREDICT_BEND_MOST * PREDICT_BEND_MOST);
+    ss_madd3(move, move, 1.0 / (1.0 + square * square), bend);
     ss_limit_force(move, PREDICT_MOVE_MAX);
     ss_add3(out_position, target->proxy, move);
 }
@@ -689,9 +723,13 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
  * limit, an update, an ended grasp and an entry leave. */
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
-    const double *const vector[] = {haptic->pose.position,         haptic->pdot,
-                                    haptic->slip.direction,        haptic->slip.aside,
-                                    haptic->left.position,         haptic->admission.entry_point,
+    const double *const vector[] = {haptic->pose.position,
+                                    haptic->pdot,
+                                    haptic->mean_v,
+                                    haptic->slip.direction,
+                                    haptic->slip.aside,
+                                    haptic->left.position,
+                                    haptic->admission.entry_point,
                                     haptic->admission.entry_normal};
     const double number[] = {haptic->slip.share, haptic->slip.length, haptic->admission.held_back,
                              haptic->ramp_from};

@@ -352,6 +352,31 @@ static void prediction_is_bounded(void **state)
     assert_near(p[0], 1.003, 1e-15);
 }
 
+/* A hand that pokes at 4.5 Hz, 3.5 mm either way of the middle, stops and turns: predicted by its
+ * velocity alone, the tool of a 60 Hz simulation goes sqrt(1 + (w t)^2) - 1 of that further than
+ * the hand ever does, t = 25 ms. */
+static void tool_turns_with_the_hand(void **state)
+{
+    (void)state;
+    const double size = 3.5e-3, w = 2.0 * PI * 4.5, ahead = 0.025;
+    const double straight = size * (sqrt(1.0 + w * ahead * w * ahead) - 1.0);
+    const ss_haptic_config config = default_config();
+    rig r;
+    double furthest = 0.0;
+    rig_start(&r, &config);
+    r.pose.velocity[0] = (double)NAN;
+    for (int i = 0; i < 1000; ++i) {
+        double p[3];
+        rig_tick(&r, size * sin(w * i * T));
+        ss_haptic_predict(&r.out.target, 1.0, 1.0 / 60.0, p);
+        furthest = fmax(furthest, i < 300 ? 0.0 : fabs(p[2]));
+    }
+    assert_true(straight > 0.75e-3);
+    assert_true(furthest > size); /* the way back is not taken before it is begun */
+    assert_true(furthest - size < 2.0 / 3.0 * straight);
+    rig_end(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -368,6 +393,7 @@ int main(void)
         cmocka_unit_test(absurd_numbers_stay_finite),
         cmocka_unit_test(nothing_is_sent_before_the_first_pose),
         cmocka_unit_test(prediction_is_bounded),
+        cmocka_unit_test(tool_turns_with_the_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
