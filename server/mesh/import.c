@@ -280,7 +280,7 @@ static const char *first_line(import *im)
     return im->text[0] != '\0' ? im->text : "the importer gave no reason";
 }
 
-static softsim_status judge(import *im, bool is_complete, int status)
+static softsim_status judge_end(import *im, bool is_complete, int status)
 {
     if (!is_complete || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) ||
         (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)) {
@@ -386,7 +386,7 @@ import im = {.path = file->path, .metres_per_unit = file->metres_per_unit, .erro
     int exit_status = 0;
     softsim_status status = SOFTSIM_ERROR_SYSTEM;
     if (run_program(&im, program, &is_complete, &exit_status)) {
-        status = judge(&im, is_complete, exit_status);
+        status = judge_end(&im, is_complete, exit_status);
         if (status == SOFTSIM_OK) {
             status = unpack(&im, out_mesh);
         }

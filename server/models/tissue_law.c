@@ -49,7 +49,7 @@ static double trace(const double a[9])
     return a[0] + a[4] + a[8];
 }
 
-static double contract(const double a[9], const double b[9])
+static double scalar_product(const double a[9], const double b[9])
 {
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) {
@@ -59,7 +59,7 @@ static double contract(const double a[9], const double b[9])
 }
 
 /* out += s a */
-static void add(double out[9], double s, const double a[9])
+static void add_scaled_matrix(double out[9], double s, const double a[9])
 {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -117,7 +117,7 @@ static void green_strain(const double h[9], double out[9])
 }
 
 /* out = l tr(e) I + 2 m e */
-static void hooke(double l, double m, const double e[9], double out[9])
+static void hooke_stress(double l, double m, const double e[9], double out[9])
 {
     const double pressure = l * trace(e);
     for (int i = 0; i < 3; ++i) {
@@ -176,7 +176,7 @@ double ss_tissue_volume_change(const double h[9])
 /* ---- laws ---- */
 
 /* g(J) - 1 and its derivatives: J^(-2/3), or the parabola below the floor. */
-static void isochoric_factor(double j, double *out_g1, double *out_slope, double *out_bend)
+static void isochoric_terms(double j, double *out_g1, double *out_slope, double *out_bend)
 {
     const double floor_j = SS_TISSUE_FLOOR - 1.0;
     const double at = j > floor_j ? j : floor_j, ratio = 1.0 + at, below = j - at;
@@ -205,7 +205,7 @@ double ss_tissue_energy(const ss_tissue_law *law, const double h[9])
     const double t = trace(e), j = volume_of(h).j;
     if (law->kind == SS_TISSUE_NEO_HOOKEAN) {
         double g1, slope, bend;
-        isochoric_factor(j, &g1, &slope, &bend);
+        isochoric_terms(j, &g1, &slope, &bend);
         const double bulk = law->lambda + 2.0 / 3.0 * law->mu;
         return 0.5 * law->mu * (g1 * (3.0 + 2.0 * t) + 2.0 * t) + 0.5 * bulk * j * j;
     }
@@ -218,7 +218,7 @@ double ss_tissue_energy(const ss_tissue_law *law, const double h[9])
     const double guard = law->kind == SS_TISSUE_STVK_GUARDED && short_of > 0.0
                              ? 0.5 * (law->lambda + 2.0 * law->mu) * short_of * short_of
                              : 0.0;
-    return 0.5 * law->lambda * t * t + law->mu * contract(e, e) + guard;
+    return 0.5 * law->lambda * t * t + law->mu * scalar_product(e, e) + guard;
 }
 
 void ss_tissue_stress(const ss_tissue_law *law, const double h[9], double out_p[9])
@@ -226,7 +226,7 @@ void ss_tissue_stress(const ss_tissue_law *law, const double h[9], double out_p[
     double e[9];
     if (law->kind == SS_TISSUE_LINEAR) {
         small_strain(h, e);
-        hooke(law->lambda, law->mu, e, out_p);
+        hooke_stress(law->lambda, law->mu, e, out_p);
         return;
     }
     green_strain(h, e);
@@ -235,33 +235,33 @@ void ss_tissue_stress(const ss_tissue_law *law, const double h[9], double out_p[
     memset(out_p, 0, 9 * sizeof(double));
     if (law->kind == SS_TISSUE_NEO_HOOKEAN) {
         double g1, slope, bend;
-        isochoric_factor(v.j, &g1, &slope, &bend);
+        isochoric_terms(v.j, &g1, &slope, &bend);
         const double g = law->mu * (1.0 + g1), bulk = law->lambda + 2.0 / 3.0 * law->mu;
         /* -g r above the floor, where g' = -2/3 g/J */
         const double rest = v.j >= SS_TISSUE_FLOOR - 1.0
                                 ? -g * (2.0 / 3.0 * t - v.j) / (1.0 + v.j)
                                 : g + 0.5 * law->mu * slope * (3.0 + 2.0 * t);
-        add(out_p, g, h);
-        add(out_p, -g, v.q);
-        add(out_p, rest + bulk * v.j, v.c);
+        add_scaled_matrix(out_p, g, h);
+        add_scaled_matrix(out_p, -g, v.q);
+        add_scaled_matrix(out_p, rest + bulk * v.j, v.c);
     } else if (law->kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
         double m, l;
         stable_moduli(law, &m, &l);
         const double stretch = m * t / (2.0 * (4.0 + 2.0 * t));
-        add(out_p, 0.75 * m + stretch, h);
-        add(out_p, -0.75 * m, v.q);
-        add(out_p, l * v.j, v.c);
+        add_scaled_matrix(out_p, 0.75 * m + stretch, h);
+        add_scaled_matrix(out_p, -0.75 * m, v.q);
+        add_scaled_matrix(out_p, l * v.j, v.c);
         for (int i = 0; i < 3; ++i) {
             out_p[3 * i + i] += stretch;
         }
     } else {
         double s[9];
-        hooke(law->lambda, law->mu, e, s);
-        add(out_p, 1.0, s);
+        hooke_stress(law->lambda, law->mu, e, s);
+        add_scaled_matrix(out_p, 1.0, s);
         add_product(out_p, 1.0, h, s);
         const double short_of = SS_TISSUE_GUARD - 1.0 - v.j;
         if (law->kind == SS_TISSUE_STVK_GUARDED && short_of > 0.0) {
-            add(out_p, -(law->lambda + 2.0 * law->mu) * short_of, v.c);
+            add_scaled_matrix(out_p, -(law->lambda + 2.0 * law->mu) * short_of, v.c);
         }
     }
 }
@@ -281,7 +281,7 @@ void ss_tissue_viscous_stress(const ss_tissue_law *law, const double h[9], const
 {
     double e[9], s[9];
     strain_rate(law, h, rate, e);
-    hooke(law->phi, law->psi, e, s);
+    hooke_stress(law->phi, law->psi, e, s);
     memcpy(out_p, s, sizeof s);
     if (law->kind != SS_TISSUE_LINEAR) {
         add_product(out_p, 1.0, h, s);
@@ -292,14 +292,14 @@ double ss_tissue_dissipation(const ss_tissue_law *law, const double h[9], const 
 {
     double e[9];
     strain_rate(law, h, rate, e);
-    return law->phi * trace(e) * trace(e) + 2.0 * law->psi * contract(e, e);
+    return law->phi * trace(e) * trace(e) + 2.0 * law->psi * scalar_product(e, e);
 }
 
 /* ---- tangents ---- */
 
 /* d(s a F) etc. of the laws of J: out = a dF + da F + b dC + db C. */
-static void add_volume_tangent(double out[9], const double h[9], const double dh[9],
-                               const volume *v, double a, double da, double b, double db)
+static void add_invariant_tangents(double out[9], const double h[9], const double dh[9],
+                                   const volume *v, double a, double da, double b, double db)
 {
     double dc[9];
     const double t = trace(dh);
@@ -310,10 +310,10 @@ static void add_volume_tangent(double out[9], const double h[9], const double dh
         }
         out[3 * i + i] += da;
     }
-    add(out, a, dh);
-    add(out, da, h);
-    add(out, b, dc);
-    add(out, db, v->c);
+    add_scaled_matrix(out, a, dh);
+    add_scaled_matrix(out, da, h);
+    add_scaled_matrix(out, b, dc);
+    add_scaled_matrix(out, db, v->c);
 }
 
 static void add_stvk_tangent(const ss_tissue_law *law, const double h[9], const double dh[9],
@@ -321,11 +321,11 @@ static void add_stvk_tangent(const ss_tissue_law *law, const double h[9], const 
 {
     double e[9], s[9];
     symmetric_part(h, dh, e); /* dE */
-    hooke(law->lambda, law->mu, e, s);
-    add(out, 1.0, s);
+    hooke_stress(law->lambda, law->mu, e, s);
+    add_scaled_matrix(out, 1.0, s);
     add_product(out, 1.0, h, s); /* F dS */
     green_strain(h, e);
-    hooke(law->lambda, law->mu, e, s);
+    hooke_stress(law->lambda, law->mu, e, s);
     add_product(out, 1.0, dh, s); /* dF S */
 }
 
@@ -335,34 +335,35 @@ void ss_tissue_tangent(const ss_tissue_law *law, const double h[9], const double
     double e[9];
     if (law->kind == SS_TISSUE_LINEAR) {
         small_strain(dh, e);
-        hooke(law->lambda, law->mu, e, out_dp);
+        hooke_stress(law->lambda, law->mu, e, out_dp);
         return;
     }
     memset(out_dp, 0, 9 * sizeof(double));
     const volume v = volume_of(h);
-    const double dj = contract(v.c, dh);
+    const double dj = scalar_product(v.c, dh);
     green_strain(h, e);
-    const double invariant = 3.0 + 2.0 * trace(e);                  /* I1 */
-    const double d_invariant = 2.0 * (trace(dh) + contract(h, dh)); /* 2 F:dF */
+    const double invariant = 3.0 + 2.0 * trace(e);                        /* I1 */
+    const double d_invariant = 2.0 * (trace(dh) + scalar_product(h, dh)); /* 2 F:dF */
     if (law->kind == SS_TISSUE_NEO_HOOKEAN) {
         double g1, slope, bend;
-        isochoric_factor(v.j, &g1, &slope, &bend);
+        isochoric_terms(v.j, &g1, &slope, &bend);
         const double mu = law->mu, bulk = law->lambda + 2.0 / 3.0 * mu;
-        add_volume_tangent(out_dp, h, dh, &v, mu * (1.0 + g1), mu * slope * dj,
-                           0.5 * mu * slope * invariant + bulk * v.j,
-                           0.5 * mu * (bend * dj * invariant + slope * d_invariant) + bulk * dj);
+        add_invariant_tangents(out_dp, h, dh, &v, mu * (1.0 + g1), mu * slope * dj,
+                               0.5 * mu * slope * invariant + bulk * v.j,
+                               0.5 * mu * (bend * dj * invariant + slope * d_invariant) +
+                                   bulk * dj);
     } else if (law->kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
         double m, l;
         stable_moduli(law, &m, &l);
         const double inverse = 1.0 / (invariant + 1.0);
-        add_volume_tangent(out_dp, h, dh, &v, m * (1.0 - inverse),
-                           m * inverse * inverse * d_invariant, l * v.j - 0.75 * m, l * dj);
+        add_invariant_tangents(out_dp, h, dh, &v, m * (1.0 - inverse),
+                               m * inverse * inverse * d_invariant, l * v.j - 0.75 * m, l * dj);
     } else {
         add_stvk_tangent(law, h, dh, out_dp);
         const double short_of = SS_TISSUE_GUARD - 1.0 - v.j;
         if (law->kind == SS_TISSUE_STVK_GUARDED && short_of > 0.0) {
             const double kappa = law->lambda + 2.0 * law->mu;
-            add_volume_tangent(out_dp, h, dh, &v, 0.0, 0.0, -kappa * short_of, kappa * dj);
+            add_invariant_tangents(out_dp, h, dh, &v, 0.0, 0.0, -kappa * short_of, kappa * dj);
         }
     }
 }

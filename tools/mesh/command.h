@@ -35,4 +35,4 @@ void print_written(const ss_mesh *mesh, const char *path, const char *unit);
 
 /* Copies the groups. `number`: the new number of each node, from 1, 0 where it goes; NULL: the
  * same. False when out of memory. */
-bool copy_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to);
+bool carry_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to);

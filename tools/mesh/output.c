@@ -104,7 +104,7 @@ void print_written(const ss_mesh *mesh, const char *path, const char *unit)
     }
 }
 
-bool copy_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to)
+bool carry_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to)
 {
     to->group = ss_memory_get((size_t)from->group_count, sizeof *to->group);
     for (int32_t g = 0; g < from->group_count && to->group != NULL; ++g) {

@@ -59,11 +59,11 @@ typedef struct lattice {
     bool has_failed;
 } lattice;
 
-typedef struct place {
+typedef struct site {
     int32_t c[3];
-} place;
+} site;
 
-static int64_t index_of(const lattice *l, place p)
+static int64_t index_of(const lattice *l, site p)
 {
     const int32_t odd = p.c[0] & 1;
     int64_t index = 0;
@@ -73,7 +73,7 @@ static int64_t index_of(const lattice *l, place p)
     return odd != 0 ? l->corner_count + index : index;
 }
 
-static bool is_inside_lattice(const lattice *l, place p)
+static bool is_inside_lattice(const lattice *l, site p)
 {
     for (int k = 0; k < 3; ++k) {
         if (p.c[k] < 0 || p.c[k] > 2 * l->cells[k]) {
@@ -84,7 +84,7 @@ static bool is_inside_lattice(const lattice *l, place p)
 }
 
 /* The 14 neighbours: 0..5 along the axes, 6..13 diagonal. */
-static place neighbour(place p, int direction)
+static site beside(site p, int direction)
 {
     if (direction < 6) {
         p.c[direction / 2] += direction % 2 != 0 ? 2 : -2;
@@ -97,7 +97,7 @@ static place neighbour(place p, int direction)
 }
 
 /* Where the cut of the edge from p to q is kept. */
-static int32_t *slot_of(const lattice *l, place p, place q)
+static int32_t *slot_of(const lattice *l, site p, site q)
 {
     int slot = 0;
     if (((p.c[0] ^ q.c[0]) & 1) == 0) {
@@ -106,8 +106,8 @@ static int32_t *slot_of(const lattice *l, place p, place q)
         }
         p = p.c[slot] < q.c[slot] ? p : q;
     } else {
-        const place centre = (p.c[0] & 1) != 0 ? p : q;
-        const place corner = (p.c[0] & 1) != 0 ? q : p;
+        const site centre = (p.c[0] & 1) != 0 ? p : q;
+        const site corner = (p.c[0] & 1) != 0 ? q : p;
         slot = LONG_SLOTS;
         for (int k = 0; k < 3; ++k) {
             slot += corner.c[k] > centre.c[k] ? 1 << k : 0;
@@ -117,7 +117,7 @@ static int32_t *slot_of(const lattice *l, place p, place q)
     return &l->slot[SLOTS * index_of(l, p) + slot];
 }
 
-static bool is_long(place p, place q)
+static bool is_long(site p, site q)
 {
     return ((p.c[0] ^ q.c[0]) & 1) == 0;
 }
@@ -160,9 +160,9 @@ static bool lattice_init(lattice *l, const double low[3], const double high[3], 
 }
 
 /* Calls `visit` for every point, corners and centres of a layer after each other. */
-static void each_point(lattice *l, void (*visit)(lattice *l, place p))
+static void each_point(lattice *l, void (*visit)(lattice *l, site p))
 {
-    place p;
+    site p;
     for (p.c[2] = 0; p.c[2] <= 2 * l->cells[2]; ++p.c[2]) {
         const int32_t odd = p.c[2] & 1;
         for (p.c[1] = odd; p.c[1] <= 2 * l->cells[1]; p.c[1] += 2) {
@@ -175,7 +175,7 @@ static void each_point(lattice *l, void (*visit)(lattice *l, place p))
 
 /* ---- 2. signs and cuts ---- */
 
-static void set_sign(lattice *l, place p)
+static void set_sign(lattice *l, site p)
 {
     const int64_t i = index_of(l, p);
     for (int k = 0; k < 3; ++k) {
@@ -224,11 +224,11 @@ static bool add_cut(lattice *l, const double x[3], int32_t *out)
     return true;
 }
 
-static void set_cuts(lattice *l, place p)
+static void set_cuts(lattice *l, site p)
 {
     const int64_t i = index_of(l, p);
     for (int direction = 0; direction < 14; ++direction) {
-        const place q = neighbour(p, direction);
+        const site q = beside(p, direction);
         if (l->sign[i] <= 0 || !is_inside_lattice(l, q) || l->sign[index_of(l, q)] >= 0) {
             continue;
         }
@@ -240,13 +240,13 @@ static void set_cuts(lattice *l, place p)
 
 /* ---- 3. warping ---- */
 
-static void warp(lattice *l, place p)
+static void warp(lattice *l, site p)
 {
     const int64_t i = index_of(l, p);
     int32_t nearest = -1;
     double least = 1.0; /* of the distance allowed */
     for (int direction = 0; direction < 14 && l->sign[i] != 0; ++direction) {
-        const place q = neighbour(p, direction);
+        const site q = beside(p, direction);
         const int32_t cut = is_inside_lattice(l, q) ? *slot_of(l, p, q) : -1;
         if (cut >= 0) {
             double d[3];
@@ -263,7 +263,7 @@ static void warp(lattice *l, place p)
     ss_copy3(l->position[i], l->cut[nearest]);
     l->sign[i] = 0;
     for (int direction = 0; direction < 14; ++direction) {
-        const place q = neighbour(p, direction);
+        const site q = beside(p, direction);
         if (is_inside_lattice(l, q)) {
             *slot_of(l, p, q) = -1;
         }
@@ -272,7 +272,7 @@ static void warp(lattice *l, place p)
 
 /* ---- 4. tetrahedra ---- */
 
-static int32_t node_of(lattice *l, place p)
+static int32_t site_node(lattice *l, site p)
 {
     const int64_t i = index_of(l, p);
     if (l->node[i] < 0) {
@@ -282,7 +282,7 @@ static int32_t node_of(lattice *l, place p)
     return l->node[i];
 }
 
-static int32_t cut_node(lattice *l, place inside, place outside)
+static int32_t cut_node(lattice *l, site inside, site outside)
 {
     const int32_t cut = *slot_of(l, inside, outside);
     if (l->cut_node[cut] < 0) {
@@ -299,7 +299,7 @@ static void add(lattice *l, int32_t a, int32_t b, int32_t c, int32_t d)
 
 /* On the face of inner points p, q and outer point m: does the diagonal end at p (and at the cut
  * of q m), not at q? */
-static bool is_diagonal_at(place p, place q, place m)
+static bool is_diagonal_at(site p, site q, site m)
 {
     if (is_long(p, m)) {
         return false; /* it ends at the cut of p m, that is at q */
@@ -357,20 +357,20 @@ static void add_prism(lattice *l, const int32_t low[3], const int32_t high[3], c
 }
 
 /* Points sorted by sign: inner ones first, outer ones last. */
-static void cut_tetrahedron(lattice *l, const place p[4], int inner, int outer)
+static void cut_tetrahedron(lattice *l, const site p[4], int inner, int outer)
 {
     if (outer == 0) {
-        add(l, node_of(l, p[0]), node_of(l, p[1]), node_of(l, p[2]), node_of(l, p[3]));
+        add(l, site_node(l, p[0]), site_node(l, p[1]), site_node(l, p[2]), site_node(l, p[3]));
     } else if (inner == 1) {
         int32_t node[4];
         for (int k = 0; k < 4; ++k) {
-            node[k] = k < 4 - outer ? node_of(l, p[k]) : cut_node(l, p[0], p[k]);
+            node[k] = k < 4 - outer ? site_node(l, p[k]) : cut_node(l, p[0], p[k]);
         }
         add(l, node[0], node[1], node[2], node[3]);
     } else if (inner == 2 && outer == 1) {
-        const int32_t a = node_of(l, p[0]);
-        const int32_t b = node_of(l, p[1]);
-        const int32_t apex = node_of(l, p[2]);
+        const int32_t a = site_node(l, p[0]);
+        const int32_t b = site_node(l, p[1]);
+        const int32_t apex = site_node(l, p[2]);
         const int32_t cut_a = cut_node(l, p[0], p[3]);
         const int32_t cut_b = cut_node(l, p[1], p[3]);
         const bool is_at_a = is_diagonal_at(p[0], p[1], p[3]);
@@ -381,14 +381,15 @@ static void cut_tetrahedron(lattice *l, const place p[4], int inner, int outer)
         int32_t high[3];
         int before[3];
         for (int k = 0; k < 3; ++k) {
-            low[k] = node_of(l, p[k]);
+            low[k] = site_node(l, p[k]);
             high[k] = cut_node(l, p[k], p[3]);
             before[k] = !is_diagonal_at(p[k], p[(k + 1) % 3], p[3]);
         }
         add_prism(l, low, high, before);
     } else {
-        const int32_t low[3] = {node_of(l, p[0]), cut_node(l, p[0], p[2]), cut_node(l, p[0], p[3])};
-        const int32_t high[3] = {node_of(l, p[1]), cut_node(l, p[1], p[2]),
+        const int32_t low[3] = {site_node(l, p[0]), cut_node(l, p[0], p[2]),
+                                cut_node(l, p[0], p[3])};
+        const int32_t high[3] = {site_node(l, p[1]), cut_node(l, p[1], p[2]),
                                  cut_node(l, p[1], p[3])};
         const int before[3] = {!is_diagonal_at(p[0], p[1], p[2]), -1,
                                is_diagonal_at(p[0], p[1], p[3])};
@@ -396,10 +397,10 @@ static void cut_tetrahedron(lattice *l, const place p[4], int inner, int outer)
     }
 }
 
-static void take_tetrahedron(lattice *l, place a, place b, place c, place d)
+static void take_tetrahedron(lattice *l, site a, site b, site c, site d)
 {
-    const place given[4] = {a, b, c, d};
-    place sorted[4];
+    const site given[4] = {a, b, c, d};
+    site sorted[4];
     int count = 0;
     int inner = 0;
     int outer = 0;
@@ -418,17 +419,17 @@ static void take_tetrahedron(lattice *l, place a, place b, place c, place d)
 }
 
 /* The tetrahedra around the long edges from centre p towards +x, +y, +z. */
-static void take_centre(lattice *l, place p)
+static void take_centre(lattice *l, site p)
 {
     for (int axis = 0; axis < 3 && (p.c[0] & 1) != 0; ++axis) {
-        place q = p;
+        site q = p;
         q.c[axis] += 2;
         if (!is_inside_lattice(l, q)) {
             continue;
         }
         const int u = (axis + 1) % 3;
         const int v = (axis + 2) % 3;
-        place ring[4];
+        site ring[4];
         for (int k = 0; k < 4; ++k) {
             ring[k] = p;
             ring[k].c[axis] += 1;

@@ -120,7 +120,7 @@ static softsim_status finish(const ss_mesh *surface, double edge, ss_mesh **inou
                                 error);
     }
     solid_fini(&s);
-    if (status == SOFTSIM_OK && !copy_groups(surface, NULL, *inout_mesh)) {
+    if (status == SOFTSIM_OK && !carry_groups(surface, NULL, *inout_mesh)) {
         ss_mesh_destroy(inout_mesh);
         status = SOFTSIM_ERROR_MEMORY;
     }

@@ -666,7 +666,7 @@ ss_mesh *volume_take_surface(const ss_mesh *volume)
         }
         if (ss_mesh_create(count, (const double(*)[3])x, volume->triangle_count,
                            (const int32_t(*)[3])triangle, 0, NULL, &surface, NULL) == SOFTSIM_OK &&
-            !copy_groups(volume, number, surface)) {
+            !carry_groups(volume, number, surface)) {
             ss_mesh_destroy(&surface);
         }
     }

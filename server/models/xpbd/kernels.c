@@ -135,8 +135,8 @@ SS_INLINE tensor moved_gradient(const element *e, const ss_real *u, const ss_rea
 }
 
 /* The corners' way: -h^2 w_a R grad N_a added to the step. */
-SS_INLINE void move(const element *e, const ss_real *light, ss_wide step, const tensor *r,
-                    ss_real *way)
+SS_INLINE void move_corners(const element *e, const ss_real *light, ss_wide step, const tensor *r,
+                            ss_real *way)
 {
     ss_wide f[4][3];
     corner_forces(e, r, f);
@@ -179,7 +179,7 @@ SS_INLINE void solve(const ss_xpbd_pass *pass, ss_tissue_kind kind, int32_t pack
     const ss_wide own = square * contraction(&cs, &r), unit = square * contraction(&cs, &z);
     const ss_wide push = ss_wide_fnma(k.l, own, k.b * v.j) / ss_wide_fma(k.l, unit, all(1.0));
     add_scaled(&r, push, &z);
-    move(&e, packs->light + b * 4 * SS_FEM_LANES + lane, all(0.0) - square, &r, pass->step);
+    move_corners(&e, packs->light + b * 4 * SS_FEM_LANES + lane, all(0.0) - square, &r, pass->step);
     *least = ss_wide_most(all(0.0) - v.j, *least);
 }
 
