@@ -487,7 +487,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     double along[3];
     ss_sub3(along, out_force, balance.decaying);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->spring, config->period);
-    ss_local_contact_settle(local, haptic->slip.direction);
+    ss_local_contact_settle(local, haptic->slip.direction, ss_norm3(along));
     ss_local_contact_force(local, out_force);
     if (config->between_steps != SS_BETWEEN_LOCAL && !local->held.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);

@@ -143,9 +143,10 @@ bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
                               double out_normal[3], double out_point[3], double *out_depth);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
 void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3]);
-/* After a tick's values were set: `direction` of their force, 0 without any. What updates left then
- * only pushes out, along the last one: it draws no tool in, nor aside. */
-void ss_local_contact_settle(ss_local_contact *local, const double direction[3]);
+/* After a tick's values were set: `direction` of their force, 0 without any, and its `size`, N.
+ * What updates left takes off no more than that: it draws no tool in. Without a contact it only
+ * pushes out, along the last one, nor does it draw aside. */
+void ss_local_contact_settle(ss_local_contact *local, const double direction[3], double size);
 /* The whole force of the last tick's values. */
 void ss_local_contact_force(const ss_local_contact *local, double out[3]);
 /* What `hold` and `linear` hand out in its place. */

@@ -190,10 +190,14 @@ void ss_local_contact_force(const ss_local_contact *local, double out[3])
     }
 }
 
-void ss_local_contact_settle(ss_local_contact *local, const double direction[3])
+void ss_local_contact_settle(ss_local_contact *local, const double direction[3], double size)
 {
     if (ss_norm3(direction) > 0.0) {
         ss_copy3(local->outward, direction);
+        if (!local->held.is_held) {
+            const double inward = -ss_dot3(local->residual, direction) - size;
+            ss_madd3(local->residual, local->residual, fmax(0.0, inward), direction);
+        }
         return;
     }
     ss_scale3(local->residual, local->outward, fmax(0.0, ss_dot3(local->residual, local->outward)));

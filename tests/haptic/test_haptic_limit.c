@@ -422,6 +422,48 @@ static void a_grasp_let_go_never_reverses_the_force(void **state)
     }
 }
 
+/* Tissue that another tool moves: from result to result its surface is another one, or two, and
+ * the hand moves as it likes. A single contact pushes, whatever is left of the others. */
+static void a_contact_never_draws_the_hand_in(void **state)
+{
+    (void)state;
+    random_state = 7;
+    int touched = 0;
+    for (int run = 0; run < 40; ++run) {
+        ss_haptic_config config = default_config();
+        config.damping = 2.0;
+        config.stiffness = 800.0;
+        config.max_slew = 1e6; /* else the force of the surface before lags behind */
+        rig r;
+        rig_start(&r, &config);
+        const int period = 1 + (int)uniform(0.0, 7.999);
+        for (int n = 0; n < 400; ++n) {
+            if (n > 0 && n % period == 0) {
+                rig_result(&r, exp(uniform(log(100.0), log(3000.0))), uniform(0.0, 5e-3), 1);
+                ss_contact_set *set = &r.result.set;
+                set->count = n < 20 ? 0 : 1 + (int)uniform(0.0, 1.999); /* from outside */
+                set->contact[1] = set->contact[0];
+                for (int i = 0; i < set->count; ++i) {
+                    ss_contact *c = &set->contact[i];
+                    ss_set3(c->normal, uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(0.1, 1.0));
+                    ss_normalize3(c->normal);
+                }
+            }
+            const double x[3] = {uniform(-2e-3, 2e-3), uniform(-2e-3, 2e-3), 0.0};
+            ss_copy3(r.pose.position, x);
+            (void)rig_tick(&r, uniform(-4e-3, 6e-3));
+            const bool is_touching =
+                r.out.force.stiffness > 0.0 || (r.out.force.flags & SOFTSIM_FORCE_LIMITED);
+            if (r.result.set.count == 1 && is_touching) {
+                ++touched;
+                assert_true(ss_dot3(r.out.force.force, r.out.force.normal) >= -1e-9);
+            }
+        }
+        rig_end(&r);
+    }
+    assert_true(touched > 1000);
+}
+
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 {
@@ -531,6 +573,7 @@ int main(void)
         cmocka_unit_test(a_press_stays_at_the_limit),
         cmocka_unit_test(a_grasp_stays_at_the_limit),
         cmocka_unit_test(a_grasp_let_go_never_reverses_the_force),
+        cmocka_unit_test(a_contact_never_draws_the_hand_in),
         cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
         cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
         cmocka_unit_test(force_is_limited_and_the_proxy_slips),
