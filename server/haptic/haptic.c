@@ -291,13 +291,14 @@ static bool is_touching(const ss_local_model *result)
     return most > 0.0;
 }
 
-/* The proxy goes out to the surface at once, and is let in by fading. */
+/* The proxy goes out to the surface at once, and is let in by fading, from no force on. */
 static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const double normal[3])
 {
     double v[3];
     ss_admission_fade(&haptic->admission, tick, point, normal);
     haptic->local.viscous = 0.0;
     used_pose(haptic, haptic->p, v);
+    ss_local_contact_begin(&haptic->local, haptic->p, haptic->p, haptic->pdot);
     ++haptic->entries;
 }
 

@@ -130,6 +130,9 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double apart
 void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
                            const ss_haptic_config *config, int64_t tick, const double x[3],
                            const double p[3], const double pdot[3], bool is_fresh);
+/* The contacts begin without force: offsets hold back what would appear at once. */
+void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
+                            const double pdot[3]);
 /* Starts or ends a grasp without changing the force, of which the hand felt at most `limit`. */
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3]);
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],

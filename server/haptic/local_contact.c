@@ -415,6 +415,16 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
     }
 }
 
+void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
+                            const double pdot[3])
+{
+    for (int32_t i = 0; i < local->count; ++i) {
+        ss_local_contact_point *c = &local->contact[i];
+        c->offset = 0.0;
+        c->offset = -fmax(0.0, contact_force(local, c, x, p, pdot));
+    }
+}
+
 /* A result of a grasp: the model's whole reaction, with the step hidden in the offset. */
 static void take_held(ss_local_contact *local, const ss_local_model *result, const double p[3],
                       const double pdot[3])

@@ -154,6 +154,33 @@ static void entry_fades_the_depth_over_500_ticks(void **state)
     rig_end(&r);
 }
 
+/* The tissue presses against a tool from the moment that it has its place in it: felt from no force
+ * on, without a step. */
+static void tissue_that_springs_back_is_let_in_without_a_step(void **state)
+{
+    (void)state;
+    const ss_haptic_config config = default_config();
+    rig r;
+    rig_start(&r, &config);
+    rig_tick(&r, -5e-3);
+    double last = 0.0;
+    for (int i = 0; i <= 600; ++i) {
+        rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+        r.result.is_found_inside = i == 0;
+        if (i == 0) {
+            ss_set3(r.result.proxy, 0.0, 0.0, 0.0);
+            ss_set3(r.result.outward, 0.0, 0.0, 1.0);
+        }
+        r.result.set.contact[0].force += 0.5 * fmax(0.0, 1.0 - i / 100.0);
+        r.result.set.force[2] = r.result.set.contact[0].force;
+        const double f = rig_tick(&r, -5e-3);
+        assert_true(fabs(f - last) <= 0.02);
+        last = f;
+    }
+    assert_near(last, 300.0 * 5e-3, 0.06);
+    rig_end(&r);
+}
+
 static void late_results_ramp_with_the_fault_flag(void **state)
 {
     const ss_haptic_config config = default_config();
@@ -447,6 +474,7 @@ int main(void)
         cmocka_unit_test(missed_ticks_do_not_step_the_force),
         cmocka_unit_test(results_from_across_a_reset_do_not_count),
         cmocka_unit_test(entry_fades_the_depth_over_500_ticks),
+        cmocka_unit_test(tissue_that_springs_back_is_let_in_without_a_step),
         cmocka_unit_test(late_results_ramp_with_the_fault_flag),
         cmocka_unit_test(fault_of_the_model_ramps),
         cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
