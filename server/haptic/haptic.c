@@ -280,6 +280,18 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
     ss_admission_pose(&haptic->admission, x, v);
 }
 
+/* Where the patches of the local contact model are taken: at the pose used, moved as far as the
+ * limit and a grasp that was let go have the proxy slip. A hand far beyond the limit would else
+ * bend the surface as it is at the hand: the tissue was pressed with half of the limit. */
+static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3])
+{
+    const ss_slip *slip = &haptic->slip;
+    ss_madd3(out, x, slip->has_let_go ? 0.0 : 1.0, slip->aside);
+    if (slip->share < 1.0) {
+        ss_madd3(out, out, fmax(0.0, slip->length), slip->direction);
+    }
+}
+
 /* Does the tool touch, where it was placed? */
 static bool is_touching(const ss_local_model *result)
 {
@@ -307,12 +319,13 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
 {
     ss_local_contact *local = &haptic->local;
     const bool is_first = haptic->admission.phase == SS_PHASE_WAITING;
-    double x[3], v[3], normal[3], point[3], depth = 0.0;
+    double x[3], v[3], at[3], normal[3], point[3], depth = 0.0;
     used_pose(haptic, x, v);
+    patch_pose(haptic, x, at);
     if (!is_first && haptic->is_pressed && result->set.is_held && !local->held.is_held) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    ss_local_contact_take(local, result, &haptic->config, tick, x, haptic->p, haptic->pdot,
+    ss_local_contact_take(local, result, &haptic->config, tick, at, haptic->p, haptic->pdot,
                           is_first || result->is_found_inside);
     const bool is_near =
         ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
@@ -383,7 +396,9 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
     if (local->held.is_held && (!haptic->is_pressed || is_refused)) {
-        ss_local_contact_release(local, x, haptic->p, haptic->pdot, haptic->slip.limit);
+        double at[3];
+        patch_pose(haptic, x, at);
+        ss_local_contact_release(local, at, haptic->p, haptic->pdot, haptic->slip.limit);
         let_go(haptic, x, v);
     } else if (!local->held.is_held && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {
@@ -466,7 +481,9 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     if (slip->share < 1.0) {
         ss_copy3(balance->axis, slip->direction);
     }
-    ss_local_contact_rows(&haptic->local, config->period, x, haptic->p, balance);
+    double at[3];
+    patch_pose(haptic, x, at);
+    ss_local_contact_rows(&haptic->local, config->period, at, haptic->p, balance);
 }
 
 /* Balances the proxy against the local contact model within the limit; writes the values of the

@@ -464,6 +464,37 @@ static void a_contact_never_draws_the_hand_in(void **state)
     assert_true(touched > 1000);
 }
 
+/* A hand that goes on to 25 mm below the top of a ball of 30 mm whose normal trembles from result
+ * to result, as that of a coarse mesh does: the ball is pressed with the limit. */
+static void a_hand_far_beyond_the_limit_presses_with_the_limit(void **state)
+{
+    (void)state;
+    for (int period = 1; period <= 16; period *= 4) {
+        ss_haptic_config config = default_config();
+        config.max_force = 1.0;
+        config.damping = 2.0;
+        config.stiffness = 800.0;
+        rig r;
+        rig_start(&r, &config);
+        for (int n = 0; n < 2000; ++n) {
+            if (n > 0 && n % period == 0) {
+                result_of(&r, 1, 1000.0, period * T);
+                ss_contact *c = &r.result.set.contact[0];
+                c->normal[1] += n / period % 2 == 0 ? 0.05 : -0.05;
+                ss_normalize3(c->normal);
+            }
+            const double share = fmin(1.0, n / 600.0);
+            r.pose.position[0] = 5e-3 * share;
+            (void)rig_tick(&r, 1e-3 - 26e-3 * share);
+            if (n > 1500) {
+                assert_near(ss_norm3(r.out.force.force), 1.0, 1e-4);
+                assert_near(ss_norm3(r.result.set.force), 1.0, 0.05);
+            }
+        }
+        rig_end(&r);
+    }
+}
+
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 {
@@ -574,6 +605,7 @@ int main(void)
         cmocka_unit_test(a_grasp_stays_at_the_limit),
         cmocka_unit_test(a_grasp_let_go_never_reverses_the_force),
         cmocka_unit_test(a_contact_never_draws_the_hand_in),
+        cmocka_unit_test(a_hand_far_beyond_the_limit_presses_with_the_limit),
         cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
         cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
         cmocka_unit_test(force_is_limited_and_the_proxy_slips),
