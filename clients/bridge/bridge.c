@@ -126,7 +126,7 @@ static bool read_device(ss_bridge *bridge)
     }
     if (bridge->has_sample) {
         const double period_s = bridge->device.period_s;
-        const double share = 1.0 - exp(-2.0 * 3.141592653589793 * velocity_cutoff_hz * period_s);
+        const double share = 1.0 - exp(-2.0 * SS_PI * velocity_cutoff_hz * period_s);
         double moved[3];
         ss_sub3(moved, sample.true_position, bridge->sample.true_position);
         bridge->summary.energy_in_j -= ss_dot3(bridge->device_force, moved);

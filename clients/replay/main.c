@@ -188,7 +188,56 @@ static bool finish_files(const char *program, ss_replay *replay, bool is_complet
     return error.fault_count == 0;
 }
 
-/* Opens files and network, plays, reports. */
+/* Opens files and network; nothing is left open after a failure. */
+static softsim_status open_all(const char *program, const options *o,
+                               const softsim_client_config *config, ss_replay *replay,
+                               softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    if (o->record != NULL) {
+        status = softsim_log_create(o->record, &replay->record, error);
+    }
+    if (status == SOFTSIM_OK && o->csv != NULL) {
+        status = ss_output_record(&replay->csv, o->csv, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = softsim_client_open(config, &replay->client, error);
+    }
+    if (status != SOFTSIM_OK) {
+        softsim_log_abandon(&replay->record);
+        ss_output_abandon(&replay->csv);
+        softsim_client_close(&replay->client);
+        return status;
+    }
+    if (replay->csv.file != NULL) {
+        fputs(ss_replay_csv_header, replay->csv.file);
+        ss_output_tell(&replay->csv, program);
+    }
+    if (replay->record != NULL) {
+        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                       softsim_log_path(replay->record), o->record);
+    }
+    return SOFTSIM_OK;
+}
+
+/* Says on stderr why not all was played. */
+static void tell_result(const char *program, const options *o, const ss_replay *replay,
+                        const survey *found, ss_replay_result result)
+{
+    if (result == SS_REPLAY_SILENT) {
+        fprintf(stderr,
+                "%s: no answer for 5 s after pose %" PRId32
+                "; is softsimd running, with this prefix and LCM url%s?\n",
+                program, replay->seq, o->is_lockstep ? ", with --lockstep" : "");
+    } else if (result == SS_REPLAY_STOPPED) {
+        fprintf(stderr, "%s: stopped after %" PRId64 " of %" PRId64 " poses\n", program,
+                replay->statistics.poses, found->poses * o->repeat);
+    } else if (result == SS_REPLAY_BROKEN) {
+        fprintf(stderr, "%s: LCM failed\n", program);
+    }
+}
+
+/* Plays, reports, closes. */
 static int play(const char *program, const options *o, softsim_poses *poses, const survey *found)
 {
     static ss_replay replay; /* large */
@@ -205,31 +254,11 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     if (!o->is_lockstep) {
         ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
     }
-    softsim_status status = SOFTSIM_OK;
-    if (o->record != NULL) {
-        status = softsim_log_create(o->record, &replay.record, &error);
-    }
-    if (status == SOFTSIM_OK && o->csv != NULL) {
-        status = ss_output_record(&replay.csv, o->csv, &error);
-    }
-    if (status == SOFTSIM_OK) {
-        status = softsim_client_open(&config, &replay.client, &error);
-    }
+    const softsim_status status = open_all(program, o, &config, &replay, &error);
     if (status != SOFTSIM_OK) {
         ss_args_print_error(program, &error);
-        softsim_log_abandon(&replay.record);
-        ss_output_abandon(&replay.csv);
-        softsim_client_close(&replay.client);
         return status == SOFTSIM_ERROR_ARGUMENT || status == SOFTSIM_ERROR_FILE ? SS_EXIT_BAD_INPUT
                                                                                 : EXIT_FAILURE;
-    }
-    if (replay.csv.file != NULL) {
-        fputs(ss_replay_csv_header, replay.csv.file);
-        ss_output_tell(&replay.csv, program);
-    }
-    if (replay.record != NULL) {
-        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
-                       softsim_log_path(replay.record), o->record);
     }
     if (o->is_lockstep && found->probe_count > 1) {
         fprintf(stderr,
@@ -238,17 +267,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
                 program, found->probe_count, found->probe_count);
     }
     const ss_replay_result result = ss_replay_run(&replay);
-    if (result == SS_REPLAY_SILENT) {
-        fprintf(stderr,
-                "%s: no answer for 5 s after pose %" PRId32
-                "; is softsimd running, with this prefix and LCM url%s?\n",
-                program, replay.seq, o->is_lockstep ? ", with --lockstep" : "");
-    } else if (result == SS_REPLAY_STOPPED) {
-        fprintf(stderr, "%s: stopped after %" PRId64 " of %" PRId64 " poses\n", program,
-                replay.statistics.poses, found->poses * o->repeat);
-    } else if (result == SS_REPLAY_BROKEN) {
-        fprintf(stderr, "%s: LCM failed\n", program);
-    }
+    tell_result(program, o, &replay, found, result);
     const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
     const bool is_one =
         !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);

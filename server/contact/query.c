@@ -32,13 +32,14 @@
 
 #include "contact/shape.h"
 #include "rt/memory.h"
+#include "rt/vec.h"
 
 /* ---- create ---- */
 
 /* How many of something of area `area` each can be within the tool at once, generously. */
 static int32_t capacity_for(double radius, double area, int64_t total)
 {
-    const double estimate = 8.0 * 12.566370614359172954 * radius * radius / area;
+    const double estimate = 8.0 * 4.0 * SS_PI * radius * radius / area;
     const double bounded = fmin(fmax(estimate, 4096.0), 1048576.0);
     return (int32_t)fmin(bounded, (double)total);
 }

@@ -29,6 +29,7 @@
 #include "contact/surface.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
+#include "rt/vec.h"
 
 /* ---- half-edges ---- */
 
@@ -254,7 +255,7 @@ static void clear_row(const builder *b, double *out)
 
 static double loop_beta(int32_t valence)
 {
-    const double turn = 6.283185307179586476925 / valence;
+    const double turn = 2.0 * SS_PI / valence;
     const double inner = 0.375 + 0.25 * cos(turn);
     return valence == 6 ? 0.0625 : (0.625 - inner * inner) / valence;
 }

@@ -154,10 +154,28 @@ static void print_summary(const ss_loops *loops)
             (long long)loops->simulation_stats.info.step, 1e3 * loops->world->step_period);
 }
 
-softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_error *error)
+static void destroy(ss_loops **loops)
 {
-    ss_loops *loops = ss_memory_get(1, sizeof *loops);
-    if (!loops) {
+    if (*loops == NULL) {
+        return;
+    }
+    if ((*loops)->wake_fd >= 0) {
+        close((*loops)->wake_fd);
+    }
+    if ((*loops)->event_fd >= 0) {
+        close((*loops)->event_fd);
+    }
+    ss_mailbox_destroy(&(*loops)->judgement);
+    ss_memory_free(*loops);
+    *loops = NULL;
+}
+
+/* All that the threads share; NULL after a failure. */
+static softsim_status create(ss_world *world, const ss_options *options, ss_loops **out_loops,
+                             softsim_error *error)
+{
+    ss_loops *loops = *out_loops = ss_memory_get(1, sizeof *loops);
+    if (loops == NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "no memory for the loops");
         return SOFTSIM_ERROR_MEMORY;
     }
@@ -174,45 +192,73 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
     loops->stderr_report = (ss_stderr_report){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
+    softsim_status status = SOFTSIM_OK;
+    if (loops->judgement == NULL) {
+        status = SOFTSIM_ERROR_MEMORY;
+        softsim_error_add(error, status, "no memory for the loops");
+    } else if (loops->wake_fd < 0 || loops->event_fd < 0) {
+        status = SOFTSIM_ERROR_SYSTEM;
+        softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
+                          softsim_status_text(status));
+    }
+    if (status != SOFTSIM_OK) {
+        destroy(out_loops);
+    }
+    return status;
+}
 
+static void lock_memory(const ss_options *options)
+{
     if (options->realtime != SS_REALTIME_OFF && !options->lockstep && !ss_thread_lock_memory() &&
         options->log_level >= SS_LOG_WARNING) {
         fprintf(stderr, "softsimd: warning: memory is not locked, so a page fault may delay a "
                         "force; raise `ulimit -l` or run as root\n");
     }
-    ss_loop_threads threads = {0};
-    softsim_status status = SOFTSIM_ERROR_SYSTEM;
-    if (!loops->judgement) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "no memory for the loops");
-    } else if (loops->wake_fd < 0 || loops->event_fd < 0) {
-        softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
-                          softsim_status_text(status));
-    } else {
-        status = start_all(loops, &threads, error);
+}
+
+/* From ready until the forces have been ramped to zero. */
+static void serve(ss_loops *loops, const ss_loop_threads *threads)
+{
+    if (threads->is_fifo_refused && loops->options->log_level >= SS_LOG_WARNING) {
+        fprintf(stderr, "softsimd: warning: SCHED_FIFO is not allowed, so forces may be late; "
+                        "run as root or raise `ulimit -r`\n");
     }
-    if (status == SOFTSIM_OK) {
-        if (threads.is_fifo_refused && options->log_level >= SS_LOG_WARNING) {
-            fprintf(stderr, "softsimd: warning: SCHED_FIFO is not allowed, so forces may be late; "
-                            "run as root or raise `ulimit -r`\n");
-        }
-        puts("softsimd: ready");
-        fflush(stdout);
-        wait_for_end(loops);
-        ss_loops_end(loops); /* in lockstep no pose that still waits is answered */
-        if (!options->lockstep) {
-            /* Let the haptic loop ramp the forces to zero. */
-            atomic_store_explicit(&world->is_stopping, true, memory_order_release);
-            ss_clock_sleep_until(ss_clock_now_ns() + STOP_TICKS * loops->period_ns);
-        }
+    puts("softsimd: ready");
+    fflush(stdout);
+    wait_for_end(loops);
+    ss_loops_end(loops); /* in lockstep no pose that still waits is answered */
+    if (!loops->options->lockstep) {
+        /* Let the haptic loop ramp the forces to zero. */
+        atomic_store_explicit(&loops->world->is_stopping, true, memory_order_release);
+        ss_clock_sleep_until(ss_clock_now_ns() + STOP_TICKS * loops->period_ns);
     }
+}
+
+static void end_all(ss_loops *loops, ss_loop_threads *threads)
+{
     atomic_store_explicit(&loops->is_ending, true, memory_order_release);
-    ss_thread_join(&threads.haptic);
-    ss_thread_join(&threads.simulation);
+    ss_thread_join(&threads->haptic);
+    ss_thread_join(&threads->simulation);
     ss_wake_signal(loops->wake_fd);
-    ss_thread_join(&threads.net);
-    ss_thread_join(&threads.publish);
+    ss_thread_join(&threads->net);
+    ss_thread_join(&threads->publish);
     ss_publisher_close(&loops->publisher);
+}
+
+softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_error *error)
+{
+    ss_loops *loops = NULL;
+    ss_loop_threads threads = {0};
+    softsim_status status = create(world, options, &loops, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    lock_memory(options);
+    status = start_all(loops, &threads, error);
+    if (status == SOFTSIM_OK) {
+        serve(loops, &threads);
+    }
+    end_all(loops, &threads);
     if (status == SOFTSIM_OK) {
         status = loops->net_status;
         if (status != SOFTSIM_OK) {
@@ -222,13 +268,6 @@ softsim_status ss_loops_run(ss_world *world, const ss_options *options, softsim_
             print_summary(loops);
         }
     }
-    if (loops->wake_fd >= 0) {
-        close(loops->wake_fd);
-    }
-    if (loops->event_fd >= 0) {
-        close(loops->event_fd);
-    }
-    ss_mailbox_destroy(&loops->judgement);
-    ss_memory_free(loops);
+    destroy(&loops);
     return status;
 }

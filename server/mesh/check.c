@@ -265,8 +265,7 @@ static double measure_corner(const ss_mesh *mesh, const int32_t *node, double *i
     ss_sub3(v, mesh->position[node[2]], mesh->position[node[0]]);
     ss_cross3(uv, u, v);
     const double area = 0.5 * ss_norm3(uv);
-    *inout_angle =
-        fmin(*inout_angle, atan2(2.0 * area, ss_dot3(u, v)) * (180.0 / 3.14159265358979323846));
+    *inout_angle = fmin(*inout_angle, atan2(2.0 * area, ss_dot3(u, v)) * (180.0 / SS_PI));
     return area;
 }
 

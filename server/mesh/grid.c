@@ -73,7 +73,7 @@ static softsim_status create_form(const form *f, ss_mesh **out_mesh, softsim_err
     for (int32_t r = 0; has_room && r < f->rows; ++r) {
         for (int32_t c = 0; c < f->columns; ++c) {
             double *out = x[r * f->columns + c];
-            const double phi = 2.0 * 3.14159265358979323846 * c / f->columns;
+            const double phi = 2.0 * SS_PI * c / f->columns;
             if (f->is_ring) {
                 ss_set3(out, f->size[0] * cos(phi), f->size[0] * sin(phi),
                         along(f->size[1], r, f->rows));

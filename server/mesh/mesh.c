@@ -127,7 +127,7 @@ void ss_mesh_destroy(ss_mesh **mesh)
 /* R = Rz Ry Rx. */
 static void rotation(const double rotate_deg[3], double out[3][3])
 {
-    const double degree = 3.14159265358979323846 / 180.0;
+    const double degree = SS_PI / 180.0;
     const double cx = cos(rotate_deg[0] * degree);
     const double sx = sin(rotate_deg[0] * degree);
     const double cy = cos(rotate_deg[1] * degree);

@@ -14,7 +14,7 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-static const double degrees = 180.0 / 3.14159265358979323846;
+static const double degrees = 180.0 / SS_PI;
 static const double sharp_angle = 10.0; /* degrees */
 static const double longest_shape = 20.0;
 

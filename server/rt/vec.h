@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#define SS_PI 3.14159265358979323846
+
 static inline void ss_set3(double out[3], double x, double y, double z)
 {
     out[0] = x;

@@ -36,39 +36,45 @@ static int name_threads(const ss_world *world, const char *out[MOST_THREADS])
     return count;
 }
 
-void ss_world_explain(const ss_world *world, const ss_notes *out)
+static void explain_mesh(const ss_mesh *mesh, const ss_notes *out)
 {
-    static const char *const shapes[] = {"sphere", "capsule", "box", "cylinder", "cone", "convex"};
-    const ss_scene *scene = world->scene;
-    bool needs_convex = false;
-    ss_note_used(out, "scene", "%s", scene->path);
-    ss_note_used(out, "mesh", "%d nodes, %d surface triangles, %d tetrahedra%s",
-                 scene->mesh->node_count, scene->mesh->triangle_count,
-                 scene->mesh->tetrahedron_count, scene->mesh->is_closed ? ", closed" : ", open");
-    if (scene->mesh->quad_count > 0) {
-        ss_note_used(out, "grid", "%d quads, whose halves are the triangles",
-                     scene->mesh->quad_count);
+    ss_note_used(out, "mesh", "%d nodes, %d surface triangles, %d tetrahedra%s", mesh->node_count,
+                 mesh->triangle_count, mesh->tetrahedron_count,
+                 mesh->is_closed ? ", closed" : ", open");
+    if (mesh->quad_count > 0) {
+        ss_note_used(out, "grid", "%d quads, whose halves are the triangles", mesh->quad_count);
     }
-    if (scene->mesh->cut_face_count > 0) {
+    if (mesh->cut_face_count > 0) {
         ss_note_used(out, "mesh",
                      "%d faces of more than three corners were cut into triangles, since not all "
                      "faces are quads",
-                     scene->mesh->cut_face_count);
+                     mesh->cut_face_count);
     }
     ss_note_used(out, "numbers", "%s",
-                 scene->mesh->file_node
-                     ? "by place in memory, the file's in all that is read or written"
-                     : "the file's, whose neighbours are near in memory");
-    ss_note_used(out, "model", "%s", world->model_class->name);
-    world->model_class->explain(world->model, out);
+                 mesh->file_node ? "by place in memory, the file's in all that is read or written"
+                                 : "the file's, whose neighbours are near in memory");
+}
+
+/* Is one of them a convex mesh? */
+static bool explain_tools(const ss_scene *scene, const ss_notes *out)
+{
+    static const char *const shapes[] = {"sphere", "capsule", "box", "cylinder", "cone", "convex"};
+    bool has_convex = false;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
             const ss_shape *shape = &scene->tool[p].shape;
             ss_note_used(out, "contact.tools", "probe %d: %s, bounding radius %.4g mm", p,
                          shapes[shape->kind], 1e3 * ss_shape_bounding_radius(shape));
-            needs_convex |= shape->kind == SS_SHAPE_CONVEX;
+            has_convex |= shape->kind == SS_SHAPE_CONVEX;
         }
     }
+    return has_convex;
+}
+
+/* Rates, costs and threads of the loops. */
+static void explain_loops(const ss_world *world, const ss_notes *out)
+{
+    const ss_scene *scene = world->scene;
     ss_note_used(out, "simulation",
                  "every %d haptic period%s, %.6g Hz (%s; estimated %.3g us a step)",
                  world->step_ticks, world->step_ticks == 1 ? "" : "s", 1.0 / world->step_period,
@@ -96,7 +102,18 @@ void ss_world_explain(const ss_world *world, const ss_notes *out)
         ss_note_used(out, "publish", "%.4g Hz, at most %.4g bytes/s", scene->mesh_rate_hz,
                      scene->max_bytes_per_s);
     }
-    if (!needs_convex) {
+}
+
+void ss_world_explain(const ss_world *world, const ss_notes *out)
+{
+    const ss_scene *scene = world->scene;
+    ss_note_used(out, "scene", "%s", scene->path);
+    explain_mesh(scene->mesh, out);
+    ss_note_used(out, "model", "%s", world->model_class->name);
+    world->model_class->explain(world->model, out);
+    const bool has_convex = explain_tools(scene, out);
+    explain_loops(world, out);
+    if (!has_convex) {
         ss_note_left_out(out, "convex narrow phase", "no convex-mesh tool");
     }
     if (scene->load_count == 0 && scene->prescribed_count == 0) {

@@ -21,6 +21,7 @@
 #include "common/folder_fixture.h"
 #include "net/codec.h"
 #include "process/process.h"
+#include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_server_status_t.h"
 
@@ -263,7 +264,7 @@ static inline void make_log(const char *path, int count, int probes)
                                  .flags = 1,
                                  .orientation = {1.0, 0.0, 0.0, 0.0},
                                  .velocity = {0.125, 0.0, 0.0}};
-            pose.position[2] = 0.005 * cos(6.283185307179586 * i / count);
+            pose.position[2] = 0.005 * cos(2.0 * SS_PI * i / count);
             snprintf(channel, sizeof channel, "OLD_PROBE_%d", p);
             softsim_log_write_pose(writer, 70000000 + 1000 * i, channel, &pose);
         }

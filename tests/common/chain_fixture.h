@@ -56,7 +56,7 @@ static inline ss_mesh *make_star(int points)
     double(*position)[3] = calloc((size_t)points + 1, sizeof *position);
     int32_t(*triangle)[3] = calloc((size_t)points, sizeof *triangle);
     for (int k = 0; k < points; ++k) {
-        const double angle = 6.283185307179586 * k / points;
+        const double angle = 2.0 * SS_PI * k / points;
         ss_set3(position[k + 1], cos(angle), sin(angle), 0.0);
         triangle[k][1] = k + 1;
         triangle[k][2] = (k + 1) % points + 1;

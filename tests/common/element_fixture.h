@@ -37,7 +37,7 @@ static inline ss_mesh *make_grid_cylinder(int rows, int columns, double radius, 
     double(*position)[3] = calloc((size_t)rows * (size_t)columns, sizeof *position);
     for (int i = 0; i < rows; ++i) {
         for (int j = 0; j < columns; ++j) {
-            const double angle = 2.0 * PI * j / columns;
+            const double angle = 2.0 * SS_PI * j / columns;
             ss_set3(position[i * columns + j], radius * sin(angle), radius * cos(angle),
                     length * ((double)i / (rows - 1) - 0.5));
         }

@@ -8,8 +8,6 @@
 #include "rt/vec.h"
 #include "setup_fixture.h"
 
-#define PI 3.14159265358979323846
-
 /* ---- meshes ---- */
 
 /* A mesh under construction; grows without limit checks, tests only. */
@@ -69,7 +67,7 @@ static inline ss_mesh *make_fan(double h)
     draft_init(&d, 7, 6);
     draft_node(&d, 0.0, 0.0, 0.0);
     for (int k = 0; k < 6; ++k) {
-        draft_node(&d, h * cos(k * PI / 3.0), h * sin(k * PI / 3.0), 0.0);
+        draft_node(&d, h * cos(k * SS_PI / 3.0), h * sin(k * SS_PI / 3.0), 0.0);
     }
     for (int k = 0; k < 6; ++k) {
         draft_triangle(&d, 0, 1 + k, 1 + (k + 1) % 6);
@@ -85,7 +83,7 @@ static inline ss_mesh *make_cylinder(int rows, int columns, double radius, doubl
     draft_init(&d, rows * columns, 2 * rows * columns);
     for (int i = 0; i < rows; ++i) {
         for (int j = 0; j < columns; ++j) {
-            const double angle = 2.0 * PI * j / columns;
+            const double angle = 2.0 * SS_PI * j / columns;
             draft_node(&d, radius * sin(angle), radius * cos(angle),
                        length * ((double)i / (rows - 1) - 0.5));
         }

@@ -51,7 +51,7 @@ static void make_prism(int32_t n, double radius, double half_length)
 {
     mesh = (ss_mesh){.position = positions, .triangle = triangles, .is_closed = true};
     for (int32_t k = 0; k < 2 * n; ++k) {
-        const double angle = 6.283185307179586 * (k % n) / n;
+        const double angle = 2.0 * SS_PI * (k % n) / n;
         ss_set3(positions[k], radius * cos(angle), radius * sin(angle),
                 k < n ? -half_length : half_length);
     }

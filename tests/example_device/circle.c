@@ -24,7 +24,7 @@ typedef struct circle {
 static bool read_circle(void *state, ss_device_sample *out_sample)
 {
     const circle *c = state;
-    const double angle = 2.0 * 3.141592653589793 * (double)c->tick * c->period_s;
+    const double angle = 2.0 * SS_PI * (double)c->tick * c->period_s;
     *out_sample = (ss_device_sample){.orientation = {1.0, 0.0, 0.0, 0.0}};
     ss_set3(out_sample->position, c->radius_m * cos(angle), c->radius_m * sin(angle), 0.0);
     ss_copy3(out_sample->true_position, out_sample->position);

@@ -13,8 +13,6 @@
 #include "common/tool_fixture.h"
 #include "rt/vec.h"
 
-static const double pi = 3.14159265358979323846;
-
 static ss_mesh *generate(const char *arguments, const char *name, double unit)
 {
     char command[512];
@@ -66,13 +64,13 @@ static const ss_mesh_group *find_group(const ss_mesh *m, const char *name)
 /* Of the part of an ellipsoid below z = base. */
 static double cut_volume(double a, double b, double c, double base)
 {
-    return pi * a * b * (base - base * base * base / (3.0 * c * c) + 2.0 * c / 3.0);
+    return SS_PI * a * b * (base - base * base * base / (3.0 * c * c) + 2.0 * c / 3.0);
 }
 
 static void
 bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void **state)
 {
-    const double ellipsoid = 4.0 / 3.0 * pi;
+    const double ellipsoid = 4.0 / 3.0 * SS_PI;
     const struct {
         const char *arguments;
         int32_t points;
@@ -81,8 +79,8 @@ bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void
         {"block", 2197, 1e-3, 1e-9, 54.7},
         {"block --points 100 --size-mm 30,20,10", 100, 6e-6, 1e-9, 45.0},
         {"beam --points 5000", 5000, 0.2 * 0.04 * 0.04, 1e-9, 50.0},
-        {"cylinder --radius-m 0.05 --length-m 0.2 --units mm", 3000, pi * 0.05 * 0.05 * 0.2, 0.01,
-         25.0},
+        {"cylinder --radius-m 0.05 --length-m 0.2 --units mm", 3000, SS_PI * 0.05 * 0.05 * 0.2,
+         0.01, 25.0},
         {"ellipsoid --points 1200", 1200, ellipsoid * 0.05 * 0.03 * 0.03, 0.02, 25.0},
         {"ellipsoid --points 300 --size-mm 90,60,80", 300, ellipsoid * 0.045 * 0.03 * 0.04, 0.05,
          25.0},

@@ -22,6 +22,7 @@
 #include <poll.h>
 
 #include "daemon_fixture.h"
+#include "rt/vec.h"
 #include "softsim_mesh_topology_t.h"
 
 static void send_command(watch *w, int id, char *name, char *argument)
@@ -96,7 +97,7 @@ static void on_topology(const lcm_recv_buf_t *buffer, const char *channel,
             return;
         }
         const int ring = file / GRID_COLUMNS;
-        const double phi = 2.0 * 3.14159265358979323846 * (file % GRID_COLUMNS) / GRID_COLUMNS;
+        const double phi = 2.0 * SS_PI * (file % GRID_COLUMNS) / GRID_COLUMNS;
         const double x[3] = {cos(phi), sin(phi), 4.0 * ring / (GRID_ROWS - 1) - 2.0};
         for (int axis = 0; axis < 3; ++axis) {
             t->worst = fmax(t->worst, fabs((double)m->rest[3 * k + axis] - x[axis]));

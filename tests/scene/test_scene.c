@@ -3,6 +3,8 @@
 /* Scenes: what a good one gives, overrides, printing, live keys. */
 #include "scene_fixture.h"
 
+#include "rt/vec.h"
+
 static ss_scene *load_good(const char *text, const char *const *overrides, int count)
 {
     ss_scene *scene = load_with(text, overrides, count);
@@ -273,7 +275,7 @@ static void a_grid_is_made_in_the_scene_itself(void **state)
     assert_int_equal(s->mesh->quad_count, 14 * 24);
     assert_int_equal(s->mesh->triangle_count, 2 * 14 * 24);
     for (int i = 0; i < 360; i++) {
-        const double phi = 2 * 3.14159265358979323846 * (i % 24) / 24;
+        const double phi = 2 * SS_PI * (i % 24) / 24;
         assert_near(s->mesh->position[i][0], cos(phi), 1e-15);
         assert_near(s->mesh->position[i][1], sin(phi), 1e-15);
         assert_near(s->mesh->position[i][2], 4.0 / 14 * (i / 24) - 2, 1e-14);
@@ -298,7 +300,7 @@ static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
     FILE *stream = open_file("ring.csv");
     fprintf(stream, "x,y,z\n");
     for (int i = 0; i < 20; i++) {
-        const double phi = 2 * 3.14159265358979323846 * (i % 5) / 5;
+        const double phi = 2 * SS_PI * (i % 5) / 5;
         fprintf(stream, "%.17g,%.17g,%d\n", 10 * cos(phi), 10 * sin(phi), 5 * (i / 5));
     }
     fclose(stream);

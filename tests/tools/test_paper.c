@@ -28,7 +28,6 @@
 #include "common/folder_fixture.h"
 #include "rt/vec.h"
 
-#define PI                       3.14159265358979323846
 #define assert_near(a, b, share) assert_true(fabs((a) - (b)) <= (share)*fabs(b))
 
 static ss_paper paper;
@@ -221,7 +220,7 @@ static ss_zhong_net *make_hexagon(int32_t triangle[6][3], double rho)
 {
     double position[7][3] = {{0.0, 0.0, 0.0}};
     for (int k = 0; k < 6; ++k) {
-        ss_set3(position[1 + k], edge * cos(k * PI / 3.0), edge * sin(k * PI / 3.0), 0.0);
+        ss_set3(position[1 + k], edge * cos(k * SS_PI / 3.0), edge * sin(k * SS_PI / 3.0), 0.0);
         const int32_t corner[3] = {0, 1 + k, 1 + (k + 1) % 6};
         memcpy(triangle[k], corner, sizeof corner);
     }
@@ -313,7 +312,7 @@ static void a_tube_has_the_printed_coefficients(void **state)
     double position[4 * 6][3];
     for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < 6; ++j) {
-            ss_set3(position[6 * i + j], sin(j * PI / 3.0), cos(j * PI / 3.0), height[i]);
+            ss_set3(position[6 * i + j], sin(j * SS_PI / 3.0), cos(j * SS_PI / 3.0), height[i]);
         }
     }
     ss_zhong_net *net = ss_zhong_net_tube(4, 6, (const double(*)[3])position, 2.0);

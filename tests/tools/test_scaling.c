@@ -165,7 +165,7 @@ static void make_fan(fan *f)
 {
     *f = (fan){.weight = {1.0}, .force = {{0.0, 0.0, fan_force}}};
     for (int k = 0; k < RIM; ++k) {
-        const double angle = 6.28318530717958647692 * k / RIM;
+        const double angle = 2.0 * SS_PI * k / RIM;
         f->rest[k + 1][0] = fan_edge * cos(angle);
         f->rest[k + 1][1] = fan_edge * sin(angle);
         f->is_held[k + 1] = 1;

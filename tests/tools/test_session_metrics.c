@@ -12,9 +12,9 @@
 #include <string.h>
 
 #include "bench/latency/session_metrics.h"
+#include "rt/vec.h"
 
-#define T  1e-3
-#define PI 3.14159265358979323846
+#define T 1e-3
 enum { ROWS = 4000 };
 
 static ss_felt_row row[ROWS];
@@ -54,17 +54,17 @@ static double still(double t)
 
 static double poke(double t)
 {
-    return 4e-3 * sin(2.0 * PI * t);
+    return 4e-3 * sin(2.0 * SS_PI * t);
 }
 
 static double shaking(double t)
 {
-    return still(t) + (still(t) > 3.9e-3 ? 0.2e-3 * sin(2.0 * PI * 40.0 * t) : 0.0);
+    return still(t) + (still(t) > 3.9e-3 ? 0.2e-3 * sin(2.0 * SS_PI * 40.0 * t) : 0.0);
 }
 
 static double tapping(double t)
 {
-    return 1e-3 * sin(16.0 * PI * t);
+    return 1e-3 * sin(16.0 * SS_PI * t);
 }
 
 static void quiet_press_is_good_in_all(void **state)
@@ -91,7 +91,7 @@ static void delay_hands_out_the_closed_form(void **state)
         plant(poke, delay);
         judge();
         assert_int_equal(felt.contacts, 4);
-        const double w = 2.0 * PI;
+        const double w = 2.0 * SS_PI;
         const double gift = 500.0 * 16e-6 * 500.0 * sin(0.5 * w * T) * sin(w * (delay + 0.5) * T);
         assert_near(felt.net_energy_j.value, -gift, 0.01 * gift);
         assert_int_equal(felt.net_energy_j.verdict, gift > 1e-3 ? SS_FELT_BAD : SS_FELT_GOOD);

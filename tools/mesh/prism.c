@@ -13,8 +13,6 @@
 
 #include "rt/vec.h"
 
-static const double pi = 3.14159265358979323846;
-
 int64_t rings_node_count(const rings *r)
 {
     int64_t count = 0;
@@ -27,7 +25,7 @@ int64_t rings_node_count(const rings *r)
 /* Every second ring is turned by half a step: triangles become equilateral. */
 static double angle_of(const rings *r, int32_t ring, int32_t place)
 {
-    return 2.0 * pi * (place + 0.5 * (ring & 1)) / r->size[ring];
+    return 2.0 * SS_PI * (place + 0.5 * (ring & 1)) / r->size[ring];
 }
 
 static bool add_prisms(solid *s, int32_t stride, int32_t layers, int32_t a, int32_t b, int32_t c)

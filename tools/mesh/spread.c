@@ -24,8 +24,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum { AREA_ROWS = 128, AREA_COLUMNS = 192, RELAXATIONS = 240, HINT_ROWS = 32, HINT_COLUMNS = 64 };
 
 typedef struct net {
@@ -54,7 +52,7 @@ static void direction(double z, double phi, double out[3])
 static void place(const organ *o, int row, int column, double out[3])
 {
     double d[3];
-    direction(-1.0 + 2.0 * row / AREA_ROWS, 2.0 * pi * column / AREA_COLUMNS, d);
+    direction(-1.0 + 2.0 * row / AREA_ROWS, 2.0 * SS_PI * column / AREA_COLUMNS, d);
     organ_place(o, d, out);
 }
 
@@ -121,7 +119,7 @@ static void spread_directions(net *t, const area_map *map)
         int column = 0;
         const double z = invert(map->row, AREA_ROWS, (k + 0.5) / t->node_count, &row);
         const double u = fmod(k * golden, 1.0);
-        direction(2.0 * z - 1.0, 2.0 * pi * invert(map->column[row], AREA_COLUMNS, u, &column),
+        direction(2.0 * z - 1.0, 2.0 * SS_PI * invert(map->column[row], AREA_COLUMNS, u, &column),
                   t->x[k]);
     }
 }
@@ -169,7 +167,7 @@ static void flip(net *t, int32_t p, int corner)
 
 static int32_t *hint_of(net *t, const double x[3])
 {
-    const double phi = atan2(x[2], x[1]) / (2.0 * pi) + 0.5;
+    const double phi = atan2(x[2], x[1]) / (2.0 * SS_PI) + 0.5;
     int row = (int)(0.5 * (x[0] + 1.0) * HINT_ROWS);
     int column = (int)(phi * HINT_COLUMNS);
     row = row < HINT_ROWS ? row : HINT_ROWS - 1;
@@ -336,7 +334,7 @@ static bool should_flip(const net *t, int32_t p, int corner)
     const double *b = t->x[t->triangle[p][(corner + 1) % 3]];
     const double *c = t->x[t->triangle[p][(corner + 2) % 3]];
     const double *d = t->x[t->triangle[q][far]];
-    return angle(a, b, c) + angle(d, b, c) > pi + 1e-9 && !is_lonely(t, p, (corner + 1) % 3) &&
+    return angle(a, b, c) + angle(d, b, c) > SS_PI + 1e-9 && !is_lonely(t, p, (corner + 1) % 3) &&
            !is_lonely(t, p, (corner + 2) % 3);
 }
 

@@ -26,8 +26,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum { MAX_LEVEL_POINTS = 300000, ITERATIONS = 24, ROUNDS = 6 };
 
 typedef struct maker {
@@ -129,7 +127,7 @@ static int pole_axis(const volume_plan *plan)
 /* The polar angle at which layer t ends. */
 static double last_angle(const volume_plan *plan, const double axes[3])
 {
-    return plan->kind == VOLUME_VENTRICLE ? acos(-plan->base / axes[2]) : pi;
+    return plan->kind == VOLUME_VENTRICLE ? acos(-plan->base / axes[2]) : SS_PI;
 }
 
 /* Equal ways along the meridian of the middle layer: m->s; returns the meridian's length. */
@@ -161,7 +159,7 @@ static int32_t count_steps(double length, double step, int32_t least, int32_t mo
 
 static int32_t ring_size(double radius, double h)
 {
-    return count_steps(2.0 * pi * radius, h, 5, 1000000);
+    return count_steps(2.0 * SS_PI * radius, h, 5, 1000000);
 }
 
 static const double row = 0.86602540378443865; /* height of an equilateral triangle */

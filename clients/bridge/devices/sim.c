@@ -32,7 +32,7 @@
 enum { STEPS = 20, TREMORS = 3 };
 static const double count_m = 30e-6;  /* one count of the position sensor */
 static const double tremor_m = 50e-6; /* A */
-static const double two_pi = 6.283185307179586;
+static const double two_pi = 2.0 * SS_PI;
 static const double max_exerted_n = 20.0; /* of the simulated motors */
 
 /* Mass kg, damping N s/m, Coulomb friction N. */

@@ -39,7 +39,6 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define PI 3.14159265358979323846
 /* s: viscosity over stiffness. */
 #define MAX_VISCOUS_TIME 0.01
 
@@ -91,7 +90,7 @@ static softsim_status create_tool(ss_model *model, int index, double area)
     tool->reach = ss_surface_mean_edge(model->tools.surface);
     tool->stiffness = contact_stiffness(model, tool->radius, area);
     /* The contact a tenth of R deep, in series with the links of one cell. */
-    const double contact = 0.2 * PI * tool->stiffness * tool->radius * tool->radius;
+    const double contact = 0.2 * SS_PI * tool->stiffness * tool->radius * tool->radius;
     double valence = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
         valence += model->valence[i] / model->node_count;

@@ -175,7 +175,7 @@ static softsim_status create_tool(ss_model *model, int index)
     base->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
     base->radius = radius > 0.0 ? radius : base->reach;
     base->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, base->radius);
-    tool->full_weight = 3.14159265358979323846 * base->radius * base->reach / 3.0;
+    tool->full_weight = SS_PI * base->radius * base->reach / 3.0;
     tool->source.is_tool = true;
     ss_arena *arena = &model->arena;
     tool->mu = ss_arena_get(arena, n, sizeof *tool->mu);

@@ -352,8 +352,8 @@ static void setup_apex(setup *s, double length)
     const int32_t tetrahedron[1][4] = {{1, 2, 3, 0}};
     double position[4][3] = {{0.0, 0.0, sqrt(2.0 / 3.0) * length}};
     for (int k = 0; k < 3; ++k) {
-        ss_set3(position[k + 1], length / sqrt(3.0) * cos(2.0 * PI * k / 3.0),
-                length / sqrt(3.0) * sin(2.0 * PI * k / 3.0), 0.0);
+        ss_set3(position[k + 1], length / sqrt(3.0) * cos(2.0 * SS_PI * k / 3.0),
+                length / sqrt(3.0) * sin(2.0 * SS_PI * k / 3.0), 0.0);
     }
     setup_init(s, "cnn-energy", make_tetrahedra(4, (const double(*)[3])position, 1, tetrahedron));
     s->fixed[1] = s->fixed[2] = s->fixed[3] = 7;

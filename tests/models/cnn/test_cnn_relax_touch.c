@@ -191,9 +191,9 @@ static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void 
         assert_true(((kind & SATURATED) != 0) == (s.model->saturation != NULL));
         assert_true(((kind & RELAXED) != 0) == (s.model->relax != NULL));
         for (int n = 1; n <= 450; ++n) { /* squeezes from above and below, slides, lets go */
-            const double way = 0.5 - 0.5 * cos(PI * fmin(1.0, n / 100.0)) -
-                               (0.5 - 0.5 * cos(PI * fmax(0.0, fmin(1.0, (n - 200) / 100.0))));
-            const double along = 0.004 * sin(PI * n / 150.0);
+            const double way = 0.5 - 0.5 * cos(SS_PI * fmin(1.0, n / 100.0)) -
+                               (0.5 - 0.5 * cos(SS_PI * fmax(0.0, fmin(1.0, (n - 200) / 100.0))));
+            const double along = 0.004 * sin(SS_PI * n / 150.0);
             go(&tool[0], along, 0.001, 0.054 - 0.018 * way);
             go(&tool[1], (kind & FREE) != 0 ? -along : 0.012,
                (kind & FREE) != 0 ? 0.0 : 0.02 + along,

@@ -526,8 +526,8 @@ static void two_fans_that_do_not_touch_saturate_each_on_its_own(void **state)
     for (int fan = 0; fan < 2; ++fan) {
         draft_node(&d, 2.0 * fan, 0.0, 0.0);
         for (int k = 0; k < 6; ++k) {
-            draft_node(&d, 2.0 * fan + FAN_EDGE * cos(k * PI / 3.0), FAN_EDGE * sin(k * PI / 3.0),
-                       0.0);
+            draft_node(&d, 2.0 * fan + FAN_EDGE * cos(k * SS_PI / 3.0),
+                       FAN_EDGE * sin(k * SS_PI / 3.0), 0.0);
         }
         for (int k = 0; k < 6; ++k) {
             draft_triangle(&d, 7 * fan, 7 * fan + 1 + k, 7 * fan + 1 + (k + 1) % 6);

@@ -39,11 +39,11 @@ static slide run_slide(double dt, double x0, double speed, bool is_one_cell)
     const int count = (int)((2.0 * press_time + slide_time + 0.3) / dt + 0.5);
     for (int n = 1; n <= count; ++n) {
         const double time = n * dt;
-        const double down = 0.5 - 0.5 * cos(PI * fmin(1.0, time / press_time));
+        const double down = 0.5 - 0.5 * cos(SS_PI * fmin(1.0, time / press_time));
         const double along = fmin(1.0, fmax(0.0, (time - press_time) / slide_time));
         const double up =
             0.5 -
-            0.5 * cos(PI * fmin(1.0, fmax(0.0, (time - press_time - slide_time) / press_time)));
+            0.5 * cos(SS_PI * fmin(1.0, fmax(0.0, (time - press_time - slide_time) / press_time)));
         go(tool, x0 + (speed > 0.0 ? 0.03 : -0.03) * along, 0.0007,
            high + (low - high) * (down - up));
         step_tools(&s, dt, tool);
@@ -405,7 +405,7 @@ static void strained_tissue_gains_nothing_from_a_touch(void **state)
     for (int n = 0; n < 4000; ++n) {
         for (int k = 0; k < 2; ++k) {
             const double deepest = 0.01 * fmin(1.0, n / 500.0);
-            const double depth = -0.002 + deepest * sin(0.5 * PI * n / 500.0 + 0.5 * PI * k);
+            const double depth = -0.002 + deepest * sin(0.5 * SS_PI * n / 500.0 + 0.5 * SS_PI * k);
             go(&tool[k], k == 0 ? -0.006 : 0.006, 0.0, radius - fmax(depth, -0.002));
         }
         step_tools(&s, dt, tool);

@@ -25,7 +25,7 @@
 #define SMOOTH_HZ     3.0
 #define CHATTER_HZ    15.0
 #define BUZZ_HZ       30.0
-#define TWO_PI        6.283185307179586
+#define TWO_PI        (2.0 * SS_PI)
 enum { SHORTEST_CONTACT = 20, MEDIAN = 11, MARGIN = MEDIAN / 2 };
 
 typedef struct span {

@@ -20,7 +20,7 @@ static const double lift_m = 0.002; /* out of contact, of in and out */
 static const double swipe_m = 0.16; /* from side to side */
 static const double poke_hz = 5.0;  /* while it is paused and resumed */
 static const double poke_m = 0.004;
-#define TWO_PI 6.283185307179586
+#define TWO_PI (2.0 * SS_PI)
 
 bool ss_stress_case_is_abuse(ss_stress_case_kind kind)
 {

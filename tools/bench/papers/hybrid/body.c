@@ -80,7 +80,6 @@ static ss_mesh *make_wall(double a, double c, double top, double edge, softsim_e
     enum { MOST = 40000 };
     double(*x)[3] = malloc(MOST * sizeof *x);
     int32_t(*triangle)[3] = malloc(2 * MOST * sizeof *triangle);
-    const double pi = 3.14159265358979323846;
     const double last = acos(-top / c);
     const int rings = (int)ceil(last * 0.5 * (a + c) / edge);
     ss_mesh *mesh = NULL;
@@ -98,10 +97,10 @@ static ss_mesh *make_wall(double a, double c, double top, double edge, softsim_e
     for (int i = 1; i <= rings; ++i) {
         const double t = last * i / rings;
         const double radius = a * sin(t);
-        const int32_t around = (int32_t)fmax(5.0, round(2.0 * pi * radius / edge));
+        const int32_t around = (int32_t)fmax(5.0, round(2.0 * SS_PI * radius / edge));
         const int32_t first = nodes;
         for (int32_t k = 0; k < around; ++k) {
-            const double angle = 2.0 * pi * (k + 0.5 * (i % 2)) / around;
+            const double angle = 2.0 * SS_PI * (k + 0.5 * (i % 2)) / around;
             ss_set3(x[nodes++], radius * cos(angle), radius * sin(angle), -c * cos(t));
         }
         for (int32_t j = 0, k = 0; j < (before > 1 ? before : 0) || k < around;) {

@@ -158,7 +158,7 @@ ss_zhong_net *ss_zhong_net_hexagon(double edge_m, int32_t out_triangle[6][3])
 {
     double position[7][3] = {{0.0, 0.0, 0.0}};
     for (int k = 0; k < 6; ++k) {
-        const double angle = k * 3.14159265358979323846 / 3.0;
+        const double angle = k * SS_PI / 3.0;
         const int32_t corner[3] = {0, 1 + k, 1 + (k + 1) % 6};
         ss_set3(position[1 + k], edge_m * cos(angle), edge_m * sin(angle), 0.0);
         memcpy(out_triangle[k], corner, sizeof corner);

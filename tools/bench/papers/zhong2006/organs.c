@@ -275,7 +275,7 @@ static void rotate(const double degrees[3], const double x[3], double out[3])
 {
     ss_copy3(out, x);
     for (int k = 0; k < 3; ++k) {
-        const double a = degrees[k] * 3.14159265358979323846 / 180.0;
+        const double a = degrees[k] * SS_PI / 180.0;
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         const double p = out[i], q = out[j];
         out[i] = cos(a) * p - sin(a) * q;

@@ -149,7 +149,7 @@ static softsim_status hexagon_claims(ss_zhong *zhong, softsim_error *error)
     ss_trial_body body;
     char reason[256];
     for (int k = 0; k < 6; ++k) {
-        const double angle = k * 3.14159265358979323846 / 3.0;
+        const double angle = k * SS_PI / 3.0;
         ss_set3(position[1 + k], edge_m * cos(angle), edge_m * sin(angle), 0.0);
         const int32_t corner[3] = {0, 1 + k, 1 + (k + 1) % 6};
         memcpy(triangle[k], corner, sizeof corner);

@@ -7,7 +7,6 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/vec.h"
 
-#define PI 3.14159265358979323846
 static const double static_s = 250.0, static_step_s = 0.05; /* 25 relaxation times of ks/gamma */
 
 /* ---- the body ---- */
@@ -17,7 +16,7 @@ static void make_points(ss_tube *tube, bool is_one_way)
     int32_t count = 0;
     for (int32_t i = 0; i < SS_TUBE_ROWS; ++i) {
         for (int32_t j = 0; j < SS_TUBE_COLUMNS; ++j) {
-            const double angle = 2.0 * PI * j / SS_TUBE_COLUMNS;
+            const double angle = 2.0 * SS_PI * j / SS_TUBE_COLUMNS;
             ss_set3(tube->position[i * SS_TUBE_COLUMNS + j], sin(angle), cos(angle),
                     4.0 * ((double)i / (SS_TUBE_ROWS - 1) - 0.5));
         }
