@@ -15,9 +15,10 @@
  * or more than the body answers, until results say otherwise. M / tau^2, the inertia over tau
  * = 50 ms, errs high too; it is what a body without supports answers with at all, and changes
  * little where there are some. It is improved in every step while a contact is young, then every
- * fourth: a product costs as much as a sub-step. Where K is not positive along a search direction
- * (a buckled body) the estimate stays as it was. Rejected: an exact solve (a factor a step), the
- * secant (too low).
+ * fourth: a product costs as much as a sub-step. A step of many sub-steps has moved the contact
+ * far, and pays for as many iterations as make it good. Where K is not positive along a search
+ * direction (a buckled body) the estimate stays as it was. Rejected: an exact solve (a factor a
+ * step), the secant (too low).
  *
  * Tangentially the body answers with the same H: k_t = k_n. The viscosity is the damping that y
  * meets, alpha M and viscous_time K, at most 10 ms of stiffness.
@@ -29,8 +30,16 @@
 #include "rt/vec.h"
 
 /* Conjugate gradients in a new contact, after a jump, and at rest; calls in which a contact is
- * young, and calls from one improvement to the next afterwards. */
-enum { FIRST_ITERATIONS = 6, AGAIN_ITERATIONS = 12, REST_ITERATIONS = 200, YOUNG = 8, EVERY = 4 };
+ * young, and calls from one improvement to the next afterwards; sub-steps of a long step for each
+ * iteration. */
+enum {
+    FIRST_ITERATIONS = 6,
+    AGAIN_ITERATIONS = 12,
+    REST_ITERATIONS = 200,
+    YOUNG = 8,
+    EVERY = 4,
+    SUBSTEPS = 4
+};
 /* From one estimate to the next: more, and the body answers otherwise than before (a wall that
  * snaps back); the contact is young again. Improved as usual, the wall of hm1 on a tool's way out
  * was felt nine times too stiff, and the force, as the tool moved, fell to a tenth within 4 ms. */
@@ -238,7 +247,9 @@ static void feel(ss_body *body, int probe, const double normal[3])
         memset(query->shape_step, 0, ss_body_bytes(body));
         query->age = 0;
     }
-    const bool is_due = query->age < YOUNG || query->age % EVERY == 0;
+    const int iterations = body->substeps / SUBSTEPS;
+    const bool is_long = iterations > FIRST_ITERATIONS;
+    const bool is_due = is_long || query->age < YOUNG || query->age % EVERY == 0;
     ++query->age;
     if (!is_due) {
         return;
@@ -247,7 +258,10 @@ static void feel(ss_body *body, int probe, const double normal[3])
     set_inverse(body);
     set_residual(body, query->shape_y);
     follow_displacement(body, query->shape_y);
-    if (tool->was_touching) {
+    if (is_long) {
+        solve_some(body, query->shape_y, iterations);
+        memset(query->shape_step, 0, ss_body_bytes(body));
+    } else if (tool->was_touching) {
         solve_on(body, query);
     } else {
         solve_some(body, query->shape_y, FIRST_ITERATIONS);
@@ -259,8 +273,11 @@ static void feel(ss_body *body, int probe, const double normal[3])
         query->age = 0;
         felt = estimate(body, k_cc, query->shape_y);
     }
-    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
-    if (!isfinite(felt)) {
+    /* A body that buckles under the tool has no stiffness to tell: what it had goes on. */
+    const double last = tool->was_touching && tool->felt > 0.0 ? tool->felt : k_cc;
+    const bool is_stiff = isfinite(felt) && felt > 0.0;
+    tool->felt = is_stiff ? felt : last;
+    if (!is_stiff) {
         memset(query->shape_y, 0, ss_body_bytes(body));
         memset(query->shape_step, 0, ss_body_bytes(body));
     }
