@@ -647,7 +647,7 @@ static bool try_substep(ss_model *model, progress *p)
     const booked before = {model->work, model->dissipated, model->load_work};
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->steps.path, fraction);
-    ++p->steps.taken;
+    ++p->steps.taken_count;
     ss_tools_fade(&model->tools, h);
     bool is_good = is_finite_state(model);
     double loads = 0.0, gain = 0.0;
@@ -732,7 +732,7 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     progress p = {
         .steps = {.left = dt, .motion = motion_steps(model), .most = model->plan.max_substeps},
         .cap = (double)INFINITY};
-    while (p.steps.path < 1.0 && (p.steps.taken < p.steps.most || p.accepted == 0)) {
+    while (p.steps.path < 1.0 && (p.steps.taken_count < p.steps.most || p.accepted == 0)) {
         if (!try_substep(model, &p)) {
             return;
         }

@@ -391,7 +391,7 @@ void ss_body_reset(ss_body *body)
     body->substeps = 0;
     body->work = body->load_work = body->dissipated = body->pool = 0.0;
     body->kinetic = body->elastic = body->shadow = body->power = 0.0;
-    body->nodes.kick_lag = body->settled_lag = 0.0;
+    body->nodes.kick_lag = body->booked_lag = 0.0;
     body->is_ready = body->has_elastic = false;
     body->is_slowed = body->was_slowed = false;
     body->fault_bits = 0;

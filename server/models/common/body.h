@@ -32,8 +32,9 @@ typedef struct ss_body_energy {
     bool is_wanted; /* `elastic` is asked for; `power` always, where there is viscosity */
     double elastic; /* J stored at (u, v) */
     double power;   /* W dissipated at (u, v), >= 0; the mass damping is the body's own */
-    bool is_above;  /* out: `elastic` may be more than the motion has put in, since the model's step
-                       is softer than its law: gains are then judged by kinetic energy alone */
+    bool elastic_is_upper_bound; /* out: `elastic` may be more than the motion has put in, since the
+                      model's step is softer than its law: gains are then judged by kinetic energy
+                      alone */
 } ss_body_energy;
 
 /* The model's part; every function gets `owner` and must be RT-safe. */

@@ -34,9 +34,8 @@ typedef struct kick {
     const ss_real *mobility, *force;
 } kick;
 
-/* The nodes of a block that are too fast, one by one. Energy taken: the impulse that is
- * lost times the mean of the velocities before and after, as the energy balance counts every force.
- */
+/* The nodes of a block that are too fast, one by one. Energy lost: the impulse that is lost times
+ * the mean of the velocities before and after, as the energy balance counts every force. */
 static void slow_down(int32_t first, int32_t end, double limit, const kick *by, const double *mass,
                       ss_real *v, ss_body_speed *out)
 {
@@ -53,17 +52,18 @@ static void slow_down(int32_t first, int32_t end, double limit, const kick *by, 
                                     : 0.0;
                 v[at] = (ss_real)(fast * (limit / length));
                 out->is_slowed = true;
-                out->taken += 0.5 * mass[i] * (fast - (double)v[at]) * (before + (double)v[at]);
+                out->loss += 0.5 * mass[i] * (fast - (double)v[at]) * (before + (double)v[at]);
             }
         }
     }
 }
 
-ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *how,
-                                 double h, double limit, const ss_real *mobility,
-                                 const ss_real *force, const double *mass, const ss_real *heavy,
-                                 ss_real *v, ss_real *u)
+ss_body_speed ss_body_kick_drift(const ss_body_nodes *nodes, const uint8_t *is_idle,
+                                 const ss_body_kick *how, double h, double limit,
+                                 const ss_real *mass, ss_real *v, ss_real *u)
 {
+    const int32_t count = nodes->padded_count;
+    const ss_real *mobility = nodes->mobility, *force = nodes->force;
     const double left = 1.0 - how->ahead * how->damping;
     const double share = 1.0 / (1.0 + how->lag * how->damping);
     const ss_pair behind = ss_pair_all((ss_real)how->lag), ahead = ss_pair_all((ss_real)how->ahead);
@@ -83,7 +83,7 @@ ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss
         ss_pair square = ss_pair_all(0), most = ss_pair_all(0), moving = ss_pair_all(0);
         for (int32_t i = first; i < end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
-            const ss_pair light = ss_pair_load(mobility + at), m = ss_pair_each(heavy + i);
+            const ss_pair light = ss_pair_load(mobility + at), m = ss_pair_each(mass + i);
             const ss_pair push = ss_pair_mul(light, ss_pair_load(force + at));
             const ss_pair w = ss_pair_mul(shared, ss_pair_fma(behind, push, ss_pair_load(v + at)));
             const ss_pair next = ss_pair_fma(ahead, push, ss_pair_mul(kept, w));
@@ -93,7 +93,7 @@ ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss
             ss_pair_store(v + at, next);
         }
         if ((double)lane_most(most) > near) {
-            slow_down(first, end, limit, &by, mass, v, &speed);
+            slow_down(first, end, limit, &by, nodes->mass, v, &speed);
         }
         for (ptrdiff_t at = 4 * (ptrdiff_t)first; at < 4 * (ptrdiff_t)end; at += 8) {
             const ss_pair w = ss_pair_load(v + at);
@@ -101,7 +101,7 @@ ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss
             ss_pair_store(u + at, ss_pair_fma(step, w, ss_pair_load(u + at)));
         }
         speed.square += ss_pair_sum(square);
-        speed.moving += ss_pair_sum(moving);
+        speed.twice_kinetic += ss_pair_sum(moving);
     }
     return speed;
 }
@@ -150,13 +150,15 @@ double ss_body_square(int32_t count, const ss_real *v)
     return ss_body_dot(count, v, v);
 }
 
-void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
-                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
-                    const ss_real *v, double *out_square, double *out_rate)
+void ss_body_motion(const ss_body_nodes *nodes, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mass, const ss_real *v, double *out_twice_kinetic,
+                    double *out_rate)
 {
+    const int32_t count = nodes->padded_count;
+    const ss_real *mobility = nodes->mobility, *force = nodes->force;
     const ss_pair share = ss_pair_all((ss_real)(1.0 / (1.0 + lag * damping)));
     const ss_pair behind = ss_pair_all((ss_real)lag), loss = ss_pair_all((ss_real)damping);
-    *out_square = *out_rate = 0.0;
+    *out_twice_kinetic = *out_rate = 0.0;
     for (int32_t first = 0; first < count; first = block_end(first, count)) {
         if (is_idle[first / BLOCK]) {
             continue;
@@ -174,7 +176,7 @@ void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double da
             square = ss_pair_fma(m, ss_pair_mul(w, w), square);
             rate = ss_pair_fma(m, ss_pair_mul(a, a), rate);
         }
-        *out_square += ss_pair_sum(square);
+        *out_twice_kinetic += ss_pair_sum(square);
         *out_rate += ss_pair_sum(rate);
     }
 }

@@ -59,31 +59,31 @@ struct ss_body {
     int64_t fitted_step; /* that the contact surface was last refitted before; -1 never */
     double work, dissipated, load_work;
     bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
-    double taken;               /* J, by the limit of speeds in this outer step */
+    double speed_limit_loss;    /* J, to the limit of speeds in this outer step */
     double pool;                /* J: gains of the last tenth of a second or so, losses taken off */
     double path;                /* 0..1 of the tools' way, where the sub-step began */
     /* derived; valid while is_ready */
-    bool is_ready, has_elastic; /* forces at the present state; the law's among them */
-    double kinetic, elastic;    /* J */
-    double moving;              /* J: sum m |w|^2 of the last set_motion */
-    double shadow;              /* J: what the energy balance takes off kinetic, see body_step.c */
-    bool is_above;              /* as ss_body_energy has it */
-    double power;               /* W, of viscosity */
-    double settled_lag;         /* s of the lag of v whose dissipation is booked already */
-    double law_step;            /* s, of the elastic law alone */
-    double bound;               /* s, with contact */
-    double longest;             /* s: what a sub-step may take */
-    double contact_rate2;       /* 1/s^2 */
+    bool is_ready, has_elastic;  /* forces at the present state; the law's among them */
+    double kinetic, elastic;     /* J */
+    double twice_kinetic;        /* J: sum m |w|^2 of the last set_motion */
+    double shadow;               /* J: what the energy balance takes off kinetic, see body_step.c */
+    bool elastic_is_upper_bound; /* as ss_body_energy has it */
+    double power;                /* W, of viscosity */
+    double booked_lag;           /* s of the lag of v whose dissipation is booked already */
+    double law_step;             /* s, of the elastic law alone */
+    double bound;                /* s, with contact */
+    double longest;              /* s: what a sub-step may take */
+    double contact_rate2;        /* 1/s^2 */
     /* scratch */
-    ss_real *old_u;              /* at the start of the outer step */
-    ss_body_energy_balance kept; /* likewise */
-    ss_real *stage[5];           /* RK4: u, v and rate of a stage; new u, sum of rates */
-    ss_real *skin_u;             /* the model's own surface; else NULL and nodes.u is meant */
-    ss_real *skin_force;         /* of nodes of the contact surface, clear between calls */
-    double *skin_stiff;          /* likewise */
-    uint8_t *is_stiff;           /* likewise: is the node in stiff_node? */
-    int32_t *stiff_node;         /* of the contact surface */
-    double *contact_stiff;       /* of nodes, clear between calls */
+    ss_real *old_u;                    /* at the start of the outer step */
+    ss_body_energy_balance step_start; /* energies then */
+    ss_real *stage[5];                 /* RK4: u, v and rate of a stage; new u, sum of rates */
+    ss_real *skin_u;                   /* the model's own surface; else NULL and nodes.u is meant */
+    ss_real *skin_force;               /* of nodes of the contact surface, clear between calls */
+    double *skin_stiff;                /* the same */
+    uint8_t *is_stiff;                 /* the same: is the node in stiff_node? */
+    int32_t *stiff_node;               /* of the contact surface */
+    double *contact_stiff;             /* of nodes, clear between calls */
     ss_body_solver solver;
     /* report */
     int32_t substeps, worst_element, active_nodes;
@@ -116,19 +116,18 @@ typedef struct ss_body_kick {
 
 /* What a kick left. */
 typedef struct ss_body_speed {
-    double moving; /* sum m |w|^2 over the axes that may move */
-    double square; /* sum |v|^2, not finite when a v is not */
-    double taken;  /* J, by the limit */
+    double twice_kinetic; /* sum m |w|^2 over the axes that may move, J */
+    double square;        /* sum |v|^2, not finite when a v is not */
+    double loss;          /* J, to the limit */
     bool is_slowed;
 } ss_body_speed;
 
 /* With w = (v + lag mobility force)/(1 + lag damping): v := (1 - ahead damping) w + ahead mobility
- * force on axes that may move, slowed to `limit` (m/s) where faster; u += h v. `mass`: a value a
- * node; `heavy` the same. */
-ss_body_speed ss_body_kick_drift(int32_t count, const uint8_t *is_idle, const ss_body_kick *kick,
-                                 double h, double limit, const ss_real *mobility,
-                                 const ss_real *force, const double *mass, const ss_real *heavy,
-                                 ss_real *v, ss_real *u);
+ * force on axes that may move, slowed to `limit` (m/s) where faster; u += h v. Of `nodes`: mass,
+ * mobility and force; `mass`: nodes->mass for kernels. */
+ss_body_speed ss_body_kick_drift(const ss_body_nodes *nodes, const uint8_t *is_idle,
+                                 const ss_body_kick *kick, double h, double limit,
+                                 const ss_real *mass, ss_real *v, ss_real *u);
 /* out_rate = mobility force - damping v on axes that may move, else 0. */
 void ss_body_rates(int32_t count, double damping, const ss_real *mobility, const ss_real *force,
                    const ss_real *v, ss_real *out_rate);
@@ -141,10 +140,10 @@ double ss_body_dot(int32_t count, const ss_real *x, const ss_real *y);
 double ss_body_square(int32_t count, const ss_real *v);
 /* What a time step sees of the motion: with w = (v + lag mobility force)/(1 + lag damping) on axes
  * that may move and v elsewhere, and a = mobility force - damping w: sum m |w|^2 and sum m |a|^2
- * over the axes that may move. */
-void ss_body_motion(int32_t count, const uint8_t *is_idle, double lag, double damping,
-                    const ss_real *mobility, const ss_real *mass, const ss_real *force,
-                    const ss_real *v, double *out_square, double *out_rate);
+ * over the axes that may move. Of `nodes`: mobility and force; `mass` as above. */
+void ss_body_motion(const ss_body_nodes *nodes, const uint8_t *is_idle, double lag, double damping,
+                    const ss_real *mass, const ss_real *v, double *out_twice_kinetic,
+                    double *out_rate);
 /* Largest |u|^2 of a node (NaN-free input). */
 double ss_body_largest(int32_t count, const ss_real *u);
 

@@ -13,26 +13,26 @@
  * which stays centred when h changes and stable for any alpha. Its own energy, the stored one plus
  * half m v.v+ = half m (w^2 - b^2 (dv/dt)^2), is exact in a linear body: forces outside the law
  * change it by the mean of their value at both ends times the way. The energy balance uses just
- * these: what is left over is spurious energy, down to rounding in a linear body, of third
- * order in h otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by
- * themselves have no lag.
+ * these: what is left over is spurious energy, down to rounding in a linear body, of third order in
+ * h otherwise. Kinetic energy as it is told is half m w^2. RK4 and models that step by themselves
+ * have no lag.
  *
  * The step: omega^2 <= (limit / law's stable step)^2 + contact's (body_contact.c), sub-steps take
  * `step_share` of limit / omega in equal parts, where the contact's part may have a share of its
  * own: h^2 (law's / step_share^2 + contact's / contact_share^2) <= limit^2, stable since no share
- * is above 1. A tool moves at most R/4 in a sub-step. Where the budget
- * of sub-steps is not enough the body is simulated slower than time passes, each sub-step still
- * stable, and tools and prescribed axes go the same share of their ways: the whole way in a part of
- * the time would press at a multiple of the speed that a hand has. A node moves at most a fifth of
- * an edge in an explicit sub-step: no element can be turned inside out by the motion of a single
- * one, and forces stay within what a number can hold. What acted is said in the verdict. What the
- * positions are at the start of an outer step is kept, and comes back when a number is not finite.
+ * is above 1. A tool moves at most R/4 in a sub-step. Where the budget of sub-steps is not enough
+ * the body is simulated slower than time passes, each sub-step still stable, and tools and
+ * prescribed axes go the same share of their ways: the whole way in a part of the time would press
+ * at a multiple of the speed that a hand has. A node moves at most a fifth of an edge in an
+ * explicit sub-step: no element can be inverted by the motion of a single one, and forces stay
+ * within what a number can hold. What acted is said in the verdict. The positions at the start of
+ * an outer step are kept, and come back when a number is not finite.
  *
- * Gains are added up over about a tenth of a second, losses taken off; beyond a hundredth of what
- * the body holds (or what no hand could feel) they are taken out of the motion again. A model that
- * steps by itself loses energy by its nature: that is booked as dissipated, and only gains judged.
- * Where its step is softer than its law the law's energy says too much; what is sure is then that
- * kinetic energy is no more than all there was before, and the work.
+ * Gains are summed over about 0.1 s, minus losses. Above 1 % of the stored energy (or what no hand
+ * could feel) they are removed from the velocities. Models with their own step dissipate by
+ * construction: losses are booked, only gains are judged. Where such a step is softer than its law
+ * the law's energy is only an upper bound; what is sure is then that kinetic energy is no more than
+ * all there was before, and the work.
  */
 #include <math.h>
 #include <string.h>
@@ -60,9 +60,9 @@ static void set_motion(ss_body *body)
     const ss_body_nodes *nodes = &body->nodes;
     const double lag = body->is_slowed ? 0.0 : nodes->kick_lag;
     double rate;
-    ss_body_motion(nodes->padded_count, body->is_idle, lag, body->own.mass_damping, nodes->mobility,
-                   body->mass, nodes->force, nodes->v, &body->moving, &rate);
-    body->kinetic = 0.5 * body->moving + ss_body_prescribed_kinetic(body);
+    ss_body_motion(nodes, body->is_idle, lag, body->own.mass_damping, body->mass, nodes->v,
+                   &body->twice_kinetic, &rate);
+    body->kinetic = 0.5 * body->twice_kinetic + ss_body_prescribed_kinetic(body);
     body->shadow = 0.5 * lag * lag * rate;
 }
 
@@ -93,7 +93,7 @@ static void evaluate(ss_body *body, double path, bool has_energies)
     body->power = energy.power;
     if (has_energies) {
         body->elastic = energy.elastic + ss_tools_energy(&body->tools);
-        body->is_above = energy.is_above;
+        body->elastic_is_upper_bound = energy.elastic_is_upper_bound;
         set_motion(body);
     }
     body->contact_rate2 = has_implicit_contact(body) ? 0.0 : ss_body_contact_rate2(body);
@@ -121,8 +121,8 @@ static double energy_balance(const ss_body *body)
 
 static void tell_slow(ss_body *body, const ss_body_speed *speed)
 {
-    body->dissipated += speed->taken;
-    body->taken += speed->taken;
+    body->dissipated += speed->loss;
+    body->speed_limit_loss += speed->loss;
     if (speed->is_slowed) {
         body->is_slowed = true;
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
@@ -134,12 +134,12 @@ static void tell_slow(ss_body *body, const ss_body_speed *speed)
 static void book_losses(ss_body *body, double span)
 {
     const ss_body_nodes *nodes = &body->nodes;
-    double moving = body->moving, rate;
+    double twice_kinetic = body->twice_kinetic, rate;
     if (body->is_slowed && body->own.mass_damping > 0.0) {
-        ss_body_motion(nodes->padded_count, body->is_idle, nodes->kick_lag, body->own.mass_damping,
-                       nodes->mobility, body->mass, nodes->force, nodes->v, &moving, &rate);
+        ss_body_motion(nodes, body->is_idle, nodes->kick_lag, body->own.mass_damping, body->mass,
+                       nodes->v, &twice_kinetic, &rate);
     }
-    body->dissipated += span * (body->power + body->own.mass_damping * moving);
+    body->dissipated += span * (body->power + body->own.mass_damping * twice_kinetic);
 }
 
 static bool symplectic_euler(ss_body *body, double h)
@@ -148,12 +148,11 @@ static bool symplectic_euler(ss_body *body, double h)
     const ss_body_kick kick = {
         .lag = nodes->kick_lag, .ahead = 0.5 * h, .damping = body->own.mass_damping};
     const double limit = MAX_EDGES * body->own.edge / h;
-    const double span = kick.lag + kick.ahead - body->settled_lag;
+    const double span = kick.lag + kick.ahead - body->booked_lag;
     const ss_body_speed speed =
-        ss_body_kick_drift(nodes->padded_count, body->is_idle, &kick, h, limit, nodes->mobility,
-                           nodes->force, nodes->mass, body->mass, nodes->v, nodes->u);
-    body->dissipated += span * (body->power + kick.damping * speed.moving);
-    body->settled_lag = 0.0;
+        ss_body_kick_drift(nodes, body->is_idle, &kick, h, limit, body->mass, nodes->v, nodes->u);
+    body->dissipated += span * (body->power + kick.damping * speed.twice_kinetic);
+    body->booked_lag = 0.0;
     nodes->kick_lag = kick.ahead;
     tell_slow(body, &speed);
     return isfinite(speed.square);
@@ -186,8 +185,7 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
         ss_body_rates(n, body->own.mass_damping, nodes->mobility, nodes->force, vs, rate);
         ss_body_axpy(n, share[s], rate, sum);
         double square, unused;
-        ss_body_motion(n, body->is_idle, 0.0, 0.0, nodes->mobility, body->mass, nodes->force, vs,
-                       &square, &unused);
+        ss_body_motion(nodes, body->is_idle, 0.0, 0.0, body->mass, vs, &square, &unused);
         body->dissipated += h * share[s] * (energy.power + body->own.mass_damping * square);
         if (s == 0) {
             ss_body_blend(n, nodes->u, share[0] * h, vs, end);
@@ -200,11 +198,9 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
     ss_body_blend(n, end, -1.0, nodes->u, us);
     const double limit = MAX_EDGES * body->own.edge;
     const ss_body_kick none = {0.0, 0.0, 0.0};
-    (void)ss_body_kick_drift(n, body->is_idle, &none, 1.0, limit, nodes->mobility, nodes->force,
-                             nodes->mass, body->mass, us, nodes->u);
+    (void)ss_body_kick_drift(nodes, body->is_idle, &none, 1.0, limit, body->mass, us, nodes->u);
     const ss_body_speed speed =
-        ss_body_kick_drift(n, body->is_idle, &none, 0.0, limit / h, nodes->mobility, nodes->force,
-                           nodes->mass, body->mass, nodes->v, us);
+        ss_body_kick_drift(nodes, body->is_idle, &none, 0.0, limit / h, body->mass, nodes->v, us);
     tell_slow(body, &speed);
     return isfinite(speed.square);
 }
@@ -212,15 +208,16 @@ static bool runge_kutta(ss_body *body, double h, double path, double fraction)
 /* ---- guards ---- */
 
 /* The energy balance goes back with the positions; the motion that is stopped is lost. */
-static void fault(ss_body *body, const char *reason)
+static void restore_last_good(ss_body *body, const char *reason)
 {
-    body->work = body->kept.work;
-    body->elastic = body->kept.elastic;
-    body->dissipated = body->kept.dissipated + body->kept.kinetic - body->kept.shadow;
+    body->work = body->step_start.work;
+    body->elastic = body->step_start.elastic;
+    body->dissipated =
+        body->step_start.dissipated + body->step_start.kinetic - body->step_start.shadow;
     body->kinetic = body->shadow = 0.0;
     memcpy(body->nodes.u, body->old_u, ss_body_bytes(body));
     memset(body->nodes.v, 0, ss_body_bytes(body));
-    body->nodes.kick_lag = body->settled_lag = 0.0;
+    body->nodes.kick_lag = body->booked_lag = 0.0;
     body->is_ready = false;
     ss_body_judge(body, SOFTSIM_VERDICT_FAULT, SS_MODEL_FAULT_NOT_FINITE, reason);
 }
@@ -236,12 +233,12 @@ static void clamp_displacements(ss_body *body)
     }
 }
 
-/* Energy from nowhere over the last outer step, judged. `gain`: of the energy balance; `moved`: of
+/* Spurious energy over the last outer step, judged. `gain`: of the energy balance; `moved`: of
  * kinetic energy beyond all that there was and the work. */
 static void judge_gain(ss_body *body, double gain, double moved, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
-    if (!body->is_explicit && (gain < 0.0 || body->is_above)) {
+    if (!body->is_explicit && (gain < 0.0 || body->elastic_is_upper_bound)) {
         body->dissipated -= gain; /* what such a method loses by its nature */
         gain = fmax(0.0, moved);
     }
@@ -264,8 +261,8 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
             moving += body->nodes.mobility[at] > 0 ? 0.5 * body->nodes.mass[i] * v * v : 0.0;
         }
     }
-    const double taken = fmin(body->pool, moving);
-    const ss_real factor = moving > 0.0 ? (ss_real)sqrt(1.0 - taken / moving) : 0;
+    const double removed = fmin(body->pool, moving);
+    const ss_real factor = moving > 0.0 ? (ss_real)sqrt(1.0 - removed / moving) : 0;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)body->nodes.count; ++at) {
         body->nodes.v[at] *= body->nodes.mobility[at] > 0 ? factor : 1;
     }
@@ -274,15 +271,15 @@ static void judge_gain(ss_body *body, double gain, double moved, double dt)
     ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY, SS_GAIN_REASON);
 }
 
-/* What the limit of speeds took is booked as it would have moved on, which is too much where forces
- * would have turned it: up to that much a gain is none. More is spurious energy, added up as
- * everywhere. */
+/* The loss to the limit of speeds is booked as if the nodes had moved on, which is too much where
+ * forces would have turned them back: a gain up to that loss is explained. More is spurious energy,
+ * added up as everywhere. */
 static void judge_slowed(ss_body *body, double gain, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
-    const double much = fmin(fmax(gain, 0.0), fmax(body->taken, 0.0));
-    body->dissipated -= much;
-    body->pool = ss_plan_pool_gain(body->pool, gain - much, most, dt);
+    const double explained = fmin(fmax(gain, 0.0), fmax(body->speed_limit_loss, 0.0));
+    body->dissipated -= explained;
+    body->pool = ss_plan_pool_gain(body->pool, gain - explained, most, dt);
     if (body->pool > most) {
         body->pool = 0.0;
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_ENERGY,
@@ -334,9 +331,9 @@ static void move_tools(ss_body *body, double path)
 }
 
 /* Is there way left, and a sub-step for it? */
-static bool goes_on(const ss_substeps *p)
+static bool has_step_left(const ss_substeps *p)
 {
-    return p->path < 1.0 && p->taken < p->most;
+    return p->path < 1.0 && p->taken_count < p->most;
 }
 
 /* One sub-step; false when the body is at fault. Work is force times way, the forces' mean at both
@@ -347,7 +344,8 @@ static bool substep(ss_body *body, ss_substeps *p)
     double h, fraction;
     ss_substeps_plan(p, body->longest, ss_substeps_needed(p, body->longest), &h, &fraction);
     if (!(h > 0.0)) {
-        fault(body, "no step is stable: last good state restored, the simulation stands");
+        restore_last_good(body,
+                          "no step is stable: last good state restored, the simulation stands");
         return false;
     }
     const double next = ss_substeps_next(p, fraction);
@@ -365,11 +363,11 @@ static bool substep(ss_body *body, ss_substeps *p)
     if (is_finite && law->after_substep) {
         law->after_substep(law->owner, body, h);
     }
-    ++p->taken;
+    ++p->taken_count;
     p->left -= h;
     p->path = next;
     if (is_finite) {
-        evaluate(body, next, !goes_on(p));
+        evaluate(body, next, !has_step_left(p));
         ss_tools_accept_fade(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
@@ -377,13 +375,13 @@ static bool substep(ss_body *body, ss_substeps *p)
         }
         set_bound(body);
     } else {
-        fault(body, SS_KEPT_REASON);
+        restore_last_good(body, SS_KEPT_REASON);
     }
     return is_finite;
 }
 
 /* Forces and energies with what has changed since the last step; the change of energy is work. */
-static void ready(ss_body *body, bool has_new_loads)
+static void refresh_forces(ss_body *body, bool has_new_loads)
 {
     if (!body->is_ready) {
         const double before = body->elastic + body->kinetic - body->shadow + body->dissipated;
@@ -411,36 +409,36 @@ void ss_body_step(ss_body *body, double time, double dt,
     body->worst_element = -1;
     body->was_slowed = body->is_slowed;
     body->is_slowed = false;
-    body->taken = 0.0;
+    body->speed_limit_loss = 0.0;
     memcpy(body->old_u, body->nodes.u, ss_body_bytes(body));
-    body->kept = (ss_body_energy_balance){.kinetic = body->kinetic,
-                                          .elastic = body->elastic,
-                                          .shadow = body->shadow,
-                                          .work = body->work,
-                                          .dissipated = body->dissipated};
+    body->step_start = (ss_body_energy_balance){.kinetic = body->kinetic,
+                                                .elastic = body->elastic,
+                                                .shadow = body->shadow,
+                                                .work = body->work,
+                                                .dissipated = body->dissipated};
     ss_body_take_tools(body, tool);
     const bool has_new_loads = ss_body_loads_update(body, time + 0.5 * dt);
     for (int32_t k = 0; k < body->plan.prescribed_count; ++k) {
         ss_prescribed_set_aim(&body->prescribed[k], body->nodes.u, time + dt);
     }
     const double before = energy_balance(body);
-    ready(body, has_new_loads);
+    refresh_forces(body, has_new_loads);
     ss_body_take_grasps(body, tool);
-    ready(body, false);
+    refresh_forces(body, false);
     body->law_step = body->own.elastic.stable_step(body->own.elastic.owner, body);
     set_bound(body);
     ss_substeps p = {
         .left = dt, .motion = ss_body_motion_steps(body), .most = body->plan.max_substeps};
-    while (goes_on(&p)) {
+    while (has_step_left(&p)) {
         if (!substep(body, &p)) {
             return;
         }
     }
     book_load(body, ss_body_loads_work(body));
     book_losses(body, body->nodes.kick_lag);
-    body->settled_lag = body->nodes.kick_lag;
+    body->booked_lag = body->nodes.kick_lag;
     if (!isfinite(energy_balance(body))) {
-        fault(body, SS_KEPT_REASON);
+        restore_last_good(body, SS_KEPT_REASON);
         return;
     }
     const double gain = energy_balance(body) - before;
@@ -453,7 +451,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     if (p.left > 1e-6 * dt) {
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, SS_MODEL_FAULT_BUDGET, SS_SLOW_REASON);
     }
-    body->substeps = p.taken;
+    body->substeps = p.taken_count;
     body->travelled = p.path;
     ++body->step;
 }

@@ -14,7 +14,7 @@ void ss_substeps_plan(const ss_substeps *steps, double stable, double needed, do
 {
     const double by_time = ss_substeps_needed(steps, stable);
     const double by_way = ceil((1.0 - steps->path) * steps->motion - 1e-9);
-    const double available = fmax(1.0, (double)(steps->most - steps->taken));
+    const double available = fmax(1.0, (double)(steps->most - steps->taken_count));
     const double parts = fmin(fmax(fmax(by_time, by_way), 1.0), available);
     const double h = fmin(steps->left / parts, stable);
     const double way = 1.0 - steps->path;

@@ -20,9 +20,9 @@
 
 /* Where an outer step stands. */
 typedef struct ss_substeps {
-    double left, path;   /* s still to simulate; 0..1 of the tools' way */
-    int32_t motion;      /* parts that the tools' way asks for */
-    int32_t taken, most; /* sub-steps tried, and those that are allowed */
+    double left, path;         /* s still to simulate; 0..1 of the tools' way */
+    int32_t motion;            /* parts that the tools' way asks for */
+    int32_t taken_count, most; /* sub-steps tried, and those that are allowed */
 } ss_substeps;
 
 /* Sub-steps of at most `stable` s that what is left takes. */

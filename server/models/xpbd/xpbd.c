@@ -123,7 +123,7 @@ static void force(void *owner, const ss_real *u, const ss_real *v, ss_real *out_
 {
     const ss_model *model = owner;
     ss_fem_force(model->fem, u, v, out_force, out);
-    out->is_above = model->longest > EXACT_SHARE * ss_fem_rest_step(model->fem);
+    out->elastic_is_upper_bound = model->longest > EXACT_SHARE * ss_fem_rest_step(model->fem);
 }
 
 static void tangent(void *owner, const ss_real *x, ss_real *out)
